@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace muster {
+
+/// The channel table: name, type, who publishes, how often, largest encoded message that is
+/// accepted.
+struct Channel {
+  std::string_view name;
+  std::string_view type;
+  std::string_view publisher;
+  std::string_view rate;
+  std::int64_t max_bytes;
+};
+
+namespace channel {
+inline constexpr std::string_view kScenario = "MUSTER_SCENARIO";
+inline constexpr std::string_view kClock = "MUSTER_CLOCK";
+inline constexpr std::string_view kWorld = "MUSTER_WORLD";
+inline constexpr std::string_view kRulings = "MUSTER_RULINGS";
+inline constexpr std::string_view kUavs = "MUSTER_UAVS";
+inline constexpr std::string_view kWorkers = "MUSTER_WORKERS";
+inline constexpr std::string_view kVehicles = "MUSTER_VEHICLES";
+inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
+inline constexpr std::string_view kEvent = "MUSTER_EVENT";
+inline constexpr std::string_view kFault = "MUSTER_FAULT";
+inline constexpr std::string_view kProcess = "MUSTER_PROCESS";
+inline constexpr std::string_view kLog = "MUSTER_LOG";
+inline constexpr std::string_view kRequest = "MUSTER_REQUEST";
+inline constexpr std::string_view kRestore = "MUSTER_RESTORE";
+}  // namespace channel
+
+inline constexpr std::int64_t kMiB = 1 << 20;
+inline constexpr Channel kChannels[] = {
+    {channel::kScenario, "scenario_t", "world", "at start, on request", 64 * kMiB},
+    {channel::kClock, "clock_t", "world", "every tick", 1024},
+    {channel::kWorld, "world_state_t", "world", "every tick", 16 * kMiB},
+    {channel::kRulings, "rulings_t", "world", "every tick", 4 * kMiB},
+    {channel::kUavs, "agent_states_t", "UAV processes", "every tick", 1 * kMiB},
+    {channel::kWorkers, "agent_states_t", "worker processes", "every tick", 1 * kMiB},
+    {channel::kVehicles, "agent_states_t", "vehicle processes", "every tick", 1 * kMiB},
+    {channel::kSchedule, "schedule_t", "scheduler", "every decision", 16 * kMiB},
+    {channel::kEvent, "event_t", "world, launcher", "when it happens", 4096},
+    {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
+    {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
+     4096},
+    {channel::kLog, "log_status_t", "recorder", "when the log grew", 64 * 1024},
+    {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024},
+    {channel::kRestore, "restore_t", "whoever holds the message", "when requested", 64 * kMiB},
+};
+
+/// The table's row of that name, or nullptr.
+constexpr const Channel* FindChannel(std::string_view name) {
+  for (const Channel& row : kChannels) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace muster

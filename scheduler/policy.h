@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scheduler/situation.h"
+#include "world/model/action.h"
+
+namespace muster::scheduler {
+
+/// What a policy decides: at most one action per idle agent, none for the others. The actions are
+/// sorted by (kind, uav, worker, vehicle, task, charge); an idle agent without one stays.
+struct Decision {
+  std::vector<Action> actions;
+  double weight = 0;  ///< sum of the actions' weights
+  /// Proven upper bound on the weight of any decision; NaN when the policy gives none.
+  double bound = std::numeric_limits<double>::quiet_NaN();
+  std::int64_t candidates = 0;  ///< feasible actions that the policy chose from
+};
+
+/// A way to decide. A decision is a function of the situation alone: a policy may keep buffers and
+/// caches between calls, never anything that changes an answer.
+class Policy {
+ public:
+  virtual ~Policy() = default;
+  virtual Decision Decide(const Situation& situation) = 0;
+};
+
+struct PolicyInfo {
+  std::string_view name;
+  std::string_view summary;
+};
+
+/// All policies, in the order in which they are listed to users.
+const std::vector<PolicyInfo>& Policies();
+
+/// Throws InputError naming the known policies when `name` is none of them.
+std::unique_ptr<Policy> MakePolicy(std::string_view name);
+
+}  // namespace muster::scheduler

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "world/model/agent.h"
+#include "world/model/scenario.h"
+
+namespace muster::scheduler {
+
+/// Places and rules of a mission: what a policy may know of the scenario. Agents are not part of
+/// it: a policy sees only those that are online or under way, through Situation.
+struct Site {
+  std::vector<Task> tasks;
+  std::vector<ChargingPoint> charging_points;
+  std::vector<double> task_to_charge_m;  ///< [n_tasks] distance to the nearest charging point
+  Rules rules;
+  double width_m = 0;
+  double height_m = 0;
+  std::uint64_t seed = 0;  ///< for a policy's own draws: Stream::kPolicy, keyed by decision
+
+  explicit Site(const Scenario& scenario);
+};
+
+/// Everything that a decision may rest on, fused and settled at now_us. Nothing in it is wall time
+/// or message age, so the same situation always gives the same decision.
+struct Situation {
+  std::shared_ptr<const Site> site;
+  std::int32_t decision = 0;
+  TimeUs now_us = 0;
+  /// Agents that are online or under way, ascending by id, settled at now_us. For a busy agent
+  /// `to`, `busy_until_us` and `activity` say where and when it will be free.
+  std::vector<AgentState> uavs, workers, vehicles;
+  std::vector<TaskStatus> task_status;  ///< [n_tasks]
+  std::vector<std::int32_t>
+      charging_load;  ///< [n_charging_points] pairs charging there or on their way
+
+  const std::vector<AgentState>& agents(AgentKind kind) const {
+    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+  }
+  /// Range of a UAV now, metres.
+  double range_m(const AgentState& uav) const { return RangeAt(uav, now_us, site->tasks); }
+  /// Free places at a charging point now; a large number where the capacity is unlimited.
+  std::int32_t free_places(ChargeId charge) const;
+};
+
+}  // namespace muster::scheduler
