@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace muster {
+
+/// A JSON value as it stands in the file: numbers keep their text, so that nothing is rounded
+/// before it is known what unit they are in; members keep their order.
+struct JsonValue {
+  enum class Type { kNull, kBoolean, kNumber, kString, kArray, kObject };
+  Type type = Type::kNull;
+  bool boolean = false;
+  std::string text;  ///< a string's content or a number as written
+  std::vector<JsonValue> items;
+  std::vector<std::pair<std::string, JsonValue>> members;
+
+  /// The member of that key; nullptr when there is none.
+  const JsonValue* Find(std::string_view key) const;
+
+  /// How a message shows it: a number or a short string as written, else "an object", ...
+  std::string Shown() const;
+};
+
+/// Parses a whole JSON text. Throws InputError naming `file`, line and column when it is not JSON
+/// or a number is too large for a double, and naming the key when an object has a key twice or
+/// nests deeper than any file of ours. Linear in the text (times the logarithm of an object's
+/// size).
+JsonValue ParseJson(std::string_view json, std::string_view file);
+
+}  // namespace muster
