@@ -1,0 +1,337 @@
+#include "lcmtypes/bus/codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <string>
+
+#include "lcmtypes/channels.h"
+#include "world/model/check.h"
+
+namespace muster {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::size_t kFingerprintBytes = 8;
+/// Names, hosts, policies, fault ids.
+constexpr std::size_t kMaxName = 256;
+constexpr std::size_t kMaxDetail = 2048;
+
+/// Walks over an encoded message without decoding it. Every step says whether the bytes were there.
+class Scanner {
+ public:
+  explicit Scanner(Bytes bytes) : rest_(bytes) {}
+
+  bool Skip(std::uint64_t n) {
+    if (n > rest_.size()) return false;
+    rest_ = rest_.subspan(n);
+    return true;
+  }
+
+  bool ReadInt32(std::int32_t* value) {
+    if (rest_.size() < 4) return false;
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < 4; ++i) bits = bits << 8 | rest_[i];
+    *value = static_cast<std::int32_t>(bits);
+    return Skip(4);
+  }
+
+  /// Length with the closing NUL, characters, NUL; no NUL before.
+  bool SkipString() {
+    std::int32_t length = 0;
+    if (!ReadInt32(&length) || length < 1) return false;
+    const auto n = static_cast<std::size_t>(length);
+    if (n > rest_.size() || rest_[n - 1] != 0) return false;
+    if (n > 1 && std::memchr(rest_.data(), 0, n - 1) != nullptr) return false;
+    return Skip(n);
+  }
+
+  /// A count and so many elements of `element_bytes` each.
+  bool SkipArray(std::uint64_t element_bytes) {
+    std::int32_t count = 0;
+    return ReadInt32(&count) && count >= 0 &&
+           Skip(static_cast<std::uint64_t>(count) * element_bytes);
+  }
+
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  Bytes rest_;
+};
+
+/// Encoded size of a type without strings and arrays, fingerprint not counted.
+template <class T>
+std::uint64_t FixedBytes() {
+  return static_cast<std::uint64_t>(T()._getEncodedSizeNoHash());
+}
+
+// One overload a type: its members in the order of its .lcm file. The pointer only picks it.
+bool Scan(Scanner& in, const header_t*) {
+  return in.Skip(8) && in.SkipString() && in.Skip(8 + 8 + 8 + 8);
+}
+bool ScanHeader(Scanner& in) { return Scan(in, static_cast<const header_t*>(nullptr)); }
+
+bool Scan(Scanner& in, const agent_states_t*) {
+  return ScanHeader(in) && in.Skip(1 + 8 + 4) && in.SkipArray(FixedBytes<agent_t>());
+}
+bool Scan(Scanner& in, const clock_t*) { return ScanHeader(in) && in.Skip(8 + 8 + 8 + 4 + 4 + 1); }
+bool Scan(Scanner& in, const event_t*) {
+  return ScanHeader(in) && in.Skip(1 + 8 + 5 * 4) && in.SkipString() && in.SkipString();
+}
+bool Scan(Scanner& in, const fault_t*) {
+  return ScanHeader(in) && in.SkipString() && in.Skip(1) && in.SkipString() && in.Skip(8 + 8 + 8);
+}
+bool Scan(Scanner& in, const log_status_t*) {
+  std::int32_t n = 0;
+  if (!ScanHeader(in) || !in.ReadInt32(&n) || n < 0) return false;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (!in.SkipString() || !in.Skip(8 + 8)) return false;
+  }
+  return true;
+}
+bool Scan(Scanner& in, const process_status_t*) {
+  return ScanHeader(in) && in.SkipString() && in.SkipString() && in.Skip(4 + 1 + 8 + 4 * 8 + 8 + 8);
+}
+bool Scan(Scanner& in, const request_t*) { return ScanHeader(in) && in.SkipString(); }
+bool Scan(Scanner& in, const restore_t*) {
+  return ScanHeader(in) && in.SkipString() && in.Skip(8) && in.SkipArray(1);
+}
+bool Scan(Scanner& in, const rulings_t*) {
+  return ScanHeader(in) && in.Skip(8) && in.SkipArray(FixedBytes<ruling_t>());
+}
+bool Scan(Scanner& in, const scenario_t*) {
+  return ScanHeader(in) && in.SkipString() && in.SkipString();
+}
+bool Scan(Scanner& in, const schedule_t*) {
+  return ScanHeader(in) && in.Skip(4 + 8) && in.SkipString() && in.Skip(8 + 8 + 8 + 8) &&
+         in.SkipArray(FixedBytes<action_t>());
+}
+bool Scan(Scanner& in, const world_state_t*) {
+  return ScanHeader(in) && in.Skip(8 + 4) && in.SkipArray(1) &&
+         in.SkipArray(FixedBytes<activity_t>());
+}
+
+std::uint64_t ReadFingerprint(Bytes bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < kFingerprintBytes; ++i) value = value << 8 | bytes[i];
+  return value;
+}
+
+template <class T>
+bool IsWhole(Bytes bytes) {
+  if (bytes.size() < kFingerprintBytes ||
+      bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return false;
+  }
+  if (ReadFingerprint(bytes) != static_cast<std::uint64_t>(T::getHash())) return false;
+  Scanner in(bytes.subspan(kFingerprintBytes));
+  return Scan(in, static_cast<const T*>(nullptr)) && in.at_end();
+}
+
+struct TypeRow {
+  std::string_view name;
+  bool (*is_whole)(Bytes);
+  std::int64_t (*fingerprint)();
+};
+
+template <class T>
+TypeRow RowOf() {
+  return {T::getTypeName(), &IsWhole<T>, &T::getHash};
+}
+
+const TypeRow* FindType(std::string_view name) {
+  static const TypeRow rows[] = {
+      RowOf<agent_states_t>(), RowOf<clock_t>(),      RowOf<event_t>(),
+      RowOf<fault_t>(),        RowOf<log_status_t>(), RowOf<process_status_t>(),
+      RowOf<request_t>(),      RowOf<restore_t>(),    RowOf<rulings_t>(),
+      RowOf<scenario_t>(),     RowOf<schedule_t>(),   RowOf<world_state_t>(),
+  };
+  for (const TypeRow& row : rows) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+bool HasCount(std::int64_t count, std::size_t size) {
+  return count >= 0 && static_cast<std::size_t>(count) == size;
+}
+
+// Generated encoders read `count` elements whatever the array's length.
+template <class T>
+bool CountsHold(const T&) {
+  return true;
+}
+bool CountsHold(const agent_states_t& m) { return HasCount(m.n, m.agents.size()); }
+bool CountsHold(const log_status_t& m) { return HasCount(m.n, m.marks.size()); }
+bool CountsHold(const restore_t& m) { return HasCount(m.n, m.data.size()); }
+bool CountsHold(const rulings_t& m) { return HasCount(m.n, m.rulings.size()); }
+bool CountsHold(const schedule_t& m) { return HasCount(m.n, m.actions.size()); }
+bool CountsHold(const world_state_t& m) {
+  return HasCount(m.n_tasks, m.task_status.size()) && HasCount(m.n_activities, m.activities.size());
+}
+
+bool In(std::int64_t value, std::int64_t low, std::int64_t high) {
+  return low <= value && value <= high;
+}
+template <class... Times>
+bool NotNegative(Times... values) {
+  return ((values >= 0) && ...);
+}
+template <class... Ids>
+bool AreIds(Ids... ids) {
+  return ((ids >= -1) && ...);
+}
+template <class... Doubles>
+bool Finite(Doubles... values) {
+  return (std::isfinite(values) && ...);
+}
+bool IsName(const std::string& text) { return text.size() <= kMaxName; }
+
+bool ValidAgent(const agent_t& a) {
+  return a.id >= 0 &&
+         Finite(a.x_m, a.y_m, a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
+                a.from_x_m, a.from_y_m, a.range_at_departure_m) &&
+         NotNegative(a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
+                     a.range_at_departure_m, a.depart_us, a.arrive_us, a.online_from_us,
+                     a.online_until_us, a.busy_until_us) &&
+         In(a.status, 0, 6) && In(a.action, -1, 9) && AreIds(a.target_id, a.partner_id, a.decision);
+}
+bool ValidAction(const action_t& a) {
+  return In(a.kind, 0, 9) && AreIds(a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id) &&
+         Finite(a.x_m, a.y_m, a.weight);
+}
+bool ValidActivity(const activity_t& a) {
+  return In(a.kind, 0, 1) && NotNegative(a.uav_id, a.partner_id, a.site_id, a.start_us) &&
+         a.end_us >= a.start_us;
+}
+bool ValidRuling(const ruling_t& r) {
+  return In(r.agent_kind, 0, 2) && In(r.kind, 0, 1) && NotNegative(r.agent_id, r.at_us);
+}
+
+}  // namespace
+
+template <class T>
+std::vector<std::uint8_t> Encode(const T& message) {
+  MUSTER_CHECK(CountsHold(message), "{}: a count is not its array's length", T::getTypeName());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  const int size = static_cast<int>(bytes.size());
+  const int written = message.encode(bytes.data(), 0, size);
+  MUSTER_CHECK(written == size, "{}: {} bytes of {}: NUL in a string?", T::getTypeName(), written,
+               size);
+  return bytes;
+}
+
+template <class T>
+std::optional<T> Decode(Bytes bytes) noexcept {
+  try {
+    if (!IsWhole<T>(bytes)) return std::nullopt;
+    std::optional<T> message(std::in_place);
+    const int size = static_cast<int>(bytes.size());
+    if (message->decode(bytes.data(), 0, size) != size) return std::nullopt;
+    return message;
+  } catch (const std::exception&) {  // no memory even for what the input justifies
+    return std::nullopt;
+  }
+}
+
+bool Valid(const header_t& h) {
+  return !h.sender.empty() && IsName(h.sender) &&
+         NotNegative(h.boot_id, h.seq, h.sim_us, h.wall_us);
+}
+bool Valid(const agent_states_t& m) {
+  return Valid(m.header) && In(m.kind, 0, 2) && m.tick >= 0 && m.applied_decision >= -1 &&
+         std::all_of(m.agents.begin(), m.agents.end(), ValidAgent);
+}
+bool Valid(const clock_t& m) {
+  return Valid(m.header) && NotNegative(m.tick, m.tick_us, m.limit_us) && m.decision >= -1 &&
+         m.required_decision >= -1 && In(m.phase, 0, 2);
+}
+bool Valid(const event_t& m) {
+  return Valid(m.header) && In(m.kind, 0, 14) && m.at_us >= 0 &&
+         AreIds(m.uav_id, m.worker_id, m.vehicle_id, m.task_id, m.charge_id) &&
+         IsName(m.fault_id) && m.detail.size() <= kMaxDetail;
+}
+bool Valid(const fault_t& m) {
+  return Valid(m.header) && IsName(m.fault_id) && In(m.kind, 0, 10) && IsName(m.target) &&
+         NotNegative(m.at_us, m.for_us) && m.probability >= 0 && m.probability <= 1;
+}
+bool Valid(const log_status_t& m) {
+  return Valid(m.header) && std::all_of(m.marks.begin(), m.marks.end(), [](const log_mark_t& mark) {
+           return !mark.sender.empty() && IsName(mark.sender) &&
+                  NotNegative(mark.boot_id, mark.next_seq);
+         });
+}
+bool Valid(const process_status_t& m) {
+  return Valid(m.header) && IsName(m.name) && IsName(m.host) && m.pid >= 0 && In(m.state, 0, 4) &&
+         m.tick >= -1 &&
+         NotNegative(m.received, m.lost, m.rejected, m.resent, m.cpu_s, m.rss_bytes) &&
+         Finite(m.cpu_s);
+}
+bool Valid(const request_t& m) { return Valid(m.header) && FindChannel(m.channel) != nullptr; }
+bool Valid(const restore_t& m) {
+  return Valid(m.header) && FindChannel(m.channel) != nullptr && m.tick >= 0;
+}
+bool Valid(const rulings_t& m) {
+  return Valid(m.header) && m.tick >= 0 &&
+         std::all_of(m.rulings.begin(), m.rulings.end(), ValidRuling);
+}
+bool Valid(const scenario_t& m) {
+  return Valid(m.header) && m.sha256.size() == 64 &&
+         m.sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+bool Valid(const schedule_t& m) {
+  return Valid(m.header) && NotNegative(m.decision, m.tick, m.candidates, m.solve_us) &&
+         IsName(m.policy) && Finite(m.weight) && !std::isinf(m.bound) &&
+         std::all_of(m.actions.begin(), m.actions.end(), ValidAction);
+}
+bool Valid(const world_state_t& m) {
+  return Valid(m.header) && m.tick >= 0 && In(m.done, 0, m.n_tasks) &&
+         std::all_of(m.task_status.begin(), m.task_status.end(),
+                     [](std::int8_t status) { return In(status, 0, 3); }) &&
+         std::all_of(m.activities.begin(), m.activities.end(), ValidActivity);
+}
+
+std::optional<header_t> DecodeHeader(const Packet& packet) noexcept {
+  const Channel* channel = FindChannel(packet.channel);
+  if (channel == nullptr) return std::nullopt;
+  const TypeRow* type = FindType(channel->type);
+  try {
+    if (type == nullptr || !type->is_whole(packet.bytes)) return std::nullopt;
+    std::optional<header_t> header(std::in_place);
+    const int size = static_cast<int>(packet.bytes.size() - kFingerprintBytes);
+    if (header->_decodeNoHash(packet.bytes.data(), kFingerprintBytes, size) < 0)
+      return std::nullopt;
+    if (!Valid(*header)) return std::nullopt;
+    return header;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept {
+  const TypeRow* row = FindType(type);
+  if (row == nullptr) return std::nullopt;
+  return static_cast<std::uint64_t>(row->fingerprint());
+}
+
+#define MUSTER_CODEC(T)                                   \
+  template std::vector<std::uint8_t> Encode<T>(const T&); \
+  template std::optional<T> Decode<T>(Bytes) noexcept
+MUSTER_CODEC(agent_states_t);
+MUSTER_CODEC(clock_t);
+MUSTER_CODEC(event_t);
+MUSTER_CODEC(fault_t);
+MUSTER_CODEC(log_status_t);
+MUSTER_CODEC(process_status_t);
+MUSTER_CODEC(request_t);
+MUSTER_CODEC(restore_t);
+MUSTER_CODEC(rulings_t);
+MUSTER_CODEC(scenario_t);
+MUSTER_CODEC(schedule_t);
+MUSTER_CODEC(world_state_t);
+#undef MUSTER_CODEC
+
+}  // namespace muster

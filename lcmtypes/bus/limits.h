@@ -1,0 +1,14 @@
+#pragma once
+
+#include "lcmtypes/bus/bus.h"
+
+namespace muster {
+
+/// Whether a received packet is worth looking at: a channel of the table, not larger than its
+/// maximum.
+bool Acceptable(const Packet& packet);
+
+/// Throws SystemError, naming channel, size and limit, when receivers would not accept the packet.
+void RequireAcceptable(const Packet& packet);
+
+}  // namespace muster
