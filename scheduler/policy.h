@@ -35,6 +35,9 @@ struct PolicyInfo {
   std::string_view summary;
 };
 
+/// The policy of a mission that names none.
+inline constexpr std::string_view kDefaultPolicy = "mpq";
+
 /// All policies, in the order in which they are listed to users.
 const std::vector<PolicyInfo>& Policies();
 

@@ -1,6 +1,7 @@
 #include "world/model/agent.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "world/model/check.h"
 #include "world/model/feasibility.h"
@@ -11,6 +12,10 @@ namespace {
 
 /// Range may fall this far below zero by rounding on a plan that uses the last metre.
 constexpr double kRangeSlack_m = 1e-6;
+
+ActionKind ActionOf(Activity::Kind kind) {
+  return kind == Activity::Kind::kSensing ? ActionKind::kSense : ActionKind::kCharge;
+}
 
 double RangeOnArrival(const AgentState& uav) {
   const double spent = uav.range_per_m * Distance(uav.from, uav.to);
@@ -30,17 +35,17 @@ void StopAt(AgentState* agent, TimeUs t, std::span<const Task> tasks) {
   agent->activity.reset();
 }
 
+/// Whether the agent takes part in an activity that lists it, and not in an earlier one like it.
 bool Takes(const AgentState& agent, const Activity& activity) {
-  if (agent.action !=
-      (activity.kind == Activity::Kind::kSensing ? ActionKind::kSense : ActionKind::kCharge)) {
-    return false;
+  if (activity.start_us < agent.depart_us) return false;
+  if (agent.action == ActionKind::kNone) {
+    // A meeting (Rules::start_on_meeting) begins without a command.
+    return activity.end_us > agent.busy_until_us;
   }
-  const bool is_uav = agent.kind == AgentKind::kUav;
-  const std::int32_t self = is_uav ? activity.uav.value : activity.partner;
-  const std::int32_t other = is_uav ? activity.partner : activity.uav.value;
-  // An earlier activity of the same pair at the same site started before this leg's departure.
-  return self == agent.id && other == agent.partner && activity.site == agent.target &&
-         activity.start_us >= agent.depart_us;
+  const std::int32_t other =
+      agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+  return agent.action == ActionOf(activity.kind) && other == agent.partner &&
+         activity.site == agent.target;
 }
 
 }  // namespace
@@ -161,19 +166,59 @@ Activity PlanActivity(const AgentState& uav, const AgentState& partner,
   return activity;
 }
 
-void Settle(AgentState* agent, std::span<const Activity> activities,
-            std::span<const Ruling> rulings, TimeUs t, std::span<const Task> tasks) {
-  if (IsPair(agent->action)) {
-    const auto mine = std::find_if(activities.begin(), activities.end(),
-                                   [&](const Activity& a) { return Takes(*agent, a); });
-    if (mine != activities.end()) {
-      agent->activity = *mine;
-      agent->busy_until_us = mine->end_us;
+Verdict::Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings)
+    : activities_(std::move(activities)), rulings_(std::move(rulings)) {
+  std::sort(activities_.begin(), activities_.end(), [](const Activity& a, const Activity& b) {
+    return std::tie(a.uav, a.start_us, a.kind) < std::tie(b.uav, b.start_us, b.kind);
+  });
+  std::sort(rulings_.begin(), rulings_.end(), [](const Ruling& a, const Ruling& b) {
+    return std::tie(a.agent_kind, a.agent, a.kind) < std::tie(b.agent_kind, b.agent, b.kind);
+  });
+  for (const AgentKind kind : kAgentKinds) {
+    auto& order = orders_[static_cast<std::size_t>(kind)];
+    for (std::uint32_t i = 0; i < activities_.size(); ++i) {
+      if (Member(activities_[i], kind) >= 0) order.push_back(i);
     }
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(Member(activities_[a], kind), activities_[a].start_us) <
+             std::pair(Member(activities_[b], kind), activities_[b].start_us);
+    });
   }
+}
+
+std::int32_t Verdict::Member(const Activity& activity, AgentKind kind) {
+  if (kind == AgentKind::kUav) return activity.uav.value;
+  return kind == PartnerKind(activity.kind) ? activity.partner : -1;
+}
+
+std::size_t Verdict::LowerBound(AgentKind kind, std::int32_t id) const {
+  const auto& order = orders_[static_cast<std::size_t>(kind)];
+  const auto first = std::lower_bound(
+      order.begin(), order.end(), id,
+      [&](std::uint32_t i, std::int32_t value) { return Member(activities_[i], kind) < value; });
+  return static_cast<std::size_t>(first - order.begin());
+}
+
+std::span<const Ruling> Verdict::rulings_of(AgentKind kind, std::int32_t id) const {
+  const auto [first, last] = std::equal_range(
+      rulings_.begin(), rulings_.end(), Ruling{kind, id, Ruling::Kind::kFailed, 0},
+      [](const Ruling& a, const Ruling& b) {
+        return std::tie(a.agent_kind, a.agent) < std::tie(b.agent_kind, b.agent);
+      });
+  return {first, last};
+}
+
+void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks) {
+  verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
+    if (!Takes(*agent, activity)) return;
+    agent->activity = activity;
+    agent->action = ActionOf(activity.kind);
+    agent->target = activity.site;
+    agent->partner = agent->kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+    agent->busy_until_us = activity.end_us;
+  });
   bool failed = false;
-  for (const Ruling& ruling : rulings) {
-    if (ruling.agent_kind != agent->kind || ruling.agent != agent->id) continue;
+  for (const Ruling& ruling : verdict.rulings_of(agent->kind, agent->id)) {
     if (ruling.kind == Ruling::Kind::kFailed) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -39,6 +40,10 @@ struct Activity {
 
   bool operator==(const Activity&) const = default;
 };
+
+inline AgentKind PartnerKind(Activity::Kind kind) {
+  return kind == Activity::Kind::kSensing ? AgentKind::kWorker : AgentKind::kVehicle;
+}
 
 /// The world's word on one agent, which that agent cannot know by itself.
 struct Ruling {
@@ -107,12 +112,44 @@ std::optional<TimeUs> RunsDryAt(const AgentState& uav);
 Activity PlanActivity(const AgentState& uav, const AgentState& partner,
                       std::span<const Task> tasks);
 
-/// Brings an agent to the truth of one world state: takes over its activity, ends what has ended by
-/// `t` (the agent stands at its target with the range that is left), applies rulings. Every process
-/// that holds agent states uses this one function: agents, world and scheduler agree by
+/// What the world has told about one tick, indexed by agent.
+class Verdict {
+ public:
+  Verdict() = default;
+  Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings);
+
+  /// In order of (UAV, start).
+  const std::vector<Activity>& activities() const { return activities_; }
+  /// In order of (agent kind, agent, kind).
+  const std::vector<Ruling>& rulings() const { return rulings_; }
+  /// Those of one agent; O(log n).
+  std::span<const Ruling> rulings_of(AgentKind kind, std::int32_t id) const;
+  /// Calls visit(activity) for those of one agent; O(log n).
+  template <class Visit>
+  void ForEachActivityOf(AgentKind kind, std::int32_t id, Visit visit) const {
+    const auto& order = orders_[static_cast<std::size_t>(kind)];
+    for (auto i = LowerBound(kind, id); i < order.size(); ++i) {
+      const Activity& activity = activities_[order[i]];
+      if (Member(activity, kind) != id) break;
+      visit(activity);
+    }
+  }
+
+ private:
+  /// The id of the agent of that kind in the activity, or -1.
+  static std::int32_t Member(const Activity& activity, AgentKind kind);
+  std::size_t LowerBound(AgentKind kind, std::int32_t id) const;
+
+  std::vector<Activity> activities_;
+  std::vector<Ruling> rulings_;
+  std::array<std::vector<std::uint32_t>, 3> orders_;  ///< by kind: activities by (member, start)
+};
+
+/// Brings an agent to the truth of one verdict, which holds at `t`: takes over its activity, applies
+/// rulings, ends what has ended by `t` (the agent stands at its target with the range that is left).
+/// Every process that holds agent states uses this one function: agents, world and scheduler agree by
 /// construction.
-void Settle(AgentState* agent, std::span<const Activity> activities,
-            std::span<const Ruling> rulings, TimeUs t, std::span<const Task> tasks);
+void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks);
 
 /// Starts `action` at `now` for one of its participants, which must be idle and settled. Draws the
 /// way's wind and the communication cost as functions of (seed, UAV, decision).

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/protocol/convert.h"
+#include "lcmtypes/protocol/process.h"
+#include "world/model/scenario.h"
+
+namespace muster::agents {
+
+/// First and last id, both included; none: all agents of the class.
+using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
+
+/// Some or all agents of one class in lockstep (docs/mission.md). It advances when it holds the
+/// clock, the world's verdict on its present tick and the decision that must be in force, publishes
+/// its states, and publishes them again when the clock is repeated.
+class AgentProcess : public Process {
+ public:
+  AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids);
+
+ protected:
+  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnStep(const Now& now) override;
+  TimeUs OwnWakeUs() const override { return request_.due_us(); }
+  std::int64_t tick() const override { return tick_; }
+
+ private:
+  void Take(const scenario_t& message);
+  void Take(const clock_t& clock);
+  void Take(const world_state_t& world);
+  void Take(const rulings_t& rulings);
+  void Take(const schedule_t& schedule);
+  bool CanAdvance() const;
+  void Advance(const Now& now);
+  void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
+  void PublishStates(const Now& now);
+
+  const AgentKind kind_;
+  const IdRange ids_;
+  std::optional<Scenario> scenario_;
+  std::vector<AgentState> agents_;
+
+  std::int64_t tick_ = -1;  ///< of the published states
+  TimeUs tick_us_ = 0;
+  std::int32_t applied_decision_ = -1;
+  std::vector<SentPacket> states_packets_;
+
+  std::optional<clock_t> clock_;  ///< newest
+  bool clock_repeated_ = false;
+  std::optional<std::vector<Activity>> activities_;  ///< of the verdict on tick_
+  std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
+  std::optional<std::vector<Action>> schedule_;      ///< of the decision after the applied one
+  std::int32_t schedule_decision_ = -1;
+  BackOff request_{5'000, 200'000};
+};
+
+}  // namespace muster::agents

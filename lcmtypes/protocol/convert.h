@@ -1,0 +1,47 @@
+#pragma once
+
+#include <muster/action_t.hpp>
+#include <muster/activity_t.hpp>
+#include <muster/agent_t.hpp>
+#include <muster/ruling_t.hpp>
+#include <optional>
+
+#include "world/model/agent.h"
+
+namespace muster {
+
+/// What a wire message's ids and times must fit into.
+struct WireLimits {
+  const std::vector<Task>& tasks;
+  const std::vector<ChargingPoint>& charging_points;
+  std::size_t uavs = 0, workers = 0, vehicles = 0;
+
+  explicit WireLimits(const Scenario& scenario)
+      : tasks(scenario.tasks),
+        charging_points(scenario.charging_points),
+        uavs(scenario.uavs.size()),
+        workers(scenario.workers.size()),
+        vehicles(scenario.vehicles.size()) {}
+  std::size_t agents(AgentKind kind) const {
+    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+  }
+};
+
+/// The state at time t, as its agent process reports it.
+agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
+
+/// The inverse, for a report of time t; nothing when an id, time or number is impossible. What the
+/// wire does not carry: the activity (Settle() attaches it) and the wind (range_per_m is 1).
+std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
+                                   const WireLimits& limits);
+
+activity_t ToWire(const Activity& activity);
+std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits);
+
+ruling_t ToWire(const Ruling& ruling);
+std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits);
+
+action_t ToWire(const Action& action);
+std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits);
+
+}  // namespace muster

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/agent_states_t.hpp>
+#include <muster/clock_t.hpp>
+#include <muster/event_t.hpp>
+#include <muster/fault_t.hpp>
+#include <muster/log_status_t.hpp>
+#include <muster/process_status_t.hpp>
+#include <muster/request_t.hpp>
+#include <muster/restore_t.hpp>
+#include <muster/rulings_t.hpp>
+#include <muster/scenario_t.hpp>
+#include <muster/schedule_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "lcmtypes/bus/bus.h"
+
+namespace muster {
+
+using Message =
+    std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, schedule_t, event_t,
+                 fault_t, process_status_t, log_status_t, request_t, restore_t>;
+
+/// Seqs of one start of one sender that have been seen.
+class SeqCoverage {
+ public:
+  /// False when seq was seen before.
+  bool Add(std::int64_t seq);
+  /// Every seq below it has been seen.
+  std::int64_t next() const { return next_; }
+  /// Seqs below the highest seen that have not been seen.
+  std::int64_t missing() const {
+    return ahead_.empty() ? 0
+                          : *ahead_.rbegin() - next_ + 1 - static_cast<std::int64_t>(ahead_.size());
+  }
+
+ private:
+  std::int64_t next_ = 0;
+  std::set<std::int64_t> ahead_;  ///< seen beyond next_
+};
+
+/// A process's door: opens packets, counts and drops what is not for it. What comes through is
+/// decoded, of this run, from somebody else, and within the ranges that need no scenario. Doubles
+/// come through, since a repeated question wants a repeated answer.
+class Inbox {
+ public:
+  struct Counters {
+    std::int64_t received = 0;  ///< opened, doubles included
+    std::int64_t rejected = 0;  ///< undecodable, foreign or out of range
+  };
+
+  Inbox(std::int64_t run_id, std::string own_name);
+
+  std::optional<Message> Open(const Packet& packet);
+
+  const Counters& counters() const { return counters_; }
+  /// Messages of others known to exist and not seen (yet).
+  std::int64_t lost() const;
+  /// For a receiver that finds a message impossible in the light of the scenario.
+  void Reject() { ++counters_.rejected; }
+
+ private:
+  std::int64_t run_id_;
+  std::string own_name_;
+  Counters counters_;
+  std::map<std::pair<std::string, std::int64_t>, SeqCoverage> seen_;
+};
+
+}  // namespace muster

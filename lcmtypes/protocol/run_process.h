@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cxxopts.hpp>
+#include <memory>
+#include <string>
+
+#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/protocol/process.h"
+
+namespace muster {
+
+/// Monotonic time, microseconds.
+TimeUs MonotonicUs();
+/// Both clocks of this host.
+Now HostNow();
+/// What the operating system knows of this process.
+Usage HostUsage();
+
+/// The flags that every mission process has.
+struct ProcessFlags {
+  Identity identity;
+  std::string lcm_url;
+  int window = 0;
+  double drop = 0;
+  std::uint64_t drop_seed = 0;
+  bool quiet = false;
+};
+
+void AddProcessOptions(cxxopts::Options* options, const std::string& default_name);
+/// Throws InputError on a value that cannot be.
+ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result);
+
+/// The bus of these flags: LCM, lossy where --drop says so.
+std::unique_ptr<Bus> OpenBus(const ProcessFlags& flags);
+
+/// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
+/// next wake, steps it, publishes what it says. Returns the exit code.
+int RunProcess(Process* process, Bus* bus, bool quiet);
+
+}  // namespace muster

@@ -1,0 +1,28 @@
+#include "lcmtypes/protocol/program.h"
+#include "lcmtypes/protocol/run_process.h"
+#include "scheduler/process/scheduler_process.h"
+
+namespace muster::scheduler {
+namespace {
+
+int Main(int argc, char** argv) {
+  cxxopts::Options options("muster-scheduler", "The scheduler of a mission");
+  options.add_options()("policy", "How to decide; muster policies lists them",
+                        cxxopts::value<std::string>()->default_value(std::string(kDefaultPolicy)));
+  AddProcessOptions(&options, "scheduler");
+  const auto result = ParseOptions(&options, argc, argv);
+  if (!result) return kExitOk;
+  const ProcessFlags flags = ReadProcessFlags(*result);
+  SchedulerProcess process(flags.identity, flags.window, (*result)["policy"].as<std::string>(),
+                           MonotonicUs);
+  const auto bus = OpenBus(flags);
+  return RunProcess(&process, bus.get(), flags.quiet);
+}
+
+}  // namespace
+}  // namespace muster::scheduler
+
+int main(int argc, char** argv) {
+  return muster::GuardedMain("muster-scheduler",
+                             [&] { return muster::scheduler::Main(argc, argv); });
+}

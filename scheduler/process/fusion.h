@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <muster/agent_states_t.hpp>
+#include <muster/rulings_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <vector>
+
+#include "lcmtypes/protocol/convert.h"
+#include "scheduler/situation.h"
+
+namespace muster::scheduler {
+
+/// Collects what is said of one tick until it is a whole: every agent's state exactly once, the
+/// world's state and its rulings. Messages may come in any order and repeatedly.
+class Fusion {
+ public:
+  explicit Fusion(const Scenario& scenario);
+
+  /// Forgets everything and collects for a decision at `tick`, time t.
+  void Start(std::int64_t tick, TimeUs t, std::int32_t decision);
+
+  /// False when the message holds something impossible; then nothing of it is taken.
+  bool Take(const agent_states_t& states);
+  bool Take(const world_state_t& world);
+  bool Take(const rulings_t& rulings);
+
+  bool complete() const { return missing_ == 0 && activities_ && rulings_; }
+  /// The situation; only when complete.
+  Situation Fuse() const;
+
+ private:
+  const Scenario& scenario_;
+  const WireLimits limits_;
+  const std::shared_ptr<const Site> site_;
+  std::int64_t tick_ = -1;
+  TimeUs now_us_ = 0;
+  std::int32_t decision_ = -1;
+  std::size_t missing_ = 0;
+  std::vector<std::optional<AgentState>> agents_[3];
+  std::optional<std::vector<Activity>> activities_;
+  std::optional<std::vector<Ruling>> rulings_;
+  std::vector<TaskStatus> task_status_;
+};
+
+}  // namespace muster::scheduler

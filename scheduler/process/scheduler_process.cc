@@ -1,0 +1,92 @@
+#include "scheduler/process/scheduler_process.h"
+
+#include "lcmtypes/channels.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::scheduler {
+
+SchedulerProcess::SchedulerProcess(Identity identity, int window, std::string policy,
+                                   Stopwatch stopwatch)
+    : Process(std::move(identity), window),
+      policy_name_(std::move(policy)),
+      policy_(MakePolicy(policy_name_)),
+      stopwatch_(stopwatch) {}
+
+void SchedulerProcess::OnMessage(const Message& message, const Packet&, const Now&) {
+  if (!scenario_) {
+    if (const auto* scenario = std::get_if<scenario_t>(&message)) Take(*scenario);
+    return;
+  }
+  const auto take = [&](const auto& m) {
+    if (due_ >= 0 && !fusion_->Take(m)) inbox().Reject();
+  };
+  Handle(
+      message, [&](const clock_t& clock) { Take(clock); },
+      [&](const agent_states_t& states) { take(states); },
+      [&](const world_state_t& world) { take(world); },
+      [&](const rulings_t& rulings) { take(rulings); });
+}
+
+void SchedulerProcess::Take(const scenario_t& message) {
+  try {
+    scenario_ = ParseScenario(message.json, "scenario");
+  } catch (const InputError&) {
+    inbox().Reject();
+    return;
+  }
+  fusion_.emplace(*scenario_);
+  set_state(ProcessState::kReady);
+}
+
+void SchedulerProcess::Take(const clock_t& clock) {
+  if (clock.phase == 2) set_state(ProcessState::kEnded);
+  if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
+  if (clock.tick == tick_) clock_repeated_ = clock.phase < 2;
+  if (clock.tick <= tick_) return;
+  tick_ = clock.tick;
+  tick_us_ = clock.tick_us;
+  due_ = clock.decision;
+  schedule_packet_.reset();
+  clock_repeated_ = false;
+  set_sim_us(tick_us_);
+  if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
+}
+
+void SchedulerProcess::OnStep(const Now& now) {
+  if (!scenario_) {
+    if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
+    if (request_.Fire(now.monotonic_us)) {
+      request_t request{};
+      request.channel = channel::kScenario;
+      sender().Send(channel::kRequest, std::move(request), 0, now);
+    }
+    return;
+  }
+  request_.Stop();
+  if (due_ >= 0 && fusion_->complete()) {
+    Decide(now);
+  } else if (clock_repeated_ && schedule_packet_) {
+    sender().Resend(schedule_packet_);
+  }
+  clock_repeated_ = false;
+}
+
+void SchedulerProcess::Decide(const Now& now) {
+  const TimeUs begin = stopwatch_();
+  const Decision decision = policy_->Decide(fusion_->Fuse());
+  schedule_t schedule{};
+  schedule.decision = due_;
+  schedule.tick = tick_;
+  schedule.policy = policy_name_;
+  schedule.weight = decision.weight;
+  schedule.bound = decision.bound;
+  schedule.candidates = decision.candidates;
+  for (const Action& action : decision.actions) schedule.actions.push_back(ToWire(action));
+  schedule.n = static_cast<std::int32_t>(schedule.actions.size());
+  schedule.solve_us = stopwatch_() - begin;
+  schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
+  due_ = -1;
+}
+
+}  // namespace muster::scheduler

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lcmtypes/protocol/process.h"
+#include "scheduler/policy.h"
+#include "scheduler/process/fusion.h"
+
+namespace muster::scheduler {
+
+/// Monotonic time in microseconds, for reports of how long a decision took; the pure core gets it
+/// as an argument since only the edge may look at a clock.
+using Stopwatch = TimeUs (*)();
+
+/// The scheduler in lockstep (docs/mission.md): on a decision tick it fuses what it heard, decides
+/// and publishes; when the clock is repeated it publishes the same again. It keeps nothing else.
+class SchedulerProcess : public Process {
+ public:
+  SchedulerProcess(Identity identity, int window, std::string policy, Stopwatch stopwatch);
+
+ protected:
+  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnStep(const Now& now) override;
+  TimeUs OwnWakeUs() const override { return request_.due_us(); }
+  std::int64_t tick() const override { return tick_; }
+
+ private:
+  void Take(const scenario_t& message);
+  void Take(const clock_t& clock);
+  void Decide(const Now& now);
+
+  const std::string policy_name_;
+  const std::unique_ptr<Policy> policy_;
+  const Stopwatch stopwatch_;
+  std::optional<Scenario> scenario_;
+  std::optional<Fusion> fusion_;
+  std::int64_t tick_ = -1;  ///< of the newest clock
+  TimeUs tick_us_ = 0;
+  std::int32_t due_ = -1;  ///< decision to make at tick_; -1: none, or made
+  bool clock_repeated_ = false;
+  SentPacket schedule_packet_;  ///< of tick_
+  BackOff request_{5'000, 200'000};
+};
+
+}  // namespace muster::scheduler

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "lcmtypes/bus/bus.h"
+#include "scheduler/policy.h"
+
+namespace muster::tools {
+
+/// Runs a whole mission in this process: the very cores of the mission's processes over an
+/// in-memory bus that loses nothing, with no clock but a counter. `json` is a scenario file's text,
+/// `policy` a policy's name. Every published packet goes to `observe`, once, in order. The same
+/// decisions and outcomes as `muster run`. Throws InputError on a scenario or policy that cannot
+/// be.
+void Simulate(const std::string& json, const std::string& policy,
+              const std::function<void(const Packet&)>& observe);
+
+}  // namespace muster::tools

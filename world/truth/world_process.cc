@@ -1,0 +1,262 @@
+#include "world/truth/world_process.h"
+
+#include <algorithm>
+#include <muster/clock_t.hpp>
+
+#include "lcmtypes/channels.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+#include "world/model/sha256.h"
+
+namespace muster::world {
+namespace {
+
+event_t ToWire(const Event& event) {
+  event_t wire{};
+  wire.kind = static_cast<std::int8_t>(event.kind);
+  wire.at_us = event.at_us;
+  wire.uav_id = event.uav.value;
+  wire.worker_id = event.worker.value;
+  wire.vehicle_id = event.vehicle.value;
+  wire.task_id = event.task.value;
+  wire.charge_id = event.charge.value;
+  wire.detail = event.detail;
+  return wire;
+}
+
+std::string_view ChannelOf(AgentKind kind) {
+  return kind == AgentKind::kUav      ? channel::kUavs
+         : kind == AgentKind::kWorker ? channel::kWorkers
+                                      : channel::kVehicles;
+}
+
+}  // namespace
+
+WorldProcess::WorldProcess(Identity identity, int window, std::string json,
+                           const WorldOptions& options)
+    : Process(std::move(identity), window),
+      json_(std::move(json)),
+      scenario_(ParseScenario(json_, "scenario")),
+      limits_(scenario_),
+      options_(options),
+      referee_(scenario_) {
+  const Rules& rules = scenario_.rules;
+  last_tick_ = (rules.limit_us + rules.tick_us - 1) / rules.tick_us;
+  for (const AgentKind kind : kAgentKinds) {
+    const std::size_t n = scenario_.agents(kind).size();
+    agents_.of(kind).resize(n);
+    owners_[static_cast<int>(kind)].resize(n);
+    heard_[static_cast<int>(kind)].assign(n, 0);
+    missing_ += n;
+  }
+  recorder_ready_ = !options.recorded;
+}
+
+TimeUs WorldProcess::tick_us(std::int64_t tick) const {
+  return std::min(tick * scenario_.rules.tick_us, scenario_.rules.limit_us);
+}
+
+std::int32_t WorldProcess::DecisionAt(std::int64_t tick) const {
+  const TimeUs t = tick_us(tick);
+  if (t >= scenario_.rules.limit_us || t % scenario_.rules.interval_us != 0) return -1;
+  return static_cast<std::int32_t>(t / scenario_.rules.interval_us);
+}
+
+void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
+  Handle(
+      message, [&](const agent_states_t& states) { Take(states, packet); },
+      [&](const schedule_t& schedule) { Take(schedule, packet); },
+      [&](const request_t& request) { Answer(request, now); },
+      [&](const log_status_t&) { recorder_ready_ = true; },
+      [&](const process_status_t& status) {
+        if (static_cast<ProcessState>(status.state) != ProcessState::kEnded) return;
+        members_.erase(status.header.sender);
+        if (members_.empty() && phase_ == Phase::kEnded) repeat_.Stop();
+      });
+}
+
+void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
+  const auto kind = static_cast<AgentKind>(states.kind);
+  const auto k = static_cast<std::size_t>(states.kind);
+  if (states.tick != tick_ || phase_ == Phase::kEnded || packet.channel != ChannelOf(kind)) return;
+  const TimeUs t = tick_us(tick_);
+  const std::string& sender = states.header.sender;
+  for (const agent_t& wire : states.agents) {
+    std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
+    if (!agent) {
+      inbox().Reject();
+      continue;
+    }
+    const auto id = static_cast<std::size_t>(wire.id);
+    if (!owners_[k][id].empty() && owners_[k][id] != sender) {
+      throw InputError(
+          fmt::format("{} {} is reported by two processes, {} and {}: give each its --ids",
+                      ToString(kind), id, owners_[k][id], sender));
+    }
+    owners_[k][id] = sender;
+    members_.insert(sender);
+    if (heard_[k][id]) continue;
+    heard_[k][id] = 1;
+    --missing_;
+    if (kind == AgentKind::kUav && agent->action != ActionKind::kNone) {
+      agent->range_per_m =
+          RangePerMetre(UavId(wire.id), agent->decision, scenario_.disturbances, scenario_.seed);
+    }
+    agents_.of(kind)[id] = *agent;
+  }
+}
+
+void WorldProcess::Take(const schedule_t& schedule, const Packet& packet) {
+  if (wait_ != Wait::kSchedule || schedule.decision != DecisionAt(tick_) ||
+      schedule.tick != tick_) {
+    return;
+  }
+  std::vector<Action> actions;
+  for (const action_t& wire : schedule.actions) {
+    const std::optional<Action> action = FromWire(wire, limits_);
+    if (!action) {
+      inbox().Reject();
+      return;
+    }
+    actions.push_back(*action);
+  }
+  referee_.Take(schedule.decision, actions);
+  members_.insert(schedule.header.sender);
+  schedule_packet_ = std::make_shared<const Packet>(packet);
+  required_decision_ = schedule.decision;
+  wait_ = Wait::kClock;
+  repeat_.Stop();
+}
+
+void WorldProcess::Answer(const request_t& request, const Now&) {
+  if (request.channel == channel::kScenario && scenario_packet_) {
+    sender().Resend(scenario_packet_);
+    if (clock_packet_) sender().Resend(clock_packet_);
+  }
+}
+
+void WorldProcess::PublishClock(const Now& now) {
+  clock_t clock{};
+  clock.tick = tick_;
+  clock.tick_us = tick_us(tick_);
+  clock.limit_us = scenario_.rules.limit_us;
+  clock.decision = DecisionAt(tick_);
+  clock.required_decision = required_decision_;
+  clock.phase = static_cast<std::int8_t>(phase_);
+  set_sim_us(clock.tick_us);
+  clock_packet_ = sender().Send(channel::kClock, clock, clock.tick_us, now);
+}
+
+void WorldProcess::Judge(const Now& now) {
+  const TimeUs t = tick_us(tick_);
+  referee_.Judge(t, DecisionAt(tick_), &agents_);
+  world_state_t world{};
+  world.tick = tick_;
+  world.done = referee_.done();
+  world.n_tasks = static_cast<std::int32_t>(scenario_.tasks.size());
+  for (const TaskStatus status : referee_.task_status()) {
+    world.task_status.push_back(static_cast<std::int8_t>(status));
+  }
+  for (const Activity& activity : referee_.verdict().activities()) {
+    world.activities.push_back(ToWire(activity));
+  }
+  world.n_activities = static_cast<std::int32_t>(world.activities.size());
+  rulings_t rulings{};
+  rulings.tick = tick_;
+  for (const Ruling& ruling : referee_.verdict().rulings()) {
+    rulings.rulings.push_back(ToWire(ruling));
+  }
+  rulings.n = static_cast<std::int32_t>(rulings.rulings.size());
+  world_packet_ = sender().Send(channel::kWorld, std::move(world), t, now);
+  rulings_packet_ = sender().Send(channel::kRulings, std::move(rulings), t, now);
+  PublishEvents(now);
+}
+
+void WorldProcess::PublishEvents(const Now& now) {
+  for (const Event& event : referee_.TakeEvents()) {
+    sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+  }
+}
+
+void WorldProcess::WaitFor(Wait wait, const Now& now) {
+  wait_ = wait;
+  repeat_.Start(now.monotonic_us);
+}
+
+void WorldProcess::OnStep(const Now& now) {
+  if (!scenario_packet_) {
+    scenario_t scenario{};
+    scenario.sha256 = Sha256(json_);
+    scenario.json = json_;
+    scenario_packet_ = sender().Send(channel::kScenario, std::move(scenario), 0, now);
+    PublishClock(now);
+    set_state(ProcessState::kReady);
+    WaitFor(Wait::kStates, now);
+  }
+  // Each turn of the loop is one step of the lockstep that needs no further input.
+  while (true) {
+    if (wait_ == Wait::kStates && StatesComplete() && recorder_ready_) {
+      if (phase_ == Phase::kReady) {
+        phase_ = Phase::kRunning;
+        started_us_ = now.monotonic_us;
+        set_state(ProcessState::kRunning);
+        PublishClock(now);
+      }
+      Judge(now);
+      if (DecisionAt(tick_) >= 0) {
+        WaitFor(Wait::kSchedule, now);
+        return;
+      }
+      wait_ = Wait::kClock;
+      repeat_.Stop();
+      continue;
+    }
+    if (wait_ == Wait::kClock) {
+      PublishEvents(now);  // of the decision just taken
+      if (tick_ == last_tick_) {
+        wait_ = Wait::kLog;
+        continue;
+      }
+      if (now.monotonic_us < OwnWakeUs()) return;
+      ++tick_;
+      for (const AgentKind kind : kAgentKinds) {
+        auto& heard = heard_[static_cast<int>(kind)];
+        std::fill(heard.begin(), heard.end(), 0);
+        missing_ += heard.size();
+      }
+      PublishClock(now);
+      WaitFor(Wait::kStates, now);
+    }
+    if (wait_ == Wait::kLog) {
+      if (options_.recorded && !sender().drained()) return;
+      phase_ = Phase::kEnded;
+      set_state(ProcessState::kEnded);
+      PublishClock(now);
+      WaitFor(Wait::kNothing, now);
+      return;
+    }
+    break;
+  }
+  if (repeat_.Fire(now.monotonic_us)) Repeat();
+}
+
+void WorldProcess::Repeat() {
+  if (phase_ == Phase::kEnded) {
+    sender().Resend(clock_packet_);
+    return;
+  }
+  if (phase_ == Phase::kReady) sender().Resend(scenario_packet_);
+  if (schedule_packet_ && wait_ == Wait::kStates) sender().Resend(schedule_packet_);
+  if (world_packet_) sender().Resend(world_packet_);
+  if (rulings_packet_) sender().Resend(rulings_packet_);
+  sender().Resend(clock_packet_);
+}
+
+TimeUs WorldProcess::OwnWakeUs() const {
+  if (wait_ == Wait::kClock && options_.rate > 0) {
+    return started_us_ + ToUs(ToSeconds(tick_us(tick_ + 1)) / options_.rate);
+  }
+  return wait_ == Wait::kClock ? 0 : repeat_.due_us();
+}
+
+}  // namespace muster::world

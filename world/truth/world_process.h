@@ -1,0 +1,75 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/protocol/convert.h"
+#include "lcmtypes/protocol/process.h"
+#include "world/model/scenario.h"
+#include "world/truth/referee.h"
+
+namespace muster::world {
+
+struct WorldOptions {
+  double rate = 0;        ///< mission seconds per wall second; 0: as fast as it goes
+  bool recorded = false;  ///< a recorder takes part: start only when it is there
+};
+
+/// The world: clock and referee of a mission in lockstep (docs/mission.md). It alone asks again:
+/// while it waits, it repeats what the others may lack, and each answers a repeated clock with its
+/// answer.
+class WorldProcess : public Process {
+ public:
+  /// `json` is the scenario's file text, published as it is.
+  WorldProcess(Identity identity, int window, std::string json, const WorldOptions& options);
+
+  bool ended() const { return phase_ == Phase::kEnded; }
+
+ protected:
+  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnStep(const Now& now) override;
+  TimeUs OwnWakeUs() const override;
+  std::int64_t tick() const override { return tick_; }
+
+ private:
+  enum class Phase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
+  enum class Wait { kStates, kSchedule, kClock, kLog, kNothing };
+  void Take(const agent_states_t& states, const Packet& packet);
+  void Take(const schedule_t& schedule, const Packet& packet);
+  void Answer(const request_t& request, const Now& now);
+  void PublishClock(const Now& now);
+  void Judge(const Now& now);
+  void PublishEvents(const Now& now);
+  void Repeat();
+  bool StatesComplete() const { return missing_ == 0; }
+  TimeUs tick_us(std::int64_t tick) const;
+  /// The decision due at that tick, -1: none.
+  std::int32_t DecisionAt(std::int64_t tick) const;
+  void WaitFor(Wait wait, const Now& now);
+
+  const std::string json_;
+  const Scenario scenario_;
+  const WireLimits limits_;
+  const WorldOptions options_;
+  Referee referee_;
+
+  Phase phase_ = Phase::kReady;
+  Wait wait_ = Wait::kStates;
+  std::int64_t tick_ = 0;
+  std::int64_t last_tick_ = 0;
+  std::int32_t required_decision_ = -1;
+  bool recorder_ready_ = false;
+  TimeUs started_us_ = 0;
+
+  Agents agents_;                       ///< reports for tick_, then settled
+  std::vector<std::string> owners_[3];  ///< [n_agents] who reports that agent; "" not known yet
+  std::vector<char> heard_[3];          ///< [n_agents] heard for tick_
+  std::size_t missing_ = 0;
+  std::set<std::string> members_;  ///< processes whose end is awaited
+  SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
+  SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
+  BackOff repeat_{2'000, 40'000};
+};
+
+}  // namespace muster::world
