@@ -4,6 +4,7 @@ find_library(LCM_LIBRARY lcm)
 find_program(LCM_GEN lcm-gen)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET glib-2.0)
+pkg_check_modules(LCM QUIET lcm)
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(Lcm REQUIRED_VARS LCM_LIBRARY LCM_INCLUDE_DIR LCM_GEN)

@@ -7,6 +7,7 @@
 
 #include "lcmtypes/protocol/program.h"
 #include "tools/cli/command.h"
+#include "tools/launch/run_command.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -19,7 +20,9 @@ struct Command {
 };
 
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
-const std::vector<Command> kCommands = {};
+const std::vector<Command> kCommands = {
+    {"run", "runs a mission as processes over LCM", RunCommand},
+};
 
 void PrintUsage() {
   fmt::print(

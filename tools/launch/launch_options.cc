@@ -1,0 +1,196 @@
+#include "tools/launch/launch_options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "lcmtypes/bus/multicast.h"
+#include "lcmtypes/protocol/program.h"
+#include "world/model/agent.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr std::string_view kCommandLine = "command line";
+constexpr int kMostProcesses = 64;
+
+/// The whole text as a number; none otherwise.
+template <class T>
+std::optional<T> ToNumber(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+void CheckRate(const std::string& rate) {
+  if (rate == "max") return;
+  const auto value = ToNumber<double>(rate);
+  if (!value || !std::isfinite(*value) || *value <= 0) {
+    throw InputError(kCommandLine, "--rate", rate,
+                     "max, or mission seconds per wall second above 0");
+  }
+}
+
+TimeUs MinutesToUs(double minutes, const char* flag) {
+  if (!std::isfinite(minutes) || minutes <= 0 || minutes > 1e6) {
+    throw InputError(kCommandLine, flag, fmt::to_string(minutes), "minutes above 0");
+  }
+  return ToUs(minutes * 60);
+}
+
+std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) {
+  std::map<AgentKind, int> processes;
+  for (const AgentKind kind : kAgentKinds) processes[kind] = 1;
+  for (const std::string& entry : entries) {
+    const std::size_t equals = entry.find('=');
+    const std::string_view name = std::string_view(entry).substr(0, equals);
+    std::optional<int> count;
+    if (equals != std::string::npos) {
+      count = ToNumber<int>(std::string_view(entry).substr(equals + 1));
+    }
+    bool known = false;
+    for (const AgentKind kind : kAgentKinds) {
+      if (name != ToString(kind)) continue;
+      known = true;
+      if (count) processes[kind] = *count;
+    }
+    if (!known || !count || *count < 0 || *count > kMostProcesses) {
+      throw InputError(
+          kCommandLine, "--processes", entry,
+          fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}", kMostProcesses));
+    }
+  }
+  return processes;
+}
+
+}  // namespace
+
+std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv) {
+  cxxopts::Options parser("muster run",
+                          "Runs a whole mission: world, agents and scheduler as processes of "
+                          "their own over LCM, recorded by lcm-logger.");
+  parser.positional_help("SCENARIO");
+  const auto text = [](const char* standard) {
+    return cxxopts::value<std::string>()->default_value(standard);
+  };
+  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>());
+  parser.add_options()("policy", "How to decide", text("mpq"));
+  parser.add_options()("interval", "Minutes between decisions (default: the scenario's)",
+                       cxxopts::value<double>(), "MIN");
+  parser.add_options()("limit", "Minutes of mission (default: the scenario's)",
+                       cxxopts::value<double>(), "MIN");
+  parser.add_options()("seed", "Seed of the mission's chances (default: the scenario's)",
+                       cxxopts::value<std::uint64_t>(), "N");
+  parser.add_options()("availability",
+                       "strict: no action that may end after a participant's time or the limit; "
+                       "overrun: it may (default: the scenario's)",
+                       cxxopts::value<std::string>(), "MODE");
+  parser.add_options()("rate", "Mission seconds per wall second, or max", text("max"), "R");
+  parser.add_options()("out", "Run directory, new or empty (default: runs/NAME-POLICY-SEED[-N])",
+                       cxxopts::value<std::string>(), "DIR");
+  parser.add_options()("processes",
+                       "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them",
+                       cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
+  parser.add_options()("drop", "Share of received packets that each process drops, 0 to 1",
+                       cxxopts::value<double>()->default_value("0"), "P");
+  parser.add_options()("l,lcm-url", "LCM URL (default: a network of the mission's own)",
+                       cxxopts::value<std::string>(), "URL");
+  parser.add_options()("q,quiet", "No progress on stderr, only errors");
+  parser.parse_positional("scenario");
+  const auto result = ParseOptions(&parser, argc, argv);
+  if (!result) return std::nullopt;
+
+  LaunchOptions options;
+  if (result->count("scenario") == 0) {
+    throw InputError(kCommandLine, "SCENARIO", "nothing", "a scenario file");
+  }
+  options.scenario_file = (*result)["scenario"].as<std::string>();
+  options.policy = (*result)["policy"].as<std::string>();
+  if (result->count("interval") > 0) options.interval_min = (*result)["interval"].as<double>();
+  if (result->count("limit") > 0) options.limit_min = (*result)["limit"].as<double>();
+  if (result->count("seed") > 0) options.seed = (*result)["seed"].as<std::uint64_t>();
+  if (result->count("availability") > 0) {
+    const std::string mode = (*result)["availability"].as<std::string>();
+    if (mode != "strict" && mode != "overrun") {
+      throw InputError(kCommandLine, "--availability", mode, "strict or overrun");
+    }
+    options.availability = mode == "strict" ? Availability::kStrict : Availability::kOverrun;
+  }
+  options.rate = (*result)["rate"].as<std::string>();
+  CheckRate(options.rate);
+  if (result->count("out") > 0) {
+    options.out = (*result)["out"].as<std::string>();
+    if (options.out.empty()) throw InputError(kCommandLine, "--out", "nothing", "a folder");
+  }
+  options.processes = ReadProcesses(result->count("processes") > 0
+                                        ? (*result)["processes"].as<std::vector<std::string>>()
+                                        : std::vector<std::string>());
+  options.drop = (*result)["drop"].as<double>();
+  if (!(options.drop >= 0 && options.drop < 1)) {
+    throw InputError(kCommandLine, "--drop", fmt::to_string(options.drop), "a share in [0, 1)");
+  }
+  if (result->count("lcm-url") > 0) {
+    options.lcm_url = (*result)["lcm-url"].as<std::string>();
+    ParseMulticastUrl(options.lcm_url);
+  }
+  options.quiet = result->count("quiet") > 0;
+  return options;
+}
+
+Scenario ResolveScenario(const LaunchOptions& options) {
+  Scenario scenario = LoadScenario(options.scenario_file);
+  if (options.interval_min) {
+    scenario.rules.interval_us = MinutesToUs(*options.interval_min, "--interval");
+  }
+  if (options.limit_min) scenario.rules.limit_us = MinutesToUs(*options.limit_min, "--limit");
+  if (options.seed) scenario.seed = *options.seed;
+  if (options.availability) scenario.rules.availability = *options.availability;
+  ValidateScenario(scenario, options.scenario_file);
+  return scenario;
+}
+
+std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scenario& scenario,
+                                       const MissionIdentity& mission) {
+  std::vector<ProcessPlan> plans;
+  const auto add = [&](const std::string& name, const std::string& program,
+                       std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--name", name, "--lcm-url", mission.lcm_url, "--run-id",
+                                       fmt::to_string(mission.run_id)});
+    if (options.drop > 0) {
+      arguments.insert(arguments.end(), {"--drop", fmt::to_string(options.drop), "--drop-seed",
+                                         fmt::to_string(scenario.seed + plans.size())});
+    }
+    plans.push_back({name, program, std::move(arguments)});
+  };
+  // lcm-logger queues 30 messages: the windows of all who talk at once stay below together.
+  add("world", "muster-world",
+      {mission.scenario_file, "--rate", options.rate, "--recorder", "--window", "10"});
+  for (const AgentKind kind : kAgentKinds) {
+    const std::string class_name(ToString(kind));
+    const int n = static_cast<int>(scenario.agents(kind).size());
+    const int k = options.processes.at(kind);
+    if (k > n) {
+      throw InputError(kCommandLine, "--processes", fmt::format("{}={}", class_name, k),
+                       fmt::format("at most {}, the scenario's {}s", n, class_name));
+    }
+    for (int i = 0; i < k; ++i) {
+      std::vector<std::string> arguments = {"--window", "3"};
+      if (k > 1) {
+        const int first = n * i / k;
+        const int last = n * (i + 1) / k - 1;
+        arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
+      }
+      add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, "muster-" + class_name,
+          std::move(arguments));
+    }
+  }
+  add("scheduler", "muster-scheduler", {"--policy", options.policy, "--window", "3"});
+  return plans;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,44 @@
+#include "tools/launch/log_follower.h"
+
+#include "lcmtypes/bus/codec.h"
+
+namespace muster::tools {
+
+std::optional<header_t> LogFollower::Add(const Packet& event) {
+  std::optional<header_t> header = DecodeHeader(event);
+  if (!header || header->run_id != run_id_) {
+    ++strangers_;
+    return std::nullopt;
+  }
+  if (!starts_[{header->sender, header->boot_id}].Add(header->seq)) {
+    ++doubles_;
+    return std::nullopt;
+  }
+  ++messages_;
+  return header;
+}
+
+std::int64_t LogFollower::next_seq(const std::string& sender, std::int64_t boot_id) const {
+  const auto start = starts_.find({sender, boot_id});
+  return start == starts_.end() ? 0 : start->second.next();
+}
+
+std::int64_t LogFollower::missing() const {
+  std::int64_t sum = 0;
+  for (const auto& [start, seqs] : starts_) sum += seqs.missing();
+  return sum;
+}
+
+log_status_t LogFollower::Status() const {
+  log_status_t status;
+  for (const auto& [start, seqs] : starts_) {
+    log_mark_t& mark = status.marks.emplace_back();
+    mark.sender = start.first;
+    mark.boot_id = start.second;
+    mark.next_seq = seqs.next();
+  }
+  status.n = static_cast<std::int32_t>(status.marks.size());
+  return status;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,123 @@
+#include "tools/launch/recorder.h"
+
+#include <algorithm>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster::tools {
+namespace {
+
+/// Own messages that may be out and not in the log. Small: they share lcm-logger's queue of 30 with
+/// everybody else's.
+constexpr int kWindow = 3;
+
+// lcm-logger's shortest flush interval is 1 ms.
+constexpr TimeUs kFirstPokeUs = 1'200;
+constexpr TimeUs kLongestPokeUs = 20'000;
+constexpr TimeUs kIdleUs = 200'000;
+constexpr TimeUs kAnswerUs = 2'000;
+
+}  // namespace
+
+Recorder::Recorder(Identity identity)
+    : follower_(identity.run_id),
+      sender_(std::move(identity), kWindow),
+      poke_(kFirstPokeUs, kLongestPokeUs),
+      idle_(kIdleUs, kIdleUs) {}
+
+bool Recorder::OnLogged(const Packet& event, const Now& now) {
+  const std::optional<header_t> header = follower_.Add(event);
+  if (!header) return false;
+  sim_us_ = std::max(sim_us_, header->sim_us);
+  if (header->sender == sender_.identity().name) {
+    sender_.Acknowledge(follower_.Status());
+  } else {
+    news_ = true;
+  }
+  poke_.Start(now.monotonic_us);
+  return true;
+}
+
+void Recorder::OnHeard(const Packet& packet, const Now& now) {
+  const std::optional<header_t> header = DecodeHeader(packet);
+  if (!header || header->run_id != sender_.identity().run_id ||
+      header->sender == sender_.identity().name) {
+    return;
+  }
+  ++heard_packets_;
+  std::int64_t& heard = heard_[{header->sender, header->boot_id}];
+  if (header->seq >= heard) {
+    heard = header->seq + 1;
+    poke_.Start(now.monotonic_us);
+  } else if (header->seq < follower_.next_seq(header->sender, header->boot_id)) {
+    answer_wanted_ = true;
+  }
+}
+
+void Recorder::ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage,
+                            const Now& now) {
+  process_status_t status;
+  status.name = sender_.identity().name;
+  status.host = usage.host;
+  status.pid = usage.pid;
+  status.state = static_cast<std::int8_t>(state);
+  status.tick = tick;
+  status.received = heard_packets_;
+  status.lost = follower_.missing();
+  status.rejected = follower_.strangers();
+  status.resent = sender_.resent();
+  status.cpu_s = usage.cpu_s;
+  status.rss_bytes = usage.rss_bytes;
+  sender_.Send(channel::kProcess, std::move(status), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
+void Recorder::Finish(std::int64_t tick, const Usage& usage, const Now& now) {
+  finishing_ = true;
+  ReportStatus(ProcessState::kEnded, tick, usage, now);
+}
+
+std::int64_t Recorder::unrecorded_own() const {
+  const Identity& own = sender_.identity();
+  return sender_.next_seq() - follower_.next_seq(own.name, own.boot_id);
+}
+
+bool Recorder::behind() const {
+  if (unrecorded_own() > 0) return true;
+  return std::any_of(heard_.begin(), heard_.end(), [this](const auto& entry) {
+    const auto& [start, heard] = entry;
+    return heard > follower_.next_seq(start.first, start.second);
+  });
+}
+
+void Recorder::Repeat(const Now& now) {
+  sender_.Resend(newest_status_);
+  answer_wanted_ = false;
+  repeated_us_ = now.monotonic_us;
+  idle_.Start(now.monotonic_us);
+}
+
+void Recorder::Step(const Now& now, std::vector<Packet>* out) {
+  const TimeUs time_us = now.monotonic_us;
+  if (news_ && !finishing_ && unrecorded_own() < kWindow) {
+    newest_status_ = sender_.Send(channel::kLog, follower_.Status(), sim_us_, now);
+    news_ = answer_wanted_ = false;
+    poke_.Start(time_us);
+    idle_.Start(time_us);
+  } else if (newest_status_) {
+    const bool poke = behind() && poke_.Fire(time_us);
+    const bool answer = answer_wanted_ && time_us >= repeated_us_ + kAnswerUs;
+    if (poke || answer || idle_.Fire(time_us)) Repeat(now);
+  }
+  sender_.Flush(now, out);
+}
+
+TimeUs Recorder::wake_us() const {
+  TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
+  if (behind()) wake = std::min(wake, poke_.due_us());
+  if (answer_wanted_) wake = std::min(wake, repeated_us_ + kAnswerUs);
+  return wake;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,175 @@
+#include "tools/launch/run_command.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "lcmtypes/bus/multicast.h"
+#include "lcmtypes/protocol/program.h"
+#include "lcmtypes/protocol/run_process.h"
+#include "tools/host/network_namespace.h"
+#include "tools/launch/launch_options.h"
+#include "tools/launch/manifest.h"
+#include "tools/launch/mission.h"
+#include "tools/launch/progress.h"
+#include "tools/launch/run_directory.h"
+#include "tools/launch/stop_signals.h"
+#include "tools/report/report_json.h"
+#include "tools/report/summary.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A UDP port that nobody has bound now.
+std::uint16_t FreePort() {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  socklen_t size = sizeof address;
+  const bool bound = fd >= 0 &&
+                     bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+                     getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  if (fd >= 0) close(fd);
+  if (!bound) throw SystemError("there is no free UDP port");
+  return ntohs(address.sin_port);
+}
+
+/// The mission's LCM URL; moves this process into a network of its own where that is possible.
+std::string FindNetwork(const LaunchOptions& options) {
+  if (!options.lcm_url.empty()) return options.lcm_url;
+  const Network network = EnterPrivateNetwork();
+  switch (network.kind) {
+    case Network::Kind::kPrivate:
+      return MissionUrl(7667);
+    case Network::Kind::kHost: {
+      const std::string url = MissionUrl(FreePort());
+      if (!options.quiet) fmt::print(stderr, "{}; using {}\n", network.detail, url);
+      return url;
+    }
+    case Network::Kind::kNone:
+      break;
+  }
+  throw SystemError(network.detail);
+}
+
+/// The folder that this program is in.
+fs::path ProgramFolder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw SystemError(fmt::format("cannot read /proc/self/exe: {}", error.message()));
+  return self.parent_path();
+}
+
+std::string FindLogger() {
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path == nullptr ? "/usr/bin:/bin" : path;
+  while (true) {
+    const std::size_t colon = rest.find(':');
+    const fs::path program = fs::path(rest.substr(0, colon)) / "lcm-logger";
+    if (program.has_parent_path() && access(program.c_str(), X_OK) == 0) return program.string();
+    if (colon == std::string_view::npos) break;
+    rest.remove_prefix(colon + 1);
+  }
+  throw SystemError("lcm-logger is not in PATH; Debian has it in the package liblcm-bin");
+}
+
+MissionPlan PlanMission(const std::vector<ProcessPlan>& processes, const std::string& logger,
+                        const MissionIdentity& mission, const RunDirectory& directory) {
+  MissionPlan plan;
+  plan.run_id = mission.run_id;
+  plan.log_file = directory.File("mission.lcm");
+  plan.logger = {
+      "lcm-logger",
+      {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url, plan.log_file},
+      directory.File("lcm-logger.stderr")};
+  const fs::path folder = ProgramFolder();
+  for (const ProcessPlan& process : processes) {
+    std::vector<std::string> argv = {(folder / process.program).string()};
+    argv.insert(argv.end(), process.arguments.begin(), process.arguments.end());
+    plan.processes.push_back(
+        {process.name, std::move(argv), directory.File(process.name + ".stderr")});
+  }
+  return plan;
+}
+
+int ExitCodeOf(const MissionResult& result) {
+  switch (result.end) {
+    case MissionEnd::kInterrupted:
+      return kExitInterrupted;
+    case MissionEnd::kFailed:
+      return kExitSystem;
+    case MissionEnd::kComplete:
+      break;
+  }
+  return result.record.CheckComplete().complete ? kExitOk : kExitCheckFailed;
+}
+
+}  // namespace
+
+int RunCommand(int argc, const char* const* argv) {
+  const auto options = ParseLaunchOptions(argc, argv);
+  if (!options) return kExitOk;
+
+  // All that can be wrong with the request or the host comes before the first file.
+  const Scenario scenario = ResolveScenario(*options);
+  const std::string logger = FindLogger();
+  PlanProcesses(*options, scenario, {});
+  const StopSignals stop;
+  const Now start = HostNow();
+  MissionIdentity mission;
+  mission.lcm_url = FindNetwork(*options);
+  mission.run_id = start.wall_us;
+  ProcessFlags flags;
+  flags.lcm_url = mission.lcm_url;
+  flags.drop = options->drop;
+  flags.drop_seed = scenario.seed;
+  const std::unique_ptr<Bus> bus = OpenBus(flags);
+
+  const RunDirectory directory =
+      options->out.empty()
+          ? RunDirectory::MakeNew("runs", RunStem(scenario.name, options->policy, scenario.seed))
+          : RunDirectory::Take(options->out);
+  const std::string json = ScenarioToJson(scenario);
+  mission.scenario_file = directory.File("scenario.json");
+  directory.Write("scenario.json", json);
+  ManifestInput manifest;
+  manifest.command_line = {argv, argv + argc};
+  manifest.policy = options->policy;
+  manifest.seed = scenario.seed;
+  manifest.run_id = mission.run_id;
+  manifest.lcm_url = mission.lcm_url;
+  manifest.scenario_file = options->scenario_file;
+  manifest.scenario_json = json;
+  manifest.start_wall_us = start.wall_us;
+  directory.Write("manifest.json", ManifestJson(manifest));
+  if (!options->quiet) fmt::print(stderr, "recording in {}\n", directory.path());
+
+  ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
+  const MissionResult result = RunMission(
+      PlanMission(PlanProcesses(*options, scenario, mission), logger, mission, directory),
+      bus.get(), stop, &progress);
+
+  for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
+  if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
+  directory.Write("report.json", Report(result.record).dump(2) + "\n");
+  fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());
+  return ExitCodeOf(result);
+}
+
+}  // namespace muster::tools

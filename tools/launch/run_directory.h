@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace muster::tools {
+
+/// Where one mission leaves what it leaves behind (DESIGN: mission.lcm, scenario.json,
+/// manifest.json, report.json, NAME.stderr).
+class RunDirectory {
+ public:
+  /// Makes `path` with its parents, or takes it when it exists and is empty. Throws InputError when
+  /// it holds something: a run is never written over another.
+  static RunDirectory Take(const std::string& path);
+
+  /// Makes the first of ROOT/STEM, ROOT/STEM-2, ROOT/STEM-3, ... that does not exist; several
+  /// launchers may do so at the same time.
+  static RunDirectory MakeNew(const std::string& root, const std::string& stem);
+
+  const std::string& path() const { return path_; }
+  std::string File(std::string_view name) const;
+  /// Writes a whole file or, on failure (SystemError), none.
+  void Write(std::string_view name, std::string_view text) const;
+
+ private:
+  explicit RunDirectory(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+/// "NAME-POLICY-SEED" with what does not suit a file name (anything but letters, digits, '.', '_'
+/// and '-') as '_'.
+std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed);
+
+}  // namespace muster::tools
