@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "world/model/check.h"
 #include "world/model/feasibility.h"
 
 namespace muster::scheduler {
@@ -50,42 +49,6 @@ TimeUs Feasibility::ChargeEnd(int u, int y, int v) const {
                                                              vehicles_[at(v)]->charge_rate_m_s));
 }
 
-NodeElements ElementsOf(const Node& node, const Elements& elements) {
-  NodeElements result;
-  const auto add = [&result](int element) { result.element[result.n++] = element; };
-  if (node.uav >= 0) add(node.uav);
-  switch (node.kind) {
-    case ActionKind::kUavStays:
-      break;
-    case ActionKind::kWorkerStays:
-      add(elements.worker(node.partner));
-      break;
-    case ActionKind::kVehicleStays:
-      add(elements.vehicle(node.partner));
-      break;
-    case ActionKind::kUavToTask:
-      add(elements.task(node.site));
-      break;
-    case ActionKind::kUavToCharge:
-      add(elements.charge(node.site));
-      break;
-    case ActionKind::kWorkerToTask:
-    case ActionKind::kSense:
-      add(elements.worker(node.partner));
-      add(elements.task(node.site));
-      break;
-    case ActionKind::kVehicleToCharge:
-    case ActionKind::kCharge:
-      add(elements.vehicle(node.partner));
-      add(elements.charge(node.site));
-      break;
-    case ActionKind::kNone:
-    case ActionKind::kGoTo:
-      MUSTER_CHECK(false, "kind={}", static_cast<int>(node.kind));
-  }
-  return result;
-}
-
 Elements ElementsOf(const Weights& weights, const Feasibility& feasible) {
   Elements elements;
   elements.n_uavs = weights.n_uavs();
@@ -110,9 +73,7 @@ Action ToAction(const Situation& situation, const Weights& weights, const Node& 
     action.uav = UavId(mover->id);
   }
   if (node.partner >= 0) {
-    const bool vehicle = node.kind == ActionKind::kVehicleStays ||
-                         node.kind == ActionKind::kVehicleToCharge ||
-                         node.kind == ActionKind::kCharge;
+    const bool vehicle = IsCharging(node.kind);
     const auto row = static_cast<std::size_t>(node.partner);
     const AgentState& partner =
         vehicle ? situation.vehicles[static_cast<std::size_t>(weights.vehicles[row])]

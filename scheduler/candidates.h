@@ -104,12 +104,32 @@ struct Elements {
 
 /// The elements of one node: first agents (UAV first), then the site.
 struct NodeElements {
-  std::int32_t element[3];
+  std::int32_t element[3] = {-1, -1, -1};
   int n = 0;
   const std::int32_t* begin() const { return element; }
   const std::int32_t* end() const { return element + n; }
 };
-NodeElements ElementsOf(const Node& node, const Elements& elements);
+
+/// Whether the node is about charging points: Vk, UiCy, VkCy, UiCyVk. Its partner is then a
+/// vehicle.
+inline bool IsCharging(ActionKind kind) {
+  return kind == ActionKind::kVehicleStays || kind == ActionKind::kUavToCharge ||
+         kind == ActionKind::kVehicleToCharge || kind == ActionKind::kCharge;
+}
+
+inline NodeElements ElementsOf(const Node& node, const Elements& elements) {
+  NodeElements result;
+  const bool charging = IsCharging(node.kind);
+  if (node.uav >= 0) result.element[result.n++] = node.uav;
+  if (node.partner >= 0) {
+    result.element[result.n++] =
+        charging ? elements.vehicle(node.partner) : elements.worker(node.partner);
+  }
+  if (node.site >= 0) {
+    result.element[result.n++] = charging ? elements.charge(node.site) : elements.task(node.site);
+  }
+  return result;
+}
 
 /// All feasible nodes of a situation, in the order in which Algorithm 1 makes them: per UAV its
 /// stay, its tasks (the move, then the pairs), its charging points (likewise); per worker and per

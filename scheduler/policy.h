@@ -22,6 +22,9 @@ struct Decision {
   std::int64_t candidates = 0;  ///< feasible actions that the policy chose from
 };
 
+/// A decision from its actions in any order: sorts them, sums their weights.
+Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates);
+
 /// A way to decide. A decision is a function of the situation alone: a policy may keep buffers and
 /// caches between calls, never anything that changes an answer.
 class Policy {

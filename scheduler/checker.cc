@@ -1,0 +1,291 @@
+#include "scheduler/checker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "world/model/agent.h"
+#include "world/model/feasibility.h"
+
+namespace muster::scheduler {
+namespace {
+
+/// Which ids a kind has.
+struct Shape {
+  bool uav = false, worker = false, vehicle = false, task = false, charge = false;
+};
+
+std::optional<Shape> ShapeOf(ActionKind kind) {
+  switch (kind) {
+    case ActionKind::kUavStays:
+      return Shape{.uav = true};
+    case ActionKind::kWorkerStays:
+      return Shape{.worker = true};
+    case ActionKind::kVehicleStays:
+      return Shape{.vehicle = true};
+    case ActionKind::kUavToTask:
+      return Shape{.uav = true, .task = true};
+    case ActionKind::kWorkerToTask:
+      return Shape{.worker = true, .task = true};
+    case ActionKind::kUavToCharge:
+      return Shape{.uav = true, .charge = true};
+    case ActionKind::kVehicleToCharge:
+      return Shape{.vehicle = true, .charge = true};
+    case ActionKind::kSense:
+      return Shape{.uav = true, .worker = true, .task = true};
+    case ActionKind::kCharge:
+      return Shape{.uav = true, .vehicle = true, .charge = true};
+    case ActionKind::kNone:
+    case ActionKind::kGoTo:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::string_view Name(TaskStatus status) {
+  switch (status) {
+    case TaskStatus::kOpen:
+      return "open";
+    case TaskStatus::kReserved:
+      return "reserved";
+    case TaskStatus::kSensing:
+      return "being sensed";
+    case TaskStatus::kDone:
+      return "done";
+  }
+  return "unknown";
+}
+
+/// As ToString, but for any number in `kind`.
+std::string Describe(const Action& action) {
+  const bool known = ShapeOf(action.kind) || action.kind == ActionKind::kGoTo;
+  return known ? muster::ToString(action) : fmt::format("kind {}", static_cast<int>(action.kind));
+}
+
+class Checker {
+ public:
+  explicit Checker(const Situation& situation) : s_(situation), site_(*situation.site) {}
+
+  std::vector<Violation> Check(std::span<const Action> actions) {
+    for (index_ = 0; index_ < actions.size(); ++index_) {
+      action_ = &actions[index_];
+      CheckOne(*action_);
+    }
+    return std::move(violations_);
+  }
+
+ private:
+  void Broken(Rule rule, const std::string& detail) {
+    violations_.push_back({rule, index_,
+                           fmt::format("action {} ({}): {}: {}", index_, Describe(*action_),
+                                       ToString(rule), detail)});
+  }
+
+  void CheckOne(const Action& a) {
+    if (!std::isfinite(a.weight)) Broken(Rule::kWeight, fmt::format("{}", a.weight));
+    if (!std::isfinite(a.to.x_m) || !std::isfinite(a.to.y_m)) {
+      Broken(Rule::kDestination, fmt::format("({}, {})", a.to.x_m, a.to.y_m));
+      return;
+    }
+    if (!CheckIds(a)) return;
+    std::vector<const AgentState*> agents;
+    if (a.uav.valid()) agents.push_back(FindIdle(AgentKind::kUav, a.uav.value));
+    if (a.worker.valid()) agents.push_back(FindIdle(AgentKind::kWorker, a.worker.value));
+    if (a.vehicle.valid()) agents.push_back(FindIdle(AgentKind::kVehicle, a.vehicle.value));
+    if (a.task.valid()) CheckTask(a.task);
+    if (a.charge.valid()) CheckCapacity(a.charge);
+    if (std::find(agents.begin(), agents.end(), nullptr) != agents.end()) return;
+    CheckDestination(a, *agents.front());
+    if (IsStay(a.kind)) return;
+    if (a.uav.valid()) CheckRange(a, *agents.front());
+    CheckAvailability(a, agents);
+  }
+
+  bool CheckIds(const Action& a) {
+    const std::size_t before = violations_.size();
+    const auto shape = ShapeOf(a.kind);
+    const auto expect = [this](const char* name, std::int32_t id, bool wanted) {
+      if (wanted && id < 0) Broken(Rule::kIds, fmt::format("no {} given", name));
+      if (!wanted && id != -1) Broken(Rule::kIds, fmt::format("superfluous {} {}", name, id));
+    };
+    if (a.kind == ActionKind::kGoTo) {
+      if (a.uav.valid() + a.worker.valid() + a.vehicle.valid() != 1) {
+        Broken(Rule::kIds, "expected exactly one agent");
+      }
+      expect("task", a.task.value, false);
+      expect("charging point", a.charge.value, false);
+    } else if (!shape) {
+      Broken(Rule::kIds, fmt::format("no such kind: {}", static_cast<int>(a.kind)));
+    } else {
+      expect("uav", a.uav.value, shape->uav);
+      expect("worker", a.worker.value, shape->worker);
+      expect("vehicle", a.vehicle.value, shape->vehicle);
+      expect("task", a.task.value, shape->task);
+      expect("charging point", a.charge.value, shape->charge);
+    }
+    const auto within = [this](const char* name, std::int32_t id, std::size_t n) {
+      if (id >= 0 && static_cast<std::size_t>(id) >= n) {
+        Broken(Rule::kIds, fmt::format("{} {} of {}", name, id, n));
+      }
+    };
+    within("task", a.task.value, site_.tasks.size());
+    within("charging point", a.charge.value, site_.charging_points.size());
+    return violations_.size() == before;
+  }
+
+  /// The agent when it may be scheduled; else notes why not.
+  const AgentState* FindIdle(AgentKind kind, std::int32_t id) {
+    const auto [earlier, is_new] = agent_used_.try_emplace({kind, id}, index_);
+    if (!is_new) {
+      Broken(Rule::kAgentTwice,
+             fmt::format("{}:{} is in action {} too", ToString(kind), id, earlier->second));
+    }
+    const auto& agents = s_.agents(kind);
+    const auto found = std::find_if(agents.begin(), agents.end(),
+                                    [id](const AgentState& agent) { return agent.id == id; });
+    if (found == agents.end()) {
+      Broken(Rule::kUnknownAgent, fmt::format("{}:{}", ToString(kind), id));
+      return nullptr;
+    }
+    if (found->failed || !found->online(s_.now_us) || found->busy_until_us > s_.now_us) {
+      Broken(Rule::kNotIdle,
+             fmt::format("{}:{} is {} at {} us (online [{}, {}) us, busy until {} us)",
+                         ToString(kind), id, ToString(StatusAt(*found, s_.now_us)), s_.now_us,
+                         found->online_from_us, found->online_until_us, found->busy_until_us));
+      return nullptr;
+    }
+    return &*found;
+  }
+
+  void CheckTask(TaskId task) {
+    const auto [earlier, is_new] = task_used_.try_emplace(task.value, index_);
+    if (!is_new) {
+      Broken(Rule::kTaskTwice,
+             fmt::format("task {} is in action {} too", task.value, earlier->second));
+    }
+    const TaskStatus status = s_.task_status[task.index()];
+    if (status != TaskStatus::kOpen) {
+      Broken(Rule::kTaskNotOpen, fmt::format("task {} is {}", task.value, Name(status)));
+    }
+  }
+
+  void CheckCapacity(ChargeId charge) {
+    const auto& capacity = site_.charging_points[charge.index()].capacity;
+    if (!capacity) return;
+    const int used = ++charge_used_[charge.value];
+    const int there = s_.charging_load[charge.index()];
+    if (there + used > *capacity) {
+      Broken(Rule::kCapacity,
+             fmt::format("charging point {}: {} there already, {} in this list, {} places",
+                         charge.value, there, used, *capacity));
+    }
+  }
+
+  void CheckDestination(const Action& a, const AgentState& mover) {
+    Point expected = mover.to;
+    if (a.kind == ActionKind::kGoTo) {
+      if (a.to.x_m < 0 || a.to.y_m < 0 || a.to.x_m > site_.width_m || a.to.y_m > site_.height_m) {
+        Broken(Rule::kDestination, fmt::format("({}, {}) m is outside the area of {} m x {} m",
+                                               a.to.x_m, a.to.y_m, site_.width_m, site_.height_m));
+      }
+      return;
+    }
+    if (a.task.valid()) expected = site_.tasks[a.task.index()].at;
+    if (a.charge.valid()) expected = site_.charging_points[a.charge.index()].at;
+    if (a.to != expected) {
+      Broken(Rule::kDestination, fmt::format("({}, {}) m, expected ({}, {}) m", a.to.x_m, a.to.y_m,
+                                             expected.x_m, expected.y_m));
+    }
+  }
+
+  void CheckRange(const Action& a, const AgentState& uav) {
+    const double range = RangeAt(uav, s_.now_us, site_.tasks);
+    if (a.task.valid()) {
+      const Task& task = site_.tasks[a.task.index()];
+      const double way = Distance(uav.to, task.at);
+      const double home = NearestChargeDistance(task.at, site_.charging_points);
+      if (!(way + task.cost_m + home <= range)) {
+        Broken(Rule::kConstraint6, fmt::format("way {} + sensing {} + to charging {} > range {} m",
+                                               way, task.cost_m, home, range));
+      }
+      return;
+    }
+    const double way = Distance(uav.to, a.to);
+    if (!(way <= range)) {
+      Broken(a.charge.valid() ? Rule::kConstraint5 : Rule::kRange,
+             fmt::format("way {} > range {} m", way, range));
+    }
+  }
+
+  void CheckAvailability(const Action& a, const std::vector<const AgentState*>& agents) {
+    if (site_.rules.availability == Availability::kOverrun) return;
+    // The rule book carries the action out, undisturbed.
+    std::vector<AgentState> acting;
+    TimeUs latest = site_.rules.limit_us;
+    for (const AgentState* agent : agents) {
+      latest = std::min(latest, agent->online_until_us);
+      acting.push_back(*agent);
+      Begin(&acting.back(), a, s_.decision, s_.now_us, Disturbances{}, 0);
+    }
+    const TimeUs end = IsPair(a.kind) ? PlanActivity(acting[0], acting[1], site_.tasks).end_us
+                                      : acting[0].arrive_us;
+    if (end > latest) {
+      Broken(Rule::kAvailability,
+             fmt::format("ends at {} us, {} us after the last downtime or limit allows", end,
+                         end - latest));
+    }
+  }
+
+  const Situation& s_;
+  const Site& site_;
+  const Action* action_ = nullptr;
+  std::size_t index_ = 0;
+  std::map<std::pair<AgentKind, std::int32_t>, std::size_t> agent_used_;
+  std::map<std::int32_t, std::size_t> task_used_;
+  std::map<std::int32_t, int> charge_used_;
+  std::vector<Violation> violations_;
+};
+
+}  // namespace
+
+std::string_view ToString(Rule rule) {
+  switch (rule) {
+    case Rule::kIds:
+      return "ids";
+    case Rule::kUnknownAgent:
+      return "unknown agent";
+    case Rule::kNotIdle:
+      return "agent not idle";
+    case Rule::kAgentTwice:
+      return "agent used twice";
+    case Rule::kTaskNotOpen:
+      return "task not open";
+    case Rule::kTaskTwice:
+      return "task used twice";
+    case Rule::kConstraint5:
+      return "constraint (5)";
+    case Rule::kConstraint6:
+      return "constraint (6)";
+    case Rule::kRange:
+      return "out of range";
+    case Rule::kCapacity:
+      return "charging point over capacity";
+    case Rule::kAvailability:
+      return "availability";
+    case Rule::kDestination:
+      return "destination";
+    case Rule::kWeight:
+      return "weight not finite";
+  }
+  return "unknown rule";
+}
+
+std::vector<Violation> CheckActions(const Situation& situation, std::span<const Action> actions) {
+  return Checker(situation).Check(actions);
+}
+
+}  // namespace muster::scheduler

@@ -1,0 +1,109 @@
+#include "scheduler/policy.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "scheduler/checker.h"
+#include "tests/scheduler/situation_builder.h"
+#include "world/model/check.h"
+
+namespace muster::scheduler {
+namespace {
+
+using testing::RandomSituation;
+using testing::SituationBuilder;
+
+TEST(Policy, UnknownNameNamesTheKnownOnes) {
+  try {
+    MakePolicy("mqp");
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("found mqp"), std::string::npos) << message;
+    for (const PolicyInfo& info : Policies()) {
+      EXPECT_NE(message.find(info.name), std::string::npos) << message;
+    }
+  }
+}
+
+/// What every policy must keep.
+class EveryPolicy : public ::testing::TestWithParam<std::string> {};
+
+void ExpectSound(const Situation& situation, const Decision& decision) {
+  for (const Violation& violation : CheckActions(situation, decision.actions)) {
+    ADD_FAILURE() << violation.message;
+  }
+  double weight = 0;
+  for (const Action& action : decision.actions) weight += action.weight;
+  EXPECT_NEAR(decision.weight, weight, 1e-9);
+  if (!std::isnan(decision.bound)) {
+    EXPECT_GE(decision.bound, decision.weight - 1e-9);
+  }
+}
+
+TEST_P(EveryPolicy, PassesTheChecker) {
+  const auto policy = MakePolicy(GetParam());
+  std::size_t actions = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Rules rules;
+    if (seed % 3 == 1) rules.availability = Availability::kOverrun;
+    const Situation situation = RandomSituation(seed, {6, 8, 5, 9, 3, 12}, rules);
+    const Decision decision = policy->Decide(situation);
+    ExpectSound(situation, decision);
+    actions += decision.actions.size();
+  }
+  EXPECT_GT(actions, 100u);
+}
+
+TEST_P(EveryPolicy, IsAFunctionOfTheSituation) {
+  const auto policy = MakePolicy(GetParam());
+  std::vector<Decision> first;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    first.push_back(policy->Decide(RandomSituation(seed, {6, 8, 5, 9, 3, 12})));
+  }
+  for (std::uint64_t seed = 12; seed-- > 0;) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation = RandomSituation(seed, {6, 8, 5, 9, 3, 12});
+    const Decision again = policy->Decide(situation);  // after other calls
+    const Decision fresh = MakePolicy(GetParam())->Decide(situation);
+    EXPECT_EQ(again.actions, first[seed].actions);
+    EXPECT_EQ(fresh.actions, first[seed].actions);
+    EXPECT_EQ(again.weight, first[seed].weight);
+    EXPECT_EQ(fresh.candidates, first[seed].candidates);
+  }
+}
+
+TEST_P(EveryPolicy, DecidesInDegenerateSituations) {
+  const auto policy = MakePolicy(GetParam());
+  const auto decide = [&](const SituationBuilder& builder) {
+    const Situation situation = builder.Build();
+    ExpectSound(situation, policy->Decide(situation));
+  };
+  decide(SituationBuilder());
+  decide(SituationBuilder().Uav({0, 0}).Worker({0, 0}).Vehicle({0, 0}));
+  decide(SituationBuilder().Task({0, 0}).Charge({0, 0}));
+  decide(SituationBuilder().Uav({0, 0}, 0).Worker({0, 0}).Task({0, 0}).Charge({0, 0}));
+  decide(SituationBuilder().Uav({0, 0}).Worker({0, 0}).Task({0, 0}));  // nowhere to charge
+  decide(SituationBuilder().Vehicle({0, 0}).Worker({0, 0}).Task({1, 0}).Charge({0, 1}));
+}
+
+std::vector<std::string> PolicyNames() {
+  std::vector<std::string> names;
+  for (const PolicyInfo& info : Policies()) names.emplace_back(info.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryPolicy, ::testing::ValuesIn(PolicyNames()),
+                         [](const auto& row) {
+                           std::string name = row.param;
+                           for (char& c : name) {
+                             if (c == '-') c = '_';
+                           }
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace muster::scheduler
