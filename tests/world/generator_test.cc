@@ -266,7 +266,7 @@ TEST(Generator, ScaleKeepsTheDensity) {
   EXPECT_EQ(four.charging_points, 80);
   const GeneratorSettings tiny = Scaled(PresetByName("Random_1"), 0.01);
   EXPECT_EQ(tiny.vehicles, 1);  // 0.2, but never none
-  EXPECT_EQ(Generate(Scaled(PresetByName("Random_1"), 2), 1).width_m, 30'000 * std::sqrt(2.0));
+  EXPECT_EQ(Generate(Scaled(PresetByName("Random_1"), 2), 1).width_m, 42'426);
 }
 
 TEST(Generator, CutCellsHaveTheirCentreInTheArea) {

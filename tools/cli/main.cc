@@ -8,6 +8,8 @@
 #include "lcmtypes/protocol/program.h"
 #include "tools/cli/command.h"
 #include "tools/launch/run_command.h"
+#include "tools/scenario/import_command.h"
+#include "tools/scenario/scenario_command.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -21,7 +23,9 @@ struct Command {
 
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
 const std::vector<Command> kCommands = {
+    {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
+    {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
 };
 
 void PrintUsage() {

@@ -12,12 +12,15 @@
 namespace muster {
 namespace {
 
-constexpr double kCellM = 1000;
-/// Online times are drawn in hundredths of a minute, so that files stay legible.
-constexpr TimeUs kTimeStepUs = kMinuteUs / 100;
-
 /// Which property of an item a draw is for. Part of every scenario's content: never renumber.
-enum Property : std::uint32_t { kPlace = 0, kOnline = 1, kUptime = 2, kPower = 3, kStart = 4 };
+enum Property : std::uint32_t {
+  kPlace = 0,
+  kOnline = 1,
+  kUptime = 2,
+  kPower = 3,
+  kStart = 4,
+  kRecord = 5
+};
 
 struct Row {
   const char* name;
@@ -123,8 +126,8 @@ Stream StreamOf(AgentKind kind) {
 TimeUs DrawTime(TimeUs most_us, std::uint64_t seed, Stream stream, std::size_t id,
                 Property property) {
   Random random(seed, stream, id, property);
-  const double steps = static_cast<double>(std::max<TimeUs>(most_us, 0) / kTimeStepUs);
-  return static_cast<TimeUs>(DrawSteps(&random, steps)) * kTimeStepUs;
+  const double steps = static_cast<double>(std::max<TimeUs>(most_us, 0) / kOnlineStepUs);
+  return static_cast<TimeUs>(DrawSteps(&random, steps)) * kOnlineStepUs;
 }
 
 }  // namespace
@@ -159,9 +162,10 @@ const GeneratorSettings& PresetByName(std::string_view name) {
 
 GeneratorSettings Scaled(GeneratorSettings settings, double scale) {
   MUSTER_CHECK(scale > 0 && std::isfinite(scale), "scale={}", scale);
-  const double side = std::sqrt(scale);
-  settings.width_km *= side;
-  settings.height_km *= side;
+  if (scale == 1) return settings;
+  for (double* side_km : {&settings.width_km, &settings.height_km}) {
+    *side_km = std::round(*side_km * std::sqrt(scale) * 1000) / 1000;
+  }
   for (int* count : {&settings.uavs, &settings.workers, &settings.vehicles, &settings.tasks,
                      &settings.charging_points}) {
     *count = static_cast<int>(std::clamp(std::round(*count * scale), 1.0, 2147483647.0));
@@ -205,6 +209,11 @@ AgentSpec DrawAgent(const GeneratorSettings& settings, std::uint64_t seed, Agent
 
 double DrawTaskCostM(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id) {
   return DrawThousandths(settings.task_cost_km, seed, Stream::kTasks, id, kPower);
+}
+
+std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n) {
+  MUSTER_CHECK(n > 0 && n <= UINT32_MAX, "n={}", n);
+  return Random(seed, StreamOf(kind), id, kRecord).Below(static_cast<std::uint32_t>(n));
 }
 
 Scenario Generate(const GeneratorSettings& settings, std::uint64_t seed) {

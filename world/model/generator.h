@@ -79,7 +79,12 @@ Scenario Generate(const GeneratorSettings& settings, std::uint64_t seed);
 AgentSpec DrawAgent(const GeneratorSettings& settings, std::uint64_t seed, AgentKind kind,
                     std::size_t id);
 double DrawTaskCostM(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id);
+/// Which of `n` > 0 records an agent is made from, uniformly; apart from DrawAgent's draws.
+std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n);
+/// Online times are drawn in these steps, so that files stay legible.
+inline constexpr TimeUs kOnlineStepUs = kMinuteUs / 100;
 
+inline constexpr double kCellM = 1000;
 /// Centre of the 1 km cell, counted from the south-west corner; the last column and row of an area
 /// that is no whole number of km are cut, and so is their centre.
 Point CellCentre(int column, int row, double width_m, double height_m);

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/scenario/table.h"
+#include "world/model/generator.h"
+
+namespace muster::tools {
+
+/// Keeps rows by one column. A field may hold several codes joined by ';'; one that matches one
+/// pattern is enough. A pattern is a whole code, or its beginning when it ends in '*'.
+struct RowFilter {
+  std::string column;
+  std::vector<std::string> patterns;
+
+  bool Matches(std::string_view field) const;
+};
+
+/// "category=1*,2d"; throws InputError naming the flag.
+RowFilter ParseFilter(std::string_view flag, std::string_view text);
+
+/// Microseconds since midnight of the first "H:MM", "H:MM:SS" or "H:MM:SS.fff" in the text, with
+/// "AM" or "PM" behind it or not. The date is not looked at, so its order does not matter.
+std::optional<TimeUs> TimeOfDay(std::string_view text);
+
+/// Where the rows of tasks, charging points or agents are and which they are.
+struct ImportRole {
+  std::optional<std::pair<std::string, std::string>> at;  ///< columns, if not the table's own
+  std::vector<RowFilter> where;                           ///< beside ImportRequest::where
+};
+
+struct ImportWindow {
+  Origin corner;  ///< south-west
+  double width_km = 0;
+  double height_km = 0;
+};
+
+struct ImportRequest {
+  /// Columns of the place and the time, found by common names when not given. A time column that is
+  /// given but empty: times are not used.
+  std::optional<std::string> latitude, longitude, time;
+  std::vector<RowFilter> where;
+  ImportRole tasks, charging, agents;
+  std::optional<ImportWindow> window;  ///< else the densest of the settings' area
+  bool may_turn = false;               ///< the densest window may also be height by width
+  std::optional<TimeUs> start;         ///< mission start, time of day; else the busiest period
+  GeneratorSettings settings;          ///< counts, area, speeds, ...
+  std::uint64_t seed = 1;
+};
+
+struct ImportResult {
+  Scenario scenario;
+  std::vector<std::string> summary;  ///< what was made from what, in lines
+};
+
+/// Makes a scenario from a table of places. Source: ours, after the paper's "discretise, filter,
+/// classify" (appendix B, Real Datasets).
+/// - Places are projected to local ENU at the window's south-west corner, which is the scenario's
+///   origin, and counted in 1 km cells.
+/// - Tasks are the cells with the most rows, charging points those with the most among the cells
+///   that are no tasks (then among tasks); ties: the southern, then the western cell first.
+/// - Each agent stands where a row drawn for it is. With times, rows are of the mission's period of
+///   the day, and an agent comes online at its row's part of the period: that part of [0, limit] or
+///   of [0, limit - its online time] (Uptime). Without, its uptime is drawn as in Generate.
+/// Throws InputError when a column is missing or nothing is left to make a class from.
+ImportResult Import(const Table& table, const ImportRequest& request);
+
+}  // namespace muster::tools

@@ -1,0 +1,50 @@
+#include "tools/scenario/scenario_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lcmtypes/protocol/program.h"
+#include "tools/scenario/settings_options.h"
+
+namespace muster::tools {
+namespace {
+
+std::string Shown(const DrawRange& range) {
+  if (range.low == range.high) return fmt::to_string(range.low);
+  if (std::isinf(range.high)) return fmt::format("{}:", range.low);
+  return fmt::format("{}:{}", range.low, range.high);
+}
+
+void ListPresets() {
+  fmt::print("{:<16} {:>8} {:>5} {:>15} {:>10} {:>4} {:>7} {:>8} {:>12} {:>17}\n", "preset",
+             "area_km", "tasks", "charging_points", "online_min", "uavs", "workers", "vehicles",
+             "task_cost_km", "charge_km_per_min");
+  for (const GeneratorSettings& preset : Presets()) {
+    fmt::print("{:<16} {:>8} {:>5} {:>15} {:>10} {:>4} {:>7} {:>8} {:>12} {:>17}\n", preset.name,
+               fmt::format("{}x{}", preset.width_km, preset.height_km), preset.tasks,
+               preset.charging_points, Shown(preset.online_min), preset.uavs, preset.workers,
+               preset.vehicles, Shown(preset.task_cost_km), Shown(preset.charge_km_per_min));
+  }
+}
+
+}  // namespace
+
+int ScenarioCommand(int argc, const char* const* argv) {
+  cxxopts::Options options("muster scenario", "Writes a random scenario file.");
+  options.add_options()("preset", "Data set of the paper to start from (see --list)",
+                        cxxopts::value<std::string>()->default_value("Random_1"),
+                        "NAME")("list", "Print the presets as a table and exit");
+  AddSettingsOptions(&options);
+  const auto flags = ParseOptions(&options, argc, argv);
+  if (!flags) return kExitOk;
+  if (flags->count("list") > 0) {
+    ListPresets();
+    return kExitOk;
+  }
+  const GeneratorSettings& preset = PresetByName((*flags)["preset"].as<std::string>());
+  WriteScenario(Generate(SettingsFrom(*flags, preset), SeedFrom(*flags)), *flags);
+  return kExitOk;
+}
+
+}  // namespace muster::tools
