@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "scheduler/baselines/greedy.h"
+#include "scheduler/baselines/kwta.h"
 #include "scheduler/policies/paper_policies.h"
 #include "world/model/check.h"
 
@@ -18,13 +20,34 @@ struct Row {
   std::unique_ptr<Policy> (*make)();
 };
 
+template <int kWinners>
+std::unique_ptr<Policy> Kwta() {
+  return std::make_unique<KwtaPolicy>(kWinners);
+}
+template <GreedyPolicy::Aim kAim>
+std::unique_ptr<Policy> Greedy() {
+  return std::make_unique<GreedyPolicy>(kAim);
+}
+template <Foundation kFoundation>
+std::unique_ptr<Policy> Mpq() {
+  return std::make_unique<MpqPolicy>(kFoundation);
+}
+std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
+
 const Row kPolicies[] = {
     {{"mpq", "HoCs-MPQ: iterated local search on a growing subgraph (paper, Alg. 5)"},
-     [] { return std::unique_ptr<Policy>(new MpqPolicy(Foundation::kHierarchical)); }},
+     &Mpq<Foundation::kHierarchical>},
     {{"mpq-uniform", "HoCs-MPQ with uniform foundational weights (paper, section 5.3.3)"},
-     [] { return std::unique_ptr<Policy>(new MpqPolicy(Foundation::kUniform)); }},
-    {{"ils", "HoCs-ILS: iterated local search on the whole graph (paper, Alg. 2)"},
-     [] { return std::unique_ptr<Policy>(new IlsPolicy()); }},
+     &Mpq<Foundation::kUniform>},
+    {{"ils", "HoCs-ILS: iterated local search on the whole graph (paper, Alg. 2)"}, &Ils},
+    {{"kwta", "HoCs-KWTA: K-winners-take-all with K = 3 (paper, appendix B)"}, &Kwta<3>},
+    {{"kwta-1", "HoCs-KWTA with K = 1"}, &Kwta<1>},
+    {{"kwta-5", "HoCs-KWTA with K = 5"}, &Kwta<5>},
+    {{"kwta-10", "HoCs-KWTA with K = 10"}, &Kwta<10>},
+    {{"greedy-sum", "HoCs-GREEDY as the text says: least sum of distances (paper, appendix B)"},
+     &Greedy<GreedyPolicy::Aim::kSum>},
+    {{"greedy-nearest", "HoCs-GREEDY towards the nearest task, as the paper's figures suggest"},
+     &Greedy<GreedyPolicy::Aim::kNearest>},
 };
 
 }  // namespace
