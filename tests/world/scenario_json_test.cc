@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "world/model/check.h"
+#include "world/model/generator.h"
 #include "world/model/random.h"
 
 namespace muster {
@@ -445,6 +447,29 @@ TEST(ScenarioJson, LoadsFilesAndSaysWhyItCannot) {
   std::remove(path.c_str());
   EXPECT_THROW(LoadScenario(path), SystemError);
   EXPECT_THROW(LoadScenario(::testing::TempDir()), SystemError);
+}
+
+std::string ReadAll(const std::string& path) {
+  std::ifstream in(path);
+  EXPECT_TRUE(in) << path;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(ScenarioJson, TheDocumentationsExampleIsValid) {
+  const std::string page = ReadAll(MUSTER_SOURCE_DIR "/docs/scenario-format.md");
+  const std::size_t begin = page.find("```json\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t end = page.find("```", begin + 8);
+  const Scenario s = ParseScenario(page.substr(begin + 8, end - begin - 8), "scenario-format.md");
+  EXPECT_EQ(s.name, "small");
+  EXPECT_EQ(s.disturbances.wind.high, 0.4);
+}
+
+TEST(ScenarioJson, ReadyMadeScenariosAreWhatTheirCommandsWrite) {
+  const std::string random_1 = ReadAll(MUSTER_SOURCE_DIR "/scenarios/random_1.json");
+  EXPECT_EQ(random_1, ScenarioToJson(Generate(PresetByName("Random_1"), 1)));
+  const std::string haiti = ReadAll(MUSTER_SOURCE_DIR "/scenarios/haiti.json");
+  EXPECT_EQ(haiti, ScenarioToJson(ParseScenario(haiti, "haiti.json")));
 }
 
 }  // namespace

@@ -103,7 +103,8 @@ Table ParseCsv(std::string_view text, std::string_view file) {
   csv_free(&parser);
   if (!is_read) {
     throw InputError(file, fmt::format("record {}", sink.rows.size() + 1),
-                     fmt::format("malformed CSV ({})", error), "fields in closed quotes or without any");
+                     fmt::format("malformed CSV ({})", error),
+                     "fields in closed quotes or without any");
   }
   if (sink.rows.empty()) throw InputError(file, "content", "nothing", "a line of column names");
 
