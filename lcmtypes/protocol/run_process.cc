@@ -10,9 +10,9 @@
 #include <climits>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/lossy_bus.h"
 #include "lcmtypes/protocol/program.h"
 #include "world/model/check.h"
 
@@ -21,7 +21,6 @@ namespace {
 
 constexpr TimeUs kHeartbeatUs = 1'000'000;
 constexpr TimeUs kLongestWaitUs = 200'000;
-constexpr const char* kDefaultUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
 
 std::atomic<bool> stop_requested = false;
 
@@ -68,10 +67,8 @@ Usage HostUsage() {
 }
 
 void AddProcessOptions(cxxopts::Options* options, const std::string& default_name) {
-  const char* url = std::getenv("LCM_DEFAULT_URL");
-  options->add_options("Process")(
-      "l,lcm-url", "LCM URL",
-      cxxopts::value<std::string>()->default_value(url ? url : kDefaultUrl))(
+  options->add_options("Process")("l,lcm-url", "LCM URL",
+                                  cxxopts::value<std::string>()->default_value(DefaultUrl()))(
       "name", "Sender name of this process",
       cxxopts::value<std::string>()->default_value(default_name))(
       "run-id", "Messages of other runs are ignored",
@@ -113,7 +110,11 @@ ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result) {
 
 std::unique_ptr<Bus> OpenBus(const ProcessFlags& flags) {
   auto bus = std::make_unique<LcmBus>(flags.lcm_url);
-  return bus;
+  if (flags.drop == 0) return bus;
+  auto lossy = std::make_unique<LossyBus>(std::move(bus), flags.drop_seed, flags.identity.name,
+                                          &MonotonicUs);
+  lossy->SetFaults({.loss = flags.drop});
+  return lossy;
 }
 
 int RunProcess(Process* process, Bus* bus, bool quiet) {
