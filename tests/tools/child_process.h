@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace muster::tools {
+
+/// How a forked child ended and what it wrote to stdout and stderr.
+struct ChildResult {
+  int exit_code = -1;  ///< -1 when a signal ended it
+  std::string output;
+};
+
+/// Runs `body` in a forked child, which exits with its result.
+ChildResult RunInChild(const std::function<int()>& body);
+
+/// Replaces the process by `program`, which must be a path; never returns.
+[[noreturn]] void Exec(const std::string& program, const std::string& argument);
+
+/// A network that refuses private ones for real: a user namespace whose limit on network namespaces
+/// is 0, where this process is root. With `route`, multicast is routed over lo as on a host set up
+/// for it; without, there is no network at all. False where the kernel forbids making it. Only in a
+/// child: there is no way back.
+bool EnterRefusingNetwork(bool route);
+
+}  // namespace muster::tools
