@@ -112,6 +112,10 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   agent.partner = wire.partner_id;
   agent.decision = wire.decision;
   agent.busy_until_us = wire.busy_until_us;
+  if (kind == AgentKind::kUav && action != ActionKind::kNone) {
+    agent.range_per_m =
+        RangePerMetre(UavId(wire.id), wire.decision, limits.disturbances, limits.seed);
+  }
   agent.failed = static_cast<AgentStatus>(wire.status) == AgentStatus::kFailed;
   return agent;
 }

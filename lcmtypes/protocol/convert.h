@@ -10,18 +10,22 @@
 
 namespace muster {
 
-/// What a wire message's ids and times must fit into.
+/// What of a scenario a wire message must fit into. The scenario must outlive it.
 struct WireLimits {
   const std::vector<Task>& tasks;
   const std::vector<ChargingPoint>& charging_points;
   std::size_t uavs = 0, workers = 0, vehicles = 0;
+  const Disturbances& disturbances;
+  std::uint64_t seed = 0;
 
   explicit WireLimits(const Scenario& scenario)
       : tasks(scenario.tasks),
         charging_points(scenario.charging_points),
         uavs(scenario.uavs.size()),
         workers(scenario.workers.size()),
-        vehicles(scenario.vehicles.size()) {}
+        vehicles(scenario.vehicles.size()),
+        disturbances(scenario.disturbances),
+        seed(scenario.seed) {}
   std::size_t agents(AgentKind kind) const {
     return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
   }
@@ -30,8 +34,9 @@ struct WireLimits {
 /// The state at time t, as its agent process reports it.
 agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
 
-/// The inverse, for a report of time t; nothing when an id, time or number is impossible. What the
-/// wire does not carry: the activity (Settle() attaches it) and the wind (range_per_m is 1).
+/// The inverse, for a report of time t; nothing when an id, time or number is impossible. The wire
+/// does not carry the activity (Settle() attaches it) nor the wind on the leg under way, which is
+/// drawn again: whoever compares two reports sees it too.
 std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
                                    const WireLimits& limits);
 

@@ -82,7 +82,7 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
   const TimeUs t = tick_us(tick_);
   const std::string& sender = states.header.sender;
   for (const agent_t& wire : states.agents) {
-    std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
+    const std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
     if (!agent) {
       inbox().Reject();
       continue;
@@ -98,10 +98,6 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     if (heard_[k][id]) continue;
     heard_[k][id] = 1;
     --missing_;
-    if (kind == AgentKind::kUav && agent->action != ActionKind::kNone) {
-      agent->range_per_m =
-          RangePerMetre(UavId(wire.id), agent->decision, scenario_.disturbances, scenario_.seed);
-    }
     agents_.of(kind)[id] = *agent;
   }
 }

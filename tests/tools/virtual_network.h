@@ -1,0 +1,91 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/protocol/process.h"
+#include "world/model/random.h"
+
+namespace muster::tools::testing {
+
+/// What a virtual network does to each packet at each receiver.
+struct NetworkFaults {
+  double loss = 0;
+  double duplication = 0;
+  TimeUs longest_delay_us = 100;  ///< uniform in [50, longest]: overtaking beyond 50
+};
+
+/// Processes in virtual time over a network that loses, doubles and reorders packets, all drawn
+/// from a seed. No real clock, so a test of hours of protocol takes milliseconds and repeats
+/// exactly.
+class VirtualNetwork {
+ public:
+  VirtualNetwork(const NetworkFaults& faults, std::uint64_t seed)
+      : faults_(faults), random_(seed, Stream::kTest) {}
+
+  void Add(std::unique_ptr<Process> process) {
+    const std::string name = process->identity().name;
+    processes_[name] = std::move(process);
+    arrivals_[{now_us_, serial_++}] = {name, std::nullopt};
+  }
+  void Kill(const std::string& name) { processes_.erase(name); }
+
+  /// Runs until `done` or until `limit_us` of virtual time; every packet sent goes to `observe`.
+  /// Returns whether `done` was reached.
+  bool Run(TimeUs limit_us, const std::function<bool()>& done,
+           const std::function<void(const Packet&)>& observe) {
+    while (!done()) {
+      TimeUs wake_us = arrivals_.empty() ? kNever : arrivals_.begin()->first.first;
+      std::string waker;
+      for (const auto& [name, process] : processes_) {
+        if (process->wake_us() < wake_us) {
+          wake_us = process->wake_us();
+          waker = name;
+        }
+      }
+      if (wake_us == kNever || wake_us > limit_us) return false;
+      now_us_ = std::max(now_us_, wake_us);
+      std::vector<Packet> arrived;
+      if (waker.empty()) {
+        auto arrival = arrivals_.extract(arrivals_.begin());
+        waker = arrival.mapped().first;
+        if (arrival.mapped().second) arrived.push_back(*arrival.mapped().second);
+      }
+      const auto process = processes_.find(waker);
+      if (process == processes_.end()) continue;
+      std::vector<Packet> out;
+      process->second->Step(arrived, {now_us_, 0}, &out);
+      for (const Packet& packet : out) {
+        observe(packet);
+        Send(waker, packet);
+      }
+    }
+    return true;
+  }
+
+ private:
+  void Send(const std::string& sender, const Packet& packet) {
+    for (const auto& [name, process] : processes_) {
+      if (name == sender || random_.Uniform() < faults_.loss) continue;
+      const int copies = random_.Uniform() < faults_.duplication ? 2 : 1;
+      for (int i = 0; i < copies; ++i) {
+        const auto delay =
+            static_cast<TimeUs>(random_.Uniform(50, static_cast<double>(faults_.longest_delay_us)));
+        arrivals_[{now_us_ + delay, serial_++}] = {name, packet};
+      }
+    }
+  }
+
+  NetworkFaults faults_;
+  Random random_;
+  TimeUs now_us_ = 0;
+  std::int64_t serial_ = 0;
+  std::map<std::string, std::unique_ptr<Process>> processes_;
+  std::map<std::pair<TimeUs, std::int64_t>, std::pair<std::string, std::optional<Packet>>>
+      arrivals_;
+};
+
+}  // namespace muster::tools::testing

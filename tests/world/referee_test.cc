@@ -1,0 +1,250 @@
+#include "world/truth/referee.h"
+
+#include <gtest/gtest.h>
+
+namespace muster::world {
+namespace {
+
+/// One UAV and one worker 5 km and 4 km from one task; a vehicle at a charging point.
+Scenario SmallScenario() {
+  Scenario scenario;
+  scenario.width_m = scenario.height_m = 10'000;
+  scenario.rules.interval_us = 600 * kSecondUs;
+  scenario.rules.limit_us = 3600 * kSecondUs;
+  AgentSpec agent;
+  agent.online_until_us = 3000 * kSecondUs;
+  agent.speed_m_s = 10;
+  agent.range_full_m = agent.range_m = 20'000;
+  scenario.uavs = {agent};
+  agent.at = {3000, 0};
+  agent.speed_m_s = 5;
+  scenario.workers = {agent};
+  agent.at = {0, 1000};
+  agent.charge_rate_m_s = 50;
+  scenario.vehicles = {agent};
+  scenario.tasks = {{{3000, 4000}, 600}};
+  scenario.charging_points = {{{0, 1000}, 1}};
+  return scenario;
+}
+
+Agents StartAgents(const Scenario& scenario) {
+  Agents agents;
+  for (const AgentKind kind : kAgentKinds) {
+    for (std::size_t i = 0; i < scenario.agents(kind).size(); ++i) {
+      agents.of(kind).push_back(
+          StartOf(kind, static_cast<std::int32_t>(i), scenario.agents(kind)[i]));
+    }
+  }
+  return agents;
+}
+
+/// The agents' side of the lockstep without messages: a verdict reaches them before the next tick.
+class Mission {
+ public:
+  explicit Mission(Scenario scenario)
+      : scenario_(std::move(scenario)), agents_(StartAgents(scenario_)), referee_(scenario_) {}
+
+  void Command(const Action& action) { command_ = action; }
+  void Judge(TimeUs t, std::int32_t decision = -1) {
+    if (previous_us_ >= 0) {
+      for (const AgentKind kind : kAgentKinds) {
+        for (AgentState& agent : agents_.of(kind)) {
+          Settle(&agent, referee_.verdict(), previous_us_, scenario_.tasks);
+        }
+      }
+    }
+    if (command_) {
+      const auto begin = [&](AgentKind kind, std::int32_t id) {
+        if (id >= 0) {
+          Begin(&agents_.at(kind, id), *command_, decision_, previous_us_, scenario_.disturbances,
+                1);
+        }
+      };
+      begin(AgentKind::kUav, command_->uav.value);
+      begin(AgentKind::kWorker, command_->worker.value);
+      begin(AgentKind::kVehicle, command_->vehicle.value);
+      command_.reset();
+    }
+    Agents reported = agents_;
+    referee_.Judge(t, decision, &reported);
+    for (const Event& event : referee_.TakeEvents()) events_.push_back(event);
+    previous_us_ = t;
+    decision_ = decision;
+  }
+  std::vector<std::pair<Event::Kind, TimeUs>> Happened() const {
+    std::vector<std::pair<Event::Kind, TimeUs>> list;
+    for (const Event& event : events_) {
+      if (event.kind != Event::Kind::kAgentOnline)
+        list.push_back({event.kind, event.at_us / kSecondUs});
+    }
+    return list;
+  }
+  Referee& referee() { return referee_; }
+  Agents& agents() { return agents_; }
+
+ private:
+  Scenario scenario_;
+  Agents agents_;
+  Referee referee_;
+  std::optional<Action> command_;
+  TimeUs previous_us_ = -1;
+  std::int32_t decision_ = -1;
+  std::vector<Event> events_;
+};
+
+Action Sense() {
+  Action action;
+  action.kind = ActionKind::kSense;
+  action.uav = UavId(0);
+  action.worker = WorkerId(0);
+  action.task = TaskId(0);
+  action.to = {3000, 4000};
+  return action;
+}
+
+using Kind = Event::Kind;
+using Happened = std::vector<std::pair<Kind, TimeUs>>;
+
+TEST(Referee, EventsDoNotDependOnTheTick) {
+  for (const TimeUs tick : {20, 30, 300, 600}) {
+    Mission mission(SmallScenario());
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    for (TimeUs t = tick; t <= 1200; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(),
+              (Happened{{Kind::kSensingStarted, 800}, {Kind::kSensingDone, 860}}))
+        << "tick " << tick;
+    EXPECT_EQ(mission.referee().done(), 1);
+  }
+}
+
+TEST(Referee, TaskGoesFromReservedToSensingToDone) {
+  Mission mission(SmallScenario());
+  const auto status = [&] { return mission.referee().task_status()[0]; };
+  mission.Judge(0, 0);
+  EXPECT_EQ(status(), TaskStatus::kOpen);
+  mission.Command(Sense());
+  mission.Judge(30 * kSecondUs);
+  EXPECT_EQ(status(), TaskStatus::kReserved);
+  mission.Judge(810 * kSecondUs);
+  EXPECT_EQ(status(), TaskStatus::kSensing);
+  mission.Judge(900 * kSecondUs);
+  EXPECT_EQ(status(), TaskStatus::kDone);
+  mission.Judge(930 * kSecondUs);
+  mission.Judge(960 * kSecondUs);
+  EXPECT_EQ(status(), TaskStatus::kDone);
+  EXPECT_TRUE(mission.referee().verdict().activities().empty());
+}
+
+TEST(Referee, FailedPartnerReleasesTheSurvivorAndReopensTheTask) {
+  for (const TimeUs tick : {30, 600}) {
+    Mission mission(SmallScenario());
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 900 * kSecondUs, "test"});
+    for (TimeUs t = tick; t <= 1200; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 300},
+                                            {Kind::kSensingAborted, 300},
+                                            {Kind::kAgentBack, 900}}));
+    EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
+    const AgentState& uav = mission.agents().uavs[0];
+    EXPECT_TRUE(uav.idle(300 * kSecondUs));
+    EXPECT_EQ(PositionAt(uav, 1200 * kSecondUs), (Point{1800, 2400}));  // 300 s at 10 m/s
+    EXPECT_DOUBLE_EQ(RangeAt(uav, 1200 * kSecondUs, {}), 20'000 - 3000);
+  }
+}
+
+TEST(Referee, FailureWhileSensingSpendsProRataWhateverTheTick) {
+  for (const TimeUs tick : {30, 900}) {
+    const Scenario scenario = SmallScenario();
+    Mission mission(scenario);
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, "test"});
+    for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
+                                            {Kind::kAgentFailed, 815},
+                                            {Kind::kSensingAborted, 815}}))
+        << "tick " << tick;
+    EXPECT_DOUBLE_EQ(RangeAt(mission.agents().uavs[0], 1800 * kSecondUs, scenario.tasks),
+                     20'000 - 5000 - 150);
+  }
+}
+
+TEST(Referee, UavThatRunsDryFailsOnItsWay) {
+  Scenario scenario = SmallScenario();
+  scenario.disturbances.wind = {1, 1};  // twice the range a metre
+  scenario.uavs[0].range_m = 6'000;     // dry after 3 km
+  Mission mission(scenario);
+  mission.Judge(0, 0);
+  mission.Command(Sense());
+  mission.Judge(30 * kSecondUs);
+  EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kReserved);
+  mission.Judge(600 * kSecondUs);
+  EXPECT_EQ(mission.Happened(),
+            (Happened{{Kind::kAgentFailed, 300}, {Kind::kSensingAborted, 300}}));
+  EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
+}
+
+TEST(Referee, HalfACommandIsNoActivity) {
+  Mission mission(SmallScenario());
+  mission.Judge(0, 0);
+  Agents& agents = mission.agents();
+  Begin(&agents.uavs[0], Sense(), 0, 0, {}, 1);
+  mission.Judge(30 * kSecondUs);
+  mission.Judge(60 * kSecondUs);
+  EXPECT_TRUE(agents.uavs[0].idle(30 * kSecondUs));
+  EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
+  EXPECT_TRUE(mission.Happened().empty());
+}
+
+TEST(Referee, MeetingStartsSensingOnlyWhereTheScenarioSaysSo) {
+  for (const bool meets : {false, true}) {
+    Scenario scenario = SmallScenario();
+    scenario.rules.start_on_meeting = meets;
+    scenario.uavs[0].at = {3400, 4300};
+    scenario.workers[0].at = {3900, 4900};
+    Mission mission(scenario);
+    mission.Judge(0, 0);
+    mission.Judge(600 * kSecondUs);
+    EXPECT_EQ(mission.referee().done(), meets ? 1 : 0);
+    if (meets) {
+      EXPECT_EQ(mission.Happened(),
+                (Happened{{Kind::kSensingStarted, 0}, {Kind::kSensingDone, 60}}));
+      EXPECT_DOUBLE_EQ(RangeAt(mission.agents().uavs[0], 600 * kSecondUs, scenario.tasks), 19'400);
+    }
+  }
+}
+
+TEST(Referee, ContinuesFromItsOwnVerdictAfterARestart) {
+  Scenario scenario = SmallScenario();
+  Mission mission(scenario);
+  mission.Judge(0, 0);
+  mission.Command(Sense());
+  mission.Judge(30 * kSecondUs);
+  Referee restarted(scenario);
+  restarted.Restore(30 * kSecondUs, mission.referee().task_status(), mission.referee().verdict());
+  Agents agents = mission.agents();
+  for (AgentState& uav : agents.uavs) {
+    Settle(&uav, mission.referee().verdict(), 30 * kSecondUs, scenario.tasks);
+  }
+  restarted.Judge(900 * kSecondUs, -1, &agents);
+  const std::vector<Event> events = restarted.TakeEvents();
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[1].kind, Kind::kSensingDone);
+  EXPECT_EQ(events[1].at_us, 860 * kSecondUs);
+  EXPECT_EQ(restarted.done(), 1);
+}
+
+TEST(Referee, FailedMatchIsTold) {
+  Scenario scenario = SmallScenario();
+  scenario.disturbances.match_failure = {1, 1};
+  Mission mission(scenario);
+  mission.Judge(0, 0);
+  mission.referee().Take(0, {Sense()});
+  mission.Judge(30 * kSecondUs);
+  EXPECT_EQ(mission.Happened(), (Happened{{Kind::kMatchFailed, 0}}));
+}
+
+}  // namespace
+}  // namespace muster::world
