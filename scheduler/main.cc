@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "lcmtypes/protocol/program.h"
 #include "lcmtypes/protocol/run_process.h"
 #include "scheduler/process/scheduler_process.h"
@@ -5,9 +7,15 @@
 namespace muster::scheduler {
 namespace {
 
+std::string PolicyHelp() {
+  std::string help = "How to decide:";
+  for (const PolicyInfo& policy : Policies()) help += fmt::format(" {}", policy.name);
+  return help;
+}
+
 int Main(int argc, char** argv) {
   cxxopts::Options options("muster-scheduler", "The scheduler of a mission");
-  options.add_options()("policy", "How to decide; muster policies lists them",
+  options.add_options()("policy", PolicyHelp(),
                         cxxopts::value<std::string>()->default_value(std::string(kDefaultPolicy)));
   AddProcessOptions(&options, "scheduler");
   const auto result = ParseOptions(&options, argc, argv);

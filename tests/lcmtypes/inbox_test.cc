@@ -1,0 +1,56 @@
+#include "lcmtypes/protocol/inbox.h"
+
+#include <gtest/gtest.h>
+
+#include "lcmtypes/bus/codec.h"
+
+namespace muster {
+namespace {
+
+Packet ClockFrom(const std::string& sender, std::int64_t seq, std::int64_t run_id = 1) {
+  clock_t clock{};
+  clock.header.run_id = run_id;
+  clock.header.sender = sender;
+  clock.header.seq = seq;
+  clock.decision = clock.required_decision = -1;
+  return {"MUSTER_CLOCK", Encode(clock)};
+}
+
+TEST(Inbox, OpensWhatIsMeantForIt) {
+  Inbox inbox(1, "uav");
+  const auto message = inbox.Open(ClockFrom("world", 0));
+  ASSERT_TRUE(message);
+  EXPECT_TRUE(std::holds_alternative<clock_t>(*message));
+  EXPECT_EQ(inbox.counters().received, 1);
+}
+
+TEST(Inbox, CountsAndDropsStrangersAndGarbage) {
+  Inbox inbox(1, "uav");
+  EXPECT_FALSE(inbox.Open(ClockFrom("world", 0, 2)));
+  EXPECT_FALSE(inbox.Open({"MUSTER_CLOCK", {1, 2, 3}}));
+  EXPECT_FALSE(inbox.Open({"MUSTER_NOTHING", ClockFrom("world", 0).bytes}));
+  EXPECT_FALSE(inbox.Open({"MUSTER_WORLD", ClockFrom("world", 0).bytes}));
+  EXPECT_EQ(inbox.counters().rejected, 4);
+  EXPECT_EQ(inbox.counters().received, 0);
+}
+
+TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
+  Inbox inbox(1, "world");
+  EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));
+  EXPECT_EQ(inbox.counters().rejected, 0);
+  EXPECT_EQ(inbox.counters().received, 0);
+}
+
+TEST(Inbox, LossIsKnownFromTheNumbersAndEndsWhenTheyCome) {
+  Inbox inbox(1, "uav");
+  inbox.Open(ClockFrom("world", 0));
+  inbox.Open(ClockFrom("world", 3));
+  inbox.Open(ClockFrom("world", 3));
+  EXPECT_EQ(inbox.lost(), 2);
+  inbox.Open(ClockFrom("world", 1));
+  inbox.Open(ClockFrom("world", 2));
+  EXPECT_EQ(inbox.lost(), 0);
+}
+
+}  // namespace
+}  // namespace muster
