@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <muster/agent_states_t.hpp>
 
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
@@ -42,15 +43,23 @@ bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
 AgentProcess::AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids)
     : Process(std::move(identity), window), kind_(kind), ids_(ids) {}
 
-void AgentProcess::OnMessage(const Message& message, const Packet&, const Now&) {
+void AgentProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
   if (!scenario_) {
     if (const auto* scenario = std::get_if<scenario_t>(&message)) Take(*scenario);
     return;
   }
   Handle(
-      message, [&](const clock_t& clock) { Take(clock); },
-      [&](const world_state_t& world) { Take(world); },
-      [&](const rulings_t& rulings) { Take(rulings); },
+      message, [&](const restore_t& restore) { Take(restore); },
+      [&](const request_t& request) { Answer(request, now); },
+      [&](const clock_t& clock) { Take(clock); },
+      [&](const world_state_t& world) {
+        Take(world);
+        if (activities_ && world.tick == tick_) world_packet_ = packet;
+      },
+      [&](const rulings_t& rulings) {
+        Take(rulings);
+        if (rulings_ && rulings.tick == tick_) rulings_packet_ = packet;
+      },
       [&](const schedule_t& schedule) { Take(schedule); });
 }
 
@@ -71,17 +80,97 @@ void AgentProcess::Take(const scenario_t& message) {
   for (std::int32_t id = first; id <= last; ++id) {
     agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)]));
   }
-  set_state(ProcessState::kReady);
+  restored_ = identity().boot_id == 0;
+  if (restored_) set_state(ProcessState::kReady);
+}
+
+void AgentProcess::Take(const restore_t& restore) {
+  if (restored_ || restore.channel != ChannelOf(kind_)) return;
+  if (restore.data.empty()) {  // the mission has not begun
+    restored_ = true;
+    set_state(ProcessState::kReady);
+    return;
+  }
+  const auto states = DecodeValid<agent_states_t>(restore.data);
+  if (!states || states->header.run_id != identity().run_id ||
+      static_cast<AgentKind>(states->kind) != kind_) {
+    inbox().Reject();
+    return;
+  }
+  if (states->tick < tick_) return;
+  if (states->tick > tick_) {
+    tick_ = states->tick;
+    restored_states_.clear();
+    still_unknown_.clear();
+    for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
+  }
+  tick_us_ = states->header.sim_us;
+  applied_decision_ = states->applied_decision;
+  for (const agent_t& wire : states->agents) {
+    if (still_unknown_.count(wire.id) == 0) continue;
+    const auto agent = FromWire(wire, kind_, tick_us_, WireLimits(*scenario_));
+    if (!agent) {
+      inbox().Reject();
+      continue;
+    }
+    agents_[static_cast<std::size_t>(wire.id - agents_.front().id)] = *agent;
+    restored_states_.push_back(wire);
+    still_unknown_.erase(wire.id);
+  }
+  restored_ = still_unknown_.empty();
+  if (restored_) {
+    set_state(ProcessState::kRunning);
+    clock_.reset();
+    activities_.reset();
+    rulings_.reset();
+    schedule_.reset();
+  }
+}
+
+void AgentProcess::Answer(const request_t& request, const Now& now) {
+  if (!restored_) return;
+  const auto answer = [&](std::int64_t tick, const Packet& packet) {
+    restore_t restore{};
+    restore.channel = request.channel;
+    restore.tick = tick;
+    restore.data = packet.bytes;
+    restore.n = static_cast<std::int32_t>(restore.data.size());
+    sender().Send(channel::kRestore, std::move(restore), tick_us_, now);
+  };
+  if (request.channel == ChannelOf(kind_)) {
+    if (published_.packets.empty()) answer(-1, {});
+    for (const SentPacket& packet : published_.packets) answer(published_.tick, *packet);
+  }
+  if (request.channel == channel::kWorld) answer(consumed_.tick, consumed_.world);
+  if (request.channel == channel::kRulings) answer(consumed_.tick, consumed_.rulings);
+}
+
+void AgentProcess::Ask(std::string_view name, const Now& now) {
+  if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
+  if (!request_.Fire(now.monotonic_us)) return;
+  request_t request{};
+  request.channel = name;
+  sender().Send(channel::kRequest, std::move(request), tick_us_, now);
 }
 
 void AgentProcess::Take(const clock_t& clock) {
+  if (!restored_) return;
   if (clock.phase == 2) set_state(ProcessState::kEnded);
   if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
-  if (clock.tick == tick_) clock_repeated_ = clock.phase < 2;
+  if (clock.phase < 2 && (clock.tick == tick_ || clock.tick == tick_ - 1)) {
+    repeat_tick_ = clock.tick;
+  }
   if (clock.tick == tick_ + 1) clock_ = clock;
 }
 
 void AgentProcess::Take(const world_state_t& world) {
+  if (world.tick > tick_ && restored_) {
+    // The world has judged a tick that this process does not know: its agents' states of that tick
+    // came from an earlier start of it. Go on from them.
+    restored_ = false;
+    for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
+    return;
+  }
   if (world.tick != tick_ || activities_) return;
   std::vector<Activity> activities;
   if (FromWireAll(world.activities, WireLimits(*scenario_), &activities)) {
@@ -121,26 +210,25 @@ bool AgentProcess::CanAdvance() const {
 }
 
 void AgentProcess::OnStep(const Now& now) {
-  if (!scenario_) {
-    if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
-    if (request_.Fire(now.monotonic_us)) {
-      request_t request{};
-      request.channel = channel::kScenario;
-      sender().Send(channel::kRequest, std::move(request), 0, now);
-    }
-    return;
-  }
+  if (!scenario_) return Ask(channel::kScenario, now);
+  if (!restored_) return Ask(ChannelOf(kind_), now);
   request_.Stop();
+  if (!restored_states_.empty()) {
+    // As they were: what these agents know beyond the wire only comes with the next verdict.
+    PublishStates(std::exchange(restored_states_, {}), now);
+  }
   if (CanAdvance()) {
     Advance(now);
-  } else if (clock_repeated_) {
-    for (const SentPacket& packet : states_packets_) sender().Resend(packet);
+  } else if (repeat_tick_ >= 0) {
+    const Published& asked = repeat_tick_ == published_.tick ? published_ : published_before_;
+    for (const SentPacket& packet : asked.packets) sender().Resend(packet);
   }
-  clock_repeated_ = false;
+  repeat_tick_ = -1;
 }
 
 void AgentProcess::Advance(const Now& now) {
   if (tick_ >= 0) {
+    consumed_ = {tick_, std::move(world_packet_), std::move(rulings_packet_)};
     const Verdict verdict(std::move(*activities_), std::move(*rulings_));
     for (AgentState& agent : agents_) Settle(&agent, verdict, tick_us_, scenario_->tasks);
     if (clock_->required_decision > applied_decision_) {
@@ -155,7 +243,10 @@ void AgentProcess::Advance(const Now& now) {
   rulings_.reset();
   schedule_.reset();
   set_sim_us(tick_us_);
-  PublishStates(now);
+  std::vector<agent_t> wires;
+  for (const AgentState& agent : agents_)
+    wires.push_back(ToWire(agent, tick_us_, scenario_->tasks));
+  PublishStates(wires, now);
 }
 
 void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t) {
@@ -172,19 +263,19 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
   }
 }
 
-void AgentProcess::PublishStates(const Now& now) {
-  states_packets_.clear();
-  for (std::size_t first = 0; first < agents_.size(); first += kAgentsPerMessage) {
-    const std::size_t last = std::min(agents_.size(), first + kAgentsPerMessage);
+void AgentProcess::PublishStates(const std::vector<agent_t>& wires, const Now& now) {
+  published_before_ = std::move(published_);
+  published_ = {tick_, {}};
+  for (std::size_t first = 0; first < wires.size(); first += kAgentsPerMessage) {
+    const std::size_t last = std::min(wires.size(), first + kAgentsPerMessage);
     agent_states_t states{};
     states.kind = static_cast<std::int8_t>(kind_);
     states.tick = tick_;
     states.applied_decision = applied_decision_;
     states.n = static_cast<std::int32_t>(last - first);
-    for (std::size_t i = first; i < last; ++i) {
-      states.agents.push_back(ToWire(agents_[i], tick_us_, scenario_->tasks));
-    }
-    states_packets_.push_back(sender().Send(ChannelOf(kind_), std::move(states), tick_us_, now));
+    states.agents.assign(wires.begin() + static_cast<std::ptrdiff_t>(first),
+                         wires.begin() + static_cast<std::ptrdiff_t>(last));
+    published_.packets.push_back(sender().Send(ChannelOf(kind_), std::move(states), tick_us_, now));
   }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,10 +35,13 @@ class AgentProcess : public Process {
   void Take(const world_state_t& world);
   void Take(const rulings_t& rulings);
   void Take(const schedule_t& schedule);
+  void Take(const restore_t& restore);
+  void Answer(const request_t& request, const Now& now);
+  void Ask(std::string_view channel, const Now& now);
   bool CanAdvance() const;
   void Advance(const Now& now);
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
-  void PublishStates(const Now& now);
+  void PublishStates(const std::vector<agent_t>& wires, const Now& now);
 
   const AgentKind kind_;
   const IdRange ids_;
@@ -46,10 +51,26 @@ class AgentProcess : public Process {
   std::int64_t tick_ = -1;  ///< of the published states
   TimeUs tick_us_ = 0;
   std::int32_t applied_decision_ = -1;
-  std::vector<SentPacket> states_packets_;
+  bool restored_ = false;                 ///< has a state to go on from
+  std::set<std::int32_t> still_unknown_;  ///< ids not restored yet
+  std::vector<agent_t> restored_states_;  ///< to be published again
 
-  std::optional<clock_t> clock_;  ///< newest
-  bool clock_repeated_ = false;
+  /// What was published for the last two ticks: a world that starts again may ask for the earlier.
+  struct Published {
+    std::int64_t tick = -1;
+    std::vector<SentPacket> packets;
+  };
+  Published published_, published_before_;
+  /// The verdict that led to tick_, for a world that starts again.
+  struct Consumed {
+    std::int64_t tick = -1;
+    Packet world, rulings;
+  };
+  Consumed consumed_;
+  Packet world_packet_, rulings_packet_;  ///< of the verdict on tick_
+
+  std::optional<clock_t> clock_;                     ///< newest
+  std::int64_t repeat_tick_ = -1;                    ///< of a clock heard again; -1: none
   std::optional<std::vector<Activity>> activities_;  ///< of the verdict on tick_
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
   std::optional<std::vector<Action>> schedule_;      ///< of the decision after the applied one

@@ -42,13 +42,11 @@ void SchedulerProcess::Take(const scenario_t& message) {
 void SchedulerProcess::Take(const clock_t& clock) {
   if (clock.phase == 2) set_state(ProcessState::kEnded);
   if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
-  if (clock.tick == tick_) clock_repeated_ = clock.phase < 2;
+  if (clock.phase < 2 && clock.tick <= tick_) repeat_tick_ = clock.tick;
   if (clock.tick <= tick_) return;
   tick_ = clock.tick;
   tick_us_ = clock.tick_us;
   due_ = clock.decision;
-  schedule_packet_.reset();
-  clock_repeated_ = false;
   set_sim_us(tick_us_);
   if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
 }
@@ -66,10 +64,10 @@ void SchedulerProcess::OnStep(const Now& now) {
   request_.Stop();
   if (due_ >= 0 && fusion_->complete()) {
     Decide(now);
-  } else if (clock_repeated_ && schedule_packet_) {
+  } else if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
     sender().Resend(schedule_packet_);
   }
-  clock_repeated_ = false;
+  repeat_tick_ = -1;
 }
 
 void SchedulerProcess::Decide(const Now& now) {
@@ -86,6 +84,7 @@ void SchedulerProcess::Decide(const Now& now) {
   schedule.n = static_cast<std::int32_t>(schedule.actions.size());
   schedule.solve_us = stopwatch_() - begin;
   schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
+  schedule_tick_ = tick_;
   due_ = -1;
 }
 

@@ -15,7 +15,8 @@ namespace muster::scheduler {
 using Stopwatch = TimeUs (*)();
 
 /// The scheduler in lockstep (docs/mission.md): on a decision tick it fuses what it heard, decides
-/// and publishes; when the clock is repeated it publishes the same again. It keeps nothing else.
+/// and publishes; when the clock is repeated it publishes the same again. It keeps nothing that it
+/// could not make again.
 class SchedulerProcess : public Process {
  public:
   SchedulerProcess(Identity identity, int window, std::string policy, Stopwatch stopwatch);
@@ -38,9 +39,10 @@ class SchedulerProcess : public Process {
   std::optional<Fusion> fusion_;
   std::int64_t tick_ = -1;  ///< of the newest clock
   TimeUs tick_us_ = 0;
-  std::int32_t due_ = -1;  ///< decision to make at tick_; -1: none, or made
-  bool clock_repeated_ = false;
-  SentPacket schedule_packet_;  ///< of tick_
+  std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
+  std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
+  SentPacket schedule_packet_;     ///< the newest
+  std::int64_t schedule_tick_ = -1;
   BackOff request_{5'000, 200'000};
 };
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "agents/core/agent_process.h"
+#include "lcmtypes/bus/codec.h"
 #include "scheduler/process/scheduler_process.h"
 #include "tests/tools/virtual_network.h"
 #include "tools/report/digest.h"
@@ -24,36 +25,58 @@ std::string SimulatedDigest(const std::string& json) {
   return Digest(record);
 }
 
+std::unique_ptr<Process> Start(const std::string& name, std::int64_t boot_id,
+                               const std::string& json) {
+  const Identity identity{1, name, boot_id};
+  if (name == "world") {
+    return std::make_unique<world::WorldProcess>(identity, 0, json, world::WorldOptions());
+  }
+  if (name == "scheduler") {
+    return std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
+                                                         [] { return TimeUs{0}; });
+  }
+  for (const AgentKind kind : kAgentKinds) {
+    if (name == ToString(kind)) {
+      return std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange());
+    }
+  }
+  return nullptr;
+}
+
 struct Outcome {
   bool ended = false;
   std::string digest;
+  int sent = 0;
+};
+
+/// Kills `victim` when `kill_at` packets have been sent, and starts it again.
+struct Kill {
+  std::string victim;
+  int kill_at = 0;
 };
 
 Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::string& json,
-                int uav_processes = 1) {
+                const std::optional<Kill>& kill = {}) {
   VirtualNetwork network(faults, seed);
-  auto world = std::make_unique<world::WorldProcess>(Identity{1, "world", 0}, 0, json,
-                                                     world::WorldOptions());
-  const world::WorldProcess& clock = *world;
-  const auto n_uavs = static_cast<std::int32_t>(ParseScenario(json, "test").uavs.size());
-  for (std::int32_t i = 0; i < uav_processes; ++i) {
-    const agents::IdRange ids =
-        std::pair(n_uavs * i / uav_processes, n_uavs * (i + 1) / uav_processes - 1);
-    network.Add(std::make_unique<agents::AgentProcess>(Identity{1, "uav-" + std::to_string(i), 0},
-                                                       0, AgentKind::kUav, ids));
+  for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    network.Add(Start(name, 0, json));
   }
-  for (const AgentKind kind : {AgentKind::kWorker, AgentKind::kVehicle}) {
-    network.Add(std::make_unique<agents::AgentProcess>(Identity{1, std::string(ToString(kind)), 0},
-                                                       0, kind, agents::IdRange()));
-  }
-  network.Add(std::make_unique<scheduler::SchedulerProcess>(Identity{1, "scheduler", 0}, 0, "mpq",
-                                                            [] { return TimeUs{0}; }));
-  network.Add(std::move(world));
   RunRecord record;
   Outcome outcome;
+  bool ended = false;
+  const auto observe = [&](const Packet& packet) {
+    ++outcome.sent;
+    record.Add(packet);
+    if (packet.channel == "MUSTER_CLOCK") ended |= Decode<clock_t>(packet.bytes)->phase == 2;
+  };
+  if (kill) {
+    network.Run(
+        3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
+    network.Kill(kill->victim);
+    network.Add(Start(kill->victim, 1, json));
+  }
   outcome.ended = network.Run(
-      3600 * kSecondUs, [&] { return clock.ended(); },
-      [&](const Packet& packet) { record.Add(packet); });
+      3600 * kSecondUs, [&] { return ended; }, observe);
   outcome.digest = Digest(record);
   return outcome;
 }
@@ -71,16 +94,54 @@ TEST(Lockstep, OutcomeDoesNotDependOnLossDuplicationOrOrder) {
   }
 }
 
+TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  for (const double loss : {0.0, 0.2}) {
+    const NetworkFaults faults{.loss = loss, .longest_delay_us = 200};
+    const int sent = RunOver(faults, 1, json).sent;
+    Random random(1, Stream::kTest);
+    for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+      for (int i = 0; i < 20; ++i) {
+        const int kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
+        const Outcome outcome = RunOver(faults, 1, json, Kill{victim, kill_at});
+        ASSERT_TRUE(outcome.ended)
+            << victim << " killed after packet " << kill_at << ", loss " << loss;
+        ASSERT_EQ(outcome.digest, expected)
+            << victim << " killed after packet " << kill_at << ", loss " << loss;
+      }
+    }
+  }
+}
+
 TEST(Lockstep, AClassMayBeSplitOverProcesses) {
   const std::string json = ScenarioToJson(SmallScenario());
-  EXPECT_EQ(RunOver({.loss = 0.1}, 1, json, 3).digest, SimulatedDigest(json));
+  VirtualNetwork network({.loss = 0.1}, 1);
+  for (const char* name : {"world", "worker", "vehicle", "scheduler"}) {
+    network.Add(Start(name, 0, json));
+  }
+  const agents::IdRange halves[] = {std::pair(0, 7), std::pair(8, 19)};
+  for (int i = 0; i < 2; ++i) {
+    network.Add(std::make_unique<agents::AgentProcess>(Identity{1, "uav-" + std::to_string(i), 0},
+                                                       0, AgentKind::kUav, halves[i]));
+  }
+  RunRecord record;
+  bool ended = false;
+  network.Run(
+      3600 * kSecondUs, [&] { return ended; },
+      [&](const Packet& packet) {
+        record.Add(packet);
+        if (packet.channel == "MUSTER_CLOCK") {
+          ended |= Decode<clock_t>(packet.bytes)->phase == 2;
+        }
+      });
+  EXPECT_EQ(Digest(record), SimulatedDigest(json));
 }
 
 TEST(Lockstep, TwoProcessesForOneAgentAreAnError) {
   const std::string json = ScenarioToJson(SmallScenario());
   VirtualNetwork network({}, 1);
-  network.Add(std::make_unique<world::WorldProcess>(Identity{1, "world", 0}, 0, json,
-                                                    world::WorldOptions()));
+  network.Add(Start("world", 0, json));
   for (const char* name : {"a", "b"}) {
     network.Add(std::make_unique<agents::AgentProcess>(Identity{1, name, 0}, 0, AgentKind::kUav,
                                                        agents::IdRange()));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <muster/clock_t.hpp>
 
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
@@ -48,6 +49,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
     owners_[static_cast<int>(kind)].resize(n);
     heard_[static_cast<int>(kind)].assign(n, 0);
     missing_ += n;
+    restoring_.ticks[static_cast<int>(kind)].assign(n, -1);
   }
   recorder_ready_ = !options.recorded;
 }
@@ -67,6 +69,7 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       message, [&](const agent_states_t& states) { Take(states, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet); },
       [&](const request_t& request) { Answer(request, now); },
+      [&](const restore_t& restore) { Take(restore); },
       [&](const log_status_t&) { recorder_ready_ = true; },
       [&](const process_status_t& status) {
         if (static_cast<ProcessState>(status.state) != ProcessState::kEnded) return;
@@ -78,9 +81,12 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
 void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
   const auto kind = static_cast<AgentKind>(states.kind);
   const auto k = static_cast<std::size_t>(states.kind);
-  if (states.tick != tick_ || phase_ == Phase::kEnded || packet.channel != ChannelOf(kind)) return;
+  if (wait_ == Wait::kRestore || states.tick != tick_ || phase_ == Phase::kEnded ||
+      packet.channel != ChannelOf(kind))
+    return;
   const TimeUs t = tick_us(tick_);
   const std::string& sender = states.header.sender;
+  bool news = false;
   for (const agent_t& wire : states.agents) {
     const std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
     if (!agent) {
@@ -97,9 +103,11 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     members_.insert(sender);
     if (heard_[k][id]) continue;
     heard_[k][id] = 1;
+    news = true;
     --missing_;
     agents_.of(kind)[id] = *agent;
   }
+  if (news) reports_[k].push_back(packet);
 }
 
 void WorldProcess::Take(const schedule_t& schedule, const Packet& packet) {
@@ -124,11 +132,107 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet) {
   repeat_.Stop();
 }
 
-void WorldProcess::Answer(const request_t& request, const Now&) {
+void WorldProcess::Answer(const request_t& request, const Now& now) {
   if (request.channel == channel::kScenario && scenario_packet_) {
     sender().Resend(scenario_packet_);
     if (clock_packet_) sender().Resend(clock_packet_);
   }
+  if (wait_ == Wait::kRestore) return;
+  for (const AgentKind kind : kAgentKinds) {
+    if (request.channel != ChannelOf(kind)) continue;
+    // The states that the newest verdict rests on: whoever goes on from them needs only that
+    // verdict and what follows, and that is what this process repeats.
+    const auto& packets = judged_reports_[static_cast<int>(kind)];
+    const auto answer = [&](const Packet& packet) {
+      restore_t restore{};
+      restore.channel = request.channel;
+      restore.tick = packets.empty() ? -1 : judged_tick_;
+      restore.data = packet.bytes;
+      restore.n = static_cast<std::int32_t>(restore.data.size());
+      sender().Send(channel::kRestore, std::move(restore), tick_us(tick_), now);
+    };
+    if (packets.empty()) answer({});
+    for (const Packet& packet : packets) answer(packet);
+  }
+}
+
+void WorldProcess::AskForState(const Now& now) {
+  for (const std::string_view name : {channel::kUavs, channel::kWorkers, channel::kVehicles,
+                                      channel::kWorld, channel::kRulings}) {
+    request_t request{};
+    request.channel = name;
+    sender().Send(channel::kRequest, std::move(request), 0, now);
+  }
+}
+
+void WorldProcess::Take(const restore_t& restore) {
+  if (wait_ != Wait::kRestore) return;
+  for (const AgentKind kind : kAgentKinds) {
+    if (restore.channel != ChannelOf(kind)) continue;
+    if (restore.data.empty()) {
+      restoring_.not_begun = true;
+      return;
+    }
+    const auto states = DecodeValid<agent_states_t>(restore.data);
+    if (!states || states->header.run_id != identity().run_id) return inbox().Reject();
+    auto& ticks = restoring_.ticks[static_cast<int>(kind)];
+    for (const agent_t& wire : states->agents) {
+      if (wire.id < 0 || static_cast<std::size_t>(wire.id) >= ticks.size()) return inbox().Reject();
+      auto& tick = ticks[static_cast<std::size_t>(wire.id)];
+      tick = std::max(tick, states->tick);
+    }
+  }
+  if (restore.data.empty()) return;
+  if (restore.channel == channel::kWorld) {
+    auto world = DecodeValid<world_state_t>(restore.data);
+    if (!world || world->header.run_id != identity().run_id) return inbox().Reject();
+    restoring_.worlds.emplace(world->tick, std::move(*world));
+  }
+  if (restore.channel == channel::kRulings) {
+    auto rulings = DecodeValid<rulings_t>(restore.data);
+    if (!rulings || rulings->header.run_id != identity().run_id) return inbox().Reject();
+    restoring_.rulings.emplace(rulings->tick, std::move(*rulings));
+  }
+}
+
+bool WorldProcess::RestoreState(const Now& now) {
+  std::int64_t tick = last_tick_;
+  for (const auto& ticks : restoring_.ticks) {
+    for (const std::int64_t t : ticks) tick = std::min(tick, t);
+  }
+  if (restoring_.not_begun) tick = 0;
+  if (tick < 0) return false;
+  if (tick > 0) {
+    const auto world = restoring_.worlds.find(tick - 1);
+    const auto rulings = restoring_.rulings.find(tick - 1);
+    if (world == restoring_.worlds.end() || rulings == restoring_.rulings.end() ||
+        world->second.task_status.size() != scenario_.tasks.size()) {
+      return false;
+    }
+    std::vector<TaskStatus> task_status;
+    for (const std::int8_t status : world->second.task_status) {
+      task_status.push_back(static_cast<TaskStatus>(status));
+    }
+    std::vector<Activity> activities;
+    for (const activity_t& wire : world->second.activities) {
+      if (const auto activity = FromWire(wire, limits_)) activities.push_back(*activity);
+    }
+    std::vector<Ruling> list;
+    for (const ruling_t& wire : rulings->second.rulings) {
+      if (const auto ruling = FromWire(wire, limits_)) list.push_back(*ruling);
+    }
+    referee_.Restore(tick_us(tick - 1), std::move(task_status),
+                     Verdict(std::move(activities), std::move(list)));
+    phase_ = Phase::kRunning;
+    set_state(ProcessState::kRunning);
+    // Decisions are at n x interval: the last one before this tick is in force.
+    required_decision_ = static_cast<std::int32_t>(tick_us(tick - 1) / scenario_.rules.interval_us);
+    if (options_.rate > 0) {
+      started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick)) / options_.rate);
+    }
+  }
+  tick_ = tick;
+  return true;
 }
 
 void WorldProcess::PublishClock(const Now& now) {
@@ -145,6 +249,11 @@ void WorldProcess::PublishClock(const Now& now) {
 
 void WorldProcess::Judge(const Now& now) {
   const TimeUs t = tick_us(tick_);
+  for (const AgentKind kind : kAgentKinds) {
+    const int k = static_cast<int>(kind);
+    judged_reports_[k] = std::exchange(reports_[k], {});
+  }
+  judged_tick_ = tick_;
   referee_.Judge(t, DecisionAt(tick_), &agents_);
   world_state_t world{};
   world.tick = tick_;
@@ -179,15 +288,32 @@ void WorldProcess::WaitFor(Wait wait, const Now& now) {
   repeat_.Start(now.monotonic_us);
 }
 
+void WorldProcess::Begin(const Now& now) {
+  if (phase_ == Phase::kReady) set_state(ProcessState::kReady);
+  PublishClock(now);
+  WaitFor(Wait::kStates, now);
+}
+
 void WorldProcess::OnStep(const Now& now) {
   if (!scenario_packet_) {
     scenario_t scenario{};
     scenario.sha256 = Sha256(json_);
     scenario.json = json_;
     scenario_packet_ = sender().Send(channel::kScenario, std::move(scenario), 0, now);
-    PublishClock(now);
-    set_state(ProcessState::kReady);
-    WaitFor(Wait::kStates, now);
+    if (identity().boot_id > 0) {
+      WaitFor(Wait::kRestore, now);
+      AskForState(now);
+    } else {
+      Begin(now);
+    }
+  }
+  if (wait_ == Wait::kRestore) {
+    if (RestoreState(now)) {
+      Begin(now);
+    } else {
+      if (repeat_.Fire(now.monotonic_us)) AskForState(now);
+      return;
+    }
   }
   // Each turn of the loop is one step of the lockstep that needs no further input.
   while (true) {

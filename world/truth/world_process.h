@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,10 +35,14 @@ class WorldProcess : public Process {
 
  private:
   enum class Phase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
-  enum class Wait { kStates, kSchedule, kClock, kLog, kNothing };
+  enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
   void Take(const agent_states_t& states, const Packet& packet);
   void Take(const schedule_t& schedule, const Packet& packet);
+  void Take(const restore_t& restore);
   void Answer(const request_t& request, const Now& now);
+  void AskForState(const Now& now);
+  bool RestoreState(const Now& now);
+  void Begin(const Now& now);
   void PublishClock(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
@@ -58,6 +63,7 @@ class WorldProcess : public Process {
   Wait wait_ = Wait::kStates;
   std::int64_t tick_ = 0;
   std::int64_t last_tick_ = 0;
+  std::int64_t judged_tick_ = -1;
   std::int32_t required_decision_ = -1;
   bool recorder_ready_ = false;
   TimeUs started_us_ = 0;
@@ -67,9 +73,20 @@ class WorldProcess : public Process {
   std::vector<char> heard_[3];          ///< [n_agents] heard for tick_
   std::size_t missing_ = 0;
   std::set<std::string> members_;  ///< processes whose end is awaited
+  /// Agent states by class: those of tick_ so far, and those of the newest judged tick.
+  std::vector<Packet> reports_[3], judged_reports_[3];
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
   BackOff repeat_{2'000, 40'000};
+
+  /// What the others still hold, while this process starts again.
+  struct Restoring {
+    bool not_begun = false;
+    std::vector<std::int64_t> ticks[3];  ///< [n_agents] tick of the newest states; -1: not heard
+    std::map<std::int64_t, world_state_t> worlds;
+    std::map<std::int64_t, rulings_t> rulings;
+  };
+  Restoring restoring_;
 };
 
 }  // namespace muster::world
