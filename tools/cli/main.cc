@@ -10,6 +10,7 @@
 #include "tools/launch/run_command.h"
 #include "tools/scenario/import_command.h"
 #include "tools/scenario/scenario_command.h"
+#include "tools/simulate/simulate_command.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -26,6 +27,7 @@ const std::vector<Command> kCommands = {
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
+    {"simulate", "runs a mission in one process", SimulateCommand},
 };
 
 void PrintUsage() {

@@ -36,13 +36,6 @@ void CheckRate(const std::string& rate) {
   }
 }
 
-TimeUs MinutesToUs(double minutes, const char* flag) {
-  if (!std::isfinite(minutes) || minutes <= 0 || minutes > 1e6) {
-    throw InputError(kCommandLine, flag, fmt::to_string(minutes), "minutes above 0");
-  }
-  return ToUs(minutes * 60);
-}
-
 std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) {
   std::map<AgentKind, int> processes;
   for (const AgentKind kind : kAgentKinds) processes[kind] = 1;
@@ -74,25 +67,9 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   cxxopts::Options parser("muster run",
                           "Runs a whole mission: world, agents and scheduler as processes of "
                           "their own over LCM, recorded by lcm-logger.");
-  parser.positional_help("SCENARIO");
-  const auto text = [](const char* standard) {
-    return cxxopts::value<std::string>()->default_value(standard);
-  };
-  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>());
-  parser.add_options()("policy", "How to decide", text("mpq"));
-  parser.add_options()("interval", "Minutes between decisions (default: the scenario's)",
-                       cxxopts::value<double>(), "MIN");
-  parser.add_options()("limit", "Minutes of mission (default: the scenario's)",
-                       cxxopts::value<double>(), "MIN");
-  parser.add_options()("seed", "Seed of the mission's chances (default: the scenario's)",
-                       cxxopts::value<std::uint64_t>(), "N");
-  parser.add_options()("availability",
-                       "strict: no action that may end after a participant's time or the limit; "
-                       "overrun: it may (default: the scenario's)",
-                       cxxopts::value<std::string>(), "MODE");
-  parser.add_options()("rate", "Mission seconds per wall second, or max", text("max"), "R");
-  parser.add_options()("out", "Run directory, new or empty (default: runs/NAME-POLICY-SEED[-N])",
-                       cxxopts::value<std::string>(), "DIR");
+  AddMissionOptions(&parser);
+  parser.add_options()("rate", "Mission seconds per wall second, or max",
+                       cxxopts::value<std::string>()->default_value("max"), "R");
   parser.add_options()("processes",
                        "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them",
                        cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
@@ -100,33 +77,12 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        cxxopts::value<double>()->default_value("0"), "P");
   parser.add_options()("l,lcm-url", "LCM URL (default: a network of the mission's own)",
                        cxxopts::value<std::string>(), "URL");
-  parser.add_options()("q,quiet", "No progress on stderr, only errors");
-  parser.parse_positional("scenario");
   const auto result = ParseOptions(&parser, argc, argv);
   if (!result) return std::nullopt;
 
-  LaunchOptions options;
-  if (result->count("scenario") == 0) {
-    throw InputError(kCommandLine, "SCENARIO", "nothing", "a scenario file");
-  }
-  options.scenario_file = (*result)["scenario"].as<std::string>();
-  options.policy = (*result)["policy"].as<std::string>();
-  if (result->count("interval") > 0) options.interval_min = (*result)["interval"].as<double>();
-  if (result->count("limit") > 0) options.limit_min = (*result)["limit"].as<double>();
-  if (result->count("seed") > 0) options.seed = (*result)["seed"].as<std::uint64_t>();
-  if (result->count("availability") > 0) {
-    const std::string mode = (*result)["availability"].as<std::string>();
-    if (mode != "strict" && mode != "overrun") {
-      throw InputError(kCommandLine, "--availability", mode, "strict or overrun");
-    }
-    options.availability = mode == "strict" ? Availability::kStrict : Availability::kOverrun;
-  }
+  LaunchOptions options{ReadMissionOptions(*result)};
   options.rate = (*result)["rate"].as<std::string>();
   CheckRate(options.rate);
-  if (result->count("out") > 0) {
-    options.out = (*result)["out"].as<std::string>();
-    if (options.out.empty()) throw InputError(kCommandLine, "--out", "nothing", "a folder");
-  }
   options.processes = ReadProcesses(result->count("processes") > 0
                                         ? (*result)["processes"].as<std::vector<std::string>>()
                                         : std::vector<std::string>());
@@ -138,20 +94,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     options.lcm_url = (*result)["lcm-url"].as<std::string>();
     ParseMulticastUrl(options.lcm_url);
   }
-  options.quiet = result->count("quiet") > 0;
   return options;
-}
-
-Scenario ResolveScenario(const LaunchOptions& options) {
-  Scenario scenario = LoadScenario(options.scenario_file);
-  if (options.interval_min) {
-    scenario.rules.interval_us = MinutesToUs(*options.interval_min, "--interval");
-  }
-  if (options.limit_min) scenario.rules.limit_us = MinutesToUs(*options.limit_min, "--limit");
-  if (options.seed) scenario.seed = *options.seed;
-  if (options.availability) scenario.rules.availability = *options.availability;
-  ValidateScenario(scenario, options.scenario_file);
-  return scenario;
 }
 
 std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scenario& scenario,
