@@ -80,7 +80,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   const auto result = ParseOptions(&parser, argc, argv);
   if (!result) return std::nullopt;
 
-  LaunchOptions options{ReadMissionOptions(*result)};
+  LaunchOptions options;
+  static_cast<MissionOptions&>(options) = ReadMissionOptions(*result);
   options.rate = (*result)["rate"].as<std::string>();
   CheckRate(options.rate);
   options.processes = ReadProcesses(result->count("processes") > 0
