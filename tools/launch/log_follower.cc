@@ -30,7 +30,7 @@ std::int64_t LogFollower::missing() const {
 }
 
 log_status_t LogFollower::Status() const {
-  log_status_t status;
+  log_status_t status{};
   for (const auto& [start, seqs] : starts_) {
     log_mark_t& mark = status.marks.emplace_back();
     mark.sender = start.first;

@@ -57,7 +57,7 @@ void Recorder::OnHeard(const Packet& packet, const Now& now) {
 
 void Recorder::ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage,
                             const Now& now) {
-  process_status_t status;
+  process_status_t status{};
   status.name = sender_.identity().name;
   status.host = usage.host;
   status.pid = usage.pid;

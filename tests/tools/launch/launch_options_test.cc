@@ -1,0 +1,111 @@
+#include "tools/launch/launch_options.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+LaunchOptions Parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "muster run");
+  return ParseLaunchOptions(static_cast<int>(arguments.size()), arguments.data()).value();
+}
+
+std::string ErrorOf(const std::vector<const char*>& arguments) {
+  try {
+    Parse(arguments);
+  } catch (const std::exception& error) {  // InputError, or cxxopts' own
+    return error.what();
+  }
+  return "";
+}
+
+Scenario ScenarioWith(std::size_t uavs, std::size_t workers, std::size_t vehicles) {
+  Scenario scenario;
+  scenario.uavs.resize(uavs);
+  scenario.workers.resize(workers);
+  scenario.vehicles.resize(vehicles);
+  return scenario;
+}
+
+std::string ValueOf(const ProcessPlan& plan, const std::string& flag) {
+  const auto at = std::find(plan.arguments.begin(), plan.arguments.end(), flag);
+  return at == plan.arguments.end() ? "" : *(at + 1);
+}
+
+TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
+  const LaunchOptions options = Parse({"a.json"});
+  EXPECT_EQ(options.scenario_file, "a.json");
+  EXPECT_EQ(options.policy, "mpq");
+  EXPECT_EQ(options.rate, "max");
+  EXPECT_FALSE(options.interval_min || options.limit_min || options.seed || options.availability);
+  EXPECT_EQ(options.processes.at(AgentKind::kUav), 1);
+}
+
+TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
+  EXPECT_EQ(ErrorOf({}), "command line: SCENARIO: found nothing, expected a scenario file");
+  EXPECT_EQ(ErrorOf({"a.json", "--rate", "fast"}),
+            "command line: --rate: found fast, expected max, or mission seconds per wall second "
+            "above 0");
+  for (const char* rate : {"0", "-1", "nan", "inf", "1x", ""}) {
+    EXPECT_NE(ErrorOf({"a.json", "--rate", rate}), "") << rate;
+  }
+  for (const char* drop : {"1", "-0.1", "nan"}) {
+    EXPECT_NE(ErrorOf({"a.json", "--drop", drop}), "") << drop;
+  }
+  for (const char* processes : {"uav", "uav=", "uav=x", "uav=-1", "boat=1", "uav=1000", "=1"}) {
+    EXPECT_NE(ErrorOf({"a.json", "--processes", processes}), "") << processes;
+  }
+  EXPECT_NE(ErrorOf({"a.json", "--availability", "lax"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "--lcm-url", "tcp://x"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "b.json"}), "");
+}
+
+TEST(PlanProcesses, OneProcessAClassByDefault) {
+  const std::vector<ProcessPlan> plans =
+      PlanProcesses(Parse({"a.json", "--policy", "ils", "--rate", "60"}), ScenarioWith(3, 3, 1),
+                    {"run/scenario.json", "udpm://239.255.76.67:7000", 42});
+  ASSERT_EQ(plans.size(), 5u);
+  const char* names[] = {"world", "uav", "worker", "vehicle", "scheduler"};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(plans[i].name, names[i]);
+    EXPECT_EQ(plans[i].program, std::string("muster-") + names[i]);
+    EXPECT_EQ(ValueOf(plans[i], "--name"), names[i]);
+    EXPECT_EQ(ValueOf(plans[i], "--lcm-url"), "udpm://239.255.76.67:7000");
+    EXPECT_EQ(ValueOf(plans[i], "--run-id"), "42");
+    EXPECT_EQ(ValueOf(plans[i], "--ids"), "");
+    EXPECT_EQ(ValueOf(plans[i], "--drop"), "");
+  }
+  EXPECT_EQ(plans[0].arguments.front(), "run/scenario.json");
+  EXPECT_EQ(ValueOf(plans[0], "--rate"), "60");
+  EXPECT_EQ(ValueOf(plans[4], "--policy"), "ils");
+}
+
+TEST(PlanProcesses, DealsAClassOutWithoutOverlapOrHole) {
+  const LaunchOptions options = Parse({"a.json", "--processes", "uav=3,vehicle=0", "--drop=0.3"});
+  const std::vector<ProcessPlan> plans = PlanProcesses(options, ScenarioWith(10, 1, 1), {});
+  ASSERT_EQ(plans.size(), 6u);
+  EXPECT_EQ(plans[1].name, "uav-1");
+  EXPECT_EQ(ValueOf(plans[1], "--ids"), "0-2");
+  EXPECT_EQ(ValueOf(plans[2], "--ids"), "3-5");
+  EXPECT_EQ(ValueOf(plans[3], "--ids"), "6-9");
+  EXPECT_EQ(plans[3].name, "uav-3");
+  EXPECT_EQ(plans[4].name, "worker");
+  EXPECT_EQ(plans[5].name, "scheduler");
+  EXPECT_EQ(ValueOf(plans[5], "--drop"), "0.3");
+  EXPECT_NE(ValueOf(plans[4], "--drop-seed"), ValueOf(plans[5], "--drop-seed"));
+}
+
+TEST(PlanProcesses, MoreProcessesThanAgentsIsAnError) {
+  const LaunchOptions options = Parse({"a.json", "--processes", "vehicle=2"});
+  EXPECT_THROW(PlanProcesses(options, ScenarioWith(1, 1, 1), {}), InputError);
+}
+
+}  // namespace
+}  // namespace muster::tools
