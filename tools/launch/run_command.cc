@@ -18,6 +18,7 @@
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/protocol/program.h"
 #include "lcmtypes/protocol/run_process.h"
+#include "scheduler/policy.h"
 #include "tools/host/network_namespace.h"
 #include "tools/launch/launch_options.h"
 #include "tools/launch/manifest.h"
@@ -130,6 +131,7 @@ int RunCommand(int argc, const char* const* argv) {
   const Scenario scenario = ResolveScenario(*options);
   const std::string logger = FindLogger();
   PlanProcesses(*options, scenario, {});
+  scheduler::MakePolicy(options->policy);
   const StopSignals stop;
   const Now start = HostNow();
   MissionIdentity mission;

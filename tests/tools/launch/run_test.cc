@@ -1,0 +1,254 @@
+// Whole missions by the real `muster run`.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/process_test_util.h"
+#include "tools/launch/child.h"
+#include "tools/launch/log_follower.h"
+#include "world/model/generator.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A `muster` process and what it said.
+class Muster {
+ public:
+  Muster(const TemporaryFolder& folder, const std::string& name,
+         const std::vector<std::string>& arguments)
+      : output_(folder.File(name + ".output")), child_({name, Argv(arguments), output_}) {}
+
+  /// Its exit code once it has ended; -1 when it was killed or does not end.
+  int Wait() {
+    if (!Eventually([this] { return child_.Poll().has_value(); })) return -1;
+    const int status = child_.Poll()->wait_status;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string output() const { return TextOf(output_); }
+  Child& child() { return child_; }
+
+ private:
+  static std::vector<std::string> Argv(const std::vector<std::string>& arguments) {
+    std::vector<std::string> argv = {MUSTER_PROGRAM};
+    argv.insert(argv.end(), arguments.begin(), arguments.end());
+    return argv;
+  }
+  std::string output_;
+  Child child_;
+};
+
+/// What a mission's log says, read like anybody would.
+struct Log {
+  explicit Log(const std::string& file) {
+    EventLogReader reader(file, EventLogReader::Tail::kFinal);
+    std::optional<LogFollower> follower;
+    while (const auto event = reader.Next()) {
+      // LCM's and our own tests of the transport are recorded, too.
+      if (FindChannel(event->packet.channel) == nullptr) continue;
+      const auto header = DecodeHeader(event->packet);
+      if (!header) {
+        ADD_FAILURE() << "unreadable message on " << event->packet.channel;
+        continue;
+      }
+      runs.insert(header->run_id);
+      if (!follower) follower.emplace(header->run_id);
+      if (follower->Add(event->packet)) ++messages;
+      if (event->packet.channel == channel::kProcess) {
+        const auto status = DecodeValid<process_status_t>(event->packet.bytes);
+        if (status && status->state == 4) ended.insert(header->sender);
+        if (status) pids[header->sender] = status->pid;
+      } else if (event->packet.channel == channel::kClock) {
+        const auto clock = DecodeValid<clock_t>(event->packet.bytes);
+        if (clock && clock->phase == 2) end_announced = true;
+      }
+    }
+    garbage = reader.garbage_bytes();
+    missing = follower ? follower->missing() : 0;
+  }
+  std::set<std::int64_t> runs;
+  std::set<std::string> ended;
+  std::map<std::string, pid_t> pids;
+  std::int64_t messages = 0;
+  std::int64_t missing = 0;
+  std::int64_t garbage = 0;
+  bool end_announced = false;
+};
+
+class RunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    MUSTER_NEEDS_MULTICAST();
+    const Scenario scenario = Generate(PresetByName("Random_1"), 1);
+    std::ofstream(scenario_) << ScenarioToJson(scenario);
+  }
+  std::string Out(const std::string& name = "run") const { return folder_.File(name); }
+  Json Report(const std::string& name = "run") const {
+    return Json::parse(TextOf(Out(name) + "/report.json"), nullptr, false);
+  }
+  Muster Start(std::vector<std::string> arguments, const std::string& name = "run") const {
+    arguments.insert(arguments.begin(), {"run", scenario_, "--out", Out(name)});
+    return Muster(folder_, name, arguments);
+  }
+  /// Until the mission's clock runs; slow enough (--rate) to be met there.
+  static bool UnderWay(const Muster& muster) {
+    return Eventually([&] { return muster.output().find("tick ") != std::string::npos; });
+  }
+
+  TemporaryFolder folder_;
+  std::string scenario_ = folder_.File("scenario.json");
+};
+
+TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
+  Muster muster = Start({});
+  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  for (const char* name :
+       {"mission.lcm", "scenario.json", "manifest.json", "report.json", "world.stderr",
+        "uav.stderr", "worker.stderr", "vehicle.stderr", "scheduler.stderr", "lcm-logger.stderr"}) {
+    EXPECT_TRUE(fs::exists(Out() + "/" + name)) << name;
+  }
+  const Log log(Out() + "/mission.lcm");
+  EXPECT_EQ(log.missing, 0);
+  EXPECT_EQ(log.garbage, 0);
+  EXPECT_TRUE(log.end_announced);
+  EXPECT_EQ(log.runs.size(), 1u);
+  EXPECT_EQ(log.ended,
+            (std::set<std::string>{"recorder", "scheduler", "uav", "vehicle", "worker", "world"}));
+  const Json report = Report();
+  EXPECT_TRUE(report["log"]["complete"].get<bool>());
+  EXPECT_EQ(report["log"]["messages"], log.messages);
+  EXPECT_GT(report["tasks_done"], 0);
+  EXPECT_NE(muster.output().find("tasks done"), std::string::npos);
+}
+
+TEST_F(RunTest, HowTheMissionIsSplitChangesNoDecision) {
+  Muster one = Start({}, "one");
+  Muster two = Start({"--processes", "uav=2,worker=3"}, "two");
+  ASSERT_EQ(one.Wait(), 0) << one.output();
+  ASSERT_EQ(two.Wait(), 0) << two.output();
+  EXPECT_TRUE(fs::exists(Out("two") + "/worker-3.stderr"));
+  EXPECT_EQ(Report("one")["digest"], Report("two")["digest"]);
+}
+
+TEST_F(RunTest, MissionsSideBySideDoNotHearEachOther) {
+  Muster one = Start({}, "one");
+  Muster two = Start({"--seed", "2"}, "two");
+  ASSERT_EQ(one.Wait(), 0) << one.output();
+  ASSERT_EQ(two.Wait(), 0) << two.output();
+  const Log log_one(Out("one") + "/mission.lcm");
+  const Log log_two(Out("two") + "/mission.lcm");
+  ASSERT_EQ(log_one.runs.size(), 1u);
+  ASSERT_EQ(log_two.runs.size(), 1u);
+  EXPECT_NE(*log_one.runs.begin(), *log_two.runs.begin());
+}
+
+TEST_F(RunTest, StockLogplayerPlaysTheLog) {
+  Muster muster = Start({});
+  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  const std::string play = fmt::format("exec lcm-logplayer -v -s 1000 -l '{}' {}/mission.lcm",
+                                       "udpm://239.255.76.67:7001?ttl=0", Out());
+  Child player({"player", {"/bin/sh", "-c", play}, folder_.File("player")});
+  ASSERT_TRUE(Eventually([&] { return player.Poll().has_value(); }));
+  EXPECT_TRUE(player.Poll()->clean()) << player.Poll()->Text() << TextOf(folder_.File("player"));
+  EXPECT_NE(TextOf(folder_.File("player")).find("MUSTER_CLOCK"), std::string::npos);
+}
+
+TEST_F(RunTest, CtrlCEndsItCleanly) {
+  Muster muster = Start({"--rate", "300"});
+  ASSERT_TRUE(UnderWay(muster)) << muster.output();
+  muster.child().Signal(SIGINT);
+  EXPECT_EQ(muster.Wait(), 130) << muster.output();
+  const Log log(Out() + "/mission.lcm");
+  EXPECT_EQ(log.missing, 0);
+  EXPECT_EQ(log.garbage, 0);
+  EXPECT_FALSE(log.end_announced);
+  EXPECT_EQ(log.pids.size(), 6u);
+  for (const auto& [name, pid] : log.pids) EXPECT_EQ(kill(pid, 0), -1) << name;
+  EXPECT_FALSE(Report()["log"]["complete"].get<bool>());
+}
+
+TEST_F(RunTest, NoProcessIsLeftWhenTheLauncherIsKilled) {
+  // Orphans become ours, so that their ends can be seen exactly.
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
+  Muster muster = Start({"--rate", "300"});
+  ASSERT_TRUE(UnderWay(muster)) << muster.output();
+  muster.child().Signal(SIGKILL);
+  EXPECT_EQ(muster.Wait(), -1);
+  int children = 0;
+  const bool all_gone = Eventually([&] {
+    int status = 0;
+    pid_t pid = 0;
+    while ((pid = waitpid(-1, &status, WNOHANG)) > 0) {
+      ++children;
+      EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    }
+    return pid < 0;  // no child is left, whether it has ended or not
+  });
+  EXPECT_TRUE(all_gone);
+  EXPECT_EQ(children, 6);  // world, three agent classes, scheduler, logger
+  EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 0), 0);
+}
+
+TEST_F(RunTest, ALostProcessEndsTheMissionAndIsNamed) {
+  Muster muster = Start({"--rate", "300"});
+  ASSERT_TRUE(UnderWay(muster)) << muster.output();
+  const Log before(Out() + "/mission.lcm");
+  ASSERT_EQ(before.pids.count("worker"), 1u);
+  kill(before.pids.at("worker"), SIGKILL);
+  EXPECT_EQ(muster.Wait(), 3);
+  EXPECT_NE(muster.output().find("worker was killed by signal 9 (Killed)"), std::string::npos)
+      << muster.output();
+  const Log log(Out() + "/mission.lcm");
+  EXPECT_EQ(log.garbage, 0);
+  for (const auto& [name, pid] : log.pids) EXPECT_EQ(kill(pid, 0), -1) << name;
+}
+
+TEST_F(RunTest, ABadScenarioLeavesNothing) {
+  Json scenario = Json::parse(TextOf(scenario_));
+  scenario["uavs"][0]["speed_km_per_min"] = -1;
+  std::ofstream(scenario_) << scenario;
+  Muster muster = Start({});
+  EXPECT_EQ(muster.Wait(), 2);
+  EXPECT_NE(muster.output().find("uavs[0].speed_km_per_min"), std::string::npos) << muster.output();
+  EXPECT_FALSE(fs::exists(Out()));
+}
+
+TEST_F(RunTest, BadRequestsAreRefusedBeforeAnythingIsWritten) {
+  const std::vector<std::vector<std::string>> requests = {
+      {"--policy", "nonsense"}, {"--interval", "0.7"}, {"--processes", "uav=50"}};
+  for (const auto& arguments : requests) {
+    Muster muster = Start(arguments);
+    EXPECT_EQ(muster.Wait(), 2) << arguments.front() << "\n" << muster.output();
+    EXPECT_FALSE(fs::exists(Out())) << arguments.front();
+  }
+}
+
+TEST_F(RunTest, NeverWritesOverAnotherRun) {
+  fs::create_directory(Out());
+  std::ofstream(Out() + "/report.json") << "mine";
+  Muster muster = Start({});
+  EXPECT_EQ(muster.Wait(), 2) << muster.output();
+  EXPECT_EQ(TextOf(Out() + "/report.json"), "mine");
+  EXPECT_FALSE(fs::exists(Out() + "/scenario.json"));
+}
+
+}  // namespace
+}  // namespace muster::tools
