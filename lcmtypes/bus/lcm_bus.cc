@@ -57,6 +57,10 @@ void OnRoundTrip(const lcm_recv_buf_t* message, const char* /*channel*/, void* u
 
 }  // namespace
 
+std::string LcmVersion() {
+  return fmt::format("{}.{}.{}", LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION);
+}
+
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
 LcmBus::LcmBus(const std::string& url) : url_(url) {

@@ -14,6 +14,9 @@ struct _lcm_recv_buf_t;
 
 namespace muster {
 
+/// Of the LCM that this was built with, "1.3.1".
+std::string LcmVersion();
+
 /// Packets that an LcmBus has counted since it was made.
 struct LcmBusCounters {
   std::int64_t published = 0;

@@ -54,8 +54,11 @@ ChildResult RunInChild(const std::function<int()>& body) {
   return result;
 }
 
-void Exec(const std::string& program, const std::string& argument) {
-  execl(program.c_str(), program.c_str(), argument.c_str(), static_cast<char*>(nullptr));
+void Exec(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
   std::perror(program.c_str());
   _exit(98);
 }

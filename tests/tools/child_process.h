@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace muster::tools {
 
@@ -15,7 +16,7 @@ struct ChildResult {
 ChildResult RunInChild(const std::function<int()>& body);
 
 /// Replaces the process by `program`, which must be a path; never returns.
-[[noreturn]] void Exec(const std::string& program, const std::string& argument);
+[[noreturn]] void Exec(const std::string& program, const std::vector<std::string>& arguments);
 
 /// A network that refuses private ones for real: a user namespace whose limit on network namespaces
 /// is 0, where this process is root. With `route`, multicast is routed over lo as on a host set up

@@ -7,6 +7,7 @@
 
 #include "lcmtypes/protocol/program.h"
 #include "tools/cli/command.h"
+#include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
 #include "tools/scenario/import_command.h"
 #include "tools/scenario/scenario_command.h"
@@ -24,6 +25,7 @@ struct Command {
 
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
 const std::vector<Command> kCommands = {
+    {"doctor", "looks whether this host can run missions", DoctorCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
