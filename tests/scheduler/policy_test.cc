@@ -96,14 +96,13 @@ std::vector<std::string> PolicyNames() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryPolicy, ::testing::ValuesIn(PolicyNames()),
-                         [](const auto& row) {
-                           std::string name = row.param;
-                           for (char& c : name) {
-                             if (c == '-') c = '_';
-                           }
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, EveryPolicy, ::testing::ValuesIn(PolicyNames()), [](const auto& row) {
+  std::string name = row.param;
+  for (char& c : name) {
+    if (c == '-') c = '_';
+  }
+  return name;
+});
 
 }  // namespace
 }  // namespace muster::scheduler
