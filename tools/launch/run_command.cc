@@ -138,6 +138,7 @@ int RunCommand(int argc, const char* const* argv) {
   mission.lcm_url = FindNetwork(*options);
   mission.run_id = start.wall_us;
   ProcessFlags flags;
+  flags.identity = {mission.run_id, "recorder", 0};
   flags.lcm_url = mission.lcm_url;
   flags.drop = options->drop;
   flags.drop_seed = scenario.seed;

@@ -18,6 +18,7 @@
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
 #include "tools/launch/child.h"
 #include "tools/launch/log_follower.h"
@@ -29,32 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-/// A `muster` process and what it said.
-class Muster {
- public:
-  Muster(const TemporaryFolder& folder, const std::string& name,
-         const std::vector<std::string>& arguments)
-      : output_(folder.File(name + ".output")), child_({name, Argv(arguments), output_}) {}
-
-  /// Its exit code once it has ended; -1 when it was killed or does not end.
-  int Wait() {
-    if (!Eventually([this] { return child_.Poll().has_value(); })) return -1;
-    const int status = child_.Poll()->wait_status;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string output() const { return TextOf(output_); }
-  Child& child() { return child_; }
-
- private:
-  static std::vector<std::string> Argv(const std::vector<std::string>& arguments) {
-    std::vector<std::string> argv = {MUSTER_PROGRAM};
-    argv.insert(argv.end(), arguments.begin(), arguments.end());
-    return argv;
-  }
-  std::string output_;
-  Child child_;
-};
 
 /// What a mission's log says, read like anybody would.
 struct Log {
