@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lcmtypes/protocol/program.h"
+#include "tools/audit/audit_command.h"
 #include "tools/cli/command.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
@@ -26,6 +27,7 @@ struct Command {
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
 const std::vector<Command> kCommands = {
     {"doctor", "looks whether this host can run missions", DoctorCommand},
+    {"audit", "checks a run's log against every rule of the mission", AuditCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},

@@ -1,0 +1,60 @@
+#include "tools/audit/agent_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace muster::tools::audit {
+
+std::string AgentModel::name() const { return fmt::format("{}:{}", kClassNames[kind], id); }
+
+Place AgentModel::At(std::int64_t t) const {
+  if (t >= arrive_us) return to;
+  if (t <= depart_us) return from;
+  const double part =
+      static_cast<double>(t - depart_us) / static_cast<double>(arrive_us - depart_us);
+  return {from.x_m + part * (to.x_m - from.x_m), from.y_m + part * (to.y_m - from.y_m)};
+}
+
+double AgentModel::RangeAt(std::int64_t t) const {
+  if (kind != kUav) return 0;
+  if (t < arrive_us) return range_at_departure_m - range_per_m * MovedAt(t);
+  const double arrived = RangeOnArrival();
+  if (!activity || t <= activity->start_us) return arrived;
+  const double part = t >= activity->end_us
+                          ? 1.0
+                          : static_cast<double>(t - activity->start_us) /
+                                static_cast<double>(activity->end_us - activity->start_us);
+  return activity->kind == 0 ? arrived - part * cost_m
+                             : arrived + part * (spec->range_full_m - arrived);
+}
+
+int AgentModel::StatusAt(std::int64_t t) const {
+  if (failed) return 6;
+  if (busy_until_us <= t) {
+    return spec->online_from_us <= t && t < spec->online_until_us ? 1 : 0;
+  }
+  if (t < arrive_us) return 2;
+  if (!activity || t < activity->start_us) return 3;
+  return activity->kind == 0 ? 4 : 5;
+}
+
+void AgentModel::StopAt(std::int64_t t) {
+  const double range = std::max(0.0, RangeAt(t));
+  from = to = At(t);
+  depart_us = arrive_us = busy_until_us = t;
+  range_at_departure_m = range;
+  range_per_m = 1;
+  way_seen = true;
+  action = kNoAction;
+  target = partner = -1;
+  activity.reset();
+}
+
+std::int64_t DurationUs(double amount, double rate) {
+  const double us = amount / rate * 1e6;
+  return us < 9e18 ? std::llround(us) : kForever;
+}
+
+}  // namespace muster::tools::audit

@@ -1,0 +1,108 @@
+#include "tools/audit/audit_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/protocol/program.h"
+#include "tools/audit/auditor.h"
+#include "tools/audit/report_check.h"
+#include "tools/log/log_files.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+using audit::Violation;
+
+constexpr std::size_t kListed = 20;
+
+std::string Clock(std::int64_t us) {
+  const std::int64_t s = us / 1'000'000;
+  return fmt::format("{:02}:{:02}:{:02}.{:06}", s / 3600, s / 60 % 60, s % 60, us % 1'000'000);
+}
+
+void CompareReport(const std::string& file, const audit::Facts& facts,
+                   std::vector<Violation>* violations) {
+  std::ifstream stream(file);
+  const nlohmann::json report = nlohmann::json::parse(stream, nullptr, false);
+  if (report.is_discarded() || !report.is_object()) {
+    throw InputError(fmt::format("{}: not a JSON object", file));
+  }
+  const std::vector<Violation> found = audit::CheckReportFile(report, facts);
+  violations->insert(violations->end(), found.begin(), found.end());
+}
+
+nlohmann::ordered_json ToJson(const audit::Auditor& auditor,
+                              const std::vector<Violation>& violations, bool report_checked,
+                              std::int64_t garbage_bytes) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Violation& v : violations) {
+    list.push_back({{"at_us", v.at_us}, {"invariant", v.invariant}, {"text", v.text}});
+  }
+  return {{"passed", violations.empty()},       {"messages", auditor.messages()},
+          {"duplicates", auditor.duplicates()}, {"undecodable", auditor.undecodable()},
+          {"garbage_bytes", garbage_bytes},     {"ticks", auditor.ticks()},
+          {"decisions", auditor.decisions()},   {"activities", auditor.activities()},
+          {"report_checked", report_checked},   {"violations", std::move(list)}};
+}
+
+}  // namespace
+
+int AuditCommand(int argc, const char* const* argv) {
+  cxxopts::Options options(argv[0],
+                           "Checks a run's log against every rule of the mission, and report.json "
+                           "against the log.\nExit code 4 when one is broken.");
+  options.add_options()("run", "run directory or log file", cxxopts::value<std::string>())(
+      "json", "print the result as JSON");
+  options.parse_positional({"run"});
+  options.positional_help("RUN");
+  const auto parsed = ParseOptions(&options, argc, argv);
+  if (!parsed) return kExitOk;
+  if (parsed->count("run") == 0) throw InputError("no RUN given: a run directory or a log file");
+  const std::string run = (*parsed)["run"].as<std::string>();
+
+  audit::Auditor auditor;
+  std::int64_t garbage_bytes = 0;
+  for (const std::string& file : LogFilesOf(run)) {
+    EventLogReader reader(file, EventLogReader::Tail::kFinal);
+    while (const auto event = reader.Next()) auditor.Add(event->packet);
+    garbage_bytes += reader.garbage_bytes();
+  }
+  std::vector<Violation> violations = auditor.Finish();
+  const std::string report = (std::filesystem::path(run) / "report.json").string();
+  const bool has_report = std::filesystem::is_regular_file(report);
+  if (has_report && auditor.facts()) CompareReport(report, *auditor.facts(), &violations);
+  std::stable_sort(violations.begin(), violations.end(),
+                   [](const Violation& a, const Violation& b) { return a.at_us < b.at_us; });
+
+  if (parsed->count("json") > 0) {
+    fmt::print("{}\n",
+               ToJson(auditor, violations, has_report && auditor.facts().has_value(), garbage_bytes)
+                   .dump(2));
+    return violations.empty() ? kExitOk : kExitCheckFailed;
+  }
+  fmt::print("{}: {} messages, {} ticks, {} decisions, {} activities\n", run, auditor.messages(),
+             auditor.ticks(), auditor.decisions(), auditor.activities());
+  if (garbage_bytes > 0 || auditor.undecodable() > 0) {
+    fmt::print("{} bytes and {} packets could not be read\n", garbage_bytes, auditor.undecodable());
+  }
+  if (violations.empty()) {
+    fmt::print("passed: every rule holds{}\n", has_report
+                                                   ? ", and report.json says what the log shows"
+                                                   : "; there is no report.json to compare");
+    return kExitOk;
+  }
+  fmt::print("FAILED, {} violations, the first ones:\n", violations.size());
+  for (std::size_t i = 0; i < std::min(kListed, violations.size()); ++i) {
+    const Violation& v = violations[i];
+    fmt::print("  {}  {}: {}\n", Clock(v.at_us), v.invariant, v.text);
+  }
+  return kExitCheckFailed;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace muster::tools::audit {
+
+// The audit shares no code with the world and the scheduler: it reads the scenario with its own
+// parser and computes with its own types. SI units, microseconds.
+
+inline constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
+
+struct Place {
+  double x_m = 0;
+  double y_m = 0;
+};
+double Way(Place a, Place b);  ///< metres
+
+/// Classes of agents, as on the wire.
+enum Class : int { kUav = 0, kWorker = 1, kVehicle = 2 };
+inline constexpr const char* kClassNames[] = {"uav", "worker", "vehicle"};
+
+struct Interval {
+  double low = 0;
+  double high = 0;
+};
+
+struct Scenario {
+  struct Agent {
+    Place at;
+    double speed_m_s = 0;
+    double range_full_m = 0;
+    double range_m = 0;
+    double charge_rate_m_s = 0;
+    std::int64_t online_from_us = 0;
+    std::int64_t online_until_us = 0;
+  };
+  struct Task {
+    Place at;
+    double cost_m = 0;
+    double to_charge_m = 0;  ///< way to the nearest charging point, infinity without one
+  };
+  struct Charge {
+    Place at;
+    std::int64_t capacity = 1;  ///< kForever: unlimited
+  };
+  std::uint64_t seed = 0;
+  std::int64_t interval_us = 0, limit_us = 0, tick_us = 0;
+  bool strict = true;
+  bool start_on_meeting = false;
+  Interval wind, communication_m, agent_failure, match_failure;
+  double width_m = 0, height_m = 0;
+  std::vector<Agent> agents[3];  ///< by class
+  std::vector<Task> tasks;
+  std::vector<Charge> charges;
+
+  std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
+  std::int64_t TimeOf(std::int64_t tick) const;
+  /// Decision due at that tick; -1: none.
+  std::int32_t DecisionAt(std::int64_t tick) const;
+};
+
+/// Throws std::exception when the text is no scenario of version 1.
+Scenario ParseScenario(const std::string& json);
+
+/// SHA-256 as 64 lower-case hexadecimal digits.
+std::string Sha256Of(const std::string& bytes);
+
+}  // namespace muster::tools::audit

@@ -1,0 +1,187 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/codec.h"
+#include "tools/audit/agent_model.h"
+#include "tools/audit/audit_scenario.h"
+#include "tools/report/interval_set.h"
+
+namespace muster::tools::audit {
+
+/// One thing that a log shows and that must not be.
+struct Violation {
+  std::int64_t at_us = 0;  ///< mission time
+  std::string invariant;   ///< a row of docs/audit.md
+  std::string text;        ///< ids and values
+};
+
+/// An outcome as in event_t: at_us, kind, uav, worker, vehicle, task, charge.
+using EventKey = std::tuple<std::int64_t, int, int, int, int, int, int>;
+EventKey KeyOf(const event_t& event);
+std::string ToString(const EventKey& key);
+
+/// What the log shows, for comparison with what was reported.
+struct Facts {
+  std::string sha256;
+  std::uint64_t seed = 0;
+  std::map<std::int32_t, schedule_t> schedules;
+  std::vector<event_t> events;  ///< sorted, without repeats
+  std::vector<std::int8_t> task_status;
+  std::vector<double> flown_m, final_range_m;  ///< [n_uavs]
+  std::int64_t messages = 0;
+  std::int64_t interval_us = 0;
+};
+
+/// Checks a mission's log, packet by packet, against every invariant of docs/audit.md. It follows
+/// the agents by its own arithmetic from what was commanded and ruled, one tick after the other,
+/// and compares each report, activity, status and event with that. Memory grows with agents,
+/// decisions, events and gaps; a tick is dropped when it has been checked.
+///
+/// Checking of ticks stops at the first one that breaks an invariant: what follows would follow
+/// from that.
+class Auditor {
+ public:
+  void Add(const Packet& packet);
+  /// To call once, after the last packet. Violations by mission time; empty: all holds.
+  const std::vector<Violation>& Finish();
+
+  /// After Finish(): none when the log broke an invariant before its end.
+  const std::optional<Facts>& facts() const { return facts_; }
+  std::int64_t messages() const { return messages_; }
+  std::int64_t duplicates() const { return duplicates_; }
+  /// Packets on our channels that are no valid message: not a violation, unless a seq is missing.
+  std::int64_t undecodable() const { return undecodable_; }
+  std::int64_t ticks() const { return next_tick_; }
+  std::int64_t decisions() const { return static_cast<std::int64_t>(schedules_.size()); }
+  std::int64_t activities() const { return n_activities_; }
+
+ private:
+  struct Report {
+    agent_t agent;
+    std::int32_t applied_decision = -1;
+    std::string sender;
+    std::int64_t boot_id = 0;
+  };
+  struct TickData {
+    std::optional<clock_t> clock;
+    std::optional<world_state_t> world;
+    std::optional<rulings_t> rulings;
+    std::vector<std::optional<Report>> reports[3];
+    bool repeated = false;
+    std::string repeated_text;
+  };
+  struct Tracked {
+    Activity activity;
+    bool is_new = false;
+    bool aborted = false;
+    bool meeting = false;  ///< began without a command
+  };
+  /// An agent's command between the decision and the next report, which shows whether its pair
+  /// matched.
+  struct Command {
+    action_t action;
+    std::int32_t decision = -1;
+    std::int64_t at_us = 0;
+  };
+  struct Failure {
+    std::int64_t at_us = 0;
+    bool is_new = false;
+  };
+  using AgentKey = std::pair<int, int>;
+  struct Sender {
+    IntervalSet seqs;
+    std::int64_t last_sim_us = 0;
+  };
+
+  void Violate(std::int64_t at_us, std::string invariant, std::string text);
+  template <class Message>
+  std::optional<Message> Admit(const Packet& packet);
+  void Take(const Packet& packet);
+  void TakeScenario(const scenario_t& message);
+  void TakeReports(const agent_states_t& message, int kind);
+  void TakeSchedule(const schedule_t& message);
+  TickData* DataOf(std::int64_t tick);
+  bool Complete(std::int64_t tick, const TickData& data) const;
+  std::string WhatIsMissing(std::int64_t tick) const;
+  void Advance();
+
+  // One tick, in this order.
+  void CheckTick(std::int64_t tick, const TickData& data);
+  void CheckClock(const clock_t& clock);
+  void CheckReports(const TickData& data);
+  void CheckReport(AgentModel* model, const Report& report);
+  void CheckSpec(const AgentModel& model, const agent_t& report);
+  void CheckMotion(const AgentModel& model, const agent_t& report);
+  void ResolveCommand(AgentModel* model, const agent_t& report);
+  void SeeWay(AgentModel* model, const agent_t& report);
+  void ReadRulings(const rulings_t& rulings);
+  void CheckActivities(const world_state_t& world);
+  /// Whether it begins without a command.
+  bool CheckNewActivity(const Activity& activity);
+  void CheckMeeting(const Activity& activity);
+  void AbortActivities();
+  void SettleAgents();
+  void CheckRangeLeft(const AgentModel& model);
+  void CheckTasks(const world_state_t& world);
+  void CheckDecision(const schedule_t& schedule);
+  bool CheckShape(const action_t& action, const std::string& name);
+  void CheckAction(const action_t& action, const std::string& name);
+  void ExpectEvents();
+  void Expect(std::int64_t at_us, int kind, const Activity& activity);
+  void Expect(std::int64_t at_us, int kind, AgentKey agent);
+  void CompareEvents();
+
+  AgentModel& Model(int kind, int id) { return models_[kind][static_cast<std::size_t>(id)]; }
+  std::int64_t LatestEnd(const AgentModel& model) const;
+
+  /// Whether the tick being checked has broken nothing so far.
+  bool TickHolds() const { return n_violations_ == n_before_tick_; }
+
+  std::vector<Violation> violations_;
+  std::size_t n_violations_ = 0, n_before_tick_ = 0;
+  std::vector<Packet> held_back_;
+  std::optional<Scenario> scenario_;
+  std::string sha256_;
+  std::optional<std::int64_t> run_id_;
+  std::int64_t messages_ = 0, duplicates_ = 0, undecodable_ = 0, n_activities_ = 0;
+  std::map<std::pair<std::string, std::int64_t>, Sender> senders_;
+  std::map<std::tuple<std::string, std::int64_t, std::int64_t>, std::size_t> recent_;
+  std::deque<std::tuple<std::string, std::int64_t, std::int64_t>> recent_order_;
+
+  std::map<std::int64_t, TickData> pending_;
+  std::int64_t next_tick_ = 0;
+  bool stopped_ = false;
+  bool ended_ = false;
+  std::map<std::int32_t, schedule_t> schedules_;
+  std::vector<event_t> events_;
+
+  // The state after tick next_tick_ - 1; while a tick is checked, of that tick.
+  std::int64_t now_us_ = 0, before_us_ = -1;
+  std::int32_t due_ = -1;       // decision at this tick
+  std::int32_t in_force_ = -1;  // last decision before this tick
+  std::vector<AgentModel> models_[3];
+  std::vector<std::optional<Place>> last_seen_[3];
+  std::vector<std::int64_t> last_seen_us_[3];
+  std::map<AgentKey, Command> commands_;
+  std::map<AgentKey, Failure> failed_;
+  std::map<AgentKey, std::int64_t> released_;
+  std::vector<Tracked> activities_;
+  std::vector<std::int8_t> task_status_;
+  std::vector<double> flown_m_;
+  std::vector<double> final_range_m_;  // as last reported
+  std::set<EventKey> expected_;
+  std::vector<std::tuple<AgentKey, std::int64_t, std::int64_t>> expected_back_;
+  std::optional<Facts> facts_;
+};
+
+}  // namespace muster::tools::audit
