@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lcmtypes/channels.h"
+#include "world/model/sha256.h"
 
 namespace muster::tools {
 namespace {
@@ -24,7 +25,6 @@ struct Place {
 };
 
 constexpr Place kTasks[] = {{4000, 1000}, {9000, 9000}};
-constexpr double kCost_m = 2000;
 constexpr Place kCharge = {6000, 1000};
 constexpr double kUavSpeed = 1000.0 / 60, kWorkerSpeed = 500.0 / 60, kVehicleSpeed = 750.0 / 60;
 constexpr double kFull_m = 30000;
@@ -45,6 +45,7 @@ struct Agent {
   double range_at_departure = 0;
   int action = -1, target = -1, partner = -1, decision = -1;
   std::int64_t start = -1, end = -1;  // of its activity
+  double cost = 0;
 
   Place At(std::int64_t t) const {
     if (t >= arrive) return to;
@@ -59,12 +60,12 @@ struct Agent {
     if (start < 0 || t <= start) return arrived;
     const double f =
         std::min(1.0, static_cast<double>(t - start) / static_cast<double>(end - start));
-    return action == 7 ? arrived - kCost_m * f : arrived + (kFull_m - arrived) * f;
+    return action == 7 ? arrived - cost * f : arrived + (kFull_m - arrived) * f;
   }
   int StatusAt(std::int64_t t) const {
     if (busy_until <= t) return 1;
     if (t < arrive) return 2;
-    if (t < start) return 3;
+    if (start < 0 || t < start) return 3;
     return action == 7 ? 4 : 5;
   }
   void SettleAt(std::int64_t t) {
@@ -86,9 +87,45 @@ struct Agent {
   }
 };
 
+std::string ScenarioJson(std::int64_t tick_us, double task0_cost_m) {
+  const auto agent = [](int id, Place at, double km_per_min) {
+    return nlohmann::json{{"id", id},
+                          {"x_km", at.x_m / 1000},
+                          {"y_km", at.y_m / 1000},
+                          {"speed_km_per_min", km_per_min},
+                          {"online_from_min", 0},
+                          {"online_until_min", 60}};
+  };
+  const auto uav = [&](int id, Place at) {
+    nlohmann::json json = agent(id, at, 1);
+    json["full_range_km"] = json["range_km"] = 30;
+    return json;
+  };
+  nlohmann::json vehicle = agent(0, {8000, 1000}, 0.75);
+  vehicle["charge_km_per_min"] = 6;
+  const nlohmann::json scenario = {
+      {"version", 1},
+      {"name", "by hand"},
+      {"seed", 5},
+      {"area_km", {10, 10}},
+      {"interval_min", 10},
+      {"limit_min", 30},
+      {"rules", {{"tick_s", tick_us / 1'000'000}}},
+      {"uavs", {uav(0, {1000, 1000}), uav(1, {9000, 8000})}},
+      {"workers", {agent(0, {1000, 3000}, 0.5), agent(1, {9000, 7000}, 0.5)}},
+      {"vehicles", {vehicle}},
+      {"tasks",
+       {{{"id", 0}, {"x_km", 4}, {"y_km", 1}, {"cost_km", task0_cost_m / 1000}},
+        {{"id", 1}, {"x_km", 9}, {"y_km", 9}, {"cost_km", 2}}}},
+      {"charging_points", {{{"id", 0}, {"x_km", 6}, {"y_km", 1}}}},
+  };
+  return scenario.dump();
+}
+
 class Mission {
  public:
-  explicit Mission(std::int64_t tick_us) : tick_us_(tick_us) {
+  Mission(std::int64_t tick_us, double task0_cost_m)
+      : tick_us_(tick_us), costs_{task0_cost_m, 2000} {
     agents_ = {
         {0, 0, kUavSpeed, {1000, 1000}, {1000, 1000}},
         {0, 1, kUavSpeed, {9000, 8000}, {9000, 8000}},
@@ -101,8 +138,8 @@ class Mission {
 
   FakeLog Run() {
     scenario_t scenario{};
-    scenario.json = FakeScenarioJson(tick_us_);
-    scenario.sha256 = std::string(64, '0');
+    scenario.json = ScenarioJson(tick_us_, costs_[0]);
+    scenario.sha256 = Sha256(scenario.json);
     Say("world", channel::kScenario, scenario, 0);
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
       SayStatus(name, 1, -1, 0);
@@ -199,9 +236,13 @@ class Mission {
     states.kind = static_cast<std::int8_t>(kind);
     states.tick = tick;
     states.applied_decision = Clock(tick).required_decision;
-    for (Agent& agent : agents_) {
+    for (Agent agent : agents_) {
       if (agent.kind != kind) continue;
-      agent.SettleAt(t);
+      // An agent learns of its activity from the world's word on its first tick.
+      if (agent.start >= 0 && agent.depart == t - tick_us_) {
+        agent.start = agent.end = -1;
+        agent.busy_until = kForever;
+      }
       agent_t a{};
       a.id = agent.id;
       a.x_m = agent.At(t).x_m;
@@ -216,10 +257,9 @@ class Mission {
       a.depart_us = agent.depart;
       a.arrive_us = agent.arrive;
       a.online_from_us = 0;
-      a.online_until_us = kLimit;
+      a.online_until_us = 2 * kLimit;
       a.busy_until_us = agent.busy_until;
-      a.status =
-          static_cast<std::int8_t>(t >= kLimit && agent.busy_until <= t ? 0 : agent.StatusAt(t));
+      a.status = static_cast<std::int8_t>(agent.StatusAt(t));
       a.action = static_cast<std::int8_t>(agent.action);
       a.target_id = agent.target;
       a.partner_id = agent.partner;
@@ -292,9 +332,10 @@ class Mission {
       a.site_id = kind == 7 ? task : charge;
       a.start_us = std::max(u.arrive, p.arrive);
       const double seconds =
-          kind == 7 ? kCost_m / kUavSpeed
+          kind == 7 ? costs_[task] / kUavSpeed
                     : (kFull_m - (u.range_at_departure - Way(u.from, u.to))) / kChargeRate;
       a.end_us = a.start_us + Us(seconds);
+      if (kind == 7) u.cost = costs_[task];
       u.start = p.start = a.start_us;
       u.end = p.end = u.busy_until = p.busy_until = a.end_us;
       activities_.push_back(a);
@@ -332,6 +373,7 @@ class Mission {
   }
 
   std::int64_t tick_us_;
+  double costs_[2];
   std::vector<Agent> agents_;
   std::vector<activity_t> activities_;
   std::map<std::string, std::int64_t> next_seq_;
@@ -348,41 +390,8 @@ Packet FakeMessage::Encoded() const {
   return std::visit([&](const auto& message) { return Packet{channel, Encode(message)}; }, body);
 }
 
-FakeLog MakeFakeMission(std::int64_t tick_us) { return Mission(tick_us).Run(); }
-
-std::string FakeScenarioJson(std::int64_t tick_us) {
-  const auto agent = [](int id, Place at, double km_per_min) {
-    return nlohmann::json{{"id", id},
-                          {"x_km", at.x_m / 1000},
-                          {"y_km", at.y_m / 1000},
-                          {"speed_km_per_min", km_per_min},
-                          {"online_from_min", 0},
-                          {"online_until_min", 30}};
-  };
-  const auto uav = [&](int id, Place at) {
-    nlohmann::json json = agent(id, at, 1);
-    json["full_range_km"] = json["range_km"] = 30;
-    return json;
-  };
-  nlohmann::json vehicle = agent(0, {8000, 1000}, 0.75);
-  vehicle["charge_km_per_min"] = 6;
-  const nlohmann::json scenario = {
-      {"version", 1},
-      {"name", "by hand"},
-      {"seed", 5},
-      {"area_km", {10, 10}},
-      {"interval_min", 10},
-      {"limit_min", 30},
-      {"rules", {{"tick_s", tick_us / 1'000'000}}},
-      {"uavs", {uav(0, {1000, 1000}), uav(1, {9000, 8000})}},
-      {"workers", {agent(0, {1000, 3000}, 0.5), agent(1, {9000, 7000}, 0.5)}},
-      {"vehicles", {vehicle}},
-      {"tasks",
-       {{{"id", 0}, {"x_km", 4}, {"y_km", 1}, {"cost_km", 2}},
-        {{"id", 1}, {"x_km", 9}, {"y_km", 9}, {"cost_km", 2}}}},
-      {"charging_points", {{{"id", 0}, {"x_km", 6}, {"y_km", 1}}}},
-  };
-  return scenario.dump();
+FakeLog MakeFakeMission(std::int64_t tick_us, double task0_cost_m) {
+  return Mission(tick_us, task0_cost_m).Run();
 }
 
 void Renumber(FakeLog* log) {

@@ -34,10 +34,8 @@ using FakeLog = std::vector<FakeMessage>;
 ///   decision 1: UiCyVk(0, 0, 0): UAV to (6, 1) by 12, charging 7 km until 13.167;
 ///               UiTxWj(1, 1, 1): worker from (9, 7) by 14, sensing until 16
 ///   decision 2: UiCy(1, 0): UAV 8.544 km to (6, 1); the others stay
-/// `tick_us` divides 10 min.
-FakeLog MakeFakeMission(std::int64_t tick_us = 60'000'000);
-
-std::string FakeScenarioJson(std::int64_t tick_us = 60'000'000);
+/// `tick_us` divides 10 min. More cost of task 0 makes its sensing longer and changes nothing else.
+FakeLog MakeFakeMission(std::int64_t tick_us = 60'000'000, double task0_cost_m = 2000);
 
 /// Numbers every sender's messages anew, from 0, after messages were added or taken out.
 void Renumber(FakeLog* log);

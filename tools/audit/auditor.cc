@@ -181,10 +181,10 @@ void Auditor::TakeScenario(const scenario_t& message) {
       models_[kind].push_back(model);
       if (spec.online_from_us >= spec.online_until_us) continue;
       if (spec.online_from_us <= scenario_->limit_us) {
-        Expect(spec.online_from_us, 0, {kind, model.id});
+        Expect(spec.online_from_us, 0, AgentKey{kind, model.id});
       }
       if (spec.online_until_us <= scenario_->limit_us) {
-        Expect(spec.online_until_us, 1, {kind, model.id});
+        Expect(spec.online_until_us, 1, AgentKey{kind, model.id});
       }
     }
     last_seen_[kind].resize(models_[kind].size());
