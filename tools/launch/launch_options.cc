@@ -95,6 +95,13 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     options.lcm_url = (*result)["lcm-url"].as<std::string>();
     ParseMulticastUrl(options.lcm_url);
   }
+  for (const auto& [kind, count] : options.processes) {
+    if (count == 0 && options.lcm_url.empty()) {
+      throw InputError(kCommandLine, "--processes", fmt::format("{}=0", ToString(kind)),
+                       "--lcm-url with it: a process of yours cannot reach a network of the "
+                       "mission's own");
+    }
+  }
   return options;
 }
 
@@ -111,9 +118,9 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     }
     plans.push_back({name, program, std::move(arguments)});
   };
-  // lcm-logger queues 30 messages: the windows of all who talk at once stay below together.
   add("world", "muster-world",
-      {mission.scenario_file, "--rate", options.rate, "--recorder", "--window", "10"});
+      {mission.scenario_file, "--rate", options.rate, "--recorder", "--window",
+       fmt::to_string(kWorldWindow)});
   for (const AgentKind kind : kAgentKinds) {
     const std::string class_name(ToString(kind));
     const int n = static_cast<int>(scenario.agents(kind).size());
@@ -123,7 +130,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
                        fmt::format("at most {}, the scenario's {}s", n, class_name));
     }
     for (int i = 0; i < k; ++i) {
-      std::vector<std::string> arguments = {"--window", "3"};
+      std::vector<std::string> arguments = {"--window", fmt::to_string(kProcessWindow)};
       if (k > 1) {
         const int first = n * i / k;
         const int last = n * (i + 1) / k - 1;
@@ -133,7 +140,8 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
           std::move(arguments));
     }
   }
-  add("scheduler", "muster-scheduler", {"--policy", options.policy, "--window", "3"});
+  add("scheduler", "muster-scheduler",
+      {"--policy", options.policy, "--window", fmt::to_string(kProcessWindow)});
   return plans;
 }
 

@@ -22,6 +22,11 @@ struct LaunchOptions : MissionOptions {
 /// Reads the command line. No value: --help or --version was answered. Throws InputError.
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv);
 
+/// Messages that one process may have out and not in the log (--window). lcm-logger queues 30, so
+/// the windows of all who talk at once stay below that together.
+inline constexpr int kWorldWindow = 10;
+inline constexpr int kProcessWindow = 3;
+
 /// One process of a mission: program (a file name in the folder of `muster`) and its arguments.
 struct ProcessPlan {
   std::string name;

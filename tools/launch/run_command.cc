@@ -28,6 +28,7 @@
 #include "tools/launch/stop_signals.h"
 #include "tools/report/report_json.h"
 #include "tools/report/summary.h"
+#include "world/model/agent.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
 
@@ -109,6 +110,16 @@ MissionPlan PlanMission(const std::vector<ProcessPlan>& processes, const std::st
   return plan;
 }
 
+/// For the classes that the user wants to start by hand.
+void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& mission) {
+  for (const auto& [kind, count] : options.processes) {
+    if (count > 0) continue;
+    fmt::print(stderr, "start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}\n",
+               ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id,
+               kProcessWindow);
+  }
+}
+
 int ExitCodeOf(const MissionResult& result) {
   switch (result.end) {
     case MissionEnd::kInterrupted:
@@ -161,7 +172,10 @@ int RunCommand(int argc, const char* const* argv) {
   manifest.scenario_json = json;
   manifest.start_wall_us = start.wall_us;
   directory.Write("manifest.json", ManifestJson(manifest));
-  if (!options->quiet) fmt::print(stderr, "recording in {}\n", directory.path());
+  if (!options->quiet) {
+    fmt::print(stderr, "recording in {}\n", directory.path());
+    PrintWhatToStart(*options, mission);
+  }
 
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(

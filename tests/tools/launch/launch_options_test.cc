@@ -65,6 +65,8 @@ TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   EXPECT_NE(ErrorOf({"a.json", "--availability", "lax"}), "");
   EXPECT_NE(ErrorOf({"a.json", "--lcm-url", "tcp://x"}), "");
   EXPECT_NE(ErrorOf({"a.json", "b.json"}), "");
+  // Nobody could reach the network of the mission's own.
+  EXPECT_NE(ErrorOf({"a.json", "--processes", "uav=0"}), "");
 }
 
 TEST(PlanProcesses, OneProcessAClassByDefault) {
@@ -88,7 +90,8 @@ TEST(PlanProcesses, OneProcessAClassByDefault) {
 }
 
 TEST(PlanProcesses, DealsAClassOutWithoutOverlapOrHole) {
-  const LaunchOptions options = Parse({"a.json", "--processes", "uav=3,vehicle=0", "--drop=0.3"});
+  const LaunchOptions options = Parse({"a.json", "--processes", "uav=3,vehicle=0", "--drop=0.3",
+                                       "--lcm-url", "udpm://239.255.76.67:7000"});
   const std::vector<ProcessPlan> plans = PlanProcesses(options, ScenarioWith(10, 1, 1), {});
   ASSERT_EQ(plans.size(), 6u);
   EXPECT_EQ(plans[1].name, "uav-1");

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -121,6 +122,27 @@ TEST_F(RunTest, HowTheMissionIsSplitChangesNoDecision) {
   ASSERT_EQ(two.Wait(), 0) << two.output();
   EXPECT_TRUE(fs::exists(Out("two") + "/worker-3.stderr"));
   EXPECT_EQ(Report("one")["digest"], Report("two")["digest"]);
+}
+
+TEST_F(RunTest, AProcessStartedByHandTakesPart) {
+  // A port of our own, where tests share the host's network.
+  const std::string url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20'000 + getpid() % 10'000);
+  Muster muster = Start({"--processes", "uav=0", "--lcm-url", url});
+  ASSERT_TRUE(Eventually([&] {
+    return muster.output().find("--window") != std::string::npos || muster.child().Poll();
+  }));
+  // "start yourself: PROGRAM --lcm-url ..."
+  const std::string said = muster.output();
+  const std::string lead = "start yourself: ";
+  const std::size_t at = said.find(lead);
+  ASSERT_NE(at, std::string::npos) << said;
+  const std::size_t begin = at + lead.size();
+  const std::string command = "exec " + said.substr(begin, said.find('\n', begin) - begin);
+  Child uav({"uav", {"/bin/sh", "-c", command}, folder_.File("uav.stderr")});
+  EXPECT_EQ(muster.Wait(), 0) << muster.output();
+  EXPECT_FALSE(uav.Poll()) << "it stays until it is stopped";
+  EXPECT_FALSE(fs::exists(Out() + "/uav.stderr"));
+  EXPECT_TRUE(Report()["log"]["complete"].get<bool>());
 }
 
 TEST_F(RunTest, MissionsSideBySideDoNotHearEachOther) {
