@@ -14,12 +14,6 @@ namespace {
 /// Agents a message: keeps it near one datagram's 64 kB, so that little is lost with a fragment.
 constexpr std::size_t kAgentsPerMessage = 256;
 
-std::string_view ChannelOf(AgentKind kind) {
-  return kind == AgentKind::kUav      ? channel::kUavs
-         : kind == AgentKind::kWorker ? channel::kWorkers
-                                      : channel::kVehicles;
-}
-
 std::int32_t MemberOf(const Action& action, AgentKind kind) {
   return kind == AgentKind::kUav      ? action.uav.value
          : kind == AgentKind::kWorker ? action.worker.value

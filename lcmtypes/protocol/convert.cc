@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lcmtypes/channels.h"
+
 namespace muster {
 namespace {
 
@@ -59,6 +61,12 @@ bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const Wi
 }
 
 }  // namespace
+
+std::string_view ChannelOf(AgentKind kind) {
+  return kind == AgentKind::kUav      ? channel::kUavs
+         : kind == AgentKind::kWorker ? channel::kWorkers
+                                      : channel::kVehicles;
+}
 
 agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   const Point here = PositionAt(agent, t);

@@ -5,6 +5,7 @@
 #include <muster/agent_t.hpp>
 #include <muster/ruling_t.hpp>
 #include <optional>
+#include <string_view>
 
 #include "world/model/agent.h"
 
@@ -30,6 +31,9 @@ struct WireLimits {
     return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
   }
 };
+
+/// Where the states of that class are published.
+std::string_view ChannelOf(AgentKind kind);
 
 /// The state at time t, as its agent process reports it.
 agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks);

@@ -25,12 +25,6 @@ event_t ToWire(const Event& event) {
   return wire;
 }
 
-std::string_view ChannelOf(AgentKind kind) {
-  return kind == AgentKind::kUav      ? channel::kUavs
-         : kind == AgentKind::kWorker ? channel::kWorkers
-                                      : channel::kVehicles;
-}
-
 }  // namespace
 
 WorldProcess::WorldProcess(Identity identity, int window, std::string json,
