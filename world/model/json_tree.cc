@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "world/model/check.h"
 
@@ -50,7 +51,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool start_object(std::size_t) override { return Open(JsonValue::Type::kObject); }
   bool start_array(std::size_t) override { return Open(JsonValue::Type::kArray); }
   bool key(string_t& name) override {
-    open_.back()->members.emplace_back(std::move(name), JsonValue());
+    open_.back()->members.push_back({std::move(name), JsonValue()});
     return true;
   }
   bool end_object() override {
@@ -101,7 +102,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     if (!open_.empty()) {
       JsonValue* parent = open_.back();
       value = parent->type == JsonValue::Type::kArray ? &parent->items.emplace_back()
-                                                      : &parent->members.back().second;
+                                                      : &parent->members.back().value;
     }
     value->type = type;
     return value;
@@ -123,7 +124,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       if (open_[i]->type == JsonValue::Type::kArray) {
         path += fmt::format("[{}]", open_[i]->items.size() - 1);
       } else {
-        path += (path.empty() ? "" : ".") + open_[i]->members.back().first;
+        path += (path.empty() ? "" : ".") + open_[i]->members.back().name;
       }
     }
     return path;

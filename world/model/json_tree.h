@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace muster {
@@ -10,18 +9,24 @@ namespace muster {
 /// A JSON value as it stands in the file: numbers keep their text, so that nothing is rounded
 /// before it is known what unit they are in; members keep their order.
 struct JsonValue {
+  struct Member;  // a pair would need the whole type here
   enum class Type { kNull, kBoolean, kNumber, kString, kArray, kObject };
   Type type = Type::kNull;
   bool boolean = false;
   std::string text;  ///< a string's content or a number as written
   std::vector<JsonValue> items;
-  std::vector<std::pair<std::string, JsonValue>> members;
+  std::vector<Member> members;
 
   /// The member of that key; nullptr when there is none.
   const JsonValue* Find(std::string_view key) const;
 
   /// How a message shows it: a number or a short string as written, else "an object", ...
   std::string Shown() const;
+};
+
+struct JsonValue::Member {
+  std::string name;
+  JsonValue value;
 };
 
 /// Parses a whole JSON text. Throws InputError naming `file`, line and column when it is not JSON
