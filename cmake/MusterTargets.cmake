@@ -13,6 +13,9 @@ if(MUSTER_SANITIZE)
                                                   -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   target_link_options(muster_options INTERFACE -fsanitize=${MUSTER_SANITIZE})
 endif()
+if(MUSTER_FUZZ)
+  target_compile_options(muster_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # muster_library(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): static library muster_NAME, alias
 # muster::NAME.
