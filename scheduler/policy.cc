@@ -8,6 +8,7 @@
 
 #include "scheduler/baselines/greedy.h"
 #include "scheduler/baselines/kwta.h"
+#include "scheduler/certified/certified_policy.h"
 #include "scheduler/policies/paper_policies.h"
 #include "world/model/check.h"
 
@@ -32,9 +33,11 @@ template <Foundation kFoundation>
 std::unique_ptr<Policy> Mpq() {
   return std::make_unique<MpqPolicy>(kFoundation);
 }
+std::unique_ptr<Policy> Certified() { return std::make_unique<CertifiedPolicy>(); }
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 const Row kPolicies[] = {
+    {{"certified", "the heaviest decision, or one within a proven gap (ours)"}, &Certified},
     {{"mpq", "HoCs-MPQ: iterated local search on a growing subgraph (paper, Alg. 5)"},
      &Mpq<Foundation::kHierarchical>},
     {{"mpq-uniform", "HoCs-MPQ with uniform foundational weights (paper, section 5.3.3)"},

@@ -1,0 +1,520 @@
+#include "scheduler/certified/build.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <span>
+
+#include "scheduler/certified/expected_costs.h"
+#include "scheduler/certified/grid_index.h"
+#include "scheduler/certified/levels.h"
+#include "scheduler/certified/parallel.h"
+#include "world/model/check.h"
+
+namespace muster::scheduler {
+namespace {
+
+using Index = std::int32_t;
+using Clock = std::chrono::steady_clock;
+
+std::size_t At(Index i) { return static_cast<std::size_t>(i); }
+
+double Seconds(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+double Softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
+
+/// softplus of the reduction rate of an expected cost; 0/0 counts as no reduction.
+double Gain(double before, double after) {
+  return Softplus(before == 0 ? 0.0 : (before - after) / before);
+}
+
+/// Levels depend on speed alone; agents of one speed share their expected costs.
+struct SpeedClasses {
+  std::vector<double> speeds;   ///< ascending
+  std::vector<Index> of_agent;  ///< [n_agents]
+  std::vector<LevelOf> levels;  ///< by class
+
+  SpeedClasses(const std::vector<const AgentState*>& agents, const Rules& rules) {
+    for (const AgentState* agent : agents) speeds.push_back(agent->speed_m_s);
+    std::sort(speeds.begin(), speeds.end());
+    speeds.erase(std::unique(speeds.begin(), speeds.end()), speeds.end());
+    for (const AgentState* agent : agents) {
+      of_agent.push_back(static_cast<Index>(
+          std::lower_bound(speeds.begin(), speeds.end(), agent->speed_m_s) - speeds.begin()));
+    }
+    for (const double speed : speeds) levels.emplace_back(speed, rules);
+  }
+  std::size_t size() const { return speeds.size(); }
+};
+
+/// A way that an agent might take.
+struct Way {
+  Index agent;
+  Index place;
+  double metres;
+  std::int32_t level;
+};
+
+std::vector<const AgentState*> Idle(const std::vector<AgentState>& agents, TimeUs now) {
+  std::vector<const AgentState*> idle;
+  for (const AgentState& agent : agents) {
+    if (agent.idle(now)) idle.push_back(&agent);
+  }
+  return idle;
+}
+
+std::vector<Point> Places(const std::vector<const AgentState*>& agents, TimeUs now) {
+  std::vector<Point> places;
+  for (const AgentState* agent : agents) places.push_back(PositionAt(*agent, now));
+  return places;
+}
+
+/// Concatenates what the two halves of a parallel loop found.
+template <class T>
+void Append(std::vector<T>* to, const std::vector<T>& from) {
+  to->insert(to->end(), from.begin(), from.end());
+}
+
+class Builder {
+ public:
+  Builder(const Situation& situation, int threads)
+      : situation_(situation),
+        site_(*situation.site),
+        rules_(situation.site->rules),
+        threads_(threads),
+        uavs_(Idle(situation.uavs, situation.now_us)),
+        workers_(Idle(situation.workers, situation.now_us)),
+        vehicles_(Idle(situation.vehicles, situation.now_us)),
+        uav_at_(Places(uavs_, situation.now_us)),
+        worker_at_(Places(workers_, situation.now_us)),
+        vehicle_at_(Places(vehicles_, situation.now_us)),
+        uav_speeds_(uavs_, rules_),
+        worker_speeds_(workers_, rules_),
+        vehicle_speeds_(vehicles_, rules_) {
+    for (const AgentState* uav : uavs_) range_m_.push_back(situation.range_m(*uav));
+    for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
+      if (situation.task_status[x] != TaskStatus::kOpen) continue;
+      tasks_.push_back(TaskId(x));
+      task_at_.push_back(site_.tasks[x].at);
+    }
+    site_of_charge_.assign(site_.charging_points.size(), -1);
+    for (std::size_t y = 0; y < site_.charging_points.size(); ++y) {
+      charge_at_.push_back(site_.charging_points[y].at);
+      if (situation.free_places(ChargeId(y)) <= 0) continue;
+      site_of_charge_[y] = static_cast<Index>(tasks_.size() + charges_.size());
+      charges_.push_back(ChargeId(y));
+    }
+  }
+
+  BuiltInstance Build() {
+    const auto start = Clock::now();
+    const GridIndex task_index(task_at_), charge_index(charge_at_);
+    FindUavWays(task_index, charge_index);
+    FindPartnerWays(task_index, charge_index);
+    const auto found = Clock::now();
+    ExpectedCosts();
+    MeanCosts();
+    const auto weighed = Clock::now();
+    BuiltInstance built;
+    Assemble(&built);
+    const auto end = Clock::now();
+    built.weights_s = Seconds(found, weighed);
+    built.candidates_s = Seconds(start, found) + Seconds(weighed, end);
+    return built;
+  }
+
+ private:
+  double E(double share) const {
+    return std::max(1e-6, (1 - std::exp(-share)) / (1 - std::exp(-1.0)));
+  }
+  double Share(std::size_t u) const {
+    return uavs_[u]->range_full_m > 0 ? range_m_[u] / uavs_[u]->range_full_m : 0;
+  }
+
+  template <class Find>
+  std::vector<Way> FindWays(std::size_t n_agents, const Find& find) const {
+    std::vector<Way> ways, second;
+    ParallelFor(n_agents, threads_, 512, [&](std::size_t begin, std::size_t end) {
+      std::vector<Way>* out = begin == 0 ? &ways : &second;
+      for (std::size_t i = begin; i < end; ++i) find(i, out);
+    });
+    Append(&ways, second);
+    return ways;
+  }
+
+  /// Constraints (5) and (6), without regard to time: the expected costs need them so.
+  void FindUavWays(const GridIndex& task_index, const GridIndex& charge_index) {
+    uav_to_task_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
+      const LevelOf& level = uav_speeds_.levels[At(uav_speeds_.of_agent[u])];
+      task_index.Within(uav_at_[u], range_m_[u], [&](Index x, double metres) {
+        const TaskId task = tasks_[At(x)];
+        if (!CanSense(range_m_[u], metres, site_.tasks[task.index()].cost_m,
+                      site_.task_to_charge_m[task.index()])) {
+          return;
+        }
+        ways->push_back({static_cast<Index>(u), x, metres, level(metres)});
+      });
+    });
+    uav_to_charge_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
+      const LevelOf& level = uav_speeds_.levels[At(uav_speeds_.of_agent[u])];
+      charge_index.Within(uav_at_[u], range_m_[u], [&](Index y, double metres) {
+        ways->push_back({static_cast<Index>(u), y, metres, level(metres)});
+      });
+    });
+  }
+
+  /// What can be reached before the agent must be done. Charging points only with a free place.
+  void FindPartnerWays(const GridIndex& task_index, const GridIndex& charge_index) {
+    const auto find = [&](const std::vector<const AgentState*>& agents,
+                          const std::vector<Point>& at, const SpeedClasses& speeds,
+                          const GridIndex& index, bool charging) {
+      return FindWays(agents.size(), [&](std::size_t i, std::vector<Way>* ways) {
+        const LevelOf& level = speeds.levels[At(speeds.of_agent[i])];
+        const TimeUs left = TimeLeft(*agents[i]);
+        const double radius = ToSeconds(left) * agents[i]->speed_m_s * (1 + 1e-9) + 1;
+        index.Within(at[i], radius, [&](Index place, double metres) {
+          if (charging && site_of_charge_[At(place)] < 0) return;
+          const TimeUs travel = TravelUs(metres, agents[i]->speed_m_s);
+          if (travel == kNever || travel > left) return;
+          ways->push_back({static_cast<Index>(i), place, metres, level(metres)});
+        });
+      });
+    };
+    worker_to_task_ = find(workers_, worker_at_, worker_speeds_, task_index, false);
+    vehicle_to_charge_ = find(vehicles_, vehicle_at_, vehicle_speeds_, charge_index, true);
+  }
+
+  TimeUs TimeLeft(const AgentState& agent) const {
+    return LatestEnd(agent, rules_) - situation_.now_us;
+  }
+
+  /// Eq. 4-5 to 4-8.
+  void ExpectedCosts() {
+    const double none =
+        static_cast<double>(rules_.limit_us) /
+        static_cast<double>(rules_.ceil_to_minutes ? kMinuteUs : rules_.interval_us);
+    const auto by_uav = [&](const std::vector<Way>& ways, std::size_t n_places, bool charging) {
+      std::vector<double> cost(n_places, 0);
+      std::vector<std::int32_t> feasible(n_places, 0);
+      std::vector<double> per_level(uavs_.size());
+      for (std::size_t u = 0; u < uavs_.size(); ++u) {
+        per_level[u] = E(charging ? 1 - Share(u) : Share(u));
+      }
+      for (const Way& way : ways) {
+        cost[At(way.place)] += way.level / per_level[At(way.agent)];
+        ++feasible[At(way.place)];
+      }
+      for (std::size_t i = 0; i < n_places; ++i) {
+        if (uavs_.empty()) continue;
+        if (rules_.mean_over_all) {
+          cost[i] /= static_cast<double>(uavs_.size());
+        } else {
+          cost[i] = feasible[i] == 0 ? none : cost[i] / feasible[i];
+        }
+      }
+      return cost;
+    };
+    task_by_uav_ = by_uav(uav_to_task_, task_at_.size(), false);
+    charge_by_uav_ = by_uav(uav_to_charge_, charge_at_.size(), true);
+
+    const auto by_partner = [&](const std::vector<Point>& agents, const SpeedClasses& speeds,
+                                const std::vector<Point>& places) {
+      std::vector<double> cost(places.size(), 0);
+      if (agents.empty()) return cost;
+      for (std::size_t c = 0; c < speeds.size(); ++c) {
+        std::vector<Point> of_class;
+        for (std::size_t i = 0; i < agents.size(); ++i) {
+          if (At(speeds.of_agent[i]) == c) of_class.push_back(agents[i]);
+        }
+        const LevelSums sums(of_class, speeds.levels[c]);
+        ParallelFor(places.size(), threads_, 512, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) cost[i] += sums.Sum(places[i]);
+        });
+      }
+      for (double& value : cost) value /= static_cast<double>(agents.size());
+      return cost;
+    };
+    task_by_worker_ = by_partner(worker_at_, worker_speeds_, task_at_);
+    charge_by_vehicle_ = by_partner(vehicle_at_, vehicle_speeds_, charge_at_);
+  }
+
+  /// One softmax mean for each (place, speed) that some way needs.
+  struct MeanAt {
+    std::vector<double> agent;              ///< [n_agents] where the agent stands
+    std::vector<std::vector<double>> task;  ///< [n_classes][n_tasks]
+    std::vector<std::vector<double>> charge;
+  };
+
+  void Fill(const PlaceSums& sums, const std::vector<Point>& agents, const SpeedClasses& speeds,
+            const std::vector<Way>* to_task, const std::vector<Way>* to_charge, MeanAt* mean) {
+    mean->agent.resize(agents.size());
+    ParallelFor(agents.size(), threads_, 64, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        mean->agent[i] = sums.SoftmaxMean(agents[i], speeds.levels[At(speeds.of_agent[i])]);
+      }
+    });
+    const auto at_places = [&](const std::vector<Way>* ways, const std::vector<Point>& places,
+                               std::vector<std::vector<double>>* means) {
+      if (ways == nullptr) return;
+      std::vector<std::vector<bool>> needed(speeds.size(), std::vector<bool>(places.size()));
+      for (const Way& way : *ways) {
+        needed[At(speeds.of_agent[At(way.agent)])][At(way.place)] = true;
+      }
+      means->assign(speeds.size(), std::vector<double>(places.size(), 0));
+      for (std::size_t c = 0; c < speeds.size(); ++c) {
+        std::vector<double>& row = (*means)[c];
+        ParallelFor(places.size(), threads_, 64, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            if (needed[c][i]) row[i] = sums.SoftmaxMean(places[i], speeds.levels[c]);
+          }
+        });
+      }
+    };
+    at_places(to_task, task_at_, &mean->task);
+    at_places(to_charge, charge_at_, &mean->charge);
+  }
+
+  void MeanCosts() {
+    Fill(PlaceSums(task_at_, task_by_worker_), uav_at_, uav_speeds_, &uav_to_task_, &uav_to_charge_,
+         &uav_tasks_);
+    Fill(PlaceSums(charge_at_, charge_by_vehicle_), uav_at_, uav_speeds_, &uav_to_task_,
+         &uav_to_charge_, &uav_charges_);
+    Fill(PlaceSums(task_at_, task_by_uav_), worker_at_, worker_speeds_, &worker_to_task_, nullptr,
+         &worker_tasks_);
+    Fill(PlaceSums(charge_at_, charge_by_uav_), vehicle_at_, vehicle_speeds_, nullptr,
+         &vehicle_to_charge_, &vehicle_charges_);
+  }
+
+  void Assemble(BuiltInstance* built) {
+    Instance& instance = built->instance;
+    const double stay = Softplus(0);
+    for (const AgentState* uav : uavs_) instance.uavs.push_back({stay, LatestEnd(*uav, rules_)});
+    for (const AgentState* worker : workers_) {
+      instance.partners.push_back({stay, LatestEnd(*worker, rules_), 0});
+    }
+    for (const AgentState* vehicle : vehicles_) {
+      instance.partners.push_back({stay, LatestEnd(*vehicle, rules_), vehicle->charge_rate_m_s});
+    }
+    instance.capacity.assign(tasks_.size(), 1);
+    for (const ChargeId charge : charges_) {
+      instance.capacity.push_back(situation_.free_places(charge));
+    }
+    AddUavArcs(&instance);
+    AddPartnerArcs(&instance);
+
+    built->uavs = uavs_;
+    built->partners = workers_;
+    Append(&built->partners, vehicles_);
+    built->tasks = tasks_;
+    built->charges = charges_;
+  }
+
+  /// Counting sort of arcs by site; within a site in the order given.
+  template <class Arc>
+  static std::vector<Index> SortBySite(std::vector<Arc>* arcs, const std::vector<Index>& site,
+                                       std::size_t n_sites) {
+    std::vector<Index> begin(n_sites + 1, 0);
+    for (const Index s : site) ++begin[At(s) + 1];
+    for (std::size_t s = 0; s < n_sites; ++s) begin[s + 1] += begin[s];
+    std::vector<Index> next(begin.begin(), begin.end() - 1);
+    std::vector<Arc> sorted(arcs->size());
+    for (std::size_t i = 0; i < arcs->size(); ++i) sorted[At(next[At(site[i])]++)] = (*arcs)[i];
+    *arcs = std::move(sorted);
+    return begin;
+  }
+
+  void AddUavArcs(Instance* instance) {
+    const double sense_base = Softplus(100);
+    std::vector<Instance::UavArc> arcs(uav_to_task_.size() + uav_to_charge_.size());
+    std::vector<Index> site(arcs.size());
+    const auto fill = [&](const Way& way, bool charging, std::size_t at) {
+      const auto u = At(way.agent);
+      const AgentState& uav = *uavs_[u];
+      const auto c = At(uav_speeds_.of_agent[u]);
+      Instance::UavArc& arc = arcs[at];
+      site[at] = -1;
+      const TimeUs travel = TravelUs(way.metres, uav.speed_m_s);
+      if (travel == kNever || travel > TimeLeft(uav)) return;
+      if (charging && site_of_charge_[At(way.place)] < 0) return;
+      const auto& tasks_after = charging ? uav_tasks_.charge[c] : uav_tasks_.task[c];
+      const auto& charges_after = charging ? uav_charges_.charge[c] : uav_charges_.task[c];
+      const double to_tasks = Gain(uav_tasks_.agent[u], tasks_after[At(way.place)]) / way.level;
+      const double to_charges =
+          Gain(uav_charges_.agent[u], charges_after[At(way.place)]) / way.level;
+      const double full = uav.range_full_m, arrival = range_m_[u] - way.metres;
+      const auto gain = [&](double range) {
+        return full > 0 ? range / full * to_tasks + (full - range) / full * to_charges : to_charges;
+      };
+      arc.uav = way.agent;
+      arc.level = way.level;
+      arc.arrive_us = situation_.now_us + travel;
+      arc.solo = gain(arrival);
+      if (charging) {
+        site[at] = site_of_charge_[At(way.place)];
+        arc.base = Softplus(10 + std::exp(1 - Share(u)));
+        arc.pair_gain = gain(full);
+        arc.missing_m = full - arrival;
+      } else {
+        site[at] = way.place;
+        const double cost = site_.tasks[tasks_[At(way.place)].index()].cost_m;
+        arc.base = sense_base;
+        arc.pair_gain = gain(arrival - cost);
+        arc.duration_us = SensingUs(cost, uav.speed_m_s);
+      }
+    };
+    ParallelFor(arcs.size(), threads_, 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const bool charging = i >= uav_to_task_.size();
+        fill(charging ? uav_to_charge_[i - uav_to_task_.size()] : uav_to_task_[i], charging, i);
+      }
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < arcs.size(); ++i) {
+      if (site[i] < 0) continue;
+      arcs[kept] = arcs[i];
+      site[kept++] = site[i];
+    }
+    arcs.resize(kept);
+    site.resize(kept);
+    instance->uav_begin = SortBySite(&arcs, site, instance->capacity.size());
+    instance->uav_arcs = std::move(arcs);
+  }
+
+  void AddPartnerArcs(Instance* instance) {
+    std::vector<Instance::PartnerArc> arcs(worker_to_task_.size() + vehicle_to_charge_.size());
+    std::vector<Index> site(arcs.size());
+    const auto n_workers = static_cast<Index>(workers_.size());
+    ParallelFor(arcs.size(), threads_, 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const bool charging = i >= worker_to_task_.size();
+        const Way& way =
+            charging ? vehicle_to_charge_[i - worker_to_task_.size()] : worker_to_task_[i];
+        const MeanAt& mean = charging ? vehicle_charges_ : worker_tasks_;
+        const SpeedClasses& speeds = charging ? vehicle_speeds_ : worker_speeds_;
+        const auto c = At(speeds.of_agent[At(way.agent)]);
+        const auto& after = charging ? mean.charge[c] : mean.task[c];
+        const double speed = speeds.speeds[c];
+        arcs[i].partner = charging ? n_workers + way.agent : way.agent;
+        arcs[i].level = way.level;
+        arcs[i].gain = Gain(mean.agent[At(way.agent)], after[At(way.place)]) / way.level;
+        arcs[i].arrive_us = situation_.now_us + TravelUs(way.metres, speed);
+        site[i] = charging ? site_of_charge_[At(way.place)] : way.place;
+      }
+    });
+    instance->partner_begin = SortBySite(&arcs, site, instance->capacity.size());
+    const auto& begins = instance->partner_begin;
+    ParallelFor(instance->capacity.size(), threads_, 512, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        std::sort(arcs.begin() + begins[s], arcs.begin() + begins[s + 1],
+                  [](const Instance::PartnerArc& a, const Instance::PartnerArc& b) {
+                    return a.level != b.level ? a.level < b.level : a.partner < b.partner;
+                  });
+      }
+    });
+    instance->partner_arcs = std::move(arcs);
+  }
+
+  const Situation& situation_;
+  const Site& site_;
+  const Rules& rules_;
+  int threads_;
+  std::vector<const AgentState*> uavs_, workers_, vehicles_;
+  std::vector<Point> uav_at_, worker_at_, vehicle_at_;
+  SpeedClasses uav_speeds_, worker_speeds_, vehicle_speeds_;
+  std::vector<double> range_m_;
+  std::vector<TaskId> tasks_;
+  std::vector<ChargeId> charges_;
+  std::vector<Point> task_at_, charge_at_;  ///< open tasks; all charging points
+  std::vector<Index> site_of_charge_;       ///< -1: no free place
+
+  std::vector<Way> uav_to_task_, uav_to_charge_, worker_to_task_, vehicle_to_charge_;
+  std::vector<double> task_by_uav_, charge_by_uav_, task_by_worker_, charge_by_vehicle_;
+  MeanAt uav_tasks_, uav_charges_, worker_tasks_, vehicle_charges_;
+};
+
+}  // namespace
+
+BuiltInstance BuildInstance(const Situation& situation, int threads) {
+  return Builder(situation, threads).Build();
+}
+
+std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,
+                              const Situation& situation) {
+  const Instance& instance = built.instance;
+  const auto n_workers = static_cast<std::size_t>(
+      std::find_if(built.partners.begin(), built.partners.end(),
+                   [](const AgentState* p) { return p->kind == AgentKind::kVehicle; }) -
+      built.partners.begin());
+  std::vector<Action> actions;
+  std::vector<bool> busy(built.partners.size(), false);
+  const auto go = [&](Action* action, Index site) {
+    if (site < built.n_tasks()) {
+      action->task = built.tasks[At(site)];
+      action->to = situation.site->tasks[action->task.index()].at;
+    } else {
+      action->charge = built.charges[At(site - built.n_tasks())];
+      action->to = situation.site->charging_points[action->charge.index()].at;
+    }
+  };
+  const auto name_partner = [&](Action* action, std::size_t p) {
+    const std::int32_t id = built.partners[p]->id;
+    if (p < n_workers) {
+      action->worker = WorkerId(id);
+    } else {
+      action->vehicle = VehicleId(id);
+    }
+  };
+  for (std::size_t u = 0; u < assignment.uavs.size(); ++u) {
+    const Assignment::Choice& choice = assignment.uavs[u];
+    Action action;
+    action.uav = UavId(built.uavs[u]->id);
+    if (choice.site < 0) {
+      action.kind = ActionKind::kUavStays;
+      action.to = PositionAt(*built.uavs[u], situation.now_us);
+      action.weight = instance.uavs[u].stay;
+    } else {
+      const bool task = choice.site < built.n_tasks();
+      const auto& arc = instance.uav_arcs[At(choice.uav_arc)];
+      go(&action, choice.site);
+      if (choice.partner_arc < 0) {
+        action.kind = task ? ActionKind::kUavToTask : ActionKind::kUavToCharge;
+        action.weight = arc.solo;
+      } else {
+        const auto& partner = instance.partner_arcs[At(choice.partner_arc)];
+        action.kind = task ? ActionKind::kSense : ActionKind::kCharge;
+        action.weight = Instance::PairWeight(arc, partner);
+        name_partner(&action, At(partner.partner));
+        busy[At(partner.partner)] = true;
+      }
+    }
+    actions.push_back(action);
+  }
+  for (std::size_t p = 0; p < built.partners.size(); ++p) {
+    if (busy[p]) continue;
+    Action action;
+    name_partner(&action, p);
+    const bool worker = p < n_workers;
+    const Index arc = assignment.partner_solo[p];
+    if (arc < 0) {
+      action.kind = worker ? ActionKind::kWorkerStays : ActionKind::kVehicleStays;
+      action.to = PositionAt(*built.partners[p], situation.now_us);
+      action.weight = instance.partners[p].stay;
+    } else {
+      const auto& begins = instance.partner_begin;
+      const auto site = std::upper_bound(begins.begin(), begins.end(), arc) - begins.begin() - 1;
+      go(&action, static_cast<Index>(site));
+      action.kind = worker ? ActionKind::kWorkerToTask : ActionKind::kVehicleToCharge;
+      action.weight = instance.partner_arcs[At(arc)].gain;
+    }
+    actions.push_back(action);
+  }
+  std::sort(actions.begin(), actions.end(), [](const Action& a, const Action& b) {
+    return std::tie(a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge) <
+           std::tie(b.kind, b.uav, b.worker, b.vehicle, b.task, b.charge);
+  });
+  return actions;
+}
+
+}  // namespace muster::scheduler

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace muster::scheduler {
+
+/// max c x, A x <= b, x >= 0 where every column has up to three ones: the linear relaxation of a
+/// packing of elements. Columns may be added between solves; the basis is kept.
+///
+/// Primal simplex with the inverse of the basis stored by sparse columns, of which only those of
+/// rows whose slack is not basic differ from unit vectors: about two for each UAV of a decision.
+/// What one step costs depends on how far an exchange of agents reaches, not on the size of the
+/// whole. Right-hand sides are raised by different small amounts against stalling; dual prices do
+/// not depend on it.
+class PackingLp {
+ public:
+  static constexpr std::int32_t kNoRow = -1;
+
+  explicit PackingLp(std::span<const std::int32_t> capacity);
+
+  /// Rows that are kNoRow do not count. Returns the column's number, counting from 0.
+  std::int32_t AddColumn(double cost, std::array<std::int32_t, 3> rows);
+
+  /// To optimality over the columns so far; false when `work_limit` ran out.
+  bool Solve(std::int64_t work_limit);
+
+  /// A closed column cannot be used: it costs more than all others are worth.
+  void Close(std::int32_t column, bool close);
+  bool closed(std::int32_t column) const { return closed_[At(column)] != 0; }
+  /// Whether a row must be used up. False when it is so already.
+  bool Require(std::int32_t row, bool require);
+  /// Bound that the prices prove over the columns so far once solved: sum of capacity * price.
+  double Bound() const;
+
+  /// Price of each row, >= 0 up to rounding when solved.
+  const std::vector<double>& prices() const { return price_; }
+  /// Value of a column in the current basic solution; right-hand sides are off by at most 1e-5.
+  double value(std::int32_t column) const;
+  std::int32_t n_columns() const { return static_cast<std::int32_t>(cost_.size()); }
+  std::int64_t work() const { return work_; }
+  std::int64_t pivots() const { return pivots_; }
+
+ private:
+  static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+  struct Entry {
+    std::int32_t position;
+    double value;
+  };
+  double ReducedCost(std::int32_t column) const;
+  double ReducedCostOf(std::int32_t variable) const;
+  /// Calls visit(row, entry) for the active rows whose inverse column has an entry at `position`.
+  template <class Visit>
+  void AtPosition(std::int32_t position, Visit&& visit);
+  /// Entering variable: a column, or slack of row r as ~r; none: kNone.
+  std::int32_t Entering();
+  void FillAlpha(std::int32_t variable);
+  void ChangeCost(std::int32_t position, double change);
+  void Pivot(std::int32_t entering, std::int32_t position, double reduced);
+
+  std::int32_t m_;
+  std::vector<std::int32_t> capacity_;
+  std::vector<double> cost_;
+  std::vector<char> closed_;
+  std::vector<double> slack_cost_;  ///< [m] 0, or that of a closed column where the row is required
+  std::vector<std::array<std::int32_t, 3>> rows_;
+  std::vector<std::int32_t> position_of_;     ///< [n_columns] in the basis, or -1
+  std::vector<std::int32_t> slack_position_;  ///< [m] or -1: the row is active
+  std::vector<std::int32_t> basic_;           ///< [m] variable at a position: column or ~row
+  std::vector<double> x_;                     ///< [m] by position
+  std::vector<double> price_;                 ///< [m]
+  /// [m] by row; only those of active rows are used. No entry is zero.
+  std::vector<std::vector<Entry>> inverse_;
+  /// [m] rows whose inverse column has, or had, an entry at the position.
+  std::vector<std::vector<std::int32_t>> rows_at_;
+  std::vector<std::int32_t> active_;        ///< rows whose slack is not basic
+  std::vector<std::int32_t> active_index_;  ///< [m] in active_
+  std::vector<double> alpha_;               ///< [m] zero but for alpha_nonzero_
+  std::vector<std::int32_t> alpha_nonzero_;
+  std::vector<std::int32_t> where_;      ///< [m] -1 between uses
+  std::vector<std::int64_t> looked_at_;  ///< [m]
+  std::int64_t look_ = 0;
+  std::vector<std::pair<double, std::int32_t>> candidates_;
+  std::int64_t work_ = 0, pivots_ = 0;
+};
+
+}  // namespace muster::scheduler

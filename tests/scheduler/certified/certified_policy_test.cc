@@ -1,0 +1,135 @@
+#include "scheduler/certified/certified_policy.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "scheduler/checker.h"
+#include "tests/scheduler/situation_builder.h"
+
+namespace muster::scheduler {
+namespace {
+
+using testing::RandomSituation;
+using testing::SituationBuilder;
+
+Decision Sound(const Situation& situation) {
+  CertifiedPolicy policy;
+  const Decision decision = policy.Decide(situation);
+  for (const Violation& violation : CheckActions(situation, decision.actions)) {
+    ADD_FAILURE() << violation.message;
+  }
+  EXPECT_GE(decision.bound, decision.weight);
+  EXPECT_LE(decision.bound, decision.weight + 1e-6 + 1e-3 * decision.weight);
+  return decision;
+}
+
+TEST(CertifiedPolicy, SameSituationTwiceGivesTheSameDecision) {
+  CertifiedPolicy used;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation = RandomSituation(seed, {9, 12, 6, 14, 5, 20});
+    const Decision first = used.Decide(situation);
+    CertifiedPolicy fresh;
+    const Decision again = fresh.Decide(situation), third = used.Decide(situation);
+    EXPECT_EQ(first.actions, again.actions);
+    EXPECT_EQ(first.actions, third.actions);
+    EXPECT_EQ(first.bound, again.bound);
+  }
+}
+
+TEST(CertifiedPolicy, IsNeverBelowThePapersPoliciesByMoreThanItsGap) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation = RandomSituation(seed, {8, 10, 5, 12, 4, 20});
+    const Decision ours = Sound(situation);
+    for (const char* name : {"mpq", "ils"}) {
+      const Decision theirs = MakePolicy(name)->Decide(situation);
+      EXPECT_GE(ours.weight + (ours.bound - ours.weight), theirs.weight - 1e-9) << name;
+      EXPECT_GE(ours.weight, theirs.weight - 1e-6 - (ours.bound - ours.weight)) << name;
+    }
+  }
+}
+
+TEST(CertifiedPolicy, NobodyIsIdle) {
+  const Decision decision = Sound(SituationBuilder().Task({1e3, 1e3}).Charge({2e3, 2e3}).Build());
+  EXPECT_TRUE(decision.actions.empty());
+  EXPECT_EQ(decision.weight, 0);
+}
+
+TEST(CertifiedPolicy, NothingToDo) {
+  const Decision decision =
+      Sound(SituationBuilder().Uav({1e3, 1e3}).Worker({2e3, 2e3}).Vehicle({3e3, 3e3}).Build());
+  EXPECT_EQ(decision.actions.size(), 3u);
+  EXPECT_NEAR(decision.weight, 3 * std::log(2.0), 1e-12);
+}
+
+TEST(CertifiedPolicy, NoFreeChargingPoint) {
+  Situation situation =
+      SituationBuilder().Uav({1e3, 1e3}, 5e3).Vehicle({3e3, 3e3}).Charge({2e3, 2e3}).Build();
+  situation.charging_load[0] = 1;
+  const Decision decision = Sound(situation);
+  for (const Action& action : decision.actions) EXPECT_TRUE(IsStay(action.kind));
+}
+
+TEST(CertifiedPolicy, OneOfEach) {
+  const Decision decision = Sound(SituationBuilder()
+                                      .Uav({1e3, 1e3})
+                                      .Worker({2e3, 1e3})
+                                      .Vehicle({9e3, 1e3})
+                                      .Task({3e3, 1e3})
+                                      .Charge({8e3, 1e3})
+                                      .Build());
+  ASSERT_EQ(decision.actions.size(), 2u);
+  EXPECT_EQ(decision.actions[1].kind, ActionKind::kSense);
+  EXPECT_GT(decision.weight, 100);
+}
+
+TEST(CertifiedPolicy, ZeroRangeStaysWhereItIs) {
+  const Decision decision = Sound(SituationBuilder()
+                                      .Uav({1e3, 1e3}, 0)
+                                      .Worker({2e3, 1e3})
+                                      .Vehicle({1.5e3, 1e3})
+                                      .Task({1e3, 1e3})
+                                      .Charge({4e3, 1e3})
+                                      .Build());
+  for (const Action& action : decision.actions)
+    EXPECT_FALSE(action.uav.valid() && !IsStay(action.kind));
+}
+
+TEST(CertifiedPolicy, EverybodyAtOneSpot) {
+  SituationBuilder builder;
+  for (int i = 0; i < 60; ++i) {
+    builder.Uav({5e3, 5e3}).Worker({5e3, 5e3}).Vehicle({5e3, 5e3});
+    if (i % 2 == 0) builder.Task({5e3, 5e3}).Charge({5e3, 5e3});
+  }
+  const Decision decision = Sound(builder.Build());
+  std::size_t sensing = 0, charging = 0;
+  for (const Action& action : decision.actions) {
+    sensing += action.kind == ActionKind::kSense;
+    charging += action.kind == ActionKind::kCharge;
+  }
+  EXPECT_EQ(sensing, 30u);
+  EXPECT_EQ(charging, 30u);
+}
+
+TEST(CertifiedPolicy, TenThousandAgentsInOneCell) {
+  SituationBuilder builder;
+  Random random(1, Stream::kTest);
+  const auto near = [&] {
+    return Point{5e3 + random.Uniform(0, 1e3), 5e3 + random.Uniform(0, 1e3)};
+  };
+  for (int i = 0; i < 3000; ++i) builder.Uav(near());
+  for (int i = 0; i < 5000; ++i) builder.Worker(near());
+  for (int i = 0; i < 2000; ++i) builder.Vehicle(near());
+  for (int i = 0; i < 20; ++i) builder.Task(near());
+  for (int i = 0; i < 10; ++i) builder.Charge(near());
+  const Decision decision = Sound(builder.Build());
+  std::size_t sensing = 0;
+  for (const Action& action : decision.actions) sensing += action.kind == ActionKind::kSense;
+  EXPECT_EQ(sensing, 20u);
+}
+
+}  // namespace
+}  // namespace muster::scheduler
