@@ -113,7 +113,9 @@ class Search {
   void GenerateColumns() {
     const auto n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
     std::vector<char> solo_known(instance_.partner_arcs.size(), 0);
-    while (!Stop()) {
+    // The rest is for assignments, should the relaxation not end.
+    const auto relaxation_limit = work_limit_ / 4 * 3;
+    while (!Stop() && Work() < relaxation_limit) {
       const auto before = lp_.n_columns();
       struct Offer {
         double more;  ///< reduced weight above what the UAV earns
@@ -170,7 +172,7 @@ class Search {
         }
       }
       if (lp_.n_columns() == before) return;
-      const bool solved = lp_.Solve(work_limit_ - Work());
+      const bool solved = lp_.Solve(relaxation_limit - Work());
       Dual::Prices prices;
       for (Index s = 0; s < instance_.n_sites(); ++s) {
         prices.site.push_back(std::max(0.0, lp_.prices()[At(n_uavs + n_partners + s)]));
