@@ -4,6 +4,10 @@ target_compile_features(muster_options INTERFACE cxx_std_20)
 target_include_directories(muster_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(muster_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                 -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # False alarms about std::string at -O3, GCC bug 105651.
+  target_compile_options(muster_options INTERFACE -Wno-restrict)
+endif()
 if(MUSTER_WERROR)
   target_compile_options(muster_options INTERFACE -Werror)
 endif()

@@ -38,10 +38,10 @@ install_packages() {
   fi
 }
 
-# build PRESET [CMAKE_ARGUMENT...]: configures and builds it in build/PRESET.
+# build PRESET TARGET [CMAKE_ARGUMENT...]: configures, and builds that target, in build/PRESET.
 build() {
-  local preset=$1 log
-  shift
+  local preset=$1 target=$2 log
+  shift 2
   log=build/$preset/configure.log
   say "building in build/$preset"
   mkdir -p "build/$preset"
@@ -49,5 +49,5 @@ build() {
     cat "$log" >&2
     die "cannot configure (above, and in $log)"
   }
-  cmake --build --preset "$preset" -j "$(nproc)" || die "cannot build (above)"
+  cmake --build --preset "$preset" --target "$target" -j "$(nproc)" || die "cannot build (above)"
 }
