@@ -124,6 +124,20 @@ TEST(Agent, AnEarlierActivityLikeItIsNotTakenAgain) {
   EXPECT_EQ(uav.busy_until_us, kNever);
 }
 
+TEST(Agent, TakesAMeetingThatBeginsAfterItsWayInTheSameTick) {
+  AgentState worker = WorkerAt({3000, 3600});
+  Action go;
+  go.kind = ActionKind::kGoTo;
+  go.worker = WorkerId(0);
+  go.to = {3000, 4000};
+  Begin(&worker, go, 0, 0, {}, 1);  // arrives at 80 s
+  const Activity meeting{Activity::Kind::kSensing, UavId(4), 0, 0, 90 * kSecondUs, 150 * kSecondUs};
+  Settle(&worker, Verdict({meeting}, {}), 90 * kSecondUs, kTasks);
+  EXPECT_EQ(StatusAt(worker, 90 * kSecondUs), AgentStatus::kSensing);
+  EXPECT_FALSE(worker.idle(149 * kSecondUs));
+  EXPECT_TRUE(worker.idle(150 * kSecondUs));
+}
+
 TEST(Agent, RunsDryWhereItsRangeEnds) {
   AgentState uav = UavAtOrigin();
   uav.range_at_departure_m = 2500;
@@ -131,6 +145,13 @@ TEST(Agent, RunsDryWhereItsRangeEnds) {
   EXPECT_EQ(RunsDryAt(uav), 250 * kSecondUs);
   uav.range_at_departure_m = 5000;  // the last metre may be used
   EXPECT_FALSE(RunsDryAt(uav));
+  // 150 m are left on arrival, a quarter of what sensing takes.
+  const Activity sensing{Activity::Kind::kSensing, UavId(0),       0, 0,
+                         500 * kSecondUs,          560 * kSecondUs};
+  uav.range_at_departure_m = 5150;
+  EXPECT_EQ(RunsDryAt(uav, sensing, kTasks), 515 * kSecondUs);
+  uav.range_at_departure_m = 5600;
+  EXPECT_FALSE(RunsDryAt(uav, sensing, kTasks));
 }
 
 TEST(Agent, DisturbancesAreFunctionsOfSeedAgentAndDecision) {

@@ -186,6 +186,40 @@ TEST(Referee, UavThatRunsDryFailsOnItsWay) {
   EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
 }
 
+TEST(Referee, UavThatRunsDryWhileSensingFailsThere) {
+  for (const TimeUs tick : {10, 30, 900}) {
+    Scenario scenario = SmallScenario();
+    scenario.uavs[0].range_m = 5'300;  // half of what sensing takes is left on arrival
+    Mission mission(scenario);
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
+                                            {Kind::kAgentFailed, 830},
+                                            {Kind::kSensingAborted, 830}}))
+        << "tick " << tick;
+    EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
+    EXPECT_EQ(RangeAt(mission.agents().uavs[0], 1800 * kSecondUs, scenario.tasks), 0);
+  }
+}
+
+TEST(Referee, UavReleasedBeforeItRunsDryDoesNotFail) {
+  for (const TimeUs tick : {10, 30, 900}) {
+    Scenario scenario = SmallScenario();
+    scenario.uavs[0].range_m = 5'300;
+    Mission mission(scenario);
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, "test"});
+    for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
+                                            {Kind::kAgentFailed, 815},
+                                            {Kind::kSensingAborted, 815}}))
+        << "tick " << tick;
+    EXPECT_DOUBLE_EQ(RangeAt(mission.agents().uavs[0], 1800 * kSecondUs, scenario.tasks), 150);
+  }
+}
+
 TEST(Referee, HalfACommandIsNoActivity) {
   Mission mission(SmallScenario());
   mission.Judge(0, 0);

@@ -42,8 +42,7 @@ bool Takes(const AgentState& agent, const Activity& activity) {
     // A meeting (Rules::start_on_meeting) begins without a command.
     return activity.end_us > agent.busy_until_us;
   }
-  const std::int32_t other =
-      agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+  const std::int32_t other = agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
   return agent.action == ActionOf(activity.kind) && other == agent.partner &&
          activity.site == agent.target;
 }
@@ -146,6 +145,16 @@ std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
   return uav.depart_us + static_cast<TimeUs>(std::floor(duration * fraction));
 }
 
+std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
+                                std::span<const Task> tasks) {
+  MUSTER_CHECK(sensing.kind == Activity::Kind::kSensing, "uav:{}", uav.id);
+  const double cost = tasks[static_cast<std::size_t>(sensing.site)].cost_m;
+  const double on_arrival = RangeOnArrival(uav);
+  if (sensing.start_us == kNever || cost <= on_arrival + kRangeSlack_m) return {};
+  const auto duration = static_cast<double>(sensing.end_us - sensing.start_us);
+  return sensing.start_us + static_cast<TimeUs>(std::floor(duration * (on_arrival / cost)));
+}
+
 Activity PlanActivity(const AgentState& uav, const AgentState& partner,
                       std::span<const Task> tasks) {
   MUSTER_CHECK(uav.kind == AgentKind::kUav && IsPair(uav.action), "uav:{}", uav.id);
@@ -200,16 +209,21 @@ std::size_t Verdict::LowerBound(AgentKind kind, std::int32_t id) const {
 }
 
 std::span<const Ruling> Verdict::rulings_of(AgentKind kind, std::int32_t id) const {
-  const auto [first, last] = std::equal_range(
-      rulings_.begin(), rulings_.end(), Ruling{kind, id, Ruling::Kind::kFailed, 0},
-      [](const Ruling& a, const Ruling& b) {
-        return std::tie(a.agent_kind, a.agent) < std::tie(b.agent_kind, b.agent);
-      });
+  const auto [first, last] =
+      std::equal_range(rulings_.begin(), rulings_.end(), Ruling{kind, id, Ruling::Kind::kFailed, 0},
+                       [](const Ruling& a, const Ruling& b) {
+                         return std::tie(a.agent_kind, a.agent) < std::tie(b.agent_kind, b.agent);
+                       });
   return {first, last};
 }
 
 void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks) {
   verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
+    // What ended before a meeting began is over, though the agent may learn of both at once.
+    if (agent->action != ActionKind::kNone && agent->busy_until_us <= activity.start_us &&
+        activity.start_us <= t) {
+      StopAt(agent, agent->busy_until_us, tasks);
+    }
     if (!Takes(*agent, activity)) return;
     agent->activity = activity;
     agent->action = ActionOf(activity.kind);

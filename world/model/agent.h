@@ -107,6 +107,11 @@ AgentStatus StatusAt(const AgentState& agent, TimeUs t);
 /// than -1e-6 m (a plan may use the last metre).
 std::optional<TimeUs> RunsDryAt(const AgentState& uav);
 
+/// Time at which the UAV's range reaches 0 while it senses, as wind on its way can make it; none
+/// when it suffices (to -1e-6 m). The UAV is on the leg that led it there.
+std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
+                                std::span<const Task> tasks);
+
 /// Sensing or charging of a pair whose legs are both known (DESIGN: arrival and end times are
 /// exact). Source: constraints (2) and (4); it starts at the later arrival.
 Activity PlanActivity(const AgentState& uav, const AgentState& partner,
@@ -145,10 +150,10 @@ class Verdict {
   std::array<std::vector<std::uint32_t>, 3> orders_;  ///< by kind: activities by (member, start)
 };
 
-/// Brings an agent to the truth of one verdict, which holds at `t`: takes over its activity, applies
-/// rulings, ends what has ended by `t` (the agent stands at its target with the range that is left).
-/// Every process that holds agent states uses this one function: agents, world and scheduler agree by
-/// construction.
+/// Brings an agent to the truth of one verdict, which holds at `t`: takes over its activity,
+/// applies rulings, ends what has ended by `t` (the agent stands at its target with the range that
+/// is left). Every process that holds agent states uses this one function: agents, world and
+/// scheduler agree by construction.
 void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks);
 
 /// Starts `action` at `now` for one of its participants, which must be idle and settled. Draws the

@@ -132,7 +132,15 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   for (const AgentState& uav : agents->uavs) {
     if (uav.failed || uav.action == ActionKind::kNone) continue;
     if (const auto dry = RunsDryAt(uav); dry && *dry <= t) {
-      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range"});
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
+    }
+  }
+  for (const Known& known : activities_) {
+    if (known.activity.kind != Activity::Kind::kSensing) continue;
+    const AgentState& uav = agents->at(AgentKind::kUav, known.activity.uav.value);
+    if (uav.failed) continue;
+    if (const auto dry = RunsDryAt(uav, known.activity, scenario_.tasks); dry && *dry <= t) {
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
     }
   }
   for (const Outage& outage : outages_) {
@@ -151,7 +159,15 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     }
   }
   std::sort(failures.begin(), failures.end());
-  for (const Failure& failure : failures) Fail(failure, agents);
+  const auto released_before = [&](const Failure& failure) {
+    return std::any_of(released_.begin(), released_.end(), [&](const Ruling& ruling) {
+      return AgentKey(ruling.agent_kind, ruling.agent) == failure.agent &&
+             ruling.at_us <= failure.at_us;
+    });
+  };
+  for (const Failure& failure : failures) {
+    if (!failure.dry || !released_before(failure)) Fail(failure, agents);
+  }
 }
 
 void Referee::Fail(const Failure& failure, Agents* agents) {

@@ -92,6 +92,7 @@ class Referee {
     TimeUs at_us = 0;
     AgentKey agent;
     std::string detail;
+    bool dry = false;  ///< only if nothing released the UAV before
     auto operator<=>(const Failure&) const = default;
   };
   struct Known {
