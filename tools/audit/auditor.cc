@@ -188,7 +188,7 @@ void Auditor::TakeScenario(const scenario_t& message) {
       }
     }
     last_seen_[kind].resize(models_[kind].size());
-    last_seen_us_[kind].resize(models_[kind].size());
+    for (const AgentModel& model : models_[kind]) was_[kind].emplace_back(model.from, 0);
   }
   task_status_.assign(scenario_->tasks.size(), 0);
   flown_m_.assign(models_[kUav].size(), 0);

@@ -170,8 +170,8 @@ class Auditor {
   std::int32_t due_ = -1;       // decision at this tick
   std::int32_t in_force_ = -1;  // last decision before this tick
   std::vector<AgentModel> models_[3];
-  std::vector<std::optional<Place>> last_seen_[3];
-  std::vector<std::int64_t> last_seen_us_[3];
+  std::vector<std::optional<Place>> last_seen_[3];      // as reported
+  std::vector<std::pair<Place, std::int64_t>> was_[3];  // where it truly was, and when
   std::map<AgentKey, Command> commands_;
   std::map<AgentKey, Failure> failed_;
   std::map<AgentKey, std::int64_t> released_;

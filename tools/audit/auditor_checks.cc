@@ -122,20 +122,21 @@ void Auditor::CheckReport(AgentModel* model, const Report& report) {
   CheckSpec(*model, a);
 
   const Place here{a.x_m, a.y_m};
-  std::optional<Place>& seen = last_seen_[kind][id];
-  if (seen) {
-    const double moved = Way(*seen, here);
-    const double seconds = static_cast<double>(now_us_ - last_seen_us_[kind][id]) * 1e-6;
-    const double most = model->spec->speed_m_s * seconds;
-    if (moved > most + kTolerance_m) {
-      Violate(now_us_, "speed",
-              fmt::format("{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",
-                          model->name(), moved, seconds, model->spec->speed_m_s, most));
-    }
-    if (model->kind == kUav) flown_m_[id] += moved;
+  // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
+  auto& [was, was_us] = was_[kind][id];
+  const double moved = Way(was, here);
+  const double seconds = static_cast<double>(now_us_ - was_us) * 1e-6;
+  const double most = model->spec->speed_m_s * seconds;
+  if (moved > most + kTolerance_m) {
+    Violate(now_us_, "speed",
+            fmt::format("{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",
+                        model->name(), moved, seconds, model->spec->speed_m_s, most));
   }
+  was = here;
+  was_us = now_us_;
+  std::optional<Place>& seen = last_seen_[kind][id];
+  if (seen && model->kind == kUav) flown_m_[id] += Way(*seen, here);
   seen = here;
-  last_seen_us_[kind][id] = now_us_;
   if (model->kind == kUav) {
     final_range_m_[id] = a.range_left_m;
     if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {
@@ -535,6 +536,9 @@ void Auditor::SettleAgents() {
         model.StopAt(release->second);
       }
       model.failed = fails;
+      if (model.busy_until_us < now_us_ && model.action == kNoAction) {
+        was_[kind][static_cast<std::size_t>(model.id)].first = model.to;
+      }
       CheckRangeLeft(model);
       if (model.action != kNoAction && model.busy_until_us <= now_us_) {
         model.StopAt(model.busy_until_us);
