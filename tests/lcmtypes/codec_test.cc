@@ -1,10 +1,13 @@
 #include "lcmtypes/bus/codec.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -65,6 +68,28 @@ TEST(Codec, EveryTypeOfTheChannelTableSurvivesARoundTrip) {
     EXPECT_TRUE(Fingerprint(channel.type).has_value()) << channel.type;
   }
   EXPECT_EQ(Fingerprint("agent_t"), std::nullopt);
+}
+
+/// "64 MiB", "4 KiB".
+std::string SizeText(std::int64_t bytes) {
+  return bytes % kMiB == 0 ? std::to_string(bytes / kMiB) + " MiB"
+                           : std::to_string(bytes / 1024) + " KiB";
+}
+
+TEST(WireDocument, HasEveryChannelAndEveryFingerprint) {
+  std::ifstream file(MUSTER_WIRE_DOCUMENT);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_FALSE(text.empty()) << MUSTER_WIRE_DOCUMENT;
+  for (const Channel& channel : kChannels) {
+    const std::string row =
+        fmt::format("| `{}` | `{}` | {} | {} | {} |\n", channel.name, channel.type,
+                    channel.publisher, channel.rate, SizeText(channel.max_bytes));
+    EXPECT_NE(text.find(row), std::string::npos) << row;
+    // A kept log is readable as long as its fingerprints are ours: change no type, add a new one.
+    const std::string type =
+        fmt::format("| `{}` | `{:016x}` |", channel.type, *Fingerprint(channel.type));
+    EXPECT_NE(text.find(type), std::string::npos) << type;
+  }
 }
 
 TEST(Codec, KeepsEveryField) {

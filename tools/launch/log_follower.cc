@@ -5,6 +5,8 @@
 namespace muster::tools {
 
 std::optional<header_t> LogFollower::Add(const Packet& event) {
+  // lcm-logger records all of LCM: self-tests, and what users' own tools say.
+  if (!event.channel.starts_with("MUSTER_")) return std::nullopt;
   std::optional<header_t> header = DecodeHeader(event);
   if (!header || header->run_id != run_id_) {
     ++strangers_;

@@ -31,7 +31,9 @@ class LogFollower {
 
   std::int64_t messages() const { return messages_; }  ///< of this run, each once
   std::int64_t doubles() const { return doubles_; }
-  std::int64_t strangers() const { return strangers_; }  ///< of other runs, or unreadable
+  std::int64_t strangers() const {
+    return strangers_;
+  }  ///< of other runs, or unreadable; channels MUSTER_* only
 
   /// The marks, by sender and boot_id; the header is left for the sender to fill.
   log_status_t Status() const;

@@ -50,7 +50,8 @@ TEST(LogFollower, LeavesOutOtherRunsAndGarbage) {
   Packet torn = MessageOf("uav", 0);
   torn.bytes.pop_back();
   EXPECT_FALSE(log.Add(torn));
-  EXPECT_FALSE(log.Add({"SOMETHING_ELSE", {1, 2, 3}}));
+  EXPECT_FALSE(log.Add({"MUSTER_NOBODY_KNOWS", {1, 2, 3}}));
+  EXPECT_FALSE(log.Add({"LCM_SELF_TEST", {1, 2, 3}}));  // no stranger: not ours to judge
   EXPECT_EQ(log.strangers(), 3);
   EXPECT_EQ(log.messages(), 0);
   EXPECT_EQ(log.Status().n, 0);
