@@ -85,7 +85,7 @@ std::string Summary(const RunRecord& record) {
                                scenario.decisions(), weight,
                                std::isnan(bound) ? "" : fmt::format(" (bound {:.6g})", bound)));
   row("decision time", fmt::format("median {}, max {}", Times(time.median_s), Times(time.max_s)));
-  row("wall time", fmt::format("{:.2f} s", record.wall_s()));
+  if (record.wall_s() > 0) row("wall time", fmt::format("{:.2f} s", record.wall_s()));
   row("log", LogLine(record));
   row("digest", Digest(record));
   return text;
