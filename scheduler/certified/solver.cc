@@ -574,7 +574,9 @@ class Search {
       }
       for (const Index k : closed) lp_.Close(k, true);
       const bool required = with && lp_.Require(row, true);
-      highest = std::max(highest, Branch(bound));
+      // Nothing changed: by rounding, columns that cannot be used still have a share.
+      const bool same = closed.empty() && !required;
+      highest = std::max(highest, same ? bound : Branch(bound));
       if (required) lp_.Require(row, false);
       for (const Index k : closed) lp_.Close(k, false);
       if (bound <= best_.weight + kNegligible) break;
