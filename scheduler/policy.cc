@@ -9,6 +9,7 @@
 #include "scheduler/baselines/greedy.h"
 #include "scheduler/baselines/kwta.h"
 #include "scheduler/certified/certified_policy.h"
+#include "scheduler/horizon/horizon.h"
 #include "scheduler/policies/paper_policies.h"
 #include "world/model/check.h"
 
@@ -34,9 +35,32 @@ std::unique_ptr<Policy> Mpq() {
   return std::make_unique<MpqPolicy>(kFoundation);
 }
 std::unique_ptr<Policy> Certified() { return std::make_unique<CertifiedPolicy>(); }
+std::unique_ptr<Policy> Horizon() { return std::make_unique<HorizonPolicy>(); }
+template <bool HorizonSettings::*kIngredient, bool kOn = false>
+std::unique_ptr<Policy> HorizonVariant() {
+  HorizonSettings settings;
+  settings.*kIngredient = kOn;
+  return std::make_unique<HorizonPolicy>(settings);
+}
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 const Row kPolicies[] = {
+    {{"horizon", "ours: value per true duration, soon-idle agents, the others sent ahead"},
+     &Horizon},
+    {{"horizon-steps", "horizon with free moves of one interval towards far places"},
+     &HorizonVariant<&HorizonSettings::steps, true>},
+    {{"horizon-without-true-duration", "horizon that counts ways only"},
+     &HorizonVariant<&HorizonSettings::true_duration>},
+    {{"horizon-without-soon-idle", "horizon with idle agents only"},
+     &HorizonVariant<&HorizonSettings::soon_idle>},
+    {{"horizon-without-meet-ahead", "horizon whose idle agents wait for a partner to be free"},
+     &HorizonVariant<&HorizonSettings::meet_ahead>},
+    {{"horizon-without-send-ahead", "horizon whose unmatched agents stay"},
+     &HorizonVariant<&HorizonSettings::send_ahead>},
+    {{"horizon-without-charge-by-use", "horizon with a fixed worth of charging"},
+     &HorizonVariant<&HorizonSettings::charge_by_use>},
+    {{"horizon-without-ties", "horizon that sees whole decisions only"},
+     &HorizonVariant<&HorizonSettings::ties>},
     {{"certified", "the heaviest decision, or one within a proven gap (ours)"}, &Certified},
     {{"mpq", "HoCs-MPQ: iterated local search on a growing subgraph (paper, Alg. 5)"},
      &Mpq<Foundation::kHierarchical>},

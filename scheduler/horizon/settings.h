@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+
+namespace muster::scheduler {
+
+/// What `horizon` weighs and which of its ingredients are on. Source of all of them: ours.
+struct HorizonSettings {
+  // Ingredients; docs/ablation.md shows what each brings.
+
+  /// A pair's duration is that of its ways, the waiting and the sensing or charging; off: the
+  /// longer way alone, as in the paper's weights.
+  bool true_duration = true;
+  /// Agents that will be free at one of the next decisions take part; off: only idle ones.
+  bool soon_idle = true;
+  /// A second matching, after the first one's ends, says where unmatched agents go ahead to.
+  bool send_ahead = true;
+  /// Charging is worth the tasks that it enables; off: a tenth of a task, by the share of range
+  /// that is missing, close to the paper's weights.
+  bool charge_by_use = true;
+  /// Among equal numbers of decisions the earlier end and the shorter way win.
+  bool ties = true;
+  /// A pair with an idle member and one that is not sends the idle one on its way.
+  bool meet_ahead = true;
+
+  /// Nobody is commanded farther than one interval: a pair that cannot meet before the next
+  /// decision, and whoever goes ahead, takes a free move of one interval's length towards the place
+  /// and is matched anew. Off by default: the paper's nine kinds of action have no such move.
+  bool steps = false;
+
+  // Weights.
+
+  /// A pair that ends after n decisions is worth n^-patience of a task.
+  double patience = 1.0;
+  /// What an interval's time is worth among pairs that end before the same decision, in tasks.
+  double finish_weight = 0.1;
+  /// What a UAV's way over its full range costs, in tasks.
+  double uav_way = 0.35;
+  /// What an interval of a partner's way costs, in tasks.
+  double partner_way = 0.01;
+  /// Worth of a pair of which a member is not idle yet.
+  double tentative = 0.95;
+  /// Decisions ahead within which an agent must be free to take part.
+  std::int32_t soon_decisions = 2;
+  /// Worth of a task that charging enables.
+  double charge_worth = 0.8;
+  /// Way to the next task that is expected when the tasks that a range allows are counted, in mean
+  /// distances between open tasks (sqrt(area / tasks)).
+  double expected_way = 1.0;
+};
+
+}  // namespace muster::scheduler
