@@ -79,11 +79,12 @@ void Append(std::vector<T>* to, const std::vector<T>& from) {
 
 class Builder {
  public:
-  Builder(const Situation& situation, int threads)
+  Builder(const Situation& situation, int threads, std::size_t exact_up_to)
       : situation_(situation),
         site_(*situation.site),
         rules_(situation.site->rules),
         threads_(threads),
+        exact_up_to_(exact_up_to),
         uavs_(Idle(situation.uavs, situation.now_us)),
         workers_(Idle(situation.workers, situation.now_us)),
         vehicles_(Idle(situation.vehicles, situation.now_us)),
@@ -228,7 +229,7 @@ class Builder {
         for (std::size_t i = 0; i < agents.size(); ++i) {
           if (At(speeds.of_agent[i]) == c) of_class.push_back(agents[i]);
         }
-        const LevelSums sums(of_class, speeds.levels[c]);
+        const LevelSums sums(of_class, speeds.levels[c], exact_up_to_);
         ParallelFor(places.size(), threads_, 512, [&](std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i) cost[i] += sums.Sum(places[i]);
         });
@@ -277,13 +278,13 @@ class Builder {
   }
 
   void MeanCosts() {
-    Fill(PlaceSums(task_at_, task_by_worker_), uav_at_, uav_speeds_, &uav_to_task_, &uav_to_charge_,
-         &uav_tasks_);
-    Fill(PlaceSums(charge_at_, charge_by_vehicle_), uav_at_, uav_speeds_, &uav_to_task_,
-         &uav_to_charge_, &uav_charges_);
-    Fill(PlaceSums(task_at_, task_by_uav_), worker_at_, worker_speeds_, &worker_to_task_, nullptr,
-         &worker_tasks_);
-    Fill(PlaceSums(charge_at_, charge_by_uav_), vehicle_at_, vehicle_speeds_, nullptr,
+    Fill(PlaceSums(task_at_, task_by_worker_, exact_up_to_), uav_at_, uav_speeds_, &uav_to_task_,
+         &uav_to_charge_, &uav_tasks_);
+    Fill(PlaceSums(charge_at_, charge_by_vehicle_, exact_up_to_), uav_at_, uav_speeds_,
+         &uav_to_task_, &uav_to_charge_, &uav_charges_);
+    Fill(PlaceSums(task_at_, task_by_uav_, exact_up_to_), worker_at_, worker_speeds_,
+         &worker_to_task_, nullptr, &worker_tasks_);
+    Fill(PlaceSums(charge_at_, charge_by_uav_, exact_up_to_), vehicle_at_, vehicle_speeds_, nullptr,
          &vehicle_to_charge_, &vehicle_charges_);
   }
 
@@ -420,6 +421,7 @@ class Builder {
   const Site& site_;
   const Rules& rules_;
   int threads_;
+  std::size_t exact_up_to_;
   std::vector<const AgentState*> uavs_, workers_, vehicles_;
   std::vector<Point> uav_at_, worker_at_, vehicle_at_;
   SpeedClasses uav_speeds_, worker_speeds_, vehicle_speeds_;
@@ -436,8 +438,8 @@ class Builder {
 
 }  // namespace
 
-BuiltInstance BuildInstance(const Situation& situation, int threads) {
-  return Builder(situation, threads).Build();
+BuiltInstance BuildInstance(const Situation& situation, int threads, std::size_t exact_up_to) {
+  return Builder(situation, threads, exact_up_to).Build();
 }
 
 std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "scheduler/certified/expected_costs.h"
 #include "scheduler/certified/instance.h"
 #include "scheduler/policy.h"
 #include "scheduler/situation.h"
@@ -27,7 +28,8 @@ struct BuiltInstance {
 /// no more than its staying are left out, as staying is always possible; so are sites that nobody
 /// can use. The decision's weight is not changed by either. `threads` may be 1 or 2; the result
 /// does not depend on it.
-BuiltInstance BuildInstance(const Situation& situation, int threads = 1);
+BuiltInstance BuildInstance(const Situation& situation, int threads = 1,
+                            std::size_t exact_up_to = kExactPlaces);
 
 /// The actions of an assignment, in the order of Decision::actions, with their weights.
 std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,

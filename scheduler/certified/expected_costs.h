@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,12 +13,41 @@ namespace muster::scheduler {
 /// Up to this many places a sum over them is exact: every place is looked at. Beyond it, distant
 /// places are taken together by cell. Random_29, the paper's largest setting, has 480 tasks.
 inline constexpr std::size_t kExactPlaces = 1024;
+/// Beyond it a sum is within this of the exact one, relative to it
+/// (tests/scheduler/certified/expected_costs_test.cc).
+inline constexpr double kCostTolerance = 1e-3;
 
-/// Sums over many places that depend on where one stands and how fast one is. Places are the open
-/// tasks or the charging points with their expected costs, or a class of agents.
-///
-/// Beyond kExactPlaces places the sums are taken over a tree of cells. SoftmaxMean is then within
-/// 1e-3 of its exact value, relative to it (tests/scheduler/expected_costs_test.cc).
+/// Places in a tree of cells, each with what a sum needs to take its places together.
+class PlaceTree {
+ public:
+  struct Cell {
+    double x_m, y_m;          ///< centroid
+    double radius_m;          ///< all places are this close to it
+    double width_m;           ///< half the width of places evenly spread along a line from afar
+    double count, value;      ///< number of places, sum of their values
+    double low, high;         ///< least and greatest value
+    std::int32_t begin, end;  ///< places, in the tree's order
+    std::int32_t next;        ///< cell to go on with when this one is not opened
+    bool leaf;
+  };
+
+  /// `values` may be empty.
+  PlaceTree(std::span<const Point> places, std::span<const double> values);
+
+  const std::vector<Cell>& cells() const { return cells_; }  ///< depth first, root first
+  const std::vector<double>& x_m() const { return x_m_; }
+  const std::vector<double>& y_m() const { return y_m_; }
+  const std::vector<double>& value() const { return value_; }
+
+ private:
+  void Build(std::vector<std::int32_t>* order, std::int32_t begin, std::int32_t end,
+             std::span<const Point> places, std::span<const double> values);
+
+  std::vector<Cell> cells_;
+  std::vector<double> x_m_, y_m_, value_;
+};
+
+/// Softmax means over places (open tasks, charging points) of their expected costs.
 class PlaceSums {
  public:
   /// `values` has one entry a place; `exact_up_to` is there for tests.
@@ -29,41 +59,26 @@ class PlaceSums {
   double SoftmaxMean(Point from, const LevelOf& level) const;
 
  private:
-  struct Cell {
-    double x_m, y_m;          ///< centroid of its places
-    double radius_m;          ///< of the disc around the centroid that holds them
-    double value;             ///< sum
-    double low, high;         ///< least and greatest value
-    std::int32_t begin, end;  ///< its places in the sorted arrays
-    std::int32_t skip;        ///< cell to go on with when this one is not opened
-  };
-  double ExactSoftmaxMean(Point from, const LevelOf& level) const;
-  double TreeSoftmaxMean(Point from, const LevelOf& level) const;
-  void BuildTree(std::vector<std::int32_t>* order, std::int32_t begin, std::int32_t end,
-                 std::span<const Point> places, std::span<const double> values);
+  double ExactMean(Point from, const LevelOf& level) const;
+  double TreeMean(Point from, const LevelOf& level) const;
 
-  std::vector<double> x_m_, y_m_, value_;  ///< by cell where there is a tree
-  std::vector<Cell> cells_;                ///< depth first; empty: exact
+  std::vector<double> x_m_, y_m_, value_;
+  std::vector<PlaceTree> tree_;  ///< one, or none where sums are exact
 };
 
-/// Mean over agents of one speed of the level of their way to `to`; the sum, not yet divided.
+/// Sums of levels over the agents of one speed.
 class LevelSums {
  public:
   LevelSums(std::span<const Point> agents, const LevelOf& level,
             std::size_t exact_up_to = kExactPlaces);
+
+  /// Sum over the agents of the level of their way to `to`. Source: the paper's Eq. 4-6, 4-8.
   double Sum(Point to) const;
 
  private:
   LevelOf level_;
   std::vector<double> x_m_, y_m_;
-  struct Cell {
-    double x_m, y_m, radius_m;
-    double spread_m2;  ///< mean square distance of its agents from the centroid
-    std::int32_t begin, end, skip;
-  };
-  void BuildTree(std::vector<std::int32_t>* order, std::int32_t begin, std::int32_t end,
-                 std::span<const Point> agents);
-  std::vector<Cell> cells_;
+  std::vector<PlaceTree> tree_;
 };
 
 /// Levels from one place to many, into `levels` [n].

@@ -22,6 +22,8 @@ std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 constexpr std::size_t kColumnsPerRound = 8;   ///< that a UAV may add to the linear program
 constexpr std::int32_t kOffersPerPlace = 6;   ///< columns of a site that a round adds, about
 constexpr double kAlike = 0.05;               ///< regrets that count as equal when choosing these
+constexpr std::int64_t kWork = 20'000'000;    ///< default limit: this, once more for branching,
+constexpr std::int64_t kWorkPerArc = 130;     ///< and this for each arc
 constexpr int kChainLinks = 64;               ///< UAVs that a chain may look at
 constexpr double kNegligible = 1e-9;          ///< loss
 constexpr std::size_t kProofColumns = 20000;  ///< of an exact search
@@ -48,7 +50,7 @@ class Search {
     for (const auto& partner : instance.partners) stay_weight_ += partner.stay;
     const auto arcs =
         static_cast<std::int64_t>(instance.uav_arcs.size() + instance.partner_arcs.size());
-    work_limit_ = limits.work > 0 ? limits.work : 20'000'000 + 40 * arcs;
+    work_limit_ = limits.work > 0 ? limits.work : kWork + kWorkPerArc * arcs;
   }
 
   Solution Run() {
@@ -73,7 +75,10 @@ class Search {
       Improve(&plan);
       Keep(std::move(plan));
     }
-    if (!Proven() && !Stop()) Prove();
+    if (!Proven() && !Stop()) {
+      if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
+      Prove();
+    }
     search_s_ += Lap(&mark);
     return Finish();
   }
