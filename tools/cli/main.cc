@@ -8,6 +8,7 @@
 #include "lcmtypes/protocol/program.h"
 #include "tools/audit/audit_command.h"
 #include "tools/cli/command.h"
+#include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
 #include "tools/scenario/import_command.h"
@@ -28,6 +29,8 @@ struct Command {
 const std::vector<Command> kCommands = {
     {"doctor", "looks whether this host can run missions", DoctorCommand},
     {"audit", "checks a run's log against every rule of the mission", AuditCommand},
+    {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
+    {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},

@@ -1,0 +1,97 @@
+#include "tools/graph/situations.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
+#include "tools/log/log_files.h"
+#include "tools/simulate/simulator.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+
+void SituationRecorder::Add(const Packet& packet) {
+  if (scenario_) {
+    Take(packet);
+    return;
+  }
+  if (packet.channel != channel::kScenario) {
+    held_back_.push_back(packet);
+    return;
+  }
+  const auto message = DecodeValid<scenario_t>(packet.bytes);
+  if (!message) return;
+  scenario_ = std::make_unique<Scenario>(ParseScenario(message->json, "scenario"));
+  for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
+    const TimeUs t = d * scenario_->rules.interval_us;
+    fusions_.emplace_back(*scenario_);
+    fusions_.back().Start(t / scenario_->rules.tick_us, t, d);
+  }
+  for (const Packet& held : held_back_) Take(held);
+  held_back_.clear();
+}
+
+void SituationRecorder::Take(const Packet& packet) {
+  const auto take = [&](const auto& message) {
+    if (!message) return;
+    const TimeUs t = message->tick * scenario_->rules.tick_us;
+    if (message->tick < 0 || t % scenario_->rules.interval_us != 0) return;
+    const auto d = static_cast<std::size_t>(t / scenario_->rules.interval_us);
+    // What cannot be is left out, as the scheduler leaves it out.
+    if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(*message));
+  };
+  if (packet.channel == channel::kUavs || packet.channel == channel::kWorkers ||
+      packet.channel == channel::kVehicles) {
+    take(DecodeValid<agent_states_t>(packet.bytes));
+  } else if (packet.channel == channel::kWorld) {
+    take(DecodeValid<world_state_t>(packet.bytes));
+  } else if (packet.channel == channel::kRulings) {
+    take(DecodeValid<rulings_t>(packet.bytes));
+  }
+}
+
+std::vector<scheduler::Situation> SituationRecorder::Situations() const {
+  std::vector<scheduler::Situation> situations;
+  for (const scheduler::Fusion& fusion : fusions_) {
+    if (fusion.complete()) situations.push_back(fusion.Fuse());
+  }
+  return situations;
+}
+
+std::vector<scheduler::Situation> SituationsOf(const std::string& run_or_scenario,
+                                               const std::string& policy) {
+  SituationRecorder recorder;
+  const std::filesystem::path path(run_or_scenario);
+  if (std::filesystem::is_directory(path) || path.extension() != ".json") {
+    for (const std::string& file : LogFilesOf(run_or_scenario)) {
+      EventLogReader reader(file, EventLogReader::Tail::kFinal);
+      while (const auto event = reader.Next()) recorder.Add(event->packet);
+    }
+    if (recorder.n_decisions() == 0) {
+      throw InputError(fmt::format("{}: the log holds no scenario", run_or_scenario));
+    }
+  } else {
+    Simulate(ScenarioToJson(LoadScenario(run_or_scenario)), policy,
+             [&](const Packet& packet) { recorder.Add(packet); });
+  }
+  return recorder.Situations();
+}
+
+scheduler::Situation SituationOf(const std::string& run_or_scenario, const std::string& policy,
+                                 std::int32_t decision) {
+  const auto situations = SituationsOf(run_or_scenario, policy);
+  for (const scheduler::Situation& situation : situations) {
+    if (situation.decision == decision) return situation;
+  }
+  throw InputError(run_or_scenario, "--decision", fmt::to_string(decision),
+                   situations.empty()
+                       ? std::string("a mission with a complete decision")
+                       : fmt::format("a complete decision, {} to {}", situations.front().decision,
+                                     situations.back().decision));
+}
+
+}  // namespace muster::tools

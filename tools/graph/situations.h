@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "scheduler/process/fusion.h"
+#include "scheduler/situation.h"
+
+namespace muster::tools {
+
+/// Collects the situations that a mission's decisions rest on from its packets, in any order.
+class SituationRecorder {
+ public:
+  void Add(const Packet& packet);
+
+  /// Those whose messages are complete, ascending by decision.
+  std::vector<scheduler::Situation> Situations() const;
+  /// Decisions of the mission, complete or not; 0 before the scenario is known.
+  std::int32_t n_decisions() const { return static_cast<std::int32_t>(fusions_.size()); }
+
+ private:
+  void Take(const Packet& packet);
+
+  std::unique_ptr<Scenario> scenario_;  ///< the fusions refer to it
+  std::vector<scheduler::Fusion> fusions_;
+  std::vector<Packet> held_back_;  ///< came before the scenario
+};
+
+/// The situations of a mission: of a run directory or log file, or of a scenario file, which is
+/// then simulated with `policy`. Throws InputError, SystemError.
+std::vector<scheduler::Situation> SituationsOf(const std::string& run_or_scenario,
+                                               const std::string& policy);
+
+/// The situation of one decision. Throws InputError when the mission has none of that number.
+scheduler::Situation SituationOf(const std::string& run_or_scenario, const std::string& policy,
+                                 std::int32_t decision);
+
+}  // namespace muster::tools
