@@ -99,8 +99,10 @@ void ConflictGraph::WriteMps(std::ostream& out) const {
   fmt::print(out, "NAME decision_{}\nROWS\n N minus_weight\n", situation_.decision);
   const auto& capacity = candidates_.elements.capacity;
   const auto limited = [&](std::int32_t e) {
+    // Agents' rows bound every node by 1 as well, so that no bounds are needed.
     const auto at = static_cast<std::size_t>(e);
-    return static_cast<std::size_t>(capacity[at]) < at_element_[at].size();
+    return e < candidates_.elements.n_agents() ||
+           static_cast<std::size_t>(capacity[at]) < at_element_[at].size();
   };
   for (std::int32_t e = 0; e < candidates_.elements.size(); ++e) {
     if (limited(e)) fmt::print(out, " L {}\n", NameOf(e));
@@ -119,8 +121,6 @@ void ConflictGraph::WriteMps(std::ostream& out) const {
       fmt::print(out, " rhs {} {}\n", NameOf(e), capacity[static_cast<std::size_t>(e)]);
     }
   }
-  out << "BOUNDS\n";
-  for (std::int32_t i = 0; i < n_nodes(); ++i) fmt::print(out, " UP bound n{} 1\n", i);
   out << "ENDATA\n";
 }
 
