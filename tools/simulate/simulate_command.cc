@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/protocol/program.h"
 #include "tools/launch/mission_options.h"
 #include "tools/launch/run_directory.h"
@@ -11,6 +13,7 @@
 #include "tools/report/run_record.h"
 #include "tools/report/summary.h"
 #include "tools/simulate/simulator.h"
+#include "world/model/check.h"
 #include "world/model/scenario_json.h"
 
 namespace muster::tools {
@@ -21,15 +24,27 @@ int SimulateCommand(int argc, const char* const* argv) {
       "Runs a whole mission in one process, without LCM: the same decisions and "
       "outcomes as muster run. Writes files only with --out.");
   AddMissionOptions(&parser);
+  parser.add_options()("log", "Record the messages too, as mission.lcm in the run directory");
   const auto result = ParseOptions(&parser, argc, argv);
   if (!result) return kExitOk;
   const MissionOptions options = ReadMissionOptions(*result);
+  if (result->count("log") > 0 && options.out.empty()) {
+    throw InputError("command line", "--log", "no --out", "--out DIR, where the log goes");
+  }
   const std::string json = ScenarioToJson(ResolveScenario(options));
   std::optional<RunDirectory> directory;
   if (!options.out.empty()) directory = RunDirectory::Take(options.out);
 
+  std::optional<EventLogWriter> log;
+  if (result->count("log") > 0) log.emplace(directory->File("mission.lcm"));
+
   RunRecord record;
-  Simulate(json, options.policy, [&](const Packet& packet) { record.Add(packet); });
+  Simulate(json, options.policy, [&](const Packet& packet) {
+    record.Add(packet);
+    // There is no wall clock: a message is logged at its mission time.
+    if (log) log->Write(DecodeHeader(packet).value_or(header_t{}).sim_us, packet);
+  });
+  if (log) log->Flush();
   if (directory) {
     directory->Write("scenario.json", json);
     directory->Write("report.json", Report(record).dump(2) + "\n");
