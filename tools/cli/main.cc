@@ -7,6 +7,7 @@
 
 #include "lcmtypes/protocol/program.h"
 #include "tools/audit/audit_command.h"
+#include "tools/bench/bench_command.h"
 #include "tools/cli/command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
@@ -29,6 +30,7 @@ struct Command {
 const std::vector<Command> kCommands = {
     {"doctor", "looks whether this host can run missions", DoctorCommand},
     {"audit", "checks a run's log against every rule of the mission", AuditCommand},
+    {"bench", "times decisions", BenchCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},

@@ -16,8 +16,9 @@ class SituationRecorder {
  public:
   void Add(const Packet& packet);
 
-  /// Those whose messages are complete, ascending by decision.
-  std::vector<scheduler::Situation> Situations() const;
+  /// Those whose messages are complete, ascending by decision. `fuse_s`, when given, gets the wall
+  /// time that fusing each took.
+  std::vector<scheduler::Situation> Situations(std::vector<double>* fuse_s = nullptr) const;
   /// Decisions of the mission, complete or not; 0 before the scenario is known.
   std::int32_t n_decisions() const { return static_cast<std::int32_t>(fusions_.size()); }
 
