@@ -11,6 +11,7 @@
 #include "scheduler/certified/certified_policy.h"
 #include "scheduler/horizon/horizon.h"
 #include "scheduler/policies/paper_policies.h"
+#include "scheduler/rollout/rollout.h"
 #include "world/model/check.h"
 
 namespace muster::scheduler {
@@ -42,6 +43,12 @@ std::unique_ptr<Policy> HorizonVariant() {
   settings.*kIngredient = kOn;
   return std::make_unique<HorizonPolicy>(settings);
 }
+template <bool kSteps>
+std::unique_ptr<Policy> Rollout() {
+  RolloutSettings settings;
+  for (HorizonSettings& variant : settings.variants) variant.steps = kSteps;
+  return std::make_unique<RolloutPolicy>(std::move(settings));
+}
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 const Row kPolicies[] = {
@@ -49,6 +56,9 @@ const Row kPolicies[] = {
      &Horizon},
     {{"horizon-steps", "horizon with free moves of one interval towards far places"},
      &HorizonVariant<&HorizonSettings::steps, true>},
+    {{"rollout", "ours: the variant of horizon that gets most done when simulated forward"},
+     &Rollout<false>},
+    {{"rollout-steps", "rollout over variants of horizon-steps"}, &Rollout<true>},
     {{"horizon-without-true-duration", "horizon that counts ways only"},
      &HorizonVariant<&HorizonSettings::true_duration>},
     {{"horizon-without-soon-idle", "horizon with idle agents only"},
