@@ -33,6 +33,7 @@ class SeqCoverage {
  public:
   /// False when seq was seen before.
   bool Add(std::int64_t seq);
+  bool Contains(std::int64_t seq) const { return seq < next_ || ahead_.count(seq) > 0; }
   /// Every seq below it has been seen.
   std::int64_t next() const { return next_; }
   /// Seqs below the highest seen that have not been seen.

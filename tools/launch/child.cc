@@ -13,6 +13,7 @@
 #include <fstream>
 #include <utility>
 
+#include "lcmtypes/protocol/program.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -71,6 +72,10 @@ class Descriptor {
 
 bool ChildEnd::clean() const { return WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0; }
 
+bool ChildEnd::usage_error() const {
+  return WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == kExitUsage;
+}
+
 std::string ChildEnd::Text() const {
   if (WIFSIGNALED(wait_status)) {
     const int signal = WTERMSIG(wait_status);
@@ -82,7 +87,8 @@ std::string ChildEnd::Text() const {
 Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
   MUSTER_CHECK(!spec_.argv.empty(), "{}", spec_.name);
   const Descriptor output(
-      open(spec_.output_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666));
+      open(spec_.output_file.c_str(),
+           O_WRONLY | O_CREAT | (spec_.append ? 0 : O_TRUNC) | O_APPEND | O_CLOEXEC, 0666));
   if (output.get() < 0) {
     throw SystemError(fmt::format("cannot write {}: {}", spec_.output_file, std::strerror(errno)));
   }

@@ -12,13 +12,15 @@ namespace muster::tools {
 struct ChildSpec {
   std::string name;               ///< for messages, e.g. "uav-1"
   std::vector<std::string> argv;  ///< argv[0] is the program's path
-  std::string output_file;        ///< takes its stdout and stderr; truncated
+  std::string output_file;        ///< takes its stdout and stderr
+  bool append = false;            ///< keep what output_file holds
 };
 
 /// How a process ended.
 struct ChildEnd {
-  int wait_status = 0;  ///< as of waitpid(2)
-  bool clean() const;   ///< exit code 0
+  int wait_status = 0;       ///< as of waitpid(2)
+  bool clean() const;        ///< exit code 0
+  bool usage_error() const;  ///< exit code 2: it would end so each time
   /// "exited with code 3", "was killed by signal 9 (Killed)"
   std::string Text() const;
 };

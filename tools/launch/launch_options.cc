@@ -75,6 +75,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
   parser.add_options()("drop", "Share of received packets that each process drops, 0 to 1",
                        cxxopts::value<double>()->default_value("0"), "P");
+  parser.add_options()("restarts",
+                       "How often each process that ends by itself is started again; 0: it ends "
+                       "the mission",
+                       cxxopts::value<std::string>()->default_value("5"), "N");
   parser.add_options()("l,lcm-url", "LCM URL (default: a network of the mission's own)",
                        cxxopts::value<std::string>(), "URL");
   const auto result = ParseOptions(&parser, argc, argv);
@@ -90,6 +94,11 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   options.drop = (*result)["drop"].as<double>();
   if (!(options.drop >= 0 && options.drop < 1)) {
     throw InputError(kCommandLine, "--drop", fmt::to_string(options.drop), "a share in [0, 1)");
+  }
+  const std::string restarts = (*result)["restarts"].as<std::string>();
+  options.restarts = ToNumber<int>(restarts).value_or(-1);
+  if (options.restarts < 0) {
+    throw InputError(kCommandLine, "--restarts", restarts, "an integer from 0");
   }
   if (result->count("lcm-url") > 0) {
     options.lcm_url = (*result)["lcm-url"].as<std::string>();

@@ -15,6 +15,7 @@ namespace muster::tools {
 struct LaunchOptions : MissionOptions {
   std::string rate;  ///< as muster-world takes it
   double drop = 0;   ///< share of received packets that each process drops
+  int restarts = 5;  ///< how often a process that ended by itself is started again
   std::map<AgentKind, int> processes;
   std::string lcm_url;  ///< "": a network of the mission's own, or a free port
 };

@@ -25,6 +25,11 @@ std::int64_t LogFollower::next_seq(const std::string& sender, std::int64_t boot_
   return start == starts_.end() ? 0 : start->second.next();
 }
 
+bool LogFollower::Contains(const header_t& header) const {
+  const auto start = starts_.find({header.sender, header.boot_id});
+  return start != starts_.end() && start->second.Contains(header.seq);
+}
+
 std::int64_t LogFollower::missing() const {
   std::int64_t sum = 0;
   for (const auto& [start, seqs] : starts_) sum += seqs.missing();

@@ -26,16 +26,23 @@ constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
 constexpr int kLastWords = 5;  // lines
 
+/// The wire's numbers.
+constexpr std::int8_t kProcessLost = 11;
+constexpr std::int8_t kProcessBack = 12;
+
+/// A process of the mission, or the logger, over all its starts.
+struct Member {
+  ChildSpec spec;
+  std::optional<Child> child = {};  ///< the present start, or the last one
+  std::int64_t starts = 0;
+  TimeUs restart_us = kNever;  ///< when it is to be started again
+  bool back_due = false;       ///< started again, and nothing heard of that start yet
+};
+
 /// One mission from start to end.
 class Supervisor {
  public:
-  Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& stop, ProgressPrinter* progress)
-      : plan_(plan),
-        bus_(bus),
-        stop_(stop),
-        progress_(progress),
-        recorder_({plan.run_id, "recorder", 0}),
-        record_(plan.run_id) {}
+  Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& stop, ProgressPrinter* progress);
 
   MissionResult Run();
 
@@ -49,11 +56,20 @@ class Supervisor {
   bool TurnUntil(Condition done, TimeUs longest_us);
   void ReadLog(const Now& now);
   void ShowProgress(TimeUs now_us);
-  /// Looks for processes that should be there and are not.
-  bool LostOne();
-  void CheckEndOf(Child* child);
+  bool is_logger(const Member& member) const { return &member == &members_.front(); }
+  void Start(Member* member);
+  /// Looks for members that should be there and are not, and starts again those whose time has
+  /// come. False: one has ended for good.
+  bool KeepAlive();
+  bool OnEnd(Member* member, const Now& now);
+  void NoteBack(Member* member, const Now& now);
+  /// Publishes an event_t about a process.
+  void Announce(std::int8_t kind, std::string detail, const Now& now);
+  void Say(const std::string& line);
+  std::string Obituary(Member* member) const;
   /// Signals and waits; kills whoever does not end.
-  void Stop(std::vector<Child>* children);
+  void Stop(const std::vector<Member*>& members);
+  void CloseLog();
 
   const MissionPlan& plan_;
   Bus* bus_;
@@ -64,9 +80,13 @@ class Supervisor {
   RunRecord record_;
   MissionView logged_;
   std::int64_t heard_tick_ = -1;
-  std::unique_ptr<EventLogReader> reader_;
-  std::vector<Child> logger_;  // one; before the processes: it goes last
-  std::vector<Child> processes_;
+  TimeUs heard_us_ = 0;  ///< mission time
+  struct LogFile {
+    std::string path;
+    std::unique_ptr<EventLogReader> reader = {};
+  };
+  std::vector<LogFile> log_files_;  ///< one a start of the logger
+  std::vector<Member> members_;     ///< the logger first: it goes last
   std::vector<std::string> problems_;
   std::vector<Packet> out_;
   TimeUs heartbeat_us_ = 0;
@@ -74,21 +94,45 @@ class Supervisor {
   std::optional<TimeUs> started_us_;
 };
 
+Supervisor::Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& stop,
+                       ProgressPrinter* progress)
+    : plan_(plan),
+      bus_(bus),
+      stop_(stop),
+      progress_(progress),
+      recorder_({plan.run_id, "recorder", 0}),
+      record_(plan.run_id) {
+  members_.push_back({plan.logger});
+  for (const ChildSpec& spec : plan.processes) members_.push_back({spec});
+}
+
 bool Supervisor::Ended() const {
-  return logged_.end_announced() &&
-         std::all_of(processes_.begin(), processes_.end(), [this](const Child& child) {
-           return logged_.StateOf(child.spec().name) == ProcessState::kEnded;
+  // Who is stopped can repair nothing: the log comes first.
+  return logged_.end_announced() && !recorder_.behind() &&
+         std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
+           return logged_.StateOf(member.spec.name) == ProcessState::kEnded;
          });
 }
 
 void Supervisor::ReadLog(const Now& now) {
-  if (!reader_) {
-    if (!std::filesystem::exists(plan_.log_file)) return;
-    reader_ = std::make_unique<EventLogReader>(plan_.log_file, EventLogReader::Tail::kMayGrow);
-  }
-  while (const std::optional<LogEvent> event = reader_->Next()) {
-    record_.Add(event->packet);
-    if (recorder_.OnLogged(event->packet, now)) logged_.Add(event->packet);
+  for (LogFile& file : log_files_) {
+    if (!file.reader) {
+      if (!std::filesystem::exists(file.path)) continue;
+      file.reader = std::make_unique<EventLogReader>(file.path, EventLogReader::Tail::kMayGrow);
+    }
+    while (const std::optional<LogEvent> event = file.reader->Next()) {
+      record_.Add(event->packet);
+      if (&file == &log_files_.back()) NoteBack(&members_.front(), now);
+      if (!recorder_.OnLogged(event->packet, now)) continue;
+      logged_.Add(event->packet);
+      const std::optional<header_t> header = DecodeHeader(event->packet);
+      for (Member& member : members_) {
+        if (header && member.back_due && member.spec.name == header->sender &&
+            header->boot_id == member.starts - 1) {
+          NoteBack(&member, now);
+        }
+      }
+    }
   }
 }
 
@@ -122,6 +166,7 @@ void Supervisor::Turn() {
     const auto clock = DecodeValid<clock_t>(packet.bytes);
     if (clock && clock->header.run_id == plan_.run_id) {
       heard_tick_ = std::max(heard_tick_, clock->tick);
+      heard_us_ = std::max(heard_us_, clock->tick_us);
     }
   }
 }
@@ -136,51 +181,123 @@ bool Supervisor::TurnUntil(Condition done, TimeUs longest_us) {
   return true;
 }
 
-void Supervisor::CheckEndOf(Child* child) {
-  const ChildSpec& spec = child->spec();
-  std::string text = fmt::format("{} {}", spec.name, child->Poll()->Text());
-  const std::string words = LastLines(spec.output_file, kLastWords);
-  text += words.empty() ? fmt::format("; {} is empty", spec.output_file)
-                        : fmt::format("; {} ends with:\n{}", spec.output_file, words);
-  problems_.push_back(std::move(text));
-}
-
-bool Supervisor::LostOne() {
-  const std::size_t before = problems_.size();
-  for (std::vector<Child>* children : {&processes_, &logger_}) {
-    for (Child& child : *children) {
-      if (child.Poll()) CheckEndOf(&child);
-    }
+void Supervisor::Start(Member* member) {
+  ChildSpec spec = member->spec;
+  spec.append = member->starts > 0;
+  if (is_logger(*member)) {
+    // Always a new file: behind a torn event, what follows would be hidden.
+    log_files_.push_back({member->starts == 0
+                              ? plan_.log_file
+                              : fmt::format("{}.{}", plan_.log_file, member->starts)});
+    spec.argv.push_back(log_files_.back().path);
+  } else {
+    spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(member->starts)});
   }
-  return problems_.size() > before;
+  member->child.emplace(std::move(spec));
+  member->back_due = member->starts > 0;
+  ++member->starts;
+  member->restart_us = kNever;
 }
 
-void Supervisor::Stop(std::vector<Child>* children) {
-  std::vector<Child*> alive;
-  for (Child& child : *children) {
-    if (child.Poll()) continue;
-    child.Signal(SIGTERM);
-    alive.push_back(&child);
+void Supervisor::Say(const std::string& line) {
+  progress_->Break();
+  fmt::print(stderr, "muster: {}\n", line);
+}
+
+void Supervisor::Announce(std::int8_t kind, std::string detail, const Now& now) {
+  event_t event{};
+  event.kind = kind;
+  event.at_us = heard_us_;
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.detail = std::move(detail);
+  recorder_.Announce(std::move(event), now);
+}
+
+void Supervisor::NoteBack(Member* member, const Now& now) {
+  if (!member->back_due) return;
+  member->back_due = false;
+  Say(fmt::format("{} is back", member->spec.name));
+  Announce(kProcessBack, fmt::format("{}, start {}", member->spec.name, member->starts - 1), now);
+}
+
+std::string Supervisor::Obituary(Member* member) const {
+  const ChildSpec& spec = member->spec;
+  std::string text = fmt::format("{} {}", spec.name, member->child->Poll()->Text());
+  const std::string words = LastLines(spec.output_file, kLastWords);
+  return text + (words.empty() ? fmt::format("; {} is empty", spec.output_file)
+                               : fmt::format("; {} ends with:\n{}", spec.output_file, words));
+}
+
+bool Supervisor::OnEnd(Member* member, const Now& now) {
+  const ChildEnd& end = *member->child->Poll();
+  const std::int64_t before = member->starts - 1;  // restarts so far
+  if (before >= plan_.restarts.most || end.usage_error()) {
+    problems_.push_back(Obituary(member));
+    if (before > 0) problems_.back() += fmt::format("\nit was started again {} times", before);
+    return false;
+  }
+  const TimeUs wait_us = std::min(plan_.restarts.longest_us,
+                                  plan_.restarts.first_us << std::min<std::int64_t>(before, 20));
+  member->restart_us = now.monotonic_us + wait_us;
+  Say(fmt::format("{} {}; starting it again in {:.1f} s ({} of {})", member->spec.name, end.Text(),
+                  ToSeconds(wait_us), before + 1, plan_.restarts.most));
+  Announce(kProcessLost, fmt::format("{} {}", member->spec.name, end.Text()), now);
+  if (!is_logger(*member)) recorder_.OnEnd(member->spec.name, before, now);
+  return true;
+}
+
+bool Supervisor::KeepAlive() {
+  const Now now = HostNow();
+  for (Member& member : members_) {
+    if (member.restart_us == kNever && member.child->Poll() && !OnEnd(&member, now)) return false;
+    if (now.monotonic_us >= member.restart_us) Start(&member);
+  }
+  return true;
+}
+
+void Supervisor::Stop(const std::vector<Member*>& members) {
+  std::vector<Member*> alive;
+  for (Member* member : members) {
+    if (!member->child || member->child->Poll()) continue;
+    member->child->Signal(SIGTERM);
+    alive.push_back(member);
   }
   TurnUntil(
-      [&] { return std::all_of(alive.begin(), alive.end(), [](Child* c) { return c->Poll(); }); },
+      [&] {
+        return std::all_of(alive.begin(), alive.end(),
+                           [](Member* member) { return member->child->Poll().has_value(); });
+      },
       kStopUs);
-  for (Child* child : alive) {
-    if (child->Poll()) {
-      if (!child->Poll()->clean()) CheckEndOf(child);
+  for (Member* member : alive) {
+    if (member->child->Poll()) {
+      if (!member->child->Poll()->clean()) problems_.push_back(Obituary(member));
     } else if (!killed()) {
       problems_.push_back(fmt::format("{} did not end within {} s and was killed",
-                                      child->spec().name, kStopUs / kSecondUs));
+                                      member->spec.name, kStopUs / kSecondUs));
     }
   }
-  children->clear();  // kills whoever is left
+  for (Member* member : members) member->child.reset();  // kills whoever is left
+}
+
+void Supervisor::CloseLog() {
+  ReadLog(HostNow());
+  for (const LogFile& file : log_files_) {
+    if (!file.reader) continue;
+    const std::int64_t bytes = file.reader->pending_bytes() + file.reader->garbage_bytes();
+    if (bytes == 0) continue;
+    std::string text = fmt::format("{}: {} bytes belong to no event", file.path, bytes);
+    // A logger that was killed leaves a torn event; all of it is in the next file.
+    if (&file == &log_files_.back()) {
+      record_.NoteDamage(std::move(text));
+    } else {
+      record_.NoteTornTail(std::move(text));
+    }
+  }
 }
 
 MissionResult Supervisor::Run() {
   MissionResult result;
-  logger_.emplace_back(plan_.logger);
-  processes_.reserve(plan_.processes.size());
-  for (const ChildSpec& spec : plan_.processes) processes_.emplace_back(spec);
+  for (Member& member : members_) Start(&member);
 
   const TimeUs ready_by_us = MonotonicUs() + kReadyUs;
   bool ready = false;
@@ -189,15 +306,15 @@ MissionResult Supervisor::Run() {
       result.end = MissionEnd::kInterrupted;
       break;
     }
-    if (LostOne()) break;
     if (Ended()) {
       result.end = MissionEnd::kComplete;
       break;
     }
+    if (!KeepAlive()) break;
     if (!ready && MonotonicUs() >= ready_by_us) {
-      for (const Child& child : processes_) {
-        if (logged_.StateOf(child.spec().name) != ProcessState::kStarting) continue;
-        problems_.push_back(fmt::format("no word of {} in the log within {} s", child.spec().name,
+      for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+        if (logged_.StateOf(member->spec.name) != ProcessState::kStarting) continue;
+        problems_.push_back(fmt::format("no word of {} in the log within {} s", member->spec.name,
                                         kReadyUs / kSecondUs));
       }
       if (!problems_.empty()) break;
@@ -206,18 +323,20 @@ MissionResult Supervisor::Run() {
     Turn();
   }
 
-  Stop(&processes_);
+  Member& logger = members_.front();
+  if (result.end == MissionEnd::kComplete && logger.child->Poll()) Start(&logger);
+  std::vector<Member*> processes;
+  for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+    processes.push_back(&*member);
+  }
+  Stop(processes);
   finishing_ = true;
-  if (!logger_.front().Poll()) {
+  if (!logger.child->Poll()) {
     recorder_.Finish(logged_.tick(), HostUsage(), HostNow());
-    TurnUntil([this] { return recorder_.finished() || logger_.front().Poll(); }, kSecondUs);
+    TurnUntil([&] { return recorder_.finished() || logger.child->Poll(); }, kSecondUs);
   }
-  Stop(&logger_);
-  ReadLog(HostNow());
-  if (reader_ && reader_->pending_bytes() + reader_->garbage_bytes() > 0) {
-    record_.NoteDamage(fmt::format("{}: {} bytes belong to no event", plan_.log_file,
-                                   reader_->pending_bytes() + reader_->garbage_bytes()));
-  }
+  Stop({&logger});
+  CloseLog();
   if (progress_->due(kNever)) {
     const TimeUs now_us = MonotonicUs();
     progress_->Show(ProgressLine(logged_, 0, now_us - started_us_.value_or(now_us)), now_us);

@@ -9,21 +9,31 @@
 #include "tools/launch/progress.h"
 #include "tools/launch/stop_signals.h"
 #include "tools/report/run_record.h"
+#include "world/model/units.h"
 
 namespace muster::tools {
+
+/// How often and when a process that ended by itself is started again: after first_us, then each
+/// time twice as long, up to longest_us.
+struct RestartPolicy {
+  int most = 5;  ///< per process
+  TimeUs first_us = 100'000;
+  TimeUs longest_us = 2'000'000;
+};
 
 /// What a mission needs to run.
 struct MissionPlan {
   std::int64_t run_id = 0;
-  std::vector<ChildSpec> processes;  ///< by sender name
-  ChildSpec logger;                  ///< a stock lcm-logger that writes log_file
-  std::string log_file;
+  std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
+  ChildSpec logger;                  ///< a stock lcm-logger; its file is added
+  std::string log_file;              ///< of the first logger; the next one's is log_file.1, ...
+  RestartPolicy restarts;
 };
 
 enum class MissionEnd {
   kComplete,     ///< to the limit, everybody's end in the log
   kInterrupted,  ///< by a signal
-  kFailed,       ///< a process of the mission ended by itself, or never spoke
+  kFailed,       ///< a process ended by itself once too often, or never spoke
 };
 
 struct MissionResult {
@@ -32,10 +42,11 @@ struct MissionResult {
   RunRecord record;                   ///< of all that the log holds
 };
 
-/// Starts the processes, takes the recorder's part, waits for the end or for the first of `stop`'s
-/// signals, then stops everybody in order: the processes, the recorder, the logger. A second signal
-/// kills them. Nothing of it is left when it returns or throws. Throws SystemError when a process
-/// cannot be started or the bus fails.
+/// Starts the processes, takes the recorder's part, starts again who ended by itself (and says so
+/// on stderr and by event_t), waits for the end or for the first of `stop`'s signals, then stops
+/// everybody in order: the processes, the recorder, the logger. A second signal kills them. Nothing
+/// of it is left when it returns or throws. Throws SystemError when a process cannot be started or
+/// the bus fails.
 MissionResult RunMission(const MissionPlan& plan, Bus* bus, const StopSignals& stop,
                          ProgressPrinter* progress);
 

@@ -17,6 +17,9 @@ constexpr TimeUs kFirstPokeUs = 1'200;
 constexpr TimeUs kLongestPokeUs = 20'000;
 constexpr TimeUs kIdleUs = 200'000;
 constexpr TimeUs kAnswerUs = 2'000;
+constexpr TimeUs kFirstRepairUs = 5'000;
+constexpr TimeUs kLongestRepairUs = 200'000;
+constexpr int kRepairBatch = 8;  ///< messages
 
 }  // namespace
 
@@ -24,6 +27,7 @@ Recorder::Recorder(Identity identity)
     : follower_(identity.run_id),
       sender_(std::move(identity), kWindow),
       poke_(kFirstPokeUs, kLongestPokeUs),
+      repair_(kFirstRepairUs, kLongestRepairUs),
       idle_(kIdleUs, kIdleUs) {}
 
 bool Recorder::OnLogged(const Packet& event, const Now& now) {
@@ -34,9 +38,28 @@ bool Recorder::OnLogged(const Packet& event, const Now& now) {
     sender_.Acknowledge(follower_.Status());
   } else {
     news_ = true;
+    const auto kept = kept_.find({header->sender, header->boot_id});
+    if (kept != kept_.end()) kept->second.erase(header->seq);
   }
   poke_.Start(now.monotonic_us);
   return true;
+}
+
+void Recorder::OnEnd(const std::string& sender, std::int64_t boot_id, const Now& now) {
+  ended_.insert({sender, boot_id});
+  repair_.Start(now.monotonic_us);
+}
+
+void Recorder::Announce(event_t event, const Now& now) {
+  sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
+bool Recorder::owes() const {
+  return std::any_of(ended_.begin(), ended_.end(), [this](const Start& start) {
+    const auto kept = kept_.find(start);
+    return kept != kept_.end() && !kept->second.empty();
+  });
 }
 
 void Recorder::OnHeard(const Packet& packet, const Now& now) {
@@ -46,7 +69,9 @@ void Recorder::OnHeard(const Packet& packet, const Now& now) {
     return;
   }
   ++heard_packets_;
-  std::int64_t& heard = heard_[{header->sender, header->boot_id}];
+  const Start start(header->sender, header->boot_id);
+  if (!follower_.Contains(*header)) kept_[start].try_emplace(header->seq, packet);
+  std::int64_t& heard = heard_[start];
   if (header->seq >= heard) {
     heard = header->seq + 1;
     poke_.Start(now.monotonic_us);
@@ -85,10 +110,14 @@ std::int64_t Recorder::unrecorded_own() const {
 
 bool Recorder::behind() const {
   if (unrecorded_own() > 0) return true;
-  return std::any_of(heard_.begin(), heard_.end(), [this](const auto& entry) {
-    const auto& [start, heard] = entry;
-    return heard > follower_.next_seq(start.first, start.second);
-  });
+  return std::any_of(heard_.begin(), heard_.end(),
+                     [this](const auto& entry) {
+                       const auto& [start, heard] = entry;
+                       // What nobody has heard of somebody who has ended is lost.
+                       return ended_.count(start) == 0 &&
+                              heard > follower_.next_seq(start.first, start.second);
+                     }) ||
+         owes();
 }
 
 void Recorder::Repeat(const Now& now) {
@@ -110,12 +139,23 @@ void Recorder::Step(const Now& now, std::vector<Packet>* out) {
     const bool answer = answer_wanted_ && time_us >= repeated_us_ + kAnswerUs;
     if (poke || answer || idle_.Fire(time_us)) Repeat(now);
   }
+  if (owes() && repair_.Fire(time_us)) {
+    int sent = 0;
+    for (const Start& start : ended_) {
+      const auto kept = kept_.find(start);
+      if (kept == kept_.end()) continue;
+      for (const auto& [seq, packet] : kept->second) {
+        if (sent++ < kRepairBatch) out->push_back(packet);
+      }
+    }
+  }
   sender_.Flush(now, out);
 }
 
 TimeUs Recorder::wake_us() const {
   TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
   if (behind()) wake = std::min(wake, poke_.due_us());
+  if (owes()) wake = std::min(wake, repair_.due_us());
   if (answer_wanted_) wake = std::min(wake, repeated_us_ + kAnswerUs);
   return wake;
 }

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <map>
+#include <muster/event_t.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +22,9 @@ namespace muster::tools {
 /// or said by ourselves), the recorder repeats its newest message until the log has it all. It
 /// also repeats it to a sender that shows, by repairing what the log holds already, that it has not
 /// heard; and now and then without a reason, for the packets that it has not heard itself.
+///
+/// It keeps what it has heard until the log has it: a killed start can no longer repair the log, so
+/// the recorder sends those messages again in its place, byte for byte.
 class Recorder {
  public:
   explicit Recorder(Identity identity);
@@ -29,6 +34,11 @@ class Recorder {
   /// A packet on the bus, one's own included.
   void OnHeard(const Packet& packet, const Now& now);
 
+  /// That start of that sender has ended and will not say anything again.
+  void OnEnd(const std::string& sender, std::int64_t boot_id, const Now& now);
+
+  /// Publishes an event_t; its header is the recorder's to fill.
+  void Announce(event_t event, const Now& now);
   /// Publishes a process_status_t of the recorder itself.
   void ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage, const Now& now);
   /// Says that it ends. From here on only repeats.
@@ -50,18 +60,24 @@ class Recorder {
 
   std::int64_t unrecorded_own() const;
   void Repeat(const Now& now);
+  /// Whether there is something to say again for those who have ended.
+  bool owes() const;
 
   LogFollower follower_;
   Sender sender_;
   std::int64_t heard_packets_ = 0;
   std::map<Start, std::int64_t> heard_;  ///< of others: highest seq heard, plus one
-  TimeUs sim_us_ = 0;                    ///< latest in the log
-  SentPacket newest_status_;             ///< the last log_status_t
-  bool news_ = true;                     ///< the marks have changed since
+  /// By seq: heard and not in the log.
+  std::map<Start, std::map<std::int64_t, Packet>> kept_;
+  std::set<Start> ended_;
+  TimeUs sim_us_ = 0;         ///< latest in the log
+  SentPacket newest_status_;  ///< the last log_status_t
+  bool news_ = true;          ///< the marks have changed since
   bool finishing_ = false;
   bool answer_wanted_ = false;  ///< somebody has not heard the marks
   TimeUs repeated_us_ = 0;
   BackOff poke_;  ///< while behind
+  BackOff repair_;
   BackOff idle_;
 };
 

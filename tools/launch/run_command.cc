@@ -91,15 +91,16 @@ std::string FindLogger() {
   throw SystemError("lcm-logger is not in PATH; Debian has it in the package liblcm-bin");
 }
 
-MissionPlan PlanMission(const std::vector<ProcessPlan>& processes, const std::string& logger,
-                        const MissionIdentity& mission, const RunDirectory& directory) {
+MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessPlan>& processes,
+                        const std::string& logger, const MissionIdentity& mission,
+                        const RunDirectory& directory) {
   MissionPlan plan;
+  plan.restarts.most = options.restarts;
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
-  plan.logger = {
-      "lcm-logger",
-      {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url, plan.log_file},
-      directory.File("lcm-logger.stderr")};
+  plan.logger = {"lcm-logger",
+                 {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
+                 directory.File("lcm-logger.stderr")};
   const fs::path folder = ProgramFolder();
   for (const ProcessPlan& process : processes) {
     std::vector<std::string> argv = {(folder / process.program).string()};
@@ -179,7 +180,7 @@ int RunCommand(int argc, const char* const* argv) {
 
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(
-      PlanMission(PlanProcesses(*options, scenario, mission), logger, mission, directory),
+      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory),
       bus.get(), stop, &progress);
 
   for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);

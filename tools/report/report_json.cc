@@ -154,13 +154,16 @@ ordered_json Processes(const RunRecord& record) {
 
 ordered_json Log(const RunRecord& record) {
   const RunRecord::Completeness completeness = record.CheckComplete();
-  ordered_json gaps = ordered_json::array();
-  for (const RunRecord::Gap& gap : completeness.gaps) {
-    gaps.push_back({{"sender", gap.sender},
-                    {"boot_id", gap.boot_id},
-                    {"first_seq", gap.first_seq},
-                    {"last_seq", gap.last_seq}});
-  }
+  const auto list = [](const std::vector<RunRecord::Gap>& gaps) {
+    ordered_json rows = ordered_json::array();
+    for (const RunRecord::Gap& gap : gaps) {
+      rows.push_back({{"sender", gap.sender},
+                      {"boot_id", gap.boot_id},
+                      {"first_seq", gap.first_seq},
+                      {"last_seq", gap.last_seq}});
+    }
+    return rows;
+  };
   ordered_json missing = ordered_json::array();
   for (const RunRecord::Missing& m : completeness.missing) {
     missing.push_back({{"owner", m.owner}, {"first", m.first_tick}, {"last", m.last_tick}});
@@ -171,11 +174,13 @@ ordered_json Log(const RunRecord& record) {
           {"strangers", record.counts().strangers},
           {"undecodable", record.counts().undecodable},
           {"foreign", record.counts().foreign},
-          {"gaps", std::move(gaps)},
+          {"gaps", list(completeness.gaps)},
+          {"lost_tails", list(completeness.lost_tails)},
           {"n_missing", completeness.n_missing},
           {"missing", std::move(missing)},
           {"repeated", completeness.repeated},
-          {"damage", completeness.damage}};
+          {"damage", completeness.damage},
+          {"torn_tails", completeness.torn_tails}};
 }
 
 std::string PolicyOf(const RunRecord& record) {

@@ -274,12 +274,16 @@ double RunRecord::wall_s() const {
 RunRecord::Completeness RunRecord::CheckComplete() const {
   Completeness result;
   for (const auto& [start, seqs] : seqs_) {
+    const auto later = seqs_.upper_bound(start);
+    const bool superseded = later != seqs_.end() && later->first.first == start.first;
     for (const IntervalSet::Range& range : seqs.Missing(0, seqs.max())) {
-      result.gaps.push_back({start.first, start.second, range.first, range.last});
+      (superseded ? result.lost_tails : result.gaps)
+          .push_back({start.first, start.second, range.first, range.last});
     }
   }
   result.repeated = repeated_;
   result.damage = damage_;
+  result.torn_tails = torn_tails_;
   if (!scenario_) {
     result.missing.push_back({"scenario", 0, 0});
     result.n_missing = 1;

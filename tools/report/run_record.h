@@ -59,6 +59,9 @@ class RunRecord {
   void Add(const Packet& packet);
   /// Says that a part of the log could not be read (torn tail, damaged event).
   void NoteDamage(std::string what) { damage_.push_back(std::move(what)); }
+  /// Says that a file ends in a torn event since its logger was killed: reported apart, as another
+  /// file goes on from there.
+  void NoteTornTail(std::string what) { torn_tails_.push_back(std::move(what)); }
 
   struct Counts {
     std::int64_t messages = 0;     ///< distinct messages of this run
@@ -107,17 +110,20 @@ class RunRecord {
   };
   struct Completeness {
     bool complete = false;
-    std::vector<Gap> gaps;         ///< by sender and boot, ascending
+    std::vector<Gap> gaps;  ///< by sender and boot, ascending
+    /// Gaps of starts that a later start of the same sender followed: nobody could say that again.
+    std::vector<Gap> lost_tails;
     std::vector<Missing> missing;  ///< at most kMaxListed, the earliest
     std::int64_t n_missing = 0;    ///< (owner, tick) pairs missing
     std::int64_t repeated = 0;     ///< states of an agent said twice of one tick
     std::vector<std::string> damage;
+    std::vector<std::string> torn_tails;
   };
   static constexpr std::size_t kMaxListed = 100;
   /// Whether everything that the mission said is here: no sender's seq has a gap, every tick has
   /// clock, world state, rulings and each agent once, every decision its schedule, and the end was
-  /// announced. A sender without any message is found by its ticks; the unlogged tail of a killed
-  /// start cannot be known.
+  /// announced. A sender without any message is found by its ticks. What a killed start had sent
+  /// and nobody logged is reported apart where it is known, and its ticks count.
   Completeness CheckComplete() const;
 
  private:
@@ -169,6 +175,7 @@ class RunRecord {
   std::vector<Said> said_;  // [n_uavs + n_workers + n_vehicles]
   std::int64_t repeated_ = 0;
   std::vector<std::string> damage_;
+  std::vector<std::string> torn_tails_;
 };
 
 }  // namespace muster::tools

@@ -161,6 +161,31 @@ TEST(Recorder, AnswersWhoeverHasNotHeardTheMark) {
   EXPECT_TRUE(out.empty());
 }
 
+TEST(Recorder, SaysAgainWhatAKilledStartCannot) {
+  Recorder recorder({1, "recorder", 0});
+  Now now{1'000'000, 0};
+  std::vector<Packet> out;
+  const auto resent = [&] {
+    now.monotonic_us += kSecondUs;
+    out.clear();
+    recorder.Step(now, &out);
+    std::erase_if(out, [](const Packet& packet) { return packet.channel == channel::kLog; });
+    return out;
+  };
+  for (const std::int64_t seq : {0, 1, 3}) recorder.OnHeard(MessageOf("uav", seq), now);
+  recorder.OnLogged(MessageOf("uav", 1), now);
+  EXPECT_TRUE(resent().empty()) << "its own business while it lives";
+  recorder.OnEnd("uav", 0, now);
+  EXPECT_TRUE(recorder.behind());
+  EXPECT_EQ(resent(), (std::vector<Packet>{MessageOf("uav", 0), MessageOf("uav", 3)}));
+  EXPECT_EQ(resent().size(), 2u) << "until the log has them";
+  recorder.OnLogged(MessageOf("uav", 0), now);
+  recorder.OnLogged(MessageOf("uav", 3), now);
+  EXPECT_TRUE(resent().empty());
+  // Nobody knows seq 2: it is not waited for.
+  EXPECT_EQ(recorder.log().missing(), 1);
+}
+
 TEST(Recorder, IgnoresOtherRuns) {
   Recorder recorder({1, "recorder", 0});
   const Now now{1'000'000, 0};

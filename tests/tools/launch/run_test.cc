@@ -204,8 +204,8 @@ TEST_F(RunTest, NoProcessIsLeftWhenTheLauncherIsKilled) {
   EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 0), 0);
 }
 
-TEST_F(RunTest, ALostProcessEndsTheMissionAndIsNamed) {
-  Muster muster = Start({"--rate", "300"});
+TEST_F(RunTest, ALostProcessEndsTheMissionWhereNoneIsStartedAgain) {
+  Muster muster = Start({"--rate", "300", "--restarts", "0"});
   ASSERT_TRUE(UnderWay(muster)) << muster.output();
   const Log before(Out() + "/mission.lcm");
   ASSERT_EQ(before.pids.count("worker"), 1u);

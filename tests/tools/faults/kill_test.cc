@@ -1,0 +1,167 @@
+// Processes of a real mission, killed from outside at random ticks.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/muster_process.h"
+#include "tests/tools/launch/process_test_util.h"
+#include "world/model/generator.h"
+#include "world/model/random.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A running mission's log, followed over all its files, for the tick and the pids.
+class LiveLog {
+ public:
+  explicit LiveLog(std::string run) : run_(std::move(run)) {}
+  void Read() {
+    while (true) {
+      const std::string path =
+          run_ + "/mission.lcm" + (files_ == 0 ? "" : fmt::format(".{}", files_));
+      if (!reader_) {
+        if (!fs::exists(path)) return;
+        reader_.emplace(path, EventLogReader::Tail::kMayGrow);
+      }
+      while (const auto event = reader_->Next()) Take(event->packet);
+      const std::string next = fmt::format("{}/mission.lcm.{}", run_, files_ + 1);
+      if (!fs::exists(next)) return;
+      reader_.reset();
+      ++files_;
+    }
+  }
+  std::int64_t tick() const { return tick_; }
+  /// 0: not known yet.
+  pid_t pid(const std::string& name) const {
+    const auto found = pids_.find(name);
+    return found == pids_.end() ? 0 : found->second;
+  }
+
+ private:
+  void Take(const Packet& packet) {
+    if (packet.channel == channel::kClock) {
+      if (const auto clock = DecodeValid<clock_t>(packet.bytes))
+        tick_ = std::max(tick_, clock->tick);
+    } else if (packet.channel == channel::kProcess) {
+      if (const auto status = DecodeValid<process_status_t>(packet.bytes)) {
+        pids_[status->name] = status->pid;
+      }
+    }
+  }
+  std::string run_;
+  std::optional<EventLogReader> reader_;
+  int files_ = 0;
+  std::int64_t tick_ = -1;
+  std::map<std::string, pid_t> pids_;
+};
+
+/// The one child of that process whose program is `program`; 0: none.
+pid_t ChildOf(pid_t parent, const std::string& program) {
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream stat(entry.path() / "stat");
+    std::string text;
+    std::getline(stat, text);
+    const std::size_t open = text.find('(');
+    const std::size_t close = text.rfind(')');
+    if (open == std::string::npos || close == std::string::npos) continue;
+    if (text.substr(open + 1, close - open - 1) != program) continue;
+    // "PID (NAME) STATE PARENT ..."
+    if (std::stol(text.substr(close + 4)) == parent) return std::stoi(name);
+  }
+  return 0;
+}
+
+class KillTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    MUSTER_NEEDS_MULTICAST();
+    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
+    Muster simulate(folder_, "simulate",
+                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
+    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
+    expected_ = Report("simulated")["digest"];
+  }
+  Json Report(const std::string& name) const {
+    return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
+  }
+
+  /// A mission in which each of `victims` is killed at a random tick of its own.
+  void KillAll(const std::vector<std::string>& victims, std::uint64_t seed,
+               const std::vector<std::string>& more = {}) {
+    const std::string name = fmt::format("run-{}-{}", victims.front(), seed);
+    SCOPED_TRACE(fmt::format("{}, seed {}", fmt::join(victims, ", "), seed));
+    std::vector<std::string> arguments = {
+        "run", scenario_, "--quiet", "--out", folder_.File(name), "--rate", "1800"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Muster muster(folder_, name, arguments);
+    LiveLog log(folder_.File(name));
+    Random random(seed, Stream::kTest);
+    std::int64_t at = 0;
+    const std::int64_t last = 3 * 120;  // ticks of 30 s in three hours
+    for (std::size_t i = 0; i < victims.size(); ++i) {
+      const std::int64_t room = last / static_cast<std::int64_t>(victims.size());
+      at = static_cast<std::int64_t>(i) * room + random.Below(static_cast<std::uint32_t>(room));
+      const auto victim = [&] {
+        return victims[i] == "lcm-logger" ? ChildOf(muster.child().pid(), "lcm-logger")
+                                          : log.pid(victims[i]);
+      };
+      ASSERT_TRUE(Eventually([&] {
+        log.Read();
+        return (log.tick() >= at && victim() > 0) || muster.child().Poll();
+      }));
+      ASSERT_FALSE(muster.child().Poll()) << muster.output();
+      ASSERT_EQ(kill(victim(), SIGKILL), 0);
+    }
+    ASSERT_EQ(muster.Wait(), 0) << muster.output();
+    const Json report = Report(name);
+    EXPECT_EQ(report["digest"], expected_) << "killed at tick " << at;
+    EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
+    std::map<std::string, int> restarts;
+    for (const Json& process : report["processes"]) {
+      restarts[process["name"]] = process["restarts"].get<int>();
+    }
+    EXPECT_EQ(report["events"]["process_lost"], victims.size());
+    for (const std::string& victim : victims) {
+      if (victim == "lcm-logger") {
+        EXPECT_TRUE(fs::exists(folder_.File(name) + "/mission.lcm.1"));
+      } else {
+        EXPECT_EQ(restarts[victim], 1) << victim;
+      }
+    }
+  }
+
+  TemporaryFolder folder_;
+  std::string scenario_ = folder_.File("scenario.json");
+  std::string expected_;
+};
+
+TEST_F(KillTest, World) { KillAll({"world"}, 1); }
+TEST_F(KillTest, Uav) { KillAll({"uav"}, 2); }
+TEST_F(KillTest, Worker) { KillAll({"worker"}, 3); }
+TEST_F(KillTest, Vehicle) { KillAll({"vehicle"}, 4); }
+TEST_F(KillTest, Scheduler) { KillAll({"scheduler"}, 5); }
+TEST_F(KillTest, Logger) { KillAll({"lcm-logger"}, 6); }
+TEST_F(KillTest, EachOnceInOneMission) {
+  KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
+}
+TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }
+
+}  // namespace
+}  // namespace muster::tools
