@@ -1,8 +1,12 @@
 #include "tools/host/network_namespace.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -61,20 +65,40 @@ TEST(NetworkNamespace, IsOursCarriesMulticastAndIsInherited) {
 TEST(NetworkNamespace, TwoMissionsOnOnePortDoNotHearEachOther) {
   MUSTER_NEEDS_NAMESPACES();
   const ChildResult child = RunInChild([] {
+    // The outer mission: plain sockets, as threads of LCM would not survive the fork.
     if (EnterPrivateNetwork().kind != Network::Kind::kPrivate) return 1;
-    LcmBus outer(MissionUrl(7667));
-    const Packet from_outer{std::string(channel::kClock), {1}};
-    const Packet from_inner{std::string(channel::kClock), {2}};
+    sockaddr_in group{};
+    group.sin_family = AF_INET;
+    group.sin_port = htons(7667);
+    inet_pton(AF_INET, "239.255.76.67", &group.sin_addr);
+    const ip_mreq membership{group.sin_addr, {htonl(INADDR_ANY)}};
+    const int outer = socket(AF_INET, SOCK_DGRAM, 0);
+    if (bind(outer, reinterpret_cast<const sockaddr*>(&group), sizeof(group)) != 0 ||
+        setsockopt(outer, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership)) != 0) {
+      return 2;
+    }
+    // LCM's short message: "LC02", sequence number, channel, NUL, data.
+    const std::string datagram("LC02\0\0\0\0MUSTER_CLOCK\0outer", 26);
+
     const ChildResult inner = RunInChild([&] {
       if (EnterPrivateNetwork().kind != Network::Kind::kPrivate) return 1;
       LcmBus bus(MissionUrl(7667));
       // A socket that is open already stays in its network: this reaches the outer mission only.
-      outer.Publish(from_outer);
-      bus.Publish(from_inner);
-      return bus.Receive(10'000'000) == std::vector<Packet>{from_inner} ? 0 : 2;
+      if (sendto(outer, datagram.data(), datagram.size(), 0,
+                 reinterpret_cast<const sockaddr*>(&group), sizeof(group)) < 0) {
+        return 2;
+      }
+      const Packet own{std::string(channel::kClock), {1}};
+      bus.Publish(own);
+      return bus.Receive(10'000'000) == std::vector<Packet>{own} ? 0 : 3;
     });
     if (inner.exit_code != 0) return 10 + inner.exit_code;
-    return outer.Receive(10'000'000) == std::vector<Packet>{from_outer} ? 0 : 3;
+    std::array<char, 1000> heard;
+    if (recv(outer, heard.data(), heard.size(), MSG_DONTWAIT) !=
+        static_cast<ssize_t>(datagram.size())) {
+      return 3;
+    }
+    return recv(outer, heard.data(), heard.size(), MSG_DONTWAIT) < 0 ? 0 : 4;
   });
   EXPECT_EQ(child.exit_code, 0) << child.output;
 }
