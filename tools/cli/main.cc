@@ -12,6 +12,8 @@
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
+#include "tools/log/log_command.h"
+#include "tools/replay/replay_command.h"
 #include "tools/scenario/import_command.h"
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
@@ -34,6 +36,8 @@ const std::vector<Command> kCommands = {
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
+    {"log", "sums up, repairs, cuts, exports logs", LogCommand},
+    {"replay", "plays a log back over LCM", ReplayCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tools/log/log_source.h"
+#include "world/model/scenario.h"
+
+namespace muster::tools {
+
+/// Writes tables into the new folder `out` (docs/logs.md): agents.csv, decisions.csv, actions.csv,
+/// events.csv, tasks.csv, processes.csv. RFC 4180, a header line each, SI units, mission time in
+/// seconds. Throws InputError when `out` exists or the log has no scenario.
+void ExportCsv(LogSource* source, const std::string& out);
+
+/// Writes sites.geojson (tasks with the time each was done, charging points), positions.geojson
+/// (points with a time, for QGIS' temporal controller) and trips.geojson (lines whose coordinates
+/// carry a Unix time, for kepler.gl) into the new folder `out`. WGS84, from the scenario's origin
+/// or, where it has none, `origin`; without either an InputError.
+void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Origin> origin);
+
+/// Writes one MCAP file: every message of the mission as JSON with a JSON schema, log time is the
+/// mission's, and on topic /scene agents and tasks as foxglove.SceneUpdate for the 3D panel.
+void ExportMcap(LogSource* source, const std::string& out);
+
+}  // namespace muster::tools

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tools/log/export.h"
+#include "tools/log/mission_stream.h"
+#include "tools/log/new_folder.h"
+#include "world/model/agent.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A FeatureCollection, written feature by feature.
+class Collection {
+ public:
+  explicit Collection(NewFolder::File* file) : file_(file) {
+    file_->Write("{\"type\": \"FeatureCollection\", \"features\": [");
+  }
+  void Add(const ordered_json& geometry, const ordered_json& properties) {
+    const ordered_json feature = {
+        {"type", "Feature"}, {"geometry", geometry}, {"properties", properties}};
+    file_->Write((first_ ? "\n" : ",\n") + feature.dump());
+    first_ = false;
+  }
+  void End() { file_->Write("\n]}\n"); }
+
+ private:
+  NewFolder::File* file_;
+  bool first_ = true;
+};
+
+struct Trip {
+  ordered_json coordinates = ordered_json::array();
+  double x_m = 0, y_m = 0;
+  ordered_json held;  ///< the newest position, when it is the one before again
+};
+
+}  // namespace
+
+void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Origin> origin) {
+  const MissionHead head = ReadMissionHead(source);
+  const Scenario& scenario = head.scenario;
+  if (scenario.origin) origin = scenario.origin;
+  if (!origin) {
+    throw InputError("scenario", "origin", "none",
+                     "latitude and longitude of the south-west corner, or --origin LAT,LON");
+  }
+  const GeographicLib::LocalCartesian local(origin->latitude_deg, origin->longitude_deg);
+  const auto lon_lat = [&](double x_m, double y_m) {
+    double latitude = 0, longitude = 0, height = 0;
+    local.Reverse(x_m, y_m, 0, latitude, longitude, height);
+    return ordered_json::array({longitude, latitude});
+  };
+  const auto point = [&](double x_m, double y_m) {
+    return ordered_json{{"type", "Point"}, {"coordinates", lon_lat(x_m, y_m)}};
+  };
+
+  NewFolder folder(out);
+  Collection positions(&folder.Add("positions.geojson"));
+  std::map<std::pair<int, std::int32_t>, Trip> trips;
+  std::map<std::int32_t, event_t> done;
+  ForEachMessage(source, head.run_id, [&](const Message& message, const Packet&) {
+    if (const auto* e = std::get_if<event_t>(&message)) {
+      if (e->kind == 5) done.try_emplace(e->task_id, *e);
+    }
+    const auto* m = std::get_if<agent_states_t>(&message);
+    if (m == nullptr) return;
+    const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
+    for (const agent_t& a : m->agents) {
+      const std::string_view kind = ToString(static_cast<AgentKind>(m->kind));
+      positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
+                                          {"sim_s", static_cast<double>(m->header.sim_us) * 1e-6},
+                                          {"agent", fmt::format("{}:{}", kind, a.id)},
+                                          {"class", kind},
+                                          {"status", ToString(static_cast<AgentStatus>(a.status))},
+                                          {"range_left_m", a.range_left_m}});
+      Trip& trip = trips[{m->kind, a.id}];
+      ordered_json at = lon_lat(a.x_m, a.y_m);
+      at.push_back(0);
+      at.push_back(static_cast<double>(unix_us) * 1e-6);
+      // Where it stood still, only the first and the last time are kept.
+      const bool still = !trip.coordinates.empty() && trip.x_m == a.x_m && trip.y_m == a.y_m;
+      if (still) {
+        trip.held = std::move(at);
+        continue;
+      }
+      if (!trip.held.is_null()) trip.coordinates.push_back(std::exchange(trip.held, nullptr));
+      trip.coordinates.push_back(std::move(at));
+      trip.x_m = a.x_m;
+      trip.y_m = a.y_m;
+    }
+  });
+  positions.End();
+
+  Collection lines(&folder.Add("trips.geojson"));
+  for (auto& [agent, trip] : trips) {
+    if (!trip.held.is_null()) trip.coordinates.push_back(std::move(trip.held));
+    if (trip.coordinates.size() < 2) continue;  // a line has two points
+    const std::string_view kind = ToString(static_cast<AgentKind>(agent.first));
+    lines.Add({{"type", "LineString"}, {"coordinates", std::move(trip.coordinates)}},
+              {{"agent", fmt::format("{}:{}", kind, agent.second)}, {"class", kind}});
+  }
+  lines.End();
+
+  Collection sites(&folder.Add("sites.geojson"));
+  for (std::size_t x = 0; x < scenario.tasks.size(); ++x) {
+    const Task& task = scenario.tasks[x];
+    ordered_json properties = {
+        {"site", fmt::format("task:{}", x)}, {"kind", "task"}, {"cost_m", task.cost_m}};
+    const auto event = done.find(static_cast<std::int32_t>(x));
+    properties["done"] = event != done.end();
+    if (event != done.end()) {
+      properties["done_time"] = IsoTime(head.epoch_us + event->second.at_us);
+      properties["uav"] = event->second.uav_id;
+      properties["worker"] = event->second.worker_id;
+    }
+    sites.Add(point(task.at.x_m, task.at.y_m), properties);
+  }
+  for (std::size_t y = 0; y < scenario.charging_points.size(); ++y) {
+    const Point at = scenario.charging_points[y].at;
+    sites.Add(point(at.x_m, at.y_m),
+              {{"site", fmt::format("charge:{}", y)}, {"kind", "charging point"}});
+  }
+  sites.End();
+  folder.Commit();
+}
+
+}  // namespace muster::tools

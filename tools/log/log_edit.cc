@@ -1,0 +1,68 @@
+#include "tools/log/log_edit.h"
+
+#include <filesystem>
+#include <map>
+#include <tuple>
+
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
+#include "tools/report/interval_set.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+EditResult Copy(LogSource* source, const std::string& out,
+                const std::function<bool(const LoggedMessage&)>& keeps) {
+  if (fs::exists(out)) throw InputError("command line", "--out", out, "a file that does not exist");
+  const std::string temporary = out + ".part";
+  std::error_code ignored;
+  fs::remove(temporary, ignored);
+  EditResult result;
+  try {
+    EventLogWriter writer(temporary);
+    while (const auto message = source->Next()) {
+      ++result.read;
+      if (!keeps(*message)) continue;
+      writer.Write(message->received_us, message->packet);
+      ++result.written;
+    }
+    writer.Flush();
+  } catch (...) {
+    fs::remove(temporary, ignored);
+    throw;
+  }
+  std::error_code error;
+  fs::rename(temporary, out, error);
+  if (error) {
+    fs::remove(temporary, ignored);
+    throw SystemError(out + ": cannot write: " + error.message());
+  }
+  return result;
+}
+
+}  // namespace
+
+EditResult RepairLog(LogSource* source, const std::string& out) {
+  std::map<std::tuple<std::int64_t, std::string, std::int64_t>, IntervalSet> seen;
+  return Copy(source, out, [&](const LoggedMessage& message) {
+    // Channels of others are kept as they are; on ours, only what is a message.
+    if (FindChannel(message.packet.channel) == nullptr) return true;
+    if (!message.header) return false;
+    const header_t& h = *message.header;
+    return seen[{h.run_id, h.sender, h.boot_id}].Add(h.seq);
+  });
+}
+
+EditResult CutLog(LogSource* source, std::int64_t from_us, std::int64_t to_us,
+                  const std::string& out) {
+  std::int64_t at_us = 0;
+  return Copy(source, out, [&](const LoggedMessage& message) {
+    if (message.header) at_us = message.header->sim_us;
+    return message.packet.channel == channel::kScenario || (from_us <= at_us && at_us <= to_us);
+  });
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,32 @@
+#include "tools/log/log_source.h"
+
+#include "lcmtypes/bus/codec.h"
+#include "tools/log/log_files.h"
+
+namespace muster::tools {
+
+LogSource::LogSource(const std::string& run) : files_(LogFilesOf(run)) { Rewind(); }
+
+void LogSource::Rewind() {
+  file_ = 0;
+  garbage_before_ = 0;
+  reader_ = std::make_unique<EventLogReader>(files_[0], EventLogReader::Tail::kFinal);
+}
+
+std::optional<LoggedMessage> LogSource::Next() {
+  while (true) {
+    if (std::optional<LogEvent> event = reader_->Next()) {
+      LoggedMessage message{event->received_us, std::move(event->packet), {}};
+      message.header = DecodeHeader(message.packet);
+      return message;
+    }
+    if (file_ + 1 == files_.size()) return {};
+    garbage_before_ += reader_->garbage_bytes();
+    ++file_;
+    reader_ = std::make_unique<EventLogReader>(files_[file_], EventLogReader::Tail::kFinal);
+  }
+}
+
+std::int64_t LogSource::garbage_bytes() const { return garbage_before_ + reader_->garbage_bytes(); }
+
+}  // namespace muster::tools

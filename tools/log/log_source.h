@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/event_log.h"
+#include "muster/header_t.hpp"
+
+namespace muster::tools {
+
+/// One message of a run's log.
+struct LoggedMessage {
+  std::int64_t received_us = 0;  ///< wall time at the logger, microseconds since the Unix epoch
+  Packet packet;
+  std::optional<header_t> header;  ///< none: no valid message of a channel of ours
+};
+
+/// Where messages come from, in order, again and again.
+class MessageSource {
+ public:
+  virtual ~MessageSource() = default;
+  virtual std::optional<LoggedMessage> Next() = 0;
+  virtual void Rewind() = 0;
+};
+
+/// The messages of all log files of a run, one file after the other. Memory stays within a few of
+/// the largest messages.
+class LogSource : public MessageSource {
+ public:
+  /// Run directory or log file. Throws InputError when there is none, SystemError when reading
+  /// fails.
+  explicit LogSource(const std::string& run);
+
+  std::optional<LoggedMessage> Next() override;
+  void Rewind() override;
+
+  const std::vector<std::string>& files() const { return files_; }
+  /// Index in files() of the last message's file.
+  std::size_t file() const { return file_; }
+  /// Bytes so far that belong to no event.
+  std::int64_t garbage_bytes() const;
+
+ private:
+  std::vector<std::string> files_;
+  std::size_t file_ = 0;
+  std::unique_ptr<EventLogReader> reader_;
+  std::int64_t garbage_before_ = 0;  ///< in files that have been read to their end
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "lcmtypes/protocol/inbox.h"
+
+namespace muster::tools {
+
+/// A message with the names of its fields in lcmtypes/types. Counts of arrays are left out, as an
+/// array knows its length; restore_t's bytes are left out; NaN is null.
+nlohmann::ordered_json MessageJson(const Message& message);
+
+/// JSON Schema of MessageJson of that type.
+nlohmann::ordered_json MessageSchema(const Message& type);
+
+}  // namespace muster::tools

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+
+#include "lcmtypes/protocol/inbox.h"
+#include "tools/log/log_source.h"
+#include "world/model/scenario.h"
+
+namespace muster::tools {
+
+/// What a run's log tells before its messages are looked at one by one.
+struct MissionHead {
+  std::int64_t run_id = 0;
+  Scenario scenario;
+  /// Wall time of mission time 0, microseconds since the Unix epoch: that of the first clock_t of
+  /// phase 1. 0 for a simulated mission.
+  std::int64_t epoch_us = 0;
+};
+
+/// Reads a log up to its first clock_t of phase 1. Throws InputError when it has no scenario.
+MissionHead ReadMissionHead(LogSource* source);
+
+/// Calls visit(message, packet) for every message of the mission, once, in the log's order.
+void ForEachMessage(LogSource* source, std::int64_t run_id,
+                    const std::function<void(const Message&, const Packet&)>& visit);
+
+/// "2024-09-01T12:00:00.250Z"
+std::string IsoTime(std::int64_t unix_us);
+
+}  // namespace muster::tools
