@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
 #include "lcmtypes/channels.h"
 #include "tools/log/export.h"
@@ -96,6 +98,11 @@ class Scene {
       constexpr const std::array<double, 3>* kColors[] = {&kBlue, &kOrange, &kGreen};
       for (const agent_t& a : m->agents) {
         const bool out = a.status == 0 || a.status == 6;
+        // An entity stays until it is said again.
+        const std::tuple shown(a.x_m, a.y_m, out);
+        const auto [known, is_new] = shown_.try_emplace({m->kind, a.id}, shown);
+        if (!is_new && known->second == shown) continue;
+        known->second = shown;
         entities.push_back(
             Entity(fmt::format("{}:{}", ToString(static_cast<AgentKind>(m->kind)), a.id), "spheres",
                    a.x_m, a.y_m, out ? 100 : 250, out ? kGrey : *kColors[m->kind], unix_us));
@@ -116,6 +123,7 @@ class Scene {
  private:
   const Scenario& scenario_;
   std::vector<std::int8_t> status_;
+  std::map<std::pair<int, std::int32_t>, std::tuple<double, double, bool>> shown_;
 };
 
 }  // namespace
