@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "world/model/feasibility.h"
+#include "scheduler/certified/grid_index.h"
 
 namespace muster::scheduler {
 
@@ -14,10 +14,11 @@ Site::Site(const Scenario& scenario)
       width_m(scenario.width_m),
       height_m(scenario.height_m),
       seed(scenario.seed) {
+  std::vector<Point> places;
+  for (const ChargingPoint& point : charging_points) places.push_back(point.at);
+  const GridIndex index(places);
   task_to_charge_m.reserve(tasks.size());
-  for (const Task& task : tasks) {
-    task_to_charge_m.push_back(NearestChargeDistance(task.at, charging_points));
-  }
+  for (const Task& task : tasks) task_to_charge_m.push_back(index.Nearest(task.at));
 }
 
 std::int32_t Situation::free_places(ChargeId charge) const {

@@ -25,6 +25,18 @@ double Seconds(Clock::time_point from, Clock::time_point to) {
 
 double Softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
+/// Number of a cell along the Z-order curve.
+std::uint32_t ZOrder(double x, double y) {
+  const auto spread = [](double v) {
+    auto z = static_cast<std::uint32_t>(std::clamp(v, 0.0, 65535.0));
+    z = (z | z << 8) & 0x00FF00FFu;
+    z = (z | z << 4) & 0x0F0F0F0Fu;
+    z = (z | z << 2) & 0x33333333u;
+    return (z | z << 1) & 0x55555555u;
+  };
+  return spread(x) | spread(y) << 1;
+}
+
 /// softplus of the reduction rate of an expected cost; 0/0 counts as no reduction.
 double Gain(double before, double after) {
   return Softplus(before == 0 ? 0.0 : (before - after) / before);
@@ -291,7 +303,11 @@ class Builder {
   void Assemble(BuiltInstance* built) {
     Instance& instance = built->instance;
     const double stay = Softplus(0);
-    for (const AgentState* uav : uavs_) instance.uavs.push_back({stay, LatestEnd(*uav, rules_)});
+    const double cell_m = std::max(std::max(site_.width_m, site_.height_m) / 65535, 1e-3);
+    for (std::size_t u = 0; u < uavs_.size(); ++u) {
+      instance.uavs.push_back({stay, LatestEnd(*uavs_[u], rules_),
+                               ZOrder(uav_at_[u].x_m / cell_m, uav_at_[u].y_m / cell_m)});
+    }
     for (const AgentState* worker : workers_) {
       instance.partners.push_back({stay, LatestEnd(*worker, rules_), 0});
     }

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::int32_t kTable = 64;  // exp(-64) is below any tolerance next to exp(0)
 
-constexpr std::int32_t kLeaf = 4;        ///< places of a cell that is not divided
-constexpr double kFar = 22;              ///< levels beyond the nearest that do not count any more
-constexpr double kCellTolerance = 5e-5;  ///< of the mean, by one cell; errors of cells cancel
+constexpr std::size_t kLeaf = 32;        ///< places of a cell that is not divided
+constexpr double kFar = 15;              ///< levels beyond the nearest that do not count any more
+constexpr double kCellTolerance = 5e-4;  ///< of the mean, by one cell; errors of cells cancel
 constexpr double kManyLevels = 16;       ///< nearer than that, a cell's spread is
 constexpr double kFewSpread = 0.05;      ///< at most this, in levels
 constexpr double kAngle = 0.15;          ///< radius / distance of cells whose mean level is taken
@@ -112,7 +112,7 @@ void PlaceTree::Build(std::vector<std::int32_t>* order, std::int32_t begin, std:
   }
   // Half of the variance lies along the line of sight; an even spread of half width w has w^2 / 3.
   cell.width_m = std::min(cell.radius_m, std::sqrt(1.5 * spread_m2));
-  cell.leaf = end - begin <= kLeaf || cell.radius_m == 0;
+  cell.leaf = end - begin <= static_cast<std::int32_t>(kLeaf) || cell.radius_m == 0;
   const std::size_t self = cells_.size();
   cells_.push_back(cell);
   if (!cell.leaf) {
@@ -209,11 +209,15 @@ double PlaceSums::TreeMean(Point from, const LevelOf& level) const {
       } else if (!cell.leaf) {
         ++c;
       } else {
-        for (auto i = static_cast<std::size_t>(cell.begin); i < static_cast<std::size_t>(cell.end);
-             ++i) {
-          const double e = exp_of(level(Distance(from, {tree.x_m()[i], tree.y_m()[i]})) - least);
+        const auto begin = static_cast<std::size_t>(cell.begin);
+        const auto n = static_cast<std::size_t>(cell.end - cell.begin);
+        std::array<std::int32_t, kLeaf> levels;
+        LevelsTo(from, std::span(tree.x_m()).subspan(begin, n),
+                 std::span(tree.y_m()).subspan(begin, n), level, levels.data());
+        for (std::size_t i = 0; i < n; ++i) {
+          const double e = exp_of(levels[i] - least);
           mass += e;
-          sum += e * tree.value()[i];
+          sum += e * tree.value()[begin + i];
         }
         c = static_cast<std::size_t>(cell.next);
       }
@@ -280,10 +284,12 @@ double LevelSums::Sum(Point to) const {
       ++c;
       continue;
     } else {
-      for (auto i = static_cast<std::size_t>(cell.begin); i < static_cast<std::size_t>(cell.end);
-           ++i) {
-        sum += level_(Distance(to, {tree.x_m()[i], tree.y_m()[i]}));
-      }
+      const auto begin = static_cast<std::size_t>(cell.begin);
+      const auto n = static_cast<std::size_t>(cell.end - cell.begin);
+      std::array<std::int32_t, kLeaf> levels;
+      LevelsTo(to, std::span(tree.x_m()).subspan(begin, n), std::span(tree.y_m()).subspan(begin, n),
+               level_, levels.data());
+      for (std::size_t i = 0; i < n; ++i) sum += levels[i];
     }
     c = static_cast<std::size_t>(cell.next);
   }

@@ -44,6 +44,8 @@ struct Instance {
   struct Uav {
     double stay = 0;
     TimeUs latest_us = kNever;  ///< an action must end by then
+    /// UAVs of close numbers are close to each other: an order of work, of no other meaning.
+    std::uint32_t place = 0;
   };
   struct Partner {
     double stay = 0;

@@ -117,7 +117,7 @@ double PackingLp::ReducedCostOf(std::int32_t variable) const {
 }
 
 std::int32_t PackingLp::Entering() {
-  const std::size_t most = std::max(kCandidates, cost_.size() / 64);
+  const std::size_t most = std::max(kCandidates, cost_.size() / 256);
   for (const bool refill : {false, true}) {
     if (refill) {
       candidates_.clear();

@@ -21,6 +21,8 @@ std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 constexpr std::size_t kColumnsPerRound = 8;   ///< that a UAV may add to the linear program
 constexpr std::int32_t kOffersPerPlace = 6;   ///< columns of a site that a round adds, about
+constexpr double kMostRegret = 70;            ///< of these, where a UAV has enough of them
+constexpr int kChunk = 100;                   ///< UAVs whose columns are solved for together
 constexpr double kAlike = 0.05;               ///< regrets that count as equal when choosing these
 constexpr std::int64_t kWork = 20'000'000;    ///< default limit: this, once more for branching,
 constexpr std::int64_t kWorkPerArc = 130;     ///< and this for each arc
@@ -134,7 +136,11 @@ class Search {
         const double more = dual_.best_value(u) - earns;
         if (more <= kNegligible) continue;
         columns_.clear();
-        dual_.TopColumns(u, more - kNegligible, &columns_);
+        dual_.TopColumns(u, std::min(more - kNegligible, kMostRegret), &columns_);
+        if (columns_.size() < kColumnsPerRound && more > kMostRegret) {
+          columns_.clear();
+          dual_.TopColumns(u, more - kNegligible, &columns_);
+        }
         work_ += static_cast<std::int64_t>(2 * dual_.arcs(u).size());
         if (columns_.size() > kColumnsPerRound) {
           // The best one, then good ones: which of them differs from UAV to UAV.
@@ -160,10 +166,26 @@ class Search {
                std::tie(a.more, b.column.regret, b.uav, b.column.uav_arc, b.column.partner_arc);
       });
       std::vector<std::int32_t> offered(instance_.capacity.size(), 0);
+      std::vector<Offer> taken;
       for (const Offer& offer : offers) {
         std::int32_t& at_site = offered[At(offer.column.site)];
         if (at_site / kOffersPerPlace > instance_.capacity[At(offer.column.site)]) continue;
         ++at_site;
+        taken.push_back(offer);
+      }
+      // Neighbourhood by neighbourhood: what is solved in one is seldom undone by the next.
+      std::stable_sort(taken.begin(), taken.end(), [&](const Offer& a, const Offer& b) {
+        return std::pair(instance_.uavs[At(a.uav)].place, a.uav) <
+               std::pair(instance_.uavs[At(b.uav)].place, b.uav);
+      });
+      Index last = -1;
+      int in_chunk = 0;
+      for (const Offer& offer : taken) {
+        if (offer.uav != last && ++in_chunk > kChunk) {
+          if (!lp_.Solve(relaxation_limit - Work())) break;
+          in_chunk = 1;
+        }
+        last = offer.uav;
         AddColumn(offer.uav, offer.column);
       }
       for (Index p = 0; p < n_partners; ++p) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "scheduler/candidates.h"
+#include "scheduler/certified/grid_index.h"
 #include "scheduler/certified/levels.h"
 #include "tests/scheduler/situation_builder.h"
 
@@ -88,6 +89,30 @@ TEST(BuildInstance, HasTheNodesAndWeightsOfTheExplicitGraph) {
     total += expected.size();
   }
   EXPECT_GT(total, 5000u);
+}
+
+TEST(GridIndex, NearestIsThatOfAPlainScan) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Random random(seed, Stream::kTest);
+    std::vector<Point> points(random.Below(40));
+    std::vector<ChargingPoint> charges;
+    // Spread over an area, on a line, at one spot.
+    const double width = seed % 3 == 2 ? 0 : 1e4, height = seed % 3 == 0 ? 1e4 : 0;
+    for (Point& p : points) {
+      p = {random.Uniform() * width, random.Uniform() * height};
+      charges.push_back({p, 1});
+    }
+    const GridIndex index(points);
+    for (int q = 0; q < 20; ++q) {
+      const Point from = {random.Uniform(-3e4, 4e4), random.Uniform(-3e4, 4e4)};
+      ASSERT_EQ(index.Nearest(from), NearestChargeDistance(from, charges)) << "seed " << seed;
+      const double radius = random.Uniform(0, 3e4);
+      std::size_t within = 0, expected = 0;
+      index.Within(from, radius, [&](std::int32_t, double) { ++within; });
+      for (const Point& p : points) expected += Distance(from, p) <= radius;
+      ASSERT_EQ(within, expected);
+    }
+  }
 }
 
 TEST(LevelOf, IsTheDefinitionAtAnyDistance) {
