@@ -58,7 +58,7 @@ class Search {
   Solution Run() {
     auto mark = Clock::now();
     best_bound_ = dual_.Evaluate();
-    best_prices_ = dual_.prices();
+    best_prices_ = first_prices_ = dual_.prices();
     GenerateColumns();
     bound_s_ += Lap(&mark);
     dual_.set_prices(best_prices_);
@@ -76,6 +76,16 @@ class Search {
       Fill(&plan);
       Improve(&plan);
       Keep(std::move(plan));
+    }
+    if (!Proven()) {
+      // Where all weights are alike, prices hide that some sites are worth more than others.
+      dual_.set_prices(first_prices_);
+      dual_.Evaluate();
+      plan = Empty();
+      Fill(&plan);
+      Keep(std::move(plan));
+      dual_.set_prices(best_prices_);
+      dual_.Evaluate();
     }
     if (!Proven() && !Stop()) {
       if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
@@ -675,7 +685,7 @@ class Search {
   Dual dual_;
   std::int64_t work_ = 0, work_limit_ = 0;
   double best_bound_ = 0;
-  Dual::Prices best_prices_;
+  Dual::Prices best_prices_, first_prices_;
   Plan best_;
   double proven_bound_ = std::numeric_limits<double>::infinity();
   /// What a column of the linear program is.
