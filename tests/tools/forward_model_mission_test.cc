@@ -4,6 +4,7 @@
 
 #include "scheduler/horizon/horizon.h"
 #include "scheduler/rollout/forward_model.h"
+#include "tests/tools/audited.h"
 #include "tools/report/run_record.h"
 #include "tools/simulate/simulator.h"
 #include "world/model/generator.h"
@@ -42,8 +43,11 @@ TEST(ForwardModel, GivesTheMissionsOutcomes) {
     const Scenario scenario =
         KnownToAll(seed, seed % 2 == 0 ? Availability::kStrict : Availability::kOverrun);
     RunRecord record;
-    Simulate(ScenarioToJson(scenario), "horizon",
-             [&](const Packet& packet) { record.Add(packet); });
+    Audited audited;
+    Simulate(ScenarioToJson(scenario), "horizon", [&](const Packet& packet) {
+      record.Add(packet);
+      audited.Add(packet);
+    });
 
     scheduler::Situation situation;
     situation.site = std::make_shared<const scheduler::Site>(*record.scenario());

@@ -3,6 +3,7 @@
 #include "agents/core/agent_process.h"
 #include "lcmtypes/bus/codec.h"
 #include "scheduler/process/scheduler_process.h"
+#include "tests/tools/audited.h"
 #include "tests/tools/virtual_network.h"
 #include "tools/report/digest.h"
 #include "tools/simulate/simulator.h"
@@ -21,7 +22,11 @@ Scenario SmallScenario() { return Generate(PresetByName("Random_10"), 5); }
 
 std::string SimulatedDigest(const std::string& json) {
   RunRecord record;
-  Simulate(json, "mpq", [&](const Packet& packet) { record.Add(packet); });
+  Audited audited;
+  Simulate(json, "mpq", [&](const Packet& packet) {
+    record.Add(packet);
+    audited.Add(packet);
+  });
   return Digest(record);
 }
 
@@ -62,11 +67,13 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
     network.Add(Start(name, 0, json));
   }
   RunRecord record;
+  Audited audited;
   Outcome outcome;
   bool ended = false;
   const auto observe = [&](const Packet& packet) {
     ++outcome.sent;
     record.Add(packet);
+    audited.Add(packet);
     if (packet.channel == "MUSTER_CLOCK") ended |= Decode<clock_t>(packet.bytes)->phase == 2;
   };
   if (kill) {
@@ -126,11 +133,13 @@ TEST(Lockstep, AClassMayBeSplitOverProcesses) {
                                                        0, AgentKind::kUav, halves[i]));
   }
   RunRecord record;
+  Audited audited;
   bool ended = false;
   network.Run(
       3600 * kSecondUs, [&] { return ended; },
       [&](const Packet& packet) {
         record.Add(packet);
+        audited.Add(packet);
         if (packet.channel == "MUSTER_CLOCK") {
           ended |= Decode<clock_t>(packet.bytes)->phase == 2;
         }
@@ -161,7 +170,11 @@ TEST(Lockstep, OutcomeDoesNotDependOnTheTick) {
   for (const TimeUs tick_s : {10, 30, 600}) {
     scenario.rules.tick_us = tick_s * kSecondUs;
     RunRecord record;
-    Simulate(ScenarioToJson(scenario), "mpq", [&](const Packet& packet) { record.Add(packet); });
+    Audited audited;
+    Simulate(ScenarioToJson(scenario), "mpq", [&](const Packet& packet) {
+      record.Add(packet);
+      audited.Add(packet);
+    });
     outcomes.push_back(Digest(record));
   }
   EXPECT_EQ(outcomes[0], outcomes[1]);

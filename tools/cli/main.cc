@@ -9,6 +9,7 @@
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
 #include "tools/cli/command.h"
+#include "tools/explain/redecide_command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
@@ -37,6 +38,7 @@ const std::vector<Command> kCommands = {
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
+    {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},

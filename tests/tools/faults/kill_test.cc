@@ -162,6 +162,9 @@ TEST_F(KillTest, EachOnceInOneMission) {
   KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
 }
 TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }
+TEST_F(KillTest, SchedulerUavsAndLoggerOverABadNetwork) {
+  KillAll({"scheduler", "uav", "lcm-logger"}, 9, {"--drop", "0.1"});
+}
 
 }  // namespace
 }  // namespace muster::tools

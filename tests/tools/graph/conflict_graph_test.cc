@@ -1,4 +1,5 @@
 #include "tools/graph/conflict_graph.h"
+#include "tests/tools/audited.h"
 
 #include <gtest/gtest.h>
 
@@ -168,9 +169,11 @@ TEST(ReadSolution, NamesWhatIsWrong) {
 TEST(SituationRecorder, HasTheSituationsThatTheSchedulerDecidedOn) {
   const Scenario scenario = Generate(PresetByName("DidiOrders"), 2);
   SituationRecorder recorder;
+  Audited audited;
   std::vector<double> weights;
   Simulate(ScenarioToJson(scenario), "certified", [&](const Packet& packet) {
     recorder.Add(packet);
+    audited.Add(packet);
     if (packet.channel == channel::kSchedule) {
       weights.push_back(Decode<schedule_t>(packet.bytes)->weight);
     }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,29 +13,50 @@
 
 namespace muster::tools {
 
-/// A `muster` process and what it said.
+/// A `muster` process and what it said. A mission that it has ended well, with a log, is audited,
+/// and its decisions are made again: no test has to ask for that.
 class Muster {
  public:
   Muster(const TemporaryFolder& folder, const std::string& name,
          const std::vector<std::string>& arguments)
-      : output_(folder.File(name + ".output")), child_({name, Argv(arguments), output_}) {}
+      : arguments_(arguments),
+        output_(folder.File(name + ".output")),
+        child_({name, Argv(arguments), output_}) {}
 
   /// Its exit code once it has ended; -1 when it was killed or does not end.
   int Wait() {
     if (!Eventually([this] { return child_.Poll().has_value(); })) return -1;
     const int status = child_.Poll()->wait_status;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (code == 0 && !checked_) CheckLog();
+    return code;
   }
   std::string output() const { return TextOf(output_); }
   Child& child() { return child_; }
 
  private:
+  void CheckLog() {
+    checked_ = true;
+    const auto out = std::find(arguments_.begin(), arguments_.end(), "--out");
+    if (arguments_.front() != "run" && arguments_.front() != "simulate") return;
+    if (out == arguments_.end() || out + 1 == arguments_.end()) return;
+    const std::string run = *(out + 1);
+    if (!std::filesystem::exists(run + "/mission.lcm")) return;
+    for (const std::string check : {"audit", "redecide"}) {
+      const std::string said = output_ + "." + check;
+      Child child({check, Argv({check, run}), said});
+      ASSERT_TRUE(Eventually([&child] { return child.Poll().has_value(); })) << check;
+      EXPECT_TRUE(child.Poll()->clean()) << check << ": " << TextOf(said);
+    }
+  }
   static std::vector<std::string> Argv(const std::vector<std::string>& arguments) {
     std::vector<std::string> argv = {MUSTER_PROGRAM};
     argv.insert(argv.end(), arguments.begin(), arguments.end());
     return argv;
   }
+  std::vector<std::string> arguments_;
   std::string output_;
+  bool checked_ = false;
   Child child_;
 };
 

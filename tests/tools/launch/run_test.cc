@@ -113,6 +113,10 @@ TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
   EXPECT_EQ(report["log"]["messages"], log.messages);
   EXPECT_GT(report["tasks_done"], 0);
   EXPECT_NE(muster.output().find("tasks done"), std::string::npos);
+  // As after every mission of a test that ends well (muster_process.h).
+  EXPECT_NE(TextOf(folder_.File("run.output.audit")).find("passed: every rule holds"),
+            std::string::npos);
+  EXPECT_NE(TextOf(folder_.File("run.output.redecide")).find("bit for bit"), std::string::npos);
 }
 
 TEST_F(RunTest, HowTheMissionIsSplitChangesNoDecision) {

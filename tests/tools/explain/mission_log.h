@@ -1,0 +1,41 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/event_log.h"
+#include "tools/explain/decision_log.h"
+#include "tools/simulate/simulator.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+
+/// All packets of a simulated mission.
+inline std::vector<Packet> SimulatedPackets(const Scenario& scenario, const std::string& policy) {
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), policy,
+           [&](const Packet& packet) { packets.push_back(packet); });
+  return packets;
+}
+
+/// What the decisions' reader makes of these packets, written as a log file.
+inline DecisionLog Logged(const std::vector<Packet>& packets) {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string path =
+      ::testing::TempDir() + "explain_" + test->test_suite_name() + "_" + test->name() + ".lcm";
+  std::filesystem::remove(path);
+  {
+    EventLogWriter writer(path);
+    for (const Packet& packet : packets) writer.Write(1, packet);
+    writer.Flush();
+  }
+  LogSource source(path);
+  DecisionLog log = ReadDecisionLog(&source);
+  std::filesystem::remove(path);
+  return log;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,140 @@
+#include "tools/explain/decision_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "lcmtypes/protocol/process.h"
+#include "scheduler/process/fusion.h"
+#include "tools/log/mission_stream.h"
+#include "world/model/check.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+auto KeyOf(const event_t& e) {
+  return std::tie(e.at_us, e.kind, e.uav_id, e.worker_id, e.vehicle_id, e.task_id, e.charge_id,
+                  e.fault_id, e.detail);
+}
+
+/// The first scenario of the log.
+void ReadScenario(LogSource* source, DecisionLog* log) {
+  source->Rewind();
+  while (const auto message = source->Next()) {
+    if (message->packet.channel != channel::kScenario || !message->header) continue;
+    const auto scenario = DecodeValid<scenario_t>(message->packet.bytes);
+    if (!scenario) continue;
+    log->run_id = scenario->header.run_id;
+    log->scenario = ParseScenario(scenario->json, "MUSTER_SCENARIO");
+    log->scenario_packet = message->packet;
+    return;
+  }
+  throw InputError(source->files()[0] + ": the log has no scenario");
+}
+
+}  // namespace
+
+DecisionLog ReadDecisionLog(LogSource* source) {
+  DecisionLog log;
+  ReadScenario(source, &log);
+  const Rules& rules = log.scenario.rules;
+  const auto decision_at = [&](std::int64_t tick) -> LoggedDecision* {
+    if (tick < 0 || tick > rules.limit_us / rules.tick_us) return nullptr;
+    const TimeUs t = tick * rules.tick_us;
+    const auto d = static_cast<std::int32_t>(t / rules.interval_us);
+    if (t % rules.interval_us != 0 || d >= log.scenario.decisions()) return nullptr;
+    LoggedDecision& decision = log.decisions[d];
+    decision.decision = d;
+    decision.at_us = t;
+    return &decision;
+  };
+  const auto told = [&](std::int64_t tick, const Packet& packet) {
+    if (LoggedDecision* decision = decision_at(tick)) decision->told.push_back(packet);
+  };
+  ForEachMessage(source, log.run_id, [&](const Message& message, const Packet& packet) {
+    Handle(
+        message,
+        [&](const clock_t& clock) {
+          LoggedDecision* decision = clock.phase == 1 ? decision_at(clock.tick) : nullptr;
+          if (decision != nullptr && clock.decision == decision->decision) {
+            decision->clock = packet;
+          }
+        },
+        [&](const agent_states_t& states) { told(states.tick, packet); },
+        [&](const rulings_t& rulings) { told(rulings.tick, packet); },
+        [&](const world_state_t& world) {
+          told(world.tick, packet);
+          if (!log.last_world || world.tick > log.last_world->tick) log.last_world = world;
+        },
+        [&](const schedule_t& schedule) {
+          LoggedDecision* decision = decision_at(schedule.tick);
+          if (decision != nullptr) decision->schedules.push_back(schedule);
+        },
+        [&](const event_t& event) { log.events.push_back(event); });
+  });
+  std::stable_sort(log.events.begin(), log.events.end(),
+                   [](const event_t& a, const event_t& b) { return KeyOf(a) < KeyOf(b); });
+  log.events.erase(
+      std::unique(log.events.begin(), log.events.end(),
+                  [](const event_t& a, const event_t& b) { return KeyOf(a) == KeyOf(b); }),
+      log.events.end());
+  return log;
+}
+
+std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenario) {
+  std::vector<bool> heard[3];
+  for (const AgentKind kind : kAgentKinds) {
+    heard[static_cast<int>(kind)].resize(scenario.agents(kind).size());
+  }
+  bool world = false, rulings = false;
+  for (const Packet& packet : decision.told) {
+    world = world || packet.channel == channel::kWorld;
+    rulings = rulings || packet.channel == channel::kRulings;
+    const auto states = DecodeValid<agent_states_t>(packet.bytes);
+    if (!states) continue;
+    auto& of_kind = heard[states->kind];
+    for (const agent_t& agent : states->agents) {
+      const auto id = static_cast<std::size_t>(agent.id);
+      if (id < of_kind.size()) of_kind[id] = true;
+    }
+  }
+  std::vector<std::string> lacks;
+  if (!decision.clock) lacks.push_back("clock_t");
+  if (!world) lacks.push_back("world_state_t");
+  if (!rulings) lacks.push_back("rulings_t");
+  for (const AgentKind kind : kAgentKinds) {
+    const auto& of_kind = heard[static_cast<int>(kind)];
+    const auto n = std::count(of_kind.begin(), of_kind.end(), false);
+    if (n == 0) continue;
+    lacks.push_back(
+        fmt::format("the state of {}:{}", ToString(kind),
+                    std::find(of_kind.begin(), of_kind.end(), false) - of_kind.begin()));
+    if (n > 1) lacks.back() += fmt::format(" and {} more", n - 1);
+  }
+  return fmt::format("{}", fmt::join(lacks, ", "));
+}
+
+std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
+                                                const Scenario& scenario) {
+  scheduler::Fusion fusion(scenario);
+  fusion.Start(decision.at_us / scenario.rules.tick_us, decision.at_us, decision.decision);
+  for (const Packet& packet : decision.told) {
+    if (fusion.complete()) break;  // as the scheduler, which then decides
+    if (packet.channel == channel::kWorld) {
+      static_cast<void>(fusion.Take(*DecodeValid<world_state_t>(packet.bytes)));
+    } else if (packet.channel == channel::kRulings) {
+      static_cast<void>(fusion.Take(*DecodeValid<rulings_t>(packet.bytes)));
+    } else {
+      static_cast<void>(fusion.Take(*DecodeValid<agent_states_t>(packet.bytes)));
+    }
+  }
+  if (!fusion.complete()) return {};
+  return fusion.Fuse();
+}
+
+}  // namespace muster::tools

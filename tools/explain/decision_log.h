@@ -1,0 +1,54 @@
+#pragma once
+
+#include <map>
+#include <muster/event_t.hpp>
+#include <muster/schedule_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "scheduler/situation.h"
+#include "tools/log/log_source.h"
+#include "world/model/scenario.h"
+
+namespace muster::tools {
+
+/// What a log holds of one decision.
+struct LoggedDecision {
+  std::int32_t decision = -1;
+  TimeUs at_us = 0;
+  std::optional<Packet> clock;  ///< the one that calls for the decision
+  /// Of its tick: states of the agents, the world's state and rulings, in the log's order, each
+  /// message once.
+  std::vector<Packet> told;
+  /// As published. More than one where a scheduler that was started again made it again.
+  std::vector<schedule_t> schedules;
+};
+
+/// A mission's log as far as decisions and their outcomes go.
+struct DecisionLog {
+  std::int64_t run_id = 0;
+  Scenario scenario;
+  Packet scenario_packet;
+  std::map<std::int32_t, LoggedDecision> decisions;  ///< those that the log holds anything of
+  std::vector<event_t> events;                       ///< each once, by time
+  std::optional<world_state_t> last_world;           ///< of the highest tick
+};
+
+/// Reads a run's log. Order, repeats and restarts of processes do not matter. Memory grows with
+/// agents times decisions and with events, not with the log. Throws InputError when it has no
+/// scenario.
+DecisionLog ReadDecisionLog(LogSource* source);
+
+/// What a decision's messages lack, in words: "clock_t, states of worker:3 and 2 more workers";
+/// empty when they are whole.
+std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenario);
+
+/// The situation that the decision rests on, as the scheduler fuses it; none when its messages are
+/// not whole. `scenario` must outlive nothing.
+std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
+                                                const Scenario& scenario);
+
+}  // namespace muster::tools

@@ -1,0 +1,169 @@
+#include "tools/explain/redecide.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <map>
+#include <memory>
+#include <set>
+#include <tuple>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "scheduler/process/scheduler_process.h"
+
+namespace muster::tools {
+namespace {
+
+/// The scheduler's process of one policy, fed by hand.
+class Scheduler {
+ public:
+  Scheduler(const DecisionLog& log, const std::string& policy)
+      : process_({log.run_id, "muster-redecide", 0}, 0, policy, [] { return TimeUs{0}; }) {
+    Feed({log.scenario_packet});
+  }
+
+  /// None when it does not decide.
+  std::optional<schedule_t> Decide(const LoggedDecision& decision) {
+    if (!decision.clock) return {};
+    std::vector<Packet> arrived = {*decision.clock};
+    arrived.insert(arrived.end(), decision.told.begin(), decision.told.end());
+    for (const Packet& packet : Feed(arrived)) {
+      if (packet.channel != channel::kSchedule) continue;
+      auto schedule = Decode<schedule_t>(packet.bytes);
+      if (schedule && schedule->decision == decision.decision) return schedule;
+    }
+    return {};
+  }
+
+ private:
+  /// One packet a step, as the process decides at the end of a step.
+  std::vector<Packet> Feed(const std::vector<Packet>& packets) {
+    std::vector<Packet> out;
+    for (const Packet& packet : packets) process_.Step({packet}, Now(), &out);
+    return out;
+  }
+
+  scheduler::SchedulerProcess process_;
+};
+
+/// The first field that differs, in the order of the calls.
+class Comparison {
+ public:
+  template <class T>
+  void Field(const std::string& name, const T& again, const T& logged) {
+    if (result_.empty() && !Same(again, logged)) {
+      result_ = fmt::format("{} is {}, the log says {}", name, Text(again), Text(logged));
+    }
+  }
+  std::string result() const { return result_; }
+
+ private:
+  static bool Same(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  }
+  template <class T>
+  static bool Same(const T& a, const T& b) {
+    return a == b;
+  }
+  static std::string Text(double value) { return fmt::format("{:.17g}", value); }
+  static std::string Text(std::int8_t value) { return fmt::to_string(int{value}); }
+  template <class T>
+  static std::string Text(const T& value) {
+    return fmt::format("{}", value);
+  }
+  std::string result_;
+};
+
+using ActionKey = std::tuple<int, int, int, int, int, int, double, double>;
+
+std::set<ActionKey> MovesOf(const schedule_t& schedule) {
+  std::set<ActionKey> moves;
+  for (const action_t& a : schedule.actions) {
+    if (a.kind <= 2) continue;
+    moves.insert(
+        {a.kind, a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id, a.x_m, a.y_m});
+  }
+  return moves;
+}
+
+}  // namespace
+
+std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy) {
+  std::map<std::string, std::unique_ptr<Scheduler>> schedulers;
+  std::vector<Redecided> decisions;
+  for (const auto& [d, logged] : log.decisions) {
+    std::string missing = WhatIsMissing(logged, log.scenario);
+    if (logged.schedules.empty() && !missing.empty()) continue;
+    Redecided result{d, logged.at_us, {}, logged.schedules, {}};
+    std::string name = policy;
+    if (name.empty() && !logged.schedules.empty()) name = logged.schedules.front().policy;
+    if (name.empty()) continue;  // nothing to say how, nothing to compare with
+    auto& scheduler = schedulers[name];
+    if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);
+    if (auto again = scheduler->Decide(logged)) {
+      result.again = std::move(*again);
+    } else {
+      result.missing = missing.empty() ? "a message that can be" : missing;
+    }
+    decisions.push_back(std::move(result));
+  }
+  return decisions;
+}
+
+std::string FirstDifference(const schedule_t& again, const schedule_t& logged) {
+  Comparison compare;
+  compare.Field("decision", again.decision, logged.decision);
+  compare.Field("tick", again.tick, logged.tick);
+  compare.Field("policy", again.policy, logged.policy);
+  for (std::size_t i = 0; i < again.actions.size() && i < logged.actions.size(); ++i) {
+    const action_t& a = again.actions[i];
+    const action_t& b = logged.actions[i];
+    const auto name = [i](const char* field) { return fmt::format("actions[{}].{}", i, field); };
+    compare.Field(name("kind"), a.kind, b.kind);
+    compare.Field(name("uav_id"), a.uav_id, b.uav_id);
+    compare.Field(name("worker_id"), a.worker_id, b.worker_id);
+    compare.Field(name("vehicle_id"), a.vehicle_id, b.vehicle_id);
+    compare.Field(name("task_id"), a.task_id, b.task_id);
+    compare.Field(name("charge_id"), a.charge_id, b.charge_id);
+    compare.Field(name("x_m"), a.x_m, b.x_m);
+    compare.Field(name("y_m"), a.y_m, b.y_m);
+    compare.Field(name("weight"), a.weight, b.weight);
+  }
+  compare.Field("n", again.n, logged.n);
+  compare.Field("weight", again.weight, logged.weight);
+  compare.Field("bound", again.bound, logged.bound);
+  compare.Field("candidates", again.candidates, logged.candidates);
+  return compare.result();
+}
+
+ActionDifference DifferenceOf(const schedule_t& again, const schedule_t& logged) {
+  const auto ours = MovesOf(again);
+  const auto theirs = MovesOf(logged);
+  ActionDifference difference;
+  for (const ActionKey& key : theirs) difference.only_logged += ours.contains(key) ? 0 : 1;
+  for (const ActionKey& key : ours) difference.only_again += theirs.contains(key) ? 0 : 1;
+  return difference;
+}
+
+std::vector<Divergence> DivergencesOf(const std::vector<Redecided>& decisions) {
+  std::vector<Divergence> divergences;
+  for (const Redecided& d : decisions) {
+    if (!d.missing.empty()) {
+      divergences.push_back(
+          {d.decision, d.at_us, fmt::format("cannot be made again, the log lacks {}", d.missing)});
+      continue;
+    }
+    for (const schedule_t& logged : d.logged) {
+      const std::string difference = FirstDifference(d.again, logged);
+      if (difference.empty()) continue;
+      divergences.push_back(
+          {d.decision, d.at_us,
+           fmt::format("{} ({} start {}, seq {})", difference, logged.header.sender,
+                       logged.header.boot_id, logged.header.seq)});
+    }
+  }
+  return divergences;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,166 @@
+#include "tools/explain/redecide_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "lcmtypes/protocol/program.h"
+#include "tools/explain/redecide.h"
+#include "tools/explain/words.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListed = 10;
+
+std::string Number(double value) {
+  return std::isnan(value) ? std::string("-") : fmt::format("{:.3f}", value);
+}
+
+Json ToJson(const schedule_t& schedule) {
+  Json actions = Json::array();
+  for (const action_t& action : schedule.actions) actions.push_back(ActionJson(action));
+  return {{"policy", schedule.policy},
+          {"weight", schedule.weight},
+          {"bound", std::isnan(schedule.bound) ? Json() : Json(schedule.bound)},
+          {"candidates", schedule.candidates},
+          {"actions", std::move(actions)}};
+}
+
+int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool json) {
+  const std::vector<Divergence> divergences = DivergencesOf(decisions);
+  std::size_t schedules = 0, unlogged = 0;
+  for (const Redecided& d : decisions) {
+    schedules += d.logged.size();
+    unlogged += d.logged.empty() ? 1 : 0;
+  }
+  if (schedules == 0) throw InputError(fmt::format("{}: the log holds no schedule", run));
+  if (json) {
+    Json list = Json::array();
+    for (const Divergence& d : divergences) {
+      list.push_back({{"decision", d.decision}, {"at_s", ToSeconds(d.at_us)}, {"what", d.what}});
+    }
+    fmt::print("{}\n", Json{{"version", 1},
+                            {"same", divergences.empty()},
+                            {"decisions", decisions.size()},
+                            {"schedules", schedules},
+                            {"without_schedule", unlogged},
+                            {"divergences", std::move(list)}}
+                           .dump(2));
+    return divergences.empty() ? kExitOk : kExitCheckFailed;
+  }
+  fmt::print("{}: {} decisions made again, {} logged schedules\n", run, decisions.size(),
+             schedules);
+  if (unlogged > 0) fmt::print("{} decisions have no logged schedule\n", unlogged);
+  if (divergences.empty()) {
+    fmt::print("every decision is the same, bit for bit\n");
+    return kExitOk;
+  }
+  fmt::print("DIFFERENT: {} schedules, the first ones:\n", divergences.size());
+  for (std::size_t i = 0; i < std::min(kListed, divergences.size()); ++i) {
+    const Divergence& d = divergences[i];
+    fmt::print("  {}  decision {}: {}\n", ClockWords(d.at_us), d.decision, d.what);
+  }
+  return kExitCheckFailed;
+}
+
+int Compare(const std::string& run, const std::vector<Redecided>& decisions,
+            const std::string& policy, bool json) {
+  Json rows = Json::array();
+  const auto part = [](const std::string& weight, const std::string& bound,
+                       const std::string& actions) {
+    return fmt::format("  {:>9} {:>9} {:>7}", weight, bound, actions);
+  };
+  const auto part_of = [&](const schedule_t& schedule) {
+    return part(Number(schedule.weight), Number(schedule.bound), fmt::to_string(MovesIn(schedule)));
+  };
+  if (!json) {
+    fmt::print("{}: what {} would have decided in the situations of the log\n\n", run, policy);
+    fmt::print("{:8}  {:>7}  {:^27}  {:^27}\n", "", "", "logged", policy);
+    const std::string columns = part("weight", "bound", "actions");
+    fmt::print("{:>8}  {:>7}{}{}  {:>7} {:>7}\n", "decision", "time", columns, columns, "dropped",
+               "added");
+  }
+  std::size_t same = 0, compared = 0, changed = 0;
+  for (const Redecided& d : decisions) {
+    if (!d.missing.empty()) {
+      rows.push_back(
+          {{"decision", d.decision}, {"at_s", ToSeconds(d.at_us)}, {"missing", d.missing}});
+      if (!json) {
+        fmt::print("{:>8}  {}  cannot be made, the log lacks {}\n", d.decision, ClockWords(d.at_us),
+                   d.missing);
+      }
+      continue;
+    }
+    Json row = {{"decision", d.decision}, {"at_s", ToSeconds(d.at_us)}};
+    std::string line = fmt::format("{:>8}  {}", d.decision, ClockWords(d.at_us));
+    if (d.logged.empty()) {
+      row["logged"] = nullptr;
+      line += part("-", "-", "-");
+    } else {
+      row["logged"] = ToJson(d.logged.front());
+      line += part_of(d.logged.front());
+    }
+    row["redecided"] = ToJson(d.again);
+    line += part_of(d.again);
+    if (!d.logged.empty()) {
+      const ActionDifference difference = DifferenceOf(d.again, d.logged.front());
+      row["dropped"] = difference.only_logged;
+      row["added"] = difference.only_again;
+      line += fmt::format("  {:>7} {:>7}", difference.only_logged, difference.only_again);
+      ++compared;
+      const bool equal = difference.only_logged == 0 && difference.only_again == 0;
+      same += equal ? 1 : 0;
+      changed += static_cast<std::size_t>(difference.only_logged);
+    }
+    rows.push_back(std::move(row));
+    if (!json) fmt::print("{}\n", line);
+  }
+  if (json) {
+    fmt::print("{}\n",
+               Json{{"version", 1}, {"policy", policy}, {"decisions", std::move(rows)}}.dump(2));
+    return kExitOk;
+  }
+  fmt::print(
+      "\n{} of {} decisions have the same actions; {} of the log's actions are not among {}'s.\n"
+      "Each decision is made in the logged situation, not in one that {} would have led to.\n",
+      same, compared, changed, policy, policy);
+  return kExitOk;
+}
+
+}  // namespace
+
+int RedecideCommand(int argc, const char* const* argv) {
+  cxxopts::Options options(
+      argv[0],
+      "Makes a run's decisions again from its log.\n"
+      "With the log's own policy each must be the same, bit for bit; exit code 4 when one is not.\n"
+      "With another policy: a table of what it would have decided.");
+  options.add_options()("run", "Run directory or log file", cxxopts::value<std::string>())(
+      "policy", "Another way to decide (default: the log's own)", cxxopts::value<std::string>(),
+      "NAME")("json", "Print the result as JSON");
+  options.parse_positional({"run"});
+  options.positional_help("RUN");
+  const auto parsed = ParseOptions(&options, argc, argv);
+  if (!parsed) return kExitOk;
+  if (parsed->count("run") == 0) throw InputError("no RUN given: a run directory or a log file");
+  const std::string run = (*parsed)["run"].as<std::string>();
+  const bool json = parsed->count("json") > 0;
+  LogSource source(run);
+  const DecisionLog log = ReadDecisionLog(&source);
+  std::string policy = parsed->count("policy") > 0 ? (*parsed)["policy"].as<std::string>() : "";
+  std::set<std::string> logged;
+  for (const auto& [d, decision] : log.decisions) {
+    for (const schedule_t& schedule : decision.schedules) logged.insert(schedule.policy);
+  }
+  const bool another = !policy.empty() && logged != std::set<std::string>{policy};
+  const std::vector<Redecided> decisions = Redecide(log, policy);
+  return another ? Compare(run, decisions, policy, json) : Verify(run, decisions, json);
+}
+
+}  // namespace muster::tools
