@@ -65,7 +65,7 @@ class Dual {
   const Column& best(std::int32_t uav) const { return best_column_[At(uav)]; }
   double best_value(std::int32_t uav) const { return best_value_[At(uav)]; }
 
-  /// Moves of a partner alone that weigh more than its staying.
+  /// Moves of an agent alone that weigh more than its staying.
   struct Solo {
     std::int32_t site, arc;
     double weight;
@@ -74,12 +74,10 @@ class Dual {
     return {solos_.data() + solo_begin_[At(partner)],
             At(solo_begin_[At(partner) + 1] - solo_begin_[At(partner)])};
   }
-  /// Arcs of a UAV, ascending.
-  std::span<const std::int32_t> arcs(std::int32_t uav) const {
-    return {arc_of_uav_.data() + arc_begin_[At(uav)],
-            At(arc_begin_[At(uav) + 1] - arc_begin_[At(uav)])};
+  /// Number of ways that a UAV has.
+  std::int64_t n_arcs(std::int32_t uav) const {
+    return arc_begin_[At(uav) + 1] - arc_begin_[At(uav)];
   }
-  std::int32_t site_of_arc(std::int32_t uav_arc) const { return site_of_arc_[At(uav_arc)]; }
   /// Elementary steps done so far: arcs looked at.
   std::int64_t work() const { return work_; }
   /// Rounding that may hide in a bound.
@@ -87,38 +85,57 @@ class Dual {
 
  private:
   static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+  /// Partner arcs of one site and level.
   struct Group {
     std::int32_t begin, end, level;
+    std::int32_t best;  ///< arc of the partner that adds most
+    double most;        ///< that
   };
-  struct HotUavArc {
-    std::int32_t uav, level;
+  /// What the loops over a UAV's ways need of them.
+  struct Way {
+    std::int32_t arc, site, level;
     double base, gain;
   };
-  void PriceSites(std::int32_t begin, std::int32_t end, std::vector<double>* best_value,
-                  std::vector<Column>* best_column) const;
+  struct Place {
+    double price;
+    double most;  ///< no partner there adds more
+    std::int32_t least, begin, end;  ///< groups, and the lowest of their levels
+  };
+  std::span<const Way> ways(std::int32_t uav) const {
+    return {ways_.data() + arc_begin_[At(uav)], At(arc_begin_[At(uav) + 1] - arc_begin_[At(uav)])};
+  }
+  std::span<const Solo> uav_solos(std::int32_t uav) const {
+    return {uav_solos_.data() + uav_solo_begin_[At(uav)],
+            At(uav_solo_begin_[At(uav) + 1] - uav_solo_begin_[At(uav)])};
+  }
+  void PriceSites(std::int32_t begin, std::int32_t end);
+  void PriceUavs(std::int32_t begin, std::int32_t end);
+  /// Calls visit(way, regret, group) where a pair's regret may be at most `most`, which visit may
+  /// lower: `regret` less what the partner adds.
+  template <class Visit>
+  void PairsNear(std::int32_t uav, const double& most, Visit&& visit) const;
   double InverseLevel(std::int32_t a, std::int32_t b) const;
 
   const Instance& instance_;
   int threads_;
-  std::vector<std::int32_t> group_begin_;  ///< [n_sites + 1]
-  std::vector<Group> groups_;              ///< partner arcs of one site and level
-  std::vector<HotUavArc> hot_;             ///< [n_uav_arcs]
-  std::vector<std::int32_t> partner_of_;   ///< [n_partner_arcs]
-  std::vector<double> gain_of_;            ///< [n_partner_arcs]
-  std::vector<double> inverse_;            ///< 1 / level
-  std::vector<std::int32_t> arc_begin_, arc_of_uav_, site_of_arc_;
-  std::vector<std::int32_t> solo_begin_;
-  std::vector<Solo> solos_;
-  std::vector<std::int32_t> uav_solos_;  ///< UAV arcs whose solo move beats staying, ascending
+  std::vector<Group> groups_;             ///< by site, then level
+  std::vector<Place> places_;             ///< [n_sites]
+  std::vector<std::int32_t> partner_of_;  ///< [n_partner_arcs]
+  std::vector<double> gain_of_;           ///< [n_partner_arcs]
+  std::vector<double> adds_;              ///< [n_partner_arcs] gain less the partner's value
+  std::vector<double> inverse_;           ///< 1 / level
+  std::vector<std::int32_t> arc_begin_;   ///< [n_uavs + 1]
+  std::vector<Way> ways_;                 ///< by UAV, then site
+  std::vector<std::int32_t> solo_begin_, uav_solo_begin_;
+  std::vector<Solo> solos_, uav_solos_;
 
   static constexpr std::size_t kRanks = 4;
   std::vector<std::array<std::int32_t, kRanks>> ranked_;  ///< [n_groups] partner arcs or -1
 
   Prices prices_;
   std::vector<double> value_;  ///< [n_partners]
-  std::vector<double> best_value_, other_value_;
-  std::vector<Column> best_column_, other_column_;
-  double most_gain_ = 0;  ///< no partner adds more to a reduced weight
+  std::vector<double> best_value_;
+  std::vector<Column> best_column_;
   std::int64_t work_ = 0;
   double slack_ = 0;
 };

@@ -30,7 +30,10 @@ PackingLp::PackingLp(std::span<const std::int32_t> capacity)
       active_index_(capacity.size(), -1),
       alpha_(capacity.size(), 0),
       where_(capacity.size(), -1),
-      looked_at_(capacity.size(), 0) {
+      looked_at_(capacity.size(), 0),
+      slack_pooled_(capacity.size(), 0),
+      is_cheaper_(capacity.size(), 0),
+      columns_at_(capacity.size()) {
   std::uint32_t state = 12345;
   for (std::int32_t i = 0; i < m_; ++i) {
     slack_position_[At(i)] = i;
@@ -45,7 +48,13 @@ std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows)
   rows_.push_back(rows);
   position_of_.push_back(-1);
   closed_.push_back(0);
-  return n_columns() - 1;
+  column_pooled_.push_back(0);
+  const std::int32_t column = n_columns() - 1;
+  for (const std::int32_t r : rows) {
+    if (r >= 0) columns_at_[At(r)].push_back(column);
+  }
+  Pool(column);
+  return column;
 }
 
 void PackingLp::Close(std::int32_t column, bool close) {
@@ -53,6 +62,7 @@ void PackingLp::Close(std::int32_t column, bool close) {
   closed_[At(column)] = close;
   const double change = close ? -kClosed : kClosed;
   cost_[At(column)] += change;
+  Pool(column);
   ChangeCost(position_of_[At(column)], change);
 }
 
@@ -60,8 +70,26 @@ bool PackingLp::Require(std::int32_t row, bool require) {
   if ((slack_cost_[At(row)] != 0) == require) return false;
   slack_cost_[At(row)] = require ? -kClosed : 0;
   ChangeCost(slack_position_[At(row)], require ? -kClosed : kClosed);
-  if (slack_position_[At(row)] >= 0) price_[At(row)] = slack_cost_[At(row)];
+  if (slack_position_[At(row)] >= 0) {
+    ChangePrice(row, slack_cost_[At(row)] - price_[At(row)]);
+    price_[At(row)] = slack_cost_[At(row)];
+  }
+  Pool(~row);
   return true;
+}
+
+void PackingLp::ChangePrice(std::int32_t row, double change) {
+  price_[At(row)] += change;
+  if (change >= 0 || is_cheaper_[At(row)]) return;
+  is_cheaper_[At(row)] = 1;
+  cheaper_.push_back(row);
+}
+
+void PackingLp::Pool(std::int32_t variable) {
+  char& pooled = variable >= 0 ? column_pooled_[At(variable)] : slack_pooled_[At(~variable)];
+  if (pooled) return;
+  pooled = 1;
+  pool_.push_back(variable);
 }
 
 template <class Visit>
@@ -86,7 +114,7 @@ void PackingLp::AtPosition(std::int32_t position, Visit&& visit) {
 
 void PackingLp::ChangeCost(std::int32_t position, double change) {
   if (position < 0) return;
-  AtPosition(position, [&](std::int32_t row, double value) { price_[At(row)] += change * value; });
+  AtPosition(position, [&](std::int32_t row, double value) { ChangePrice(row, change * value); });
 }
 
 double PackingLp::Bound() const {
@@ -117,21 +145,32 @@ double PackingLp::ReducedCostOf(std::int32_t variable) const {
 }
 
 std::int32_t PackingLp::Entering() {
-  const std::size_t most = std::max(kCandidates, cost_.size() / 256);
   for (const bool refill : {false, true}) {
     if (refill) {
+      work_ += static_cast<std::int64_t>(cheaper_.size() + pool_.size());
+      for (const std::int32_t r : cheaper_) {
+        is_cheaper_[At(r)] = 0;
+        Pool(~r);
+        for (const std::int32_t j : columns_at_[At(r)]) {
+          if (position_of_[At(j)] < 0 && ReducedCost(j) > kReducedCost) Pool(j);
+        }
+        work_ += static_cast<std::int64_t>(columns_at_[At(r)].size());
+      }
+      cheaper_.clear();
       candidates_.clear();
-      for (const std::int32_t r : active_) {
-        const double reduced = slack_cost_[At(r)] - price_[At(r)];
-        if (reduced > kReducedCost) candidates_.emplace_back(reduced, ~r);
-      }
-      for (std::int32_t j = 0; j < n_columns(); ++j) {
-        if (position_of_[At(j)] >= 0) continue;
-        const double reduced = ReducedCost(j);
-        if (reduced > kReducedCost) candidates_.emplace_back(reduced, j);
-      }
-      work_ += n_columns() + static_cast<std::int64_t>(active_.size());
-      if (candidates_.size() > most) {
+      std::erase_if(pool_, [&](std::int32_t variable) {
+        const bool column = variable >= 0;
+        if ((column ? position_of_[At(variable)] : slack_position_[At(~variable)]) < 0) {
+          const double reduced = ReducedCostOf(variable);
+          if (reduced > kReducedCost) {
+            candidates_.emplace_back(reduced, variable);
+            return false;
+          }
+        }
+        (column ? column_pooled_[At(variable)] : slack_pooled_[At(~variable)]) = 0;
+        return true;
+      });
+      if (candidates_.size() > 2 * kCandidates) {
         std::nth_element(candidates_.begin(), candidates_.begin() + kCandidates, candidates_.end(),
                          std::greater<>());
         candidates_.resize(kCandidates);
@@ -225,7 +264,7 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
     column[At(where_[At(position)])].value = factor;
     for (std::size_t k = 0; k < old; ++k) where_[At(column[k].position)] = -1;
     std::erase_if(column, [](const Entry& e) { return std::abs(e.value) < kZero; });
-    price_[At(row)] += reduced * factor;
+    ChangePrice(row, reduced * factor);
     work_ += static_cast<std::int64_t>(old + alpha_nonzero_.size());
   });
   basic_[At(position)] = entering;
@@ -233,6 +272,7 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
     // The row's column is a unit vector again.
     const std::int32_t row = ~entering;
     slack_position_[At(row)] = position;
+    ChangePrice(row, slack_cost_[At(row)] - price_[At(row)]);
     price_[At(row)] = slack_cost_[At(row)];
     const std::int32_t index = active_index_[At(row)];
     active_[At(index)] = active_.back();

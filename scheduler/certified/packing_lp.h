@@ -13,7 +13,7 @@ namespace muster::scheduler {
 /// Primal simplex with the inverse of the basis stored by sparse columns, of which only those of
 /// rows whose slack is not basic differ from unit vectors: about two for each UAV of a decision.
 /// What one step costs depends on how far an exchange of agents reaches, not on the size of the
-/// whole. Right-hand sides are raised by different small amounts against stalling; dual prices do
+/// whole: columns are looked at again only where a price fell. Right-hand sides are raised by different small amounts against stalling; dual prices do
 /// not depend on it.
 class PackingLp {
  public:
@@ -58,6 +58,9 @@ class PackingLp {
   std::int32_t Entering();
   void FillAlpha(std::int32_t variable);
   void ChangeCost(std::int32_t position, double change);
+  void ChangePrice(std::int32_t row, double change);
+  /// Notes that a variable's reduced cost may have become positive.
+  void Pool(std::int32_t variable);
   void Pivot(std::int32_t entering, std::int32_t position, double reduced);
 
   std::int32_t m_;
@@ -83,6 +86,12 @@ class PackingLp {
   std::vector<std::int64_t> looked_at_;  ///< [m]
   std::int64_t look_ = 0;
   std::vector<std::pair<double, std::int32_t>> candidates_;
+  /// Every variable that may enter is in pool_, or in a row that is listed in cheaper_.
+  std::vector<std::int32_t> pool_;
+  std::vector<char> column_pooled_, slack_pooled_;
+  std::vector<std::int32_t> cheaper_;  ///< rows whose price fell since their columns were looked at
+  std::vector<char> is_cheaper_;       ///< [m]
+  std::vector<std::vector<std::int32_t>> columns_at_;  ///< [m]
   std::int64_t work_ = 0, pivots_ = 0;
 };
 

@@ -151,7 +151,7 @@ class Search {
           columns_.clear();
           dual_.TopColumns(u, more - kNegligible, &columns_);
         }
-        work_ += static_cast<std::int64_t>(2 * dual_.arcs(u).size());
+        work_ += 2 * dual_.n_arcs(u);
         if (columns_.size() > kColumnsPerRound) {
           // The best one, then good ones: which of them differs from UAV to UAV.
           const auto key = [&](const Column& c) {
@@ -339,7 +339,7 @@ class Search {
       const Column& column = next[At(u)];
       if (!IsFree(*plan, column)) {
         next[At(u)] = dual_.BestFree(u, plan->free_places, partner_free);
-        work_ += static_cast<std::int64_t>(8 * dual_.arcs(u).size());
+        work_ += 8 * dual_.n_arcs(u);
         queue.emplace(next[At(u)].regret, -dual_.best_value(u), u);
         continue;
       }
@@ -420,7 +420,7 @@ class Search {
       if (loss > label_[At(u)]) continue;
       columns_.clear();
       dual_.ColumnsOf(u, best - loss, &columns_);
-      work_ += static_cast<std::int64_t>(8 * dual_.arcs(u).size() + columns_.size());
+      work_ += 8 * dual_.n_arcs(u) + static_cast<std::int64_t>(columns_.size());
       for (const Column& column : columns_) {
         const double total = loss + column.regret;
         if (total >= best || TakenOnChain(k, column)) continue;
@@ -642,7 +642,7 @@ class Search {
     for (Index u = 0; u < instance_.n_uavs(); ++u) {
       columns_.clear();
       dual_.ColumnsOf(u, gap, &columns_);
-      work_ += static_cast<std::int64_t>(8 * dual_.arcs(u).size());
+      work_ += 8 * dual_.n_arcs(u);
       auto& of_uav = known[At(u)];
       std::sort(of_uav.begin(), of_uav.end());
       for (const Column& column : columns_) {
