@@ -236,15 +236,15 @@ class Builder {
                                 const std::vector<Point>& places) {
       std::vector<double> cost(places.size(), 0);
       if (agents.empty()) return cost;
+      Queries to(places);
       for (std::size_t c = 0; c < speeds.size(); ++c) {
         std::vector<Point> of_class;
         for (std::size_t i = 0; i < agents.size(); ++i) {
           if (At(speeds.of_agent[i]) == c) of_class.push_back(agents[i]);
         }
-        const LevelSums sums(of_class, speeds.levels[c], exact_up_to_);
-        ParallelFor(places.size(), threads_, 512, [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) cost[i] += sums.Sum(places[i]);
-        });
+        const std::vector<double> sums =
+            LevelSums(of_class, speeds.levels[c], exact_up_to_).Sums(&to, threads_);
+        for (std::size_t i = 0; i < cost.size(); ++i) cost[i] += sums[i];
       }
       for (double& value : cost) value /= static_cast<double>(agents.size());
       return cost;
@@ -260,44 +260,70 @@ class Builder {
     std::vector<std::vector<double>> charge;
   };
 
-  void Fill(const PlaceSums& sums, const std::vector<Point>& agents, const SpeedClasses& speeds,
-            const std::vector<Way>* to_task, const std::vector<Way>* to_charge, MeanAt* mean) {
-    mean->agent.resize(agents.size());
-    ParallelFor(agents.size(), threads_, 64, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        mean->agent[i] = sums.SoftmaxMean(agents[i], speeds.levels[At(speeds.of_agent[i])]);
-      }
-    });
-    const auto at_places = [&](const std::vector<Way>* ways, const std::vector<Point>& places,
-                               std::vector<std::vector<double>>* means) {
+  /// The places that agents of one speed class need sums for: where they stand, where they may go.
+  struct Needs {
+    std::vector<std::size_t> agents, tasks, charges;
+    Queries at{{}};
+  };
+
+  std::vector<Needs> NeedsOf(const std::vector<Point>& agents, const SpeedClasses& speeds,
+                             const std::vector<Way>* to_task,
+                             const std::vector<Way>* to_charge) const {
+    std::vector<Needs> needs(speeds.size());
+    for (std::size_t i = 0; i < agents.size(); ++i) {
+      needs[At(speeds.of_agent[i])].agents.push_back(i);
+    }
+    std::vector<std::vector<Point>> at(speeds.size());
+    for (std::size_t c = 0; c < speeds.size(); ++c) {
+      for (const std::size_t i : needs[c].agents) at[c].push_back(agents[i]);
+    }
+    const auto add = [&](const std::vector<Way>* ways, const std::vector<Point>& places,
+                         std::vector<std::size_t> Needs::*list) {
       if (ways == nullptr) return;
       std::vector<std::vector<bool>> needed(speeds.size(), std::vector<bool>(places.size()));
       for (const Way& way : *ways) {
         needed[At(speeds.of_agent[At(way.agent)])][At(way.place)] = true;
       }
-      means->assign(speeds.size(), std::vector<double>(places.size(), 0));
       for (std::size_t c = 0; c < speeds.size(); ++c) {
-        std::vector<double>& row = (*means)[c];
-        ParallelFor(places.size(), threads_, 64, [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) {
-            if (needed[c][i]) row[i] = sums.SoftmaxMean(places[i], speeds.levels[c]);
-          }
-        });
+        for (std::size_t i = 0; i < places.size(); ++i) {
+          if (!needed[c][i]) continue;
+          (needs[c].*list).push_back(i);
+          at[c].push_back(places[i]);
+        }
       }
     };
-    at_places(to_task, task_at_, &mean->task);
-    at_places(to_charge, charge_at_, &mean->charge);
+    add(to_task, task_at_, &Needs::tasks);
+    add(to_charge, charge_at_, &Needs::charges);
+    for (std::size_t c = 0; c < speeds.size(); ++c) needs[c].at = Queries(std::move(at[c]));
+    return needs;
+  }
+
+  MeanAt Means(const PlaceSums& sums, const SpeedClasses& speeds, std::vector<Needs>* needs) const {
+    MeanAt mean;
+    mean.agent.resize(speeds.of_agent.size());
+    mean.task.assign(speeds.size(), std::vector<double>(task_at_.size(), 0));
+    mean.charge.assign(speeds.size(), std::vector<double>(charge_at_.size(), 0));
+    for (std::size_t c = 0; c < speeds.size(); ++c) {
+      Needs& need = (*needs)[c];
+      const std::vector<double> means = sums.SoftmaxMeans(&need.at, speeds.levels[c], threads_);
+      auto next = means.begin();
+      for (const std::size_t i : need.agents) mean.agent[i] = *next++;
+      for (const std::size_t i : need.tasks) mean.task[c][i] = *next++;
+      for (const std::size_t i : need.charges) mean.charge[c][i] = *next++;
+    }
+    return mean;
   }
 
   void MeanCosts() {
-    Fill(PlaceSums(task_at_, task_by_worker_, exact_up_to_), uav_at_, uav_speeds_, &uav_to_task_,
-         &uav_to_charge_, &uav_tasks_);
-    Fill(PlaceSums(charge_at_, charge_by_vehicle_, exact_up_to_), uav_at_, uav_speeds_,
-         &uav_to_task_, &uav_to_charge_, &uav_charges_);
-    Fill(PlaceSums(task_at_, task_by_uav_, exact_up_to_), worker_at_, worker_speeds_,
-         &worker_to_task_, nullptr, &worker_tasks_);
-    Fill(PlaceSums(charge_at_, charge_by_uav_, exact_up_to_), vehicle_at_, vehicle_speeds_, nullptr,
-         &vehicle_to_charge_, &vehicle_charges_);
+    auto needs = NeedsOf(uav_at_, uav_speeds_, &uav_to_task_, &uav_to_charge_);
+    uav_tasks_ = Means(PlaceSums(task_at_, task_by_worker_, exact_up_to_), uav_speeds_, &needs);
+    uav_charges_ =
+        Means(PlaceSums(charge_at_, charge_by_vehicle_, exact_up_to_), uav_speeds_, &needs);
+    needs = NeedsOf(worker_at_, worker_speeds_, &worker_to_task_, nullptr);
+    worker_tasks_ = Means(PlaceSums(task_at_, task_by_uav_, exact_up_to_), worker_speeds_, &needs);
+    needs = NeedsOf(vehicle_at_, vehicle_speeds_, nullptr, &vehicle_to_charge_);
+    vehicle_charges_ =
+        Means(PlaceSums(charge_at_, charge_by_uav_, exact_up_to_), vehicle_speeds_, &needs);
   }
 
   void Assemble(BuiltInstance* built) {

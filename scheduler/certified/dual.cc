@@ -228,8 +228,8 @@ void Dual::ColumnsOf(std::int32_t uav, double most, std::vector<Column>* columns
   PairsNear(uav, most, [&](const Way& way, double regret, std::int32_t g) {
     for (std::int32_t j = groups_[At(g)].begin; j < groups_[At(g)].end; ++j) {
       const double whole = regret - adds_[At(j)];
-      if (whole <= most && instance_.Compatible(instance_.uav_arcs[At(way.arc)],
-                                                instance_.partner_arcs[At(j)])) {
+      if (whole <= most &&
+          instance_.Compatible(instance_.uav_arcs[At(way.arc)], instance_.partner_arcs[At(j)])) {
         columns->push_back({way.site, way.arc, j, whole});
       }
     }
@@ -247,8 +247,7 @@ void Dual::RankPartners() {
       // same few.
       const std::int32_t size = groups_[g].end - groups_[g].begin;
       std::int32_t j =
-          groups_[g].begin +
-          static_cast<std::int32_t>(Mix(g) % static_cast<std::uint32_t>(size));
+          groups_[g].begin + static_cast<std::int32_t>(Mix(g) % static_cast<std::uint32_t>(size));
       for (std::int32_t k0 = 0; k0 < size; ++k0, ++j) {
         if (j == groups_[g].end) j = groups_[g].begin;
         const double value = adds_[At(j)];

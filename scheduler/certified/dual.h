@@ -98,7 +98,7 @@ class Dual {
   };
   struct Place {
     double price;
-    double most;  ///< no partner there adds more
+    double most;                     ///< no partner there adds more
     std::int32_t least, begin, end;  ///< groups, and the lowest of their levels
   };
   std::span<const Way> ways(std::int32_t uav) const {

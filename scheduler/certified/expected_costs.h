@@ -12,7 +12,7 @@ namespace muster::scheduler {
 
 /// Up to this many places a sum over them is exact: every place is looked at. Beyond it, distant
 /// places are taken together by cell. Random_29, the paper's largest setting, has 480 tasks.
-inline constexpr std::size_t kExactPlaces = 1024;
+inline constexpr std::size_t kExactPlaces = 512;
 /// Beyond it a sum is within this of the exact one, relative to it
 /// (tests/scheduler/certified/expected_costs_test.cc).
 inline constexpr double kCostTolerance = 1e-3;
@@ -47,6 +47,33 @@ class PlaceTree {
   std::vector<double> x_m_, y_m_, value_;
 };
 
+/// Places that sums are wanted for. Beyond the exact size they are worked on by blocks of
+/// neighbours, so that a block looks at the tree once.
+class Queries {
+ public:
+  static constexpr std::int32_t kLanes = 16;
+  struct Block {
+    Point centre;
+    double radius_m;
+    std::int32_t begin, end;  ///< of order(), at most kLanes
+  };
+
+  explicit Queries(std::vector<Point> at) : at_(std::move(at)) {}
+  const std::vector<Point>& at() const { return at_; }
+  std::size_t size() const { return at_.size(); }
+  /// Finds the blocks; without it there are none.
+  void Divide();
+  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<std::int32_t>& order() const { return order_; }
+
+ private:
+  void Divide(std::int32_t begin, std::int32_t end);
+
+  std::vector<Point> at_;
+  std::vector<std::int32_t> order_;
+  std::vector<Block> blocks_;
+};
+
 /// Softmax means over places (open tasks, charging points) of their expected costs.
 class PlaceSums {
  public:
@@ -54,13 +81,15 @@ class PlaceSums {
   PlaceSums(std::span<const Point> places, std::span<const double> values,
             std::size_t exact_up_to = kExactPlaces);
 
-  /// sum_x softmax(-level(x)) * value_x with the level of the way from `from`; 0 without places.
+  /// sum_x softmax(-level(x)) * value_x with the level of the way from each of `from`; 0 without
+  /// places. threads: 1 or 2; the result does not depend on it.
   /// Source: the paper's Eq. 4-9 to 4-17.
-  double SoftmaxMean(Point from, const LevelOf& level) const;
+  std::vector<double> SoftmaxMeans(Queries* from, const LevelOf& level, int threads = 1) const;
 
  private:
   double ExactMean(Point from, const LevelOf& level) const;
-  double TreeMean(Point from, const LevelOf& level) const;
+  void BlockMeans(const Queries& from, const Queries::Block& block, const LevelOf& level,
+                  std::vector<double>* means) const;
 
   std::vector<double> x_m_, y_m_, value_;
   std::vector<PlaceTree> tree_;  ///< one, or none where sums are exact
@@ -72,10 +101,14 @@ class LevelSums {
   LevelSums(std::span<const Point> agents, const LevelOf& level,
             std::size_t exact_up_to = kExactPlaces);
 
-  /// Sum over the agents of the level of their way to `to`. Source: the paper's Eq. 4-6, 4-8.
-  double Sum(Point to) const;
+  /// Sum over the agents of the level of their way to each of `to`. Source: the paper's Eq. 4-6,
+  /// 4-8.
+  std::vector<double> Sums(Queries* to, int threads = 1) const;
 
  private:
+  double ExactSum(Point to) const;
+  void BlockSums(const Queries& to, const Queries::Block& block, std::vector<double>* sums) const;
+
   LevelOf level_;
   std::vector<double> x_m_, y_m_;
   std::vector<PlaceTree> tree_;

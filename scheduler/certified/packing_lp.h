@@ -13,8 +13,8 @@ namespace muster::scheduler {
 /// Primal simplex with the inverse of the basis stored by sparse columns, of which only those of
 /// rows whose slack is not basic differ from unit vectors: about two for each UAV of a decision.
 /// What one step costs depends on how far an exchange of agents reaches, not on the size of the
-/// whole: columns are looked at again only where a price fell. Right-hand sides are raised by different small amounts against stalling; dual prices do
-/// not depend on it.
+/// whole: columns are looked at again only where a price fell. Right-hand sides are raised by
+/// different small amounts against stalling; dual prices do not depend on it.
 class PackingLp {
  public:
   static constexpr std::int32_t kNoRow = -1;

@@ -22,15 +22,18 @@ TEST(PlaceSums, IsTheSoftmaxMeanWrittenOut) {
   const std::vector<double> values = {2, 5, 11};
   const double expected = (2 * std::exp(-1) + 5 * std::exp(-2) + 11 * std::exp(-3)) /
                           (std::exp(-1) + std::exp(-2) + std::exp(-3));
-  EXPECT_NEAR(PlaceSums(places, values).SoftmaxMean({0, 0}, level), expected, 1e-12);
-  EXPECT_EQ(PlaceSums({}, {}).SoftmaxMean({0, 0}, level), 0);
+  Queries from({{0, 0}, {0, 1e8}});
+  const std::vector<double> means = PlaceSums(places, values).SoftmaxMeans(&from, level);
+  EXPECT_NEAR(means[0], expected, 1e-12);
   // All very far away: the nearest decide.
-  EXPECT_NEAR(PlaceSums(places, values).SoftmaxMean({0, 1e8}, level), 11, 2);
+  EXPECT_NEAR(means[1], 11, 2);
+  EXPECT_EQ(PlaceSums({}, {}).SoftmaxMeans(&from, level)[0], 0);
 }
 
 TEST(LevelSums, CountsEveryAgentsIntervals) {
   const LevelOf level(10, Rules{});
-  EXPECT_EQ(LevelSums(std::vector<Point>{{0, 0}, {6e3, 0}, {6001, 0}}, level).Sum({0, 0}), 4);
+  Queries to({{0, 0}});
+  EXPECT_EQ(LevelSums(std::vector<Point>{{0, 0}, {6e3, 0}, {6001, 0}}, level).Sums(&to)[0], 4);
 }
 
 /// Every weight of a decision, against the weight of staying (moves that hardly gain weigh next to
