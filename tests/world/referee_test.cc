@@ -154,6 +154,32 @@ TEST(Referee, FailedPartnerReleasesTheSurvivorAndReopensTheTask) {
   }
 }
 
+TEST(Referee, TheEndOfAnOutageBringsBackNobodyWhoHadFailedForGood) {
+  Scenario scenario = SmallScenario();
+  scenario.uavs[0].range_m = 1000;
+  Mission mission(scenario);
+  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 600 * kSecondUs, "uav"});
+  mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 600 * kSecondUs, "worker"});
+  mission.Judge(0, 0);
+  mission.Command(Sense());
+  for (TimeUs t = 30; t <= 1200; t += 30) mission.Judge(t * kSecondUs);
+  EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 100},  // out of range
+                                          {Kind::kSensingAborted, 100},
+                                          {Kind::kAgentFailed, 300},
+                                          {Kind::kAgentBack, 600}}));
+  EXPECT_TRUE(mission.agents().uavs[0].failed);
+  EXPECT_FALSE(mission.agents().workers[0].failed);
+}
+
+TEST(Referee, OverlappingOutagesAreOne) {
+  Mission mission(SmallScenario());
+  mission.referee().Add({AgentKind::kUav, 0, 100 * kSecondUs, 600 * kSecondUs, "first"});
+  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 900 * kSecondUs, "second"});
+  mission.Judge(0, 0);
+  for (TimeUs t = 30; t <= 1200; t += 30) mission.Judge(t * kSecondUs);
+  EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 100}, {Kind::kAgentBack, 900}}));
+}
+
 TEST(Referee, FailureWhileSensingSpendsProRataWhateverTheTick) {
   for (const TimeUs tick : {30, 900}) {
     const Scenario scenario = SmallScenario();

@@ -39,6 +39,7 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   previous_us_ = t;
   task_status_ = std::move(task_status);
   verdict_ = verdict;
+  std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
   activities_.clear();
   for (const Activity& activity : verdict.activities())
     activities_.push_back({activity, false, false});
@@ -120,7 +121,20 @@ void Referee::PlanNewActivities(TimeUs t, Agents* agents) {
 
 void Referee::Return(TimeUs t) {
   for (const Outage& outage : outages_) {
-    if (outage.until_us > t || failed_.erase({outage.kind, outage.agent}) == 0) continue;
+    if (outage.until_us > t) continue;
+    // One outage may follow the other without a break.
+    const auto next = std::find_if(outages_.begin(), outages_.end(), [&](const Outage& other) {
+      return other.kind == outage.kind && other.agent == outage.agent && other.until_us > t &&
+             other.from_us <= outage.until_us;
+    });
+    if (next != outages_.end()) {
+      next->from_us = std::min(next->from_us, outage.from_us);
+      continue;
+    }
+    // Whoever had failed for good before does not come back.
+    const auto failed = failed_.find({outage.kind, outage.agent});
+    if (failed == failed_.end() || failed->second < outage.from_us) continue;
+    failed_.erase(failed);
     Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
          outage.detail);
   }

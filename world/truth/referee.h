@@ -76,7 +76,8 @@ class Referee {
 
   void Add(const Outage& outage) { outages_.push_back(outage); }
 
-  /// Continues from an earlier verdict on time t, as a restarted world does.
+  /// Continues from an earlier verdict on time t, as a restarted world does: outages that were over
+  /// by then are forgotten.
   void Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdict& verdict);
 
   /// Activities not ended before the previous judged time, rulings in force.
