@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstdlib>
+#include <limits>
+#include <sstream>
 
 #include "lcmtypes/protocol/program.h"
 #include "lcmtypes/protocol/run_process.h"
+#include "world/model/agent.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
 #include "world/truth/world_process.h"
@@ -22,13 +26,47 @@ double ReadRate(const std::string& text) {
   return rate;
 }
 
+/// "uav:3:600000000:1200000000:f1"
+Outage ReadOutage(const std::string& text) {
+  Outage outage;
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ':');) parts.push_back(part);
+  bool good = parts.size() == 5;
+  for (std::size_t i = 0; good && i < 3; ++i) {
+    const std::string& part = parts[i + 1];
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    good = error == std::errc() && end == part.data() + part.size() && value >= 0;
+    if (i == 0) {
+      good = good && value <= std::numeric_limits<std::int32_t>::max();
+      outage.agent = static_cast<std::int32_t>(value);
+    }
+    if (i == 1) outage.from_us = value;
+    if (i == 2) outage.until_us = value;
+  }
+  bool known = false;
+  for (const AgentKind kind : kAgentKinds) {
+    if (!good || parts[0] != ToString(kind)) continue;
+    outage.kind = kind;
+    known = true;
+  }
+  if (!good || !known || outage.until_us <= outage.from_us || parts[4].empty()) {
+    throw InputError("command line", "--outage", text, "CLASS:ID:FROM_US:UNTIL_US:FAULT");
+  }
+  outage.detail = parts[4];
+  return outage;
+}
+
 int Main(int argc, char** argv) {
   cxxopts::Options options("muster-world", "The world of a mission: its clock and its referee");
   options.positional_help("SCENARIO");
   options.add_options()("scenario", "Scenario file", cxxopts::value<std::string>())(
       "rate", "Mission seconds per wall second, or max",
       cxxopts::value<std::string>()->default_value("max"))(
-      "recorder", "A recorder takes part: wait for it, never run ahead of the log");
+      "recorder", "A recorder takes part: wait for it, never run ahead of the log")(
+      "outage", "An agent fails in [FROM, UNTIL), by order of that fault",
+      cxxopts::value<std::vector<std::string>>(), "CLASS:ID:FROM_US:UNTIL_US:FAULT");
   AddProcessOptions(&options, "world");
   options.parse_positional("scenario");
   const auto result = ParseOptions(&options, argc, argv);
@@ -40,6 +78,11 @@ int Main(int argc, char** argv) {
   WorldOptions world;
   world.rate = ReadRate((*result)["rate"].as<std::string>());
   world.recorded = result->count("recorder") > 0;
+  if (result->count("outage") > 0) {
+    for (const std::string& text : (*result)["outage"].as<std::vector<std::string>>()) {
+      world.outages.push_back(ReadOutage(text));
+    }
+  }
   if (world.recorded && flags.window == 0) flags.window = 10;
   const Scenario scenario = LoadScenario((*result)["scenario"].as<std::string>());
   WorldProcess process(flags.identity, flags.window, ScenarioToJson(scenario), world);

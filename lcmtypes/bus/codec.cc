@@ -255,7 +255,7 @@ bool Valid(const event_t& m) {
          IsName(m.fault_id) && m.detail.size() <= kMaxDetail;
 }
 bool Valid(const fault_t& m) {
-  return Valid(m.header) && IsName(m.fault_id) && In(m.kind, 0, 10) && IsName(m.target) &&
+  return Valid(m.header) && IsName(m.fault_id) && In(m.kind, 0, 11) && IsName(m.target) &&
          NotNegative(m.at_us, m.for_us) && m.probability >= 0 && m.probability <= 1;
 }
 bool Valid(const log_status_t& m) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lcmtypes/bus/codec.h"
 #include "world/model/check.h"
 #include "world/model/random.h"
 
@@ -33,6 +34,12 @@ void LossyBus::SetFaults(const PacketFaults& faults) {
   faults_ = faults;
 }
 
+bool LossyBus::IsUnheard(const Packet& packet) const {
+  if (faults_.unheard.empty()) return false;
+  const std::optional<header_t> header = DecodeHeader(packet);
+  return header && faults_.unheard.count(header->sender) > 0;
+}
+
 void LossyBus::Publish(const Packet& packet) {
   if (faults_.partition) {
     ++counters_.lost;
@@ -55,6 +62,11 @@ void LossyBus::Admit(Packet packet, std::int64_t now_us) {
     ++counters_.lost;
     return;
   }
+  if (IsUnheard(packet)) {
+    ++counters_.unheard;
+    return;
+  }
+  counters_.delayed += delay_us > 0;
   if (corrupted && !packet.bytes.empty()) {
     const std::uint32_t at = random.Below(static_cast<std::uint32_t>(packet.bytes.size()));
     packet.bytes[at] = static_cast<std::uint8_t>(packet.bytes[at] ^ (1u << random.Below(8)));

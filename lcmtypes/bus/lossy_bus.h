@@ -4,6 +4,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -19,17 +21,20 @@ struct PacketFaults {
   double reorder = 0;      ///< arrives behind the packet that follows it, if one does
   double corrupt = 0;      ///< one bit of its bytes is flipped
   std::int64_t delay_us = 0;
-  std::int64_t jitter_us = 0;  ///< further delay, uniform in [0, jitter_us)
-  bool partition = false;      ///< neither hears nor is heard
+  std::int64_t jitter_us = 0;          ///< further delay, uniform in [0, jitter_us)
+  bool partition = false;              ///< neither hears nor is heard
+  std::set<std::string> unheard = {};  ///< senders whose packets do not arrive
 
   bool operator==(const PacketFaults&) const = default;
 };
 
 struct PacketFaultCounters {
-  std::int64_t lost = 0;  ///< a partition's, both ways, included
+  std::int64_t lost = 0;     ///< a partition's, both ways, included
+  std::int64_t unheard = 0;  ///< of senders that are not heard
   std::int64_t duplicated = 0;
   std::int64_t reordered = 0;
   std::int64_t corrupted = 0;
+  std::int64_t delayed = 0;
 };
 
 /// A bus that mistreats what it receives. What happens to the n-th packet that arrives is a
@@ -57,6 +62,7 @@ class LossyBus : public Bus {
 
   void Admit(Packet packet, std::int64_t now_us);
   void Release(std::int64_t now_us);
+  bool IsUnheard(const Packet& packet) const;
   std::vector<Packet> TakeDue(std::int64_t now_us);
 
   std::unique_ptr<Bus> bus_;

@@ -22,6 +22,10 @@ void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vect
 
 TimeUs Process::wake_us() const { return std::min(OwnWakeUs(), sender_.wake_us()); }
 
+void Process::Announce(event_t event, const Now& now) {
+  sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
+}
+
 void Process::ReportStatus(const Usage& usage, const Now& now) {
   process_status_t status{};
   status.name = identity().name;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <muster/event_t.hpp>
 #include <muster/process_status_t.hpp>
 #include <string>
 #include <string_view>
@@ -49,6 +50,12 @@ class Process {
   /// Publishes a process_status_t; the edge calls it when the state changes and about once a
   /// second.
   void ReportStatus(const Usage& usage, const Now& now);
+
+  /// Publishes something that the edge has to say; the header is filled here.
+  void Announce(event_t event, const Now& now);
+
+  /// Packets that were no message of this mission, or an impossible one.
+  std::int64_t rejected() const { return inbox_.counters().rejected; }
 
   ProcessState state() const { return state_; }
   const Identity& identity() const { return sender_.identity(); }

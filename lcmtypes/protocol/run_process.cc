@@ -12,7 +12,7 @@
 #include <cstdio>
 
 #include "lcmtypes/bus/lcm_bus.h"
-#include "lcmtypes/bus/lossy_bus.h"
+#include "lcmtypes/protocol/fault_switch.h"
 #include "lcmtypes/protocol/program.h"
 #include "world/model/check.h"
 
@@ -108,23 +108,26 @@ ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result) {
   return flags;
 }
 
-std::unique_ptr<Bus> OpenBus(const ProcessFlags& flags) {
-  auto bus = std::make_unique<LcmBus>(flags.lcm_url);
-  if (flags.drop == 0) return bus;
-  auto lossy = std::make_unique<LossyBus>(std::move(bus), flags.drop_seed, flags.identity.name,
-                                          &MonotonicUs);
-  lossy->SetFaults({.loss = flags.drop});
-  return lossy;
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags) {
+  auto bus = std::make_unique<LossyBus>(std::make_unique<LcmBus>(flags.lcm_url), flags.drop_seed,
+                                        flags.identity.name, &MonotonicUs);
+  bus->SetFaults({.loss = flags.drop});
+  return bus;
 }
 
-int RunProcess(Process* process, Bus* bus, bool quiet) {
+int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   CatchStopSignals();
+  FaultSwitch faults(process->identity().run_id, process->identity().name, bus,
+                     [process] { return process->rejected(); });
   std::vector<Packet> arrived;
   std::vector<Packet> out;
   ProcessState reported = ProcessState::kStarting;
   TimeUs heartbeat_us = MonotonicUs() + kHeartbeatUs;
   while (!stop_requested) {
     Now now = HostNow();
+    for (const Packet& packet : arrived) {
+      if (std::optional<event_t> event = faults.Take(packet)) process->Announce(*event, now);
+    }
     process->Step(arrived, now, &out);
     const bool changed = process->state() != reported;
     if (changed || (now.monotonic_us >= heartbeat_us && process->state() != ProcessState::kEnded)) {

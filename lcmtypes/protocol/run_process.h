@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/lossy_bus.h"
 #include "lcmtypes/protocol/process.h"
 
 namespace muster {
@@ -30,11 +30,12 @@ void AddProcessOptions(cxxopts::Options* options, const std::string& default_nam
 /// Throws InputError on a value that cannot be.
 ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result);
 
-/// The bus of these flags: LCM, lossy where --drop says so.
-std::unique_ptr<Bus> OpenBus(const ProcessFlags& flags);
+/// The bus of these flags: LCM, lossy as --drop says.
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);
 
 /// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
-/// next wake, steps it, publishes what it says. Returns the exit code.
-int RunProcess(Process* process, Bus* bus, bool quiet);
+/// next wake, steps it, publishes what it says. Applies the faults on packets that MUSTER_FAULT
+/// orders for it. Returns the exit code.
+int RunProcess(Process* process, LossyBus* bus, bool quiet);
 
 }  // namespace muster

@@ -147,6 +147,15 @@ void Child::Signal(int signal) {
   if (!Poll()) kill(pid_, signal);
 }
 
+bool Child::Stopped() const {
+  // "PID (NAME) STATE ...", and a name may hold anything.
+  std::ifstream stat(fmt::format("/proc/{}/stat", pid_));
+  std::string text;
+  std::getline(stat, text);
+  const std::size_t close = text.rfind(") ");
+  return !end_ && close != std::string::npos && text.size() > close + 2 && text[close + 2] == 'T';
+}
+
 std::string LastLines(const std::string& file, int lines) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return "";

@@ -43,6 +43,8 @@ class Child {
   /// Reaps it if it has ended; never waits. Its end, once known, stays known.
   const std::optional<ChildEnd>& Poll();
   void Signal(int signal);
+  /// Whether a signal holds it now.
+  bool Stopped() const;
 
  private:
   ChildSpec spec_;

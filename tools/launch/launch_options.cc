@@ -75,6 +75,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
   parser.add_options()("drop", "Share of received packets that each process drops, 0 to 1",
                        cxxopts::value<double>()->default_value("0"), "P");
+  parser.add_options()("faults", "Fault plan (docs/faults.md)", cxxopts::value<std::string>(),
+                       "FILE");
+  parser.add_options()("fault", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45",
+                       cxxopts::value<std::vector<std::string>>(), "FAULT");
   parser.add_options()("restarts",
                        "How often each process that ends by itself is started again; 0: it ends "
                        "the mission",
@@ -94,6 +98,14 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   options.drop = (*result)["drop"].as<double>();
   if (!(options.drop >= 0 && options.drop < 1)) {
     throw InputError(kCommandLine, "--drop", fmt::to_string(options.drop), "a share in [0, 1)");
+  }
+  if (result->count("faults") > 0) {
+    options.faults = LoadFaultPlan((*result)["faults"].as<std::string>());
+  }
+  if (result->count("fault") > 0) {
+    for (const std::string& text : (*result)["fault"].as<std::vector<std::string>>()) {
+      options.faults.push_back(ParseFaultFlag(text, options.faults.size()));
+    }
   }
   const std::string restarts = (*result)["restarts"].as<std::string>();
   options.restarts = ToNumber<int>(restarts).value_or(-1);
@@ -127,9 +139,13 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     }
     plans.push_back({name, program, std::move(arguments)});
   };
-  add("world", "muster-world",
-      {mission.scenario_file, "--rate", options.rate, "--recorder", "--window",
-       fmt::to_string(kWorldWindow)});
+  std::vector<std::string> world = {
+      mission.scenario_file, "--rate",   options.rate,
+      "--recorder",          "--window", fmt::to_string(kWorldWindow)};
+  for (const std::string& outage : OutagesOf(options.faults)) {
+    world.insert(world.end(), {"--outage", outage});
+  }
+  add("world", "muster-world", std::move(world));
   for (const AgentKind kind : kAgentKinds) {
     const std::string class_name(ToString(kind));
     const int n = static_cast<int>(scenario.agents(kind).size());

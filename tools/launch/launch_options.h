@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/faults/fault_plan.h"
 #include "tools/launch/mission_options.h"
 #include "world/model/scenario.h"
 
@@ -16,6 +17,7 @@ struct LaunchOptions : MissionOptions {
   std::string rate;  ///< as muster-world takes it
   double drop = 0;   ///< share of received packets that each process drops
   int restarts = 5;  ///< how often a process that ended by itself is started again
+  FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
   std::string lcm_url;  ///< "": a network of the mission's own, or a free port
 };

@@ -1,9 +1,12 @@
 #include "tools/launch/mission.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,9 +14,13 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "lcmtypes/protocol/fault_switch.h"
 #include "lcmtypes/protocol/run_process.h"
+#include "tools/faults/fault_injector.h"
+#include "tools/faults/foreign_packets.h"
 #include "tools/launch/mission_view.h"
 #include "tools/launch/recorder.h"
+#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {
@@ -25,24 +32,35 @@ constexpr TimeUs kHeartbeatUs = kSecondUs;
 constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
 constexpr int kLastWords = 5;  // lines
+constexpr TimeUs kForeignUs = 2'000;
 
 /// The wire's numbers.
 constexpr std::int8_t kProcessLost = 11;
 constexpr std::int8_t kProcessBack = 12;
+
+std::vector<std::string> NamesOf(const std::vector<ChildSpec>& processes) {
+  std::vector<std::string> names;
+  for (const ChildSpec& spec : processes) names.push_back(spec.name);
+  return names;
+}
 
 /// A process of the mission, or the logger, over all its starts.
 struct Member {
   ChildSpec spec;
   std::optional<Child> child = {};  ///< the present start, or the last one
   std::int64_t starts = 0;
-  TimeUs restart_us = kNever;  ///< when it is to be started again
+  bool down = false;           ///< ended, and to be started again
+  TimeUs restart_us = kNever;  ///< then
+  bool held = false;           ///< not before it is released
+  std::int64_t forgiven = 0;   ///< ends that the fault plan caused
   bool back_due = false;       ///< started again, and nothing heard of that start yet
 };
 
 /// One mission from start to end.
-class Supervisor {
+class Supervisor : private FaultActions {
  public:
-  Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& stop, ProgressPrinter* progress);
+  Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
+             ProgressPrinter* progress);
 
   MissionResult Run();
 
@@ -66,17 +84,29 @@ class Supervisor {
   /// Publishes an event_t about a process.
   void Announce(std::int8_t kind, std::string detail, const Now& now);
   void Say(const std::string& line);
+  Member* Find(const std::string& name);
+  SentPacket Publish(const fault_t& fault) override;
+  void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
+  void Confirm(std::int8_t kind, const std::string& fault_id) override;
+  bool SignalProcess(const std::string& name, int signal) override;
+  void HoldRestart(const std::string& name) override { Find(name)->held = true; }
+  void ReleaseRestart(const std::string& name) override { Find(name)->held = false; }
+  void SetDiskFull(bool full) override;
+  bool IsStopped(const std::string& name) const override;
+  std::int64_t BootOf(const std::string& name) const override;
   std::string Obituary(Member* member) const;
   /// Signals and waits; kills whoever does not end.
   void Stop(const std::vector<Member*>& members);
   void CloseLog();
 
   const MissionPlan& plan_;
-  Bus* bus_;
+  LossyBus* bus_;
   const StopSignals& stop_;
   ProgressPrinter* progress_;
 
   Recorder recorder_;
+  FaultInjector injector_;
+  FaultSwitch own_faults_;
   RunRecord record_;
   MissionView logged_;
   std::int64_t heard_tick_ = -1;
@@ -90,17 +120,22 @@ class Supervisor {
   std::vector<std::string> problems_;
   std::vector<Packet> out_;
   TimeUs heartbeat_us_ = 0;
+  TimeUs foreign_us_ = 0;
+  std::uint64_t foreign_sent_ = 0;
+  bool stopping_ = false;
   bool finishing_ = false;
   std::optional<TimeUs> started_us_;
 };
 
-Supervisor::Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& stop,
+Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
                        ProgressPrinter* progress)
     : plan_(plan),
       bus_(bus),
       stop_(stop),
       progress_(progress),
       recorder_({plan.run_id, "recorder", 0}),
+      injector_(plan.faults, NamesOf(plan.processes)),
+      own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
   members_.push_back({plan.logger});
   for (const ChildSpec& spec : plan.processes) members_.push_back({spec});
@@ -108,7 +143,7 @@ Supervisor::Supervisor(const MissionPlan& plan, Bus* bus, const StopSignals& sto
 
 bool Supervisor::Ended() const {
   // Who is stopped can repair nothing: the log comes first.
-  return logged_.end_announced() && !recorder_.behind() &&
+  return logged_.end_announced() && injector_.Settled(*this) && !recorder_.behind() &&
          std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
            return logged_.StateOf(member.spec.name) == ProcessState::kEnded;
          });
@@ -125,6 +160,11 @@ void Supervisor::ReadLog(const Now& now) {
       if (&file == &log_files_.back()) NoteBack(&members_.front(), now);
       if (!recorder_.OnLogged(event->packet, now)) continue;
       logged_.Add(event->packet);
+      if (event->packet.channel == channel::kEvent) {
+        if (const auto happened = DecodeValid<event_t>(event->packet.bytes)) {
+          injector_.OnEvent(*happened);
+        }
+      }
       const std::optional<header_t> header = DecodeHeader(event->packet);
       for (Member& member : members_) {
         if (header && member.back_due && member.spec.name == header->sender &&
@@ -151,6 +191,11 @@ void Supervisor::Turn() {
                            logged_.tick(), HostUsage(), now);
   }
   ReadLog(now);
+  if (injector_.foreign() && now.monotonic_us >= foreign_us_) {
+    foreign_us_ = now.monotonic_us + kForeignUs;
+    bus_->Publish(ForeignPacket(plan_.run_id, foreign_sent_++));
+  }
+  if (!stopping_) injector_.Step(logged_.started() ? heard_us_ : -1, now.monotonic_us, this);
   recorder_.Step(now, &out_);
   for (const Packet& packet : out_) bus_->Publish(packet);
   out_.clear();
@@ -196,7 +241,66 @@ void Supervisor::Start(Member* member) {
   member->child.emplace(std::move(spec));
   member->back_due = member->starts > 0;
   ++member->starts;
-  member->restart_us = kNever;
+  member->down = false;
+}
+
+Member* Supervisor::Find(const std::string& name) {
+  const auto found = std::find_if(members_.begin(), members_.end(),
+                                  [&](const Member& member) { return member.spec.name == name; });
+  MUSTER_CHECK(found != members_.end(), "{}", name);
+  return &*found;
+}
+
+SentPacket Supervisor::Publish(const fault_t& fault) {
+  const Now now = HostNow();
+  Say(fmt::format("fault {} {}: {} {}", fault.fault_id, fault.for_us == 0 ? "ends" : "begins",
+                  NameOf(static_cast<FaultKind>(fault.kind)), fault.target));
+  // The recorder counts what it hears: damaged headers would make it wait for what never was.
+  if (static_cast<FaultKind>(fault.kind) != FaultKind::kCorruption) {
+    if (std::optional<event_t> event = own_faults_.Take(fault)) recorder_.Announce(*event, now);
+  }
+  return recorder_.Publish(fault, now);
+}
+
+void Supervisor::Confirm(std::int8_t kind, const std::string& fault_id) {
+  event_t event{};
+  event.kind = kind;
+  event.at_us = heard_us_;
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.fault_id = fault_id;
+  event.detail = "launcher";
+  recorder_.Announce(std::move(event), HostNow());
+}
+
+bool Supervisor::SignalProcess(const std::string& name, int signal) {
+  Member* member = Find(name);
+  if (member->down || member->child->Poll()) return false;
+  member->child->Signal(signal);
+  return true;
+}
+
+void Supervisor::SetDiskFull(bool full) {
+  const Member& logger = members_.front();
+  if (logger.down) return;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
+  rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
+  if (full) limit.rlim_cur = error ? 0 : static_cast<rlim_t>(size);
+  if (prlimit(logger.child->pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 && errno != ESRCH) {
+    throw SystemError(fmt::format("cannot limit the log's size: {}", std::strerror(errno)));
+  }
+}
+
+bool Supervisor::IsStopped(const std::string& name) const {
+  const auto found = std::find_if(members_.begin(), members_.end(),
+                                  [&](const Member& member) { return member.spec.name == name; });
+  return found != members_.end() && !found->down && found->child->Stopped();
+}
+
+std::int64_t Supervisor::BootOf(const std::string& name) const {
+  const auto found = std::find_if(members_.begin(), members_.end(),
+                                  [&](const Member& member) { return member.spec.name == name; });
+  return found == members_.end() ? 0 : found->starts - 1;
 }
 
 void Supervisor::Say(const std::string& line) {
@@ -230,27 +334,38 @@ std::string Supervisor::Obituary(Member* member) const {
 
 bool Supervisor::OnEnd(Member* member, const Now& now) {
   const ChildEnd& end = *member->child->Poll();
-  const std::int64_t before = member->starts - 1;  // restarts so far
-  if (before >= plan_.restarts.most || end.usage_error()) {
+  const std::string& name = member->spec.name;
+  const bool planned = injector_.OnDeath(name, this);
+  member->forgiven += planned;
+  const std::int64_t unplanned = member->starts - member->forgiven;
+  if (!planned && (unplanned > plan_.restarts.most || end.usage_error())) {
     problems_.push_back(Obituary(member));
-    if (before > 0) problems_.back() += fmt::format("\nit was started again {} times", before);
+    if (member->starts > 1) {
+      problems_.back() += fmt::format("\nit was started again {} times", member->starts - 1);
+    }
     return false;
   }
-  const TimeUs wait_us = std::min(plan_.restarts.longest_us,
-                                  plan_.restarts.first_us << std::min<std::int64_t>(before, 20));
+  const std::int64_t doublings = std::clamp<std::int64_t>(unplanned - 1, 0, 20);
+  const TimeUs wait_us =
+      planned ? plan_.restarts.first_us
+              : std::min(plan_.restarts.longest_us, plan_.restarts.first_us << doublings);
+  member->down = true;
   member->restart_us = now.monotonic_us + wait_us;
-  Say(fmt::format("{} {}; starting it again in {:.1f} s ({} of {})", member->spec.name, end.Text(),
-                  ToSeconds(wait_us), before + 1, plan_.restarts.most));
-  Announce(kProcessLost, fmt::format("{} {}", member->spec.name, end.Text()), now);
-  if (!is_logger(*member)) recorder_.OnEnd(member->spec.name, before, now);
+  Say(fmt::format("{} {}; starting it again {}", name, end.Text(),
+                  member->held ? "when its fault ends"
+                  : planned    ? fmt::format("in {:.1f} s", ToSeconds(wait_us))
+                            : fmt::format("in {:.1f} s ({} of {})", ToSeconds(wait_us), unplanned,
+                                          plan_.restarts.most)));
+  Announce(kProcessLost, fmt::format("{} {}", name, end.Text()), now);
+  if (!is_logger(*member)) recorder_.OnEnd(name, member->starts - 1, now);
   return true;
 }
 
 bool Supervisor::KeepAlive() {
   const Now now = HostNow();
   for (Member& member : members_) {
-    if (member.restart_us == kNever && member.child->Poll() && !OnEnd(&member, now)) return false;
-    if (now.monotonic_us >= member.restart_us) Start(&member);
+    if (!member.down && member.child->Poll() && !OnEnd(&member, now)) return false;
+    if (member.down && !member.held && now.monotonic_us >= member.restart_us) Start(&member);
   }
   return true;
 }
@@ -260,6 +375,7 @@ void Supervisor::Stop(const std::vector<Member*>& members) {
   for (Member* member : members) {
     if (!member->child || member->child->Poll()) continue;
     member->child->Signal(SIGTERM);
+    member->child->Signal(SIGCONT);  // one that a fault has stopped
     alive.push_back(member);
   }
   TurnUntil(
@@ -306,6 +422,7 @@ MissionResult Supervisor::Run() {
       result.end = MissionEnd::kInterrupted;
       break;
     }
+    if (logged_.end_announced()) injector_.EndAll(MonotonicUs(), this);
     if (Ended()) {
       result.end = MissionEnd::kComplete;
       break;
@@ -323,6 +440,8 @@ MissionResult Supervisor::Run() {
     Turn();
   }
 
+  injector_.EndAll(MonotonicUs(), this);
+  stopping_ = true;
   Member& logger = members_.front();
   if (result.end == MissionEnd::kComplete && logger.child->Poll()) Start(&logger);
   std::vector<Member*> processes;
@@ -344,13 +463,14 @@ MissionResult Supervisor::Run() {
   progress_->Break();
   if (!problems_.empty() && result.end == MissionEnd::kComplete) result.end = MissionEnd::kFailed;
   result.problems = std::move(problems_);
+  result.without_effect = injector_.WithoutEffect();
   result.record = std::move(record_);
   return result;
 }
 
 }  // namespace
 
-MissionResult RunMission(const MissionPlan& plan, Bus* bus, const StopSignals& stop,
+MissionResult RunMission(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
                          ProgressPrinter* progress) {
   return Supervisor(plan, bus, stop, progress).Run();
 }

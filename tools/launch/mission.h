@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/lossy_bus.h"
+#include "tools/faults/fault_plan.h"
 #include "tools/launch/child.h"
 #include "tools/launch/progress.h"
 #include "tools/launch/stop_signals.h"
@@ -28,6 +29,7 @@ struct MissionPlan {
   ChildSpec logger;                  ///< a stock lcm-logger; its file is added
   std::string log_file;              ///< of the first logger; the next one's is log_file.1, ...
   RestartPolicy restarts;
+  FaultPlan faults;
 };
 
 enum class MissionEnd {
@@ -38,8 +40,9 @@ enum class MissionEnd {
 
 struct MissionResult {
   MissionEnd end = MissionEnd::kFailed;
-  std::vector<std::string> problems;  ///< in words, a line or more each
-  RunRecord record;                   ///< of all that the log holds
+  std::vector<std::string> problems;        ///< in words, a line or more each
+  std::vector<std::string> without_effect;  ///< faults that hit nothing, in words, a line each
+  RunRecord record;                         ///< of all that the log holds
 };
 
 /// Starts the processes, takes the recorder's part, starts again who ended by itself (and says so
@@ -47,7 +50,7 @@ struct MissionResult {
 /// everybody in order: the processes, the recorder, the logger. A second signal kills them. Nothing
 /// of it is left when it returns or throws. Throws SystemError when a process cannot be started or
 /// the bus fails.
-MissionResult RunMission(const MissionPlan& plan, Bus* bus, const StopSignals& stop,
+MissionResult RunMission(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
                          ProgressPrinter* progress);
 
 }  // namespace muster::tools

@@ -50,6 +50,11 @@ void Recorder::OnEnd(const std::string& sender, std::int64_t boot_id, const Now&
   repair_.Start(now.monotonic_us);
 }
 
+SentPacket Recorder::Publish(fault_t fault, const Now& now) {
+  poke_.Start(now.monotonic_us);
+  return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
+}
+
 void Recorder::Announce(event_t event, const Now& now) {
   sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
   poke_.Start(now.monotonic_us);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <muster/event_t.hpp>
+#include <muster/fault_t.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -37,6 +38,9 @@ class Recorder {
   /// That start of that sender has ended and will not say anything again.
   void OnEnd(const std::string& sender, std::int64_t boot_id, const Now& now);
 
+  /// Publishes a fault_t; its header is the recorder's to fill. SendAgain sends it once more.
+  SentPacket Publish(fault_t fault, const Now& now);
+  void SendAgain(const SentPacket& packet) { sender_.Resend(packet); }
   /// Publishes an event_t; its header is the recorder's to fill.
   void Announce(event_t event, const Now& now);
   /// Publishes a process_status_t of the recorder itself.

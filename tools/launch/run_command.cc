@@ -96,6 +96,7 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
                         const RunDirectory& directory) {
   MissionPlan plan;
   plan.restarts.most = options.restarts;
+  plan.faults = options.faults;
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
   plan.logger = {"lcm-logger",
@@ -130,19 +131,24 @@ int ExitCodeOf(const MissionResult& result) {
     case MissionEnd::kComplete:
       break;
   }
-  return result.record.CheckComplete().complete ? kExitOk : kExitCheckFailed;
+  return result.without_effect.empty() && result.record.CheckComplete().complete ? kExitOk
+                                                                                 : kExitCheckFailed;
 }
 
 }  // namespace
 
 int RunCommand(int argc, const char* const* argv) {
-  const auto options = ParseLaunchOptions(argc, argv);
+  auto options = ParseLaunchOptions(argc, argv);
   if (!options) return kExitOk;
 
   // All that can be wrong with the request or the host comes before the first file.
   const Scenario scenario = ResolveScenario(*options);
   const std::string logger = FindLogger();
-  PlanProcesses(*options, scenario, {});
+  std::vector<std::string> names = {"recorder"};
+  for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
+    names.push_back(process.name);
+  }
+  CheckFaultPlan(&options->faults, names, scenario, false);
   scheduler::MakePolicy(options->policy);
   const StopSignals stop;
   const Now start = HostNow();
@@ -154,7 +160,7 @@ int RunCommand(int argc, const char* const* argv) {
   flags.lcm_url = mission.lcm_url;
   flags.drop = options->drop;
   flags.drop_seed = scenario.seed;
-  const std::unique_ptr<Bus> bus = OpenBus(flags);
+  const std::unique_ptr<LossyBus> bus = OpenBus(flags);
 
   const RunDirectory directory =
       options->out.empty()
@@ -184,6 +190,7 @@ int RunCommand(int argc, const char* const* argv) {
       bus.get(), stop, &progress);
 
   for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
+  for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);
   if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
   directory.Write("report.json", Report(result.record).dump(2) + "\n");
   fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());

@@ -12,6 +12,7 @@
 #include <set>
 #include <vector>
 
+#include "lcmtypes/protocol/fault_switch.h"
 #include "tools/report/digest.h"
 #include "world/model/check.h"
 
@@ -28,7 +29,7 @@ constexpr const char* kEventNames[] = {
 constexpr const char* kTaskStatusNames[] = {"open", "reserved", "sensing", "done"};
 constexpr const char* kFaultNames[] = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
-    "duplication", "delay",        "reordering",     "corruption",      "disk_full"};
+    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
 
 constexpr int kSensingDone = 5;
 constexpr int kChargingDone = 8;
@@ -102,18 +103,24 @@ ordered_json Tasks(const RunRecord& record) {
 ordered_json Faults(const RunRecord& record) {
   ordered_json list = ordered_json::array();
   for (const auto& [id, fault] : record.faults()) {
-    ordered_json row = {{"id", id},
-                        {"kind", NameOf(kFaultNames, fault.kind)},
-                        {"target", fault.target},
-                        {"at_s", Seconds(fault.at_us)},
-                        {"for_s", Seconds(fault.for_us)},
-                        {"probability", Number(fault.probability)},
-                        {"applied_s", nullptr},
-                        {"ended_s", nullptr}};
+    ordered_json row = {
+        {"id", id},
+        {"kind", NameOf(kFaultNames, fault.kind)},
+        {"target", fault.target},
+        {"at_s", Seconds(fault.at_us)},
+        {"for_s", fault.for_us == kNever ? ordered_json() : ordered_json(Seconds(fault.for_us))},
+        {"probability", Number(fault.probability)},
+        {"applied_s", nullptr},
+        {"ended_s", nullptr},
+        {"packets", nullptr}};
     for (const event_t& event : record.events()) {
       if (event.fault_id != id) continue;
       if (event.kind == 13 && row["applied_s"].is_null()) row["applied_s"] = Seconds(event.at_us);
       if (event.kind == 14) row["ended_s"] = Seconds(event.at_us);
+      if (const auto hits = event.kind == 14 ? HitsOf(event.detail) : std::nullopt) {
+        row["packets"] =
+            (row["packets"].is_null() ? 0 : row["packets"].get<std::int64_t>()) + *hits;
+      }
     }
     list.push_back(std::move(row));
   }

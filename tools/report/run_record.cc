@@ -126,8 +126,9 @@ void RunRecord::Take(const Packet& packet) {
     }
   } else if (name == channel::kFault) {
     if (auto message = Admit<fault_t>(packet)) {
-      std::string id = message->fault_id;
-      faults_.try_emplace(std::move(id), std::move(*message));
+      // The one with for_us 0 ends it.
+      const auto [known, is_new] = faults_.try_emplace(message->fault_id, *message);
+      if (!is_new && known->second.for_us == 0) known->second = std::move(*message);
     }
   } else if (name == channel::kProcess) {
     if (auto message = Admit<process_status_t>(packet)) {

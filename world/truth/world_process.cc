@@ -1,5 +1,7 @@
 #include "world/truth/world_process.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <muster/clock_t.hpp>
 
@@ -46,6 +48,15 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
     restoring_.ticks[static_cast<int>(kind)].assign(n, -1);
   }
   recorder_ready_ = !options.recorded;
+  for (const Outage& outage : options.outages) {
+    if (outage.agent < 0 ||
+        static_cast<std::size_t>(outage.agent) >= agents_.of(outage.kind).size()) {
+      throw InputError("command line", "--outage",
+                       fmt::format("{} {}", ToString(outage.kind), outage.agent),
+                       "an agent of the scenario");
+    }
+    referee_.Add(outage);
+  }
 }
 
 TimeUs WorldProcess::tick_us(std::int64_t tick) const {
@@ -274,6 +285,18 @@ void WorldProcess::Judge(const Now& now) {
 void WorldProcess::PublishEvents(const Now& now) {
   for (const Event& event : referee_.TakeEvents()) {
     sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+    const bool failed = event.kind == Event::Kind::kAgentFailed;
+    if (!failed && event.kind != Event::Kind::kAgentBack) continue;
+    const bool ordered =
+        std::any_of(options_.outages.begin(), options_.outages.end(),
+                    [&](const Outage& outage) { return outage.detail == event.detail; });
+    if (!ordered) continue;
+    event_t confirmation = ToWire(event);
+    confirmation.kind =
+        static_cast<std::int8_t>(failed ? Event::Kind::kFaultApplied : Event::Kind::kFaultEnded);
+    confirmation.fault_id = event.detail;
+    confirmation.detail = identity().name;
+    sender().Send(channel::kEvent, std::move(confirmation), tick_us(tick_), now);
   }
 }
 

@@ -15,6 +15,8 @@ namespace muster::world {
 struct WorldOptions {
   double rate = 0;        ///< mission seconds per wall second; 0: as fast as it goes
   bool recorded = false;  ///< a recorder takes part: start only when it is there
+  /// Agents that fail by order; `detail` is the fault's id.
+  std::vector<Outage> outages = {};
 };
 
 /// The world: clock and referee of a mission in lockstep (docs/mission.md). It alone asks again:

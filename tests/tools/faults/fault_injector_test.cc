@@ -1,0 +1,186 @@
+#include "tools/faults/fault_injector.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/memory_bus.h"
+
+namespace muster::tools {
+namespace {
+
+struct FakeMission : FaultActions {
+  SentPacket Publish(const fault_t& fault) override {
+    published.push_back(fault);
+    return std::make_shared<const Packet>(Packet{fault.fault_id, {}});
+  }
+  void SendAgain(const SentPacket& packet) override { again.push_back(packet->channel); }
+  void Confirm(std::int8_t kind, const std::string& id) override {
+    confirmed.push_back({kind, id});
+  }
+  bool SignalProcess(const std::string& name, int signal) override {
+    if (down) return false;
+    signals.push_back({name, signal});
+    return true;
+  }
+  void HoldRestart(const std::string& name) override { held.insert(name); }
+  void ReleaseRestart(const std::string& name) override { held.erase(name); }
+  void SetDiskFull(bool full) override { disk_full = full; }
+  bool IsStopped(const std::string&) const override { return stopped; }
+  std::int64_t BootOf(const std::string& name) const override {
+    return name == "uav" ? uav_boot : 0;
+  }
+
+  std::vector<fault_t> published;
+  std::vector<std::string> again;
+  std::vector<std::pair<int, std::string>> confirmed;
+  std::vector<std::pair<std::string, int>> signals;
+  std::set<std::string> held;
+  bool disk_full = false;
+  bool down = false;
+  bool stopped = false;
+  std::int64_t uav_boot = 0;
+};
+
+event_t Said(std::int8_t kind, const std::string& id, const std::string& sender,
+             std::int64_t boot_id = 0) {
+  event_t event{};
+  event.kind = kind;
+  event.fault_id = id;
+  event.header.sender = sender;
+  event.header.boot_id = boot_id;
+  return event;
+}
+
+TEST(FaultInjector, RepeatsUntilEveryStartThatItConcernsHasConfirmed) {
+  FakeMission mission;
+  FaultInjector injector({ParseFaultFlag("loss:*@1+1=0.3", 0)}, {"world", "uav"});
+  TimeUs now_us = 0;
+  const auto step = [&](TimeUs mission_us) {
+    now_us += kSecondUs;
+    mission.again.clear();
+    injector.Step(mission_us, now_us, &mission);
+    return mission.again.size();
+  };
+  step(kMinuteUs - 1);
+  EXPECT_TRUE(mission.published.empty()) << "not due";
+  step(kMinuteUs);
+  ASSERT_EQ(mission.published.size(), 1u);
+  EXPECT_EQ(mission.published[0].for_us, kMinuteUs);
+  EXPECT_EQ(step(kMinuteUs), 1u);
+  injector.OnEvent(Said(13, "flag0", "world"));
+  EXPECT_EQ(step(kMinuteUs), 1u);
+  injector.OnEvent(Said(13, "flag0", "uav"));
+  EXPECT_EQ(step(kMinuteUs), 0u);
+  mission.uav_boot = 1;  // it knows nothing of what its previous start was told
+  EXPECT_EQ(step(kMinuteUs), 1u);
+  injector.OnEvent(Said(13, "flag0", "uav", 1));
+  EXPECT_EQ(step(kMinuteUs), 0u);
+
+  step(2 * kMinuteUs);
+  ASSERT_EQ(mission.published.size(), 2u);
+  EXPECT_EQ(mission.published[1].for_us, 0) << "the end";
+  EXPECT_EQ(step(2 * kMinuteUs), 1u);
+  injector.OnEvent(Said(14, "flag0", "world"));
+  EXPECT_FALSE(injector.Settled(mission));
+  EXPECT_EQ(injector.WithoutEffect(),
+            std::vector<std::string>{"fault flag0 (loss *): it hit no packet"});
+  event_t last = Said(14, "flag0", "uav", 1);
+  last.detail = HitsText("uav", 7);
+  injector.OnEvent(last);
+  EXPECT_EQ(step(2 * kMinuteUs), 0u);
+  EXPECT_TRUE(injector.Settled(mission));
+  EXPECT_TRUE(injector.WithoutEffect().empty());
+}
+
+TEST(FaultInjector, StopsForRealSecondsWhileTheMissionStandsStill) {
+  FakeMission mission;
+  FaultInjector injector({ParseFaultFlag("process_stopped:uav@1+2s", 0)}, {"uav"});
+  injector.Step(kMinuteUs, 0, &mission);
+  EXPECT_TRUE(mission.confirmed.empty()) << "the signal is out, the process not seen to stand";
+  mission.stopped = true;
+  injector.Step(kMinuteUs, 2 * kSecondUs - 1, &mission);
+  EXPECT_EQ(mission.confirmed.size(), 1u);
+  ASSERT_EQ(mission.signals.size(), 1u);
+  EXPECT_EQ(mission.signals[0], std::pair(std::string("uav"), SIGSTOP));
+  injector.Step(kMinuteUs, 2 * kSecondUs, &mission);
+  ASSERT_EQ(mission.signals.size(), 2u);
+  EXPECT_EQ(mission.signals[1].second, SIGCONT);
+  EXPECT_EQ(mission.confirmed.size(), 2u);
+}
+
+TEST(FaultInjector, KillsWhenThereIsSomethingToKillAndHoldsItsRestart) {
+  FakeMission mission;
+  mission.down = true;
+  FaultInjector injector({ParseFaultFlag("process_killed:uav@1+3s", 0)}, {"uav"});
+  injector.Step(kMinuteUs, 0, &mission);
+  EXPECT_TRUE(mission.published.empty());
+  EXPECT_FALSE(injector.OnDeath("uav", &mission)) << "not of the plan's making";
+  EXPECT_EQ(injector.WithoutEffect(),
+            std::vector<std::string>{"fault flag0 (process_killed uav): its time did not come"});
+  mission.down = false;
+  injector.Step(kMinuteUs, kSecondUs, &mission);
+  EXPECT_TRUE(mission.confirmed.empty());
+  EXPECT_TRUE(injector.OnDeath("uav", &mission));
+  EXPECT_EQ(mission.confirmed, (std::vector<std::pair<int, std::string>>{{13, "flag0"}}));
+  EXPECT_FALSE(injector.OnDeath("uav", &mission)) << "once";
+  EXPECT_EQ(mission.held, std::set<std::string>{"uav"});
+  injector.Step(kMinuteUs, 4 * kSecondUs, &mission);
+  EXPECT_TRUE(mission.held.empty());
+}
+
+TEST(FaultInjector, NothingIsLeftUnderWay) {
+  FakeMission mission;
+  FaultInjector injector({ParseFaultFlag("process_stopped:uav@1+60s", 0),
+                          ParseFaultFlag("disk_full:lcm-logger@1+60s", 1)},
+                         {"uav"});
+  injector.Step(kMinuteUs, 0, &mission);
+  EXPECT_TRUE(mission.disk_full);
+  injector.EndAll(1, &mission);
+  EXPECT_FALSE(mission.disk_full);
+  EXPECT_TRUE(mission.held.empty());
+  EXPECT_EQ(mission.signals.back().second, SIGCONT);
+}
+
+TEST(FaultSwitch, LargestShareHoldsAndTheEndRestores) {
+  MemoryHub hub;
+  const std::unique_ptr<Bus> world = hub.Join();
+  LossyBus bus(hub.Join(), 1, "uav", [] { return std::int64_t{0}; });
+  bus.SetFaults({.loss = 0.1});
+  FaultSwitch faults(1, "uav", &bus, [] { return std::int64_t{0}; });
+  fault_t some = ToWire(ParseFaultFlag("loss:*@1=0.3", 1));
+  fault_t more = ToWire(ParseFaultFlag("loss:uav@1=0.5", 2));
+  const fault_t other = ToWire(ParseFaultFlag("loss:world@1=0.9", 3));
+  fault_t cut = ToWire(ParseFaultFlag("partition:world|uav@1+1s", 4));
+  EXPECT_EQ(faults.Take(some)->kind, 13);
+  EXPECT_FALSE(faults.Take(some)) << "said twice, done once";
+  EXPECT_EQ(faults.Take(more)->detail, "uav");
+  EXPECT_FALSE(faults.Take(other));
+  EXPECT_DOUBLE_EQ(bus.faults().loss, 0.5);
+  EXPECT_TRUE(faults.Take(cut));
+  EXPECT_EQ(bus.faults().unheard, std::set<std::string>{"world"});
+  clock_t clock{};
+  clock.header.sender = "world";
+  bus.SetFaults({.unheard = {"world"}});
+  for (int i = 0; i < 3; ++i) world->Publish({"MUSTER_CLOCK", Encode(clock)});
+  EXPECT_TRUE(bus.Receive(0).empty());
+  cut.for_us = 0;
+  EXPECT_EQ(faults.Take(cut)->detail, "uav: 3 packets");
+  more.for_us = 0;
+  EXPECT_EQ(faults.Take(more)->kind, 14);
+  EXPECT_DOUBLE_EQ(bus.faults().loss, 0.3);
+  some.for_us = 0;
+  EXPECT_TRUE(faults.Take(some));
+  EXPECT_DOUBLE_EQ(bus.faults().loss, 0.1) << "as it was before";
+}
+
+TEST(FaultSwitch, HitsComeBackFromTheirText) {
+  EXPECT_EQ(HitsOf(HitsText("uav-1", 12)), 12);
+  for (const char* text : {"uav", "uav: packets", "uav: x packets", "uav: -1 packets", ""}) {
+    EXPECT_FALSE(HitsOf(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,107 @@
+#include "tools/faults/fault_plan.h"
+
+#include <gtest/gtest.h>
+
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+Scenario TwoUavs() {
+  Scenario scenario;
+  scenario.uavs.resize(2);
+  scenario.rules.limit_us = 180 * kMinuteUs;
+  return scenario;
+}
+const std::vector<std::string> kProcesses = {"world", "uav", "scheduler"};
+
+std::string ErrorOf(const std::string& faults) {
+  try {
+    FaultPlan plan = ParseFaultPlan("{\"version\": 1, \"faults\": [" + faults + "]}", "plan.json");
+    CheckFaultPlan(&plan, kProcesses, TwoUavs(), false);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {
+  FaultPlan plan = ParseFaultPlan(R"({"version": 1, "faults": [
+      {"kind": "loss", "target": "*", "at_min": 30, "for_min": 10, "probability": 0.3},
+      {"kind": "partition", "target": "uav|world", "at_min": 20, "for_s": 2, "id": "cut"},
+      {"kind": "delay", "target": "uav", "at_min": 0.5, "delay_ms": 20},
+      {"kind": "agent_silent", "target": "uav:1", "at_min": 5, "for_min": 30}]})",
+                                  "plan.json");
+  CheckFaultPlan(&plan, kProcesses, TwoUavs(), false);
+  ASSERT_EQ(plan.size(), 4u);
+  EXPECT_EQ(plan[0].kind, FaultKind::kDelay);  // by time
+  EXPECT_DOUBLE_EQ(plan[0].probability, 0.02);
+  EXPECT_EQ(ToWire(plan[0]).for_us, kNever);
+  EXPECT_EQ(plan[2].id, "cut");
+  EXPECT_EQ(ToWire(plan[2]).for_us, 2 * kSecondUs);
+  EXPECT_EQ(plan[3].id, "f0");
+  EXPECT_EQ(plan[3].at_us, 30 * kMinuteUs);
+  EXPECT_EQ(ToWire(plan[3]).for_us, 10 * kMinuteUs);
+  EXPECT_EQ(OutagesOf(plan), std::vector<std::string>{"uav:1:300000000:2100000000:f3"});
+}
+
+TEST(FaultPlan, BadPlansNameFileKeyValueAndWhatIsExpected) {
+  EXPECT_EQ(ErrorOf(R"({"kind": "process_killed", "target": "uav", "at_min": 1})"), "");
+  EXPECT_EQ(ErrorOf(R"({"kind": "loss", "target": "*", "at_min": 1, "probability": 2})"),
+            "plan.json: faults[0]: probability: found 2, expected a number above 0 to 1");
+  const std::pair<const char*, const char*> cases[] = {
+      {R"({"kind": "fire", "target": "*", "at_min": 1})", "kind: found fire"},
+      {R"({"kind": "loss", "target": "*", "at_min": 1})", "probability: found nothing"},
+      {R"({"kind": "loss", "target": "gcs", "at_min": 1, "probability": 0.1})",
+       "target: found gcs, expected * or one of world, uav, scheduler"},
+      {R"({"kind": "process_killed", "target": "*", "at_min": 1})", "target: found *"},
+      {R"({"kind": "process_killed", "target": "uav", "at_min": 180})", "at_min: found 180"},
+      {R"({"kind": "process_killed", "target": "uav", "at_min": -1})", "at_min: found -1"},
+      {R"({"kind": "process_killed", "target": "uav"})", "at_min: found nothing"},
+      {R"({"kind": "process_stopped", "target": "uav", "at_min": 1, "for_min": 1})",
+       "for_min: found 1"},
+      {R"({"kind": "partition", "target": "uav|uav", "at_min": 1, "for_s": 1})",
+       "target: found uav|uav"},
+      {R"({"kind": "agent_silent", "target": "uav:2", "at_min": 1, "for_min": 1})",
+       "target: found uav:2"},
+      {R"({"kind": "agent_fails", "target": "uav:1", "at_min": 1, "probability": 0.5})",
+       "probability: found a value"},
+      {R"({"kind": "agent_fails", "target": "uav:1", "at_min": "1"})", "at_min: found \"1\""},
+      {R"({"kind": "agent_fails", "target": "uav:1", "at_min": 1, "oops": 1})", "oops: found 1"},
+      {R"(7)", "found 7"},
+  };
+  for (const auto& [fault, expected] : cases) {
+    const std::string error = ErrorOf(fault);
+    EXPECT_EQ(error.rfind("plan.json: faults[0]: ", 0), 0u) << fault << "\n" << error;
+    EXPECT_NE(error.find(expected), std::string::npos) << fault << "\n" << error;
+  }
+  EXPECT_NE(ErrorOf(R"({"kind": "process_killed", "target": "uav", "at_min": 1, "id": "a"},
+                       {"kind": "process_killed", "target": "uav", "at_min": 2, "id": "a"})")
+                .find("faults[1]: id: found a"),
+            std::string::npos);
+  for (const char* text :
+       {"", "[]", "{}", R"({"version": 2, "faults": []})", R"({"version": 1, "faults": {}})",
+        R"({"version": 1, "faults": [], "more": 1})"}) {
+    EXPECT_THROW(ParseFaultPlan(text, "plan.json"), InputError) << text;
+  }
+}
+
+TEST(FaultPlan, FlagsSayTheSame) {
+  const PlannedFault loss = ParseFaultFlag("loss:*@30+10=0.3", 0);
+  EXPECT_EQ(loss.kind, FaultKind::kLoss);
+  EXPECT_EQ(loss.target, "*");
+  EXPECT_EQ(loss.at_us, 30 * kMinuteUs);
+  EXPECT_EQ(loss.for_us, 10 * kMinuteUs);
+  EXPECT_DOUBLE_EQ(loss.probability, 0.3);
+  const PlannedFault stop = ParseFaultFlag("process_stopped:worker-2@12.5+2s", 1);
+  EXPECT_EQ(stop.target, "worker-2");
+  EXPECT_EQ(stop.for_real_us, 2 * kSecondUs);
+  EXPECT_EQ(ParseFaultFlag("agent_fails:uav:3@5", 0).target, "uav:3");
+  for (const char* text : {"loss", "loss:*", "loss:@1=0.1", "loss:*@", "loss:*@1+=0.1",
+                           "loss:*@1=0.1x", "loss:*@1", "fire:*@1", "process_killed:uav@1=0.5"}) {
+    EXPECT_THROW(ParseFaultFlag(text, 0), InputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,122 @@
+// Whole missions by the real `muster run` under a fault plan.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/muster_process.h"
+#include "tests/tools/launch/process_test_util.h"
+#include "world/model/generator.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+class FaultRunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    MUSTER_NEEDS_MULTICAST();
+    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
+    Muster simulate(folder_, "simulate",
+                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
+    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
+    undisturbed_ = Report("simulated")["digest"];
+  }
+  Json Report(const std::string& name) const {
+    return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
+  }
+  /// A mission with these faults; its report.
+  Json Run(const std::vector<std::string>& faults, const std::string& name = "run") {
+    std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File(name)};
+    for (const std::string& fault : faults) arguments.insert(arguments.end(), {"--fault", fault});
+    Muster muster(folder_, name, arguments);
+    EXPECT_EQ(muster.Wait(), 0) << muster.output();
+    Json report = Report(name);
+    for (const Json& fault : report["faults"]) {
+      EXPECT_FALSE(fault["applied_s"].is_null()) << fault << muster.output();
+    }
+    EXPECT_EQ(report["faults"].size(), faults.size());
+    EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
+    return report;
+  }
+
+  TemporaryFolder folder_;
+  std::string scenario_ = folder_.File("scenario.json");
+  std::string undisturbed_;
+};
+
+TEST_F(FaultRunTest, LossDuplicationReorderingAndDelayChangeNoDecision) {
+  const Json report =
+      Run({"loss:*@0=0.3", "duplication:*@0=0.1", "reordering:*@0=0.2", "delay:worker@60+10=3"});
+  EXPECT_EQ(report["digest"], undisturbed_);
+  // Six processes' worth of three faults, and one.
+  EXPECT_EQ(report["events"]["fault_applied"], 3 * 6 + 1);
+  EXPECT_EQ(report["events"]["fault_ended"], 3 * 6 + 1);
+  for (const Json& fault : report["faults"]) EXPECT_GT(fault["packets"], 0) << fault;
+}
+
+TEST_F(FaultRunTest, ForeignPacketsAreCountedAndChangeNothing) {
+  const Json report = Run({"foreign:*@10+100"});
+  EXPECT_EQ(report["digest"], undisturbed_);
+  EXPECT_GT(report["faults"][0]["packets"], 0);
+  for (const Json& process : report["processes"]) EXPECT_GT(process["rejected"], 0) << process;
+}
+
+TEST_F(FaultRunTest, AFaultThatHitsNothingFailsTheRun) {
+  // Too small a share to hit one of the packets of that minute.
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--fault",
+                 "reordering:scheduler@60+1=0.000001"});
+  EXPECT_EQ(muster.Wait(), 4) << muster.output();
+  EXPECT_NE(muster.output().find("fault flag0 (reordering scheduler): it hit no packet"),
+            std::string::npos)
+      << muster.output();
+}
+
+TEST_F(FaultRunTest, KilledStoppedAndCutOffProcessesChangeNoDecision) {
+  const Json report = Run({"process_killed:uav@10", "process_killed:world@30",
+                           "process_stopped:vehicle@50+0.3s", "partition:uav+worker|world@70+0.3s",
+                           "process_killed:scheduler@90+0.5s", "process_killed:lcm-logger@110"});
+  EXPECT_EQ(report["digest"], undisturbed_);
+  EXPECT_EQ(report["events"]["process_lost"], 4);
+  EXPECT_EQ(report["events"]["process_back"], 4);
+}
+
+TEST_F(FaultRunTest, AFullDiskHoldsTheMissionAndLosesNothing) {
+  const Json report = Run({"disk_full:lcm-logger@60+0.5s"});
+  EXPECT_EQ(report["digest"], undisturbed_);
+  EXPECT_TRUE(std::filesystem::exists(folder_.File("run") + "/mission.lcm.1"));
+}
+
+TEST_F(FaultRunTest, AnAgentGoesSilentComesBackAndARestartedWorldKnows) {
+  const Json report = Run({"agent_silent:uav:3@20+60", "agent_fails:worker:5@30"}, "one");
+  EXPECT_EQ(report["events"]["agent_failed"], 2);
+  EXPECT_EQ(report["events"]["agent_back"], 1);
+  EXPECT_NE(report["digest"], undisturbed_);
+  EXPECT_EQ(report["faults"][0]["applied_s"], 20 * 60);
+  EXPECT_EQ(report["faults"][0]["ended_s"], 80 * 60);
+  const Json again = Run({"agent_silent:uav:3@20+60", "agent_fails:worker:5@30",
+                          "process_killed:world@50", "process_killed:world@100"},
+                         "two");
+  EXPECT_EQ(again["digest"], report["digest"]);
+}
+
+TEST_F(FaultRunTest, ABadPlanIsRefusedBeforeAnythingIsWritten) {
+  const std::string plan = folder_.File("plan.json");
+  std::ofstream(plan) << R"({"version": 1, "faults": [
+      {"kind": "process_killed", "target": "ufo", "at_min": 3}]})";
+  Muster muster(folder_, "bad", {"run", scenario_, "--out", folder_.File("bad"), "--faults", plan});
+  EXPECT_EQ(muster.Wait(), 2);
+  EXPECT_NE(muster.output().find("faults[0]: target: found ufo"), std::string::npos)
+      << muster.output();
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("bad") + "/scenario.json"));
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,161 @@
+#include "tools/faults/fault_injector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+
+namespace muster::tools {
+namespace {
+
+constexpr std::int8_t kApplied = 13;
+constexpr std::int8_t kEnded = 14;
+
+/// Confirmed when the target dies of it.
+bool Kills(FaultKind kind) {
+  return kind == FaultKind::kProcessKilled || kind == FaultKind::kDiskFull;
+}
+
+bool IsAgentFault(FaultKind kind) {
+  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
+}
+
+}  // namespace
+
+FaultInjector::FaultInjector(FaultPlan plan, std::vector<std::string> names)
+    : names_(std::move(names)) {
+  for (PlannedFault& fault : plan) {
+    Injection& injection = injections_.emplace_back();
+    injection.fault = std::move(fault);
+  }
+}
+
+void FaultInjector::Begin(Injection* injection, TimeUs monotonic_us, FaultActions* actions) {
+  const PlannedFault& fault = injection->fault;
+  if (fault.kind == FaultKind::kProcessKilled || fault.kind == FaultKind::kProcessStopped) {
+    const bool kill = fault.kind == FaultKind::kProcessKilled;
+    // One that does not run now is signalled when it does again.
+    if (!actions->SignalProcess(fault.target, kill ? SIGKILL : SIGSTOP)) return;
+    if (kill && (fault.for_real_us > 0 || fault.for_us > 0)) actions->HoldRestart(fault.target);
+  }
+  if (fault.kind == FaultKind::kDiskFull) {
+    actions->HoldRestart(fault.target);
+    actions->SetDiskFull(true);
+  }
+  injection->phase = Phase::kActive;
+  injection->begin = actions->Publish(ToWire(fault));
+  injection->repeat.Start(monotonic_us);
+  if (fault.for_real_us > 0) injection->until_real_us = monotonic_us + fault.for_real_us;
+}
+
+void FaultInjector::End(Injection* injection, TimeUs monotonic_us, FaultActions* actions) {
+  const PlannedFault& fault = injection->fault;
+  injection->phase = Phase::kOver;
+  injection->until_real_us = kNever;
+  if (IsAgentFault(fault.kind)) return;
+  if (fault.kind == FaultKind::kProcessStopped) actions->SignalProcess(fault.target, SIGCONT);
+  if (fault.kind == FaultKind::kDiskFull) actions->SetDiskFull(false);
+  if (Kills(fault.kind)) actions->ReleaseRestart(fault.target);
+  fault_t end = ToWire(fault);
+  end.at_us = mission_us_;
+  end.for_us = 0;
+  injection->end = actions->Publish(end);
+  injection->repeat.Start(monotonic_us);
+  if (!IsPacketFault(fault.kind)) actions->Confirm(kEnded, fault.id);
+}
+
+bool FaultInjector::Owed(const Injection& injection, const FaultActions& actions) const {
+  if (injection.phase == Phase::kWaiting || !IsPacketFault(injection.fault.kind)) return false;
+  const fault_t wire = ToWire(injection.fault);
+  return std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
+    if (!Concerns(wire, name)) return false;
+    const Start start(name, actions.BootOf(name));
+    if (injection.phase == Phase::kActive) return injection.applied.count(start) == 0;
+    return injection.applied.count(start) > 0 && injection.ended.count(start) == 0;
+  });
+}
+
+void FaultInjector::Step(TimeUs mission_us, TimeUs monotonic_us, FaultActions* actions) {
+  if (mission_us < 0) return;
+  mission_us_ = mission_us;
+  for (Injection& injection : injections_) {
+    const PlannedFault& fault = injection.fault;
+    if (injection.phase == Phase::kWaiting && mission_us >= fault.at_us) {
+      Begin(&injection, monotonic_us, actions);
+    } else if (injection.phase == Phase::kActive &&
+               (monotonic_us >= injection.until_real_us ||
+                (fault.for_us > 0 && mission_us >= fault.at_us + fault.for_us))) {
+      End(&injection, monotonic_us, actions);
+    }
+    if (injection.phase == Phase::kActive && fault.kind == FaultKind::kProcessStopped &&
+        !injection.confirmed && actions->IsStopped(fault.target)) {
+      injection.confirmed = true;
+      actions->Confirm(kApplied, fault.id);
+    }
+    if (Owed(injection, *actions) && injection.repeat.Fire(monotonic_us)) {
+      actions->SendAgain(injection.phase == Phase::kActive ? injection.begin : injection.end);
+    }
+  }
+}
+
+bool FaultInjector::OnDeath(const std::string& name, FaultActions* actions) {
+  bool planned = false;
+  for (Injection& injection : injections_) {
+    const PlannedFault& fault = injection.fault;
+    if (!Kills(fault.kind) || fault.target != name || injection.confirmed) continue;
+    if (injection.phase == Phase::kWaiting) continue;
+    planned = injection.confirmed = true;
+    actions->Confirm(kApplied, fault.id);
+  }
+  return planned;
+}
+
+void FaultInjector::OnEvent(const event_t& event) {
+  if (event.kind != kApplied && event.kind != kEnded) return;
+  for (Injection& injection : injections_) {
+    if (injection.fault.id != event.fault_id) continue;
+    const bool is_new = (event.kind == kApplied ? injection.applied : injection.ended)
+                            .insert({event.header.sender, event.header.boot_id})
+                            .second;
+    if (is_new && event.kind == kEnded) injection.hits += HitsOf(event.detail).value_or(0);
+  }
+}
+
+void FaultInjector::EndAll(TimeUs monotonic_us, FaultActions* actions) {
+  for (Injection& injection : injections_) {
+    if (injection.phase == Phase::kActive) End(&injection, monotonic_us, actions);
+  }
+}
+
+bool FaultInjector::Settled(const FaultActions& actions) const {
+  return std::none_of(injections_.begin(), injections_.end(), [&](const Injection& injection) {
+    return injection.phase == Phase::kActive || Owed(injection, actions);
+  });
+}
+
+std::vector<std::string> FaultInjector::WithoutEffect() const {
+  std::vector<std::string> lines;
+  for (const Injection& injection : injections_) {
+    const PlannedFault& fault = injection.fault;
+    const auto add = [&](std::string_view why) {
+      lines.push_back(
+          fmt::format("fault {} ({} {}): {}", fault.id, NameOf(fault.kind), fault.target, why));
+    };
+    if (injection.phase == Phase::kWaiting) {
+      add("its time did not come");
+    } else if (injection.applied.empty()) {
+      add("nobody has confirmed it");
+    } else if (IsPacketFault(fault.kind) && injection.hits == 0) {
+      add("it hit no packet");
+    }
+  }
+  return lines;
+}
+
+bool FaultInjector::foreign() const {
+  return std::any_of(injections_.begin(), injections_.end(), [](const Injection& injection) {
+    return injection.fault.kind == FaultKind::kForeign && injection.phase == Phase::kActive;
+  });
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <muster/event_t.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/protocol/sender.h"
+#include "tools/faults/fault_plan.h"
+
+namespace muster::tools {
+
+/// What the injector can do to a mission; the launcher does it.
+class FaultActions {
+ public:
+  virtual ~FaultActions() = default;
+  /// Publishes it; what is returned can be sent again.
+  virtual SentPacket Publish(const fault_t& fault) = 0;
+  virtual void SendAgain(const SentPacket& packet) = 0;
+  /// Confirms what the launcher itself does, 13 applied or 14 ended.
+  virtual void Confirm(std::int8_t kind, const std::string& fault_id) = 0;
+  /// False: the process does not run now.
+  virtual bool SignalProcess(const std::string& name, int signal) = 0;
+  /// Do not start it again before ReleaseRestart.
+  virtual void HoldRestart(const std::string& name) = 0;
+  virtual void ReleaseRestart(const std::string& name) = 0;
+  /// The log's disk takes no further byte, or does again.
+  virtual void SetDiskFull(bool full) = 0;
+  /// Whether a signal holds it now.
+  virtual bool IsStopped(const std::string& name) const = 0;
+  /// How often it was started before.
+  virtual std::int64_t BootOf(const std::string& name) const = 0;
+};
+
+/// Injects a plan's faults when they are due and sees to it that each is confirmed, by whom it
+/// hits: a fault on packets is published until every process that it concerns, in its present
+/// start, has said by event_t that it has applied it, and likewise when it ends, with the number of
+/// packets hit; the world says when an agent has failed; a signal is confirmed when the process is
+/// seen to be dead or stopped.
+class FaultInjector {
+ public:
+  /// `names`: the mission's processes.
+  FaultInjector(FaultPlan plan, std::vector<std::string> names);
+
+  /// `mission_us`: of the newest clock; -1 before the mission runs.
+  void Step(TimeUs mission_us, TimeUs monotonic_us, FaultActions* actions);
+  /// An event of the mission.
+  void OnEvent(const event_t& event);
+  /// Ends everything that is under way: the mission is over.
+  void EndAll(TimeUs monotonic_us, FaultActions* actions);
+  /// Nothing is under way, and everybody has said so.
+  bool Settled(const FaultActions& actions) const;
+
+  /// The faults of the plan that nobody has confirmed, or that hit nothing: id and why.
+  std::vector<std::string> WithoutEffect() const;
+  /// A process has ended. True: by the plan, and its restart is of the plan's making.
+  bool OnDeath(const std::string& name, FaultActions* actions);
+  /// Foreign packets are to be sent now.
+  bool foreign() const;
+
+ private:
+  enum class Phase { kWaiting, kActive, kOver };
+  using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
+  struct Injection {
+    PlannedFault fault;
+    Phase phase = Phase::kWaiting;
+    TimeUs until_real_us = kNever;  ///< monotonic
+    SentPacket begin = {}, end = {};
+    std::set<Start> applied = {}, ended = {};
+    bool confirmed = false;  ///< by the launcher
+    std::int64_t hits = 0;   ///< packets
+    BackOff repeat{5'000, 100'000};
+  };
+
+  void Begin(Injection* injection, TimeUs monotonic_us, FaultActions* actions);
+  void End(Injection* injection, TimeUs monotonic_us, FaultActions* actions);
+  /// Somebody has not confirmed yet what was said last.
+  bool Owed(const Injection& injection, const FaultActions& actions) const;
+
+  std::vector<Injection> injections_;
+  std::vector<std::string> names_;
+  TimeUs mission_us_ = 0;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,314 @@
+#include "tools/faults/fault_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "world/model/agent.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kNames[] = {
+    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
+    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
+constexpr std::string_view kLogger = "lcm-logger";
+constexpr double kLongestMin = 1e6;
+constexpr double kLongest_s = 3600;
+
+[[noreturn]] void Refuse(const PlannedFault& fault, std::string_view key, std::string_view found,
+                         std::string_view expected) {
+  throw InputError(fault.where, key, found, expected);
+}
+
+bool IsAgentFault(FaultKind kind) {
+  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
+}
+
+std::optional<FaultKind> KindOf(std::string_view name) {
+  const auto found = std::find(std::begin(kNames), std::end(kNames), name);
+  if (found == std::end(kNames)) return {};
+  return static_cast<FaultKind>(found - std::begin(kNames));
+}
+
+/// While it lasts, the mission waits for somebody.
+bool HoldsTheClock(const PlannedFault& fault) {
+  return fault.kind == FaultKind::kProcessKilled || fault.kind == FaultKind::kProcessStopped ||
+         fault.kind == FaultKind::kPartition || fault.kind == FaultKind::kDiskFull;
+}
+
+/// No mission goes on without its target, whatever --on-loss says.
+bool NeverMissed(const PlannedFault& fault) {
+  return fault.target == "world" || fault.target == kLogger;
+}
+
+void SetKind(PlannedFault* fault, const std::string& name) {
+  const auto kind = KindOf(name);
+  if (!kind) Refuse(*fault, "kind", name, fmt::format("{}", fmt::join(kNames, ", ")));
+  fault->kind = *kind;
+}
+
+double InRange(const PlannedFault& fault, std::string_view key, double value, double longest,
+               bool zero) {
+  if (!std::isfinite(value) || value > longest || value < 0 || (value == 0 && !zero)) {
+    Refuse(fault, key, fmt::format("{}", value),
+           fmt::format("a number {} to {}", zero ? "from 0" : "above 0", longest));
+  }
+  return value;
+}
+
+/// What belongs to its kind, and nothing else.
+void CheckShape(const PlannedFault& fault) {
+  const bool holds_clock = HoldsTheClock(fault) && fault.kind != FaultKind::kProcessKilled;
+  if (holds_clock && fault.for_real_us == 0 && fault.for_us == 0) {
+    Refuse(fault, "for_s", "nothing", "how long, in real seconds");
+  }
+  if (IsAgentFault(fault.kind) && fault.for_real_us > 0) {
+    Refuse(fault, "for_s", fmt::format("{}", ToSeconds(fault.for_real_us)),
+           "for_min: agents fail in mission time");
+  }
+  if (fault.kind == FaultKind::kAgentSilent && fault.for_us == 0) {
+    Refuse(fault, "for_min", "nothing", "minutes until it comes back");
+  }
+  const bool has_share = IsPacketFault(fault.kind) && fault.kind != FaultKind::kPartition &&
+                         fault.kind != FaultKind::kForeign;
+  if (has_share != (fault.probability > 0)) {
+    const char* key = fault.kind == FaultKind::kDelay ? "delay_ms" : "probability";
+    Refuse(fault, key, has_share ? "nothing" : "a value",
+           !has_share                        ? "none for this kind"
+           : fault.kind == FaultKind::kDelay ? "milliseconds above 0"
+                                             : "a share of packets above 0");
+  }
+}
+
+PlannedFault FromJson(const Json& json, const std::string& where, std::size_t number) {
+  PlannedFault fault;
+  fault.where = where;
+  fault.id = fmt::format("f{}", number);
+  if (!json.is_object()) throw InputError(where, "", json.dump(), "an object");
+  const auto text = [&](const char* key) -> std::string {
+    const auto found = json.find(key);
+    if (found == json.end()) Refuse(fault, key, "nothing", "a text");
+    if (!found->is_string() || found->get<std::string>().empty()) {
+      Refuse(fault, key, found->dump(), "a text");
+    }
+    return found->get<std::string>();
+  };
+  const auto number_of = [&](const char* key) -> double {
+    const Json& value = json.at(key);
+    if (!value.is_number()) Refuse(fault, key, value.dump(), "a number");
+    return value.get<double>();
+  };
+  SetKind(&fault, text("kind"));
+  fault.target = text("target");
+  const bool delay = fault.kind == FaultKind::kDelay;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "kind" || key == "target") continue;
+    if (key == "id") {
+      fault.id = text("id");
+    } else if (key == "at_min") {
+      fault.at_us = ToUs(InRange(fault, key, number_of("at_min"), kLongestMin, true) * 60);
+    } else if (key == "for_min") {
+      fault.for_us = ToUs(InRange(fault, key, number_of("for_min"), kLongestMin, false) * 60);
+    } else if (key == "for_s") {
+      fault.for_real_us = ToUs(InRange(fault, key, number_of("for_s"), kLongest_s, false));
+    } else if (key == "probability" && !delay) {
+      fault.probability = InRange(fault, key, number_of("probability"), 1, false);
+    } else if (key == "delay_ms" && delay) {
+      fault.probability = InRange(fault, key, number_of("delay_ms"), 1000, false) * 1e-3;
+    } else {
+      Refuse(fault, key, value.dump(),
+             fmt::format("only kind, target, at_min, for_min, for_s, {}, id",
+                         delay ? "delay_ms" : "probability"));
+    }
+  }
+  if (!json.contains("at_min")) Refuse(fault, "at_min", "nothing", "minutes of mission time");
+  if (fault.for_us > 0 && fault.for_real_us > 0) {
+    Refuse(fault, "for_s", json.at("for_s").dump(), "one of for_min and for_s");
+  }
+  CheckShape(fault);
+  return fault;
+}
+
+}  // namespace
+
+std::string_view NameOf(FaultKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
+
+FaultPlan ParseFaultPlan(const std::string& text, const std::string& file) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    throw InputError(fmt::format("{}: not JSON (byte {})", file, error.byte));
+  }
+  const auto refuse = [&](const char* key, const std::string& found, const char* expected) {
+    throw InputError(file, key, found, expected);
+  };
+  if (!json.is_object()) refuse("file", "no object", "{\"version\": 1, \"faults\": [...]}");
+  for (const auto& [key, value] : json.items()) {
+    if (key != "version" && key != "faults") refuse(key.c_str(), "it", "only version and faults");
+  }
+  if (!json.contains("version") || json["version"] != 1) {
+    refuse("version", json.contains("version") ? json["version"].dump() : "nothing", "1");
+  }
+  if (!json.contains("faults") || !json["faults"].is_array()) {
+    refuse("faults", json.contains("faults") ? json["faults"].dump() : "nothing", "a list");
+  }
+  FaultPlan plan;
+  for (const Json& item : json["faults"]) {
+    plan.push_back(FromJson(item, fmt::format("{}: faults[{}]", file, plan.size()), plan.size()));
+  }
+  return plan;
+}
+
+FaultPlan LoadFaultPlan(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    throw InputError(fmt::format("{}: cannot read a fault plan from it", file));
+  }
+  return ParseFaultPlan(text.str(), file);
+}
+
+PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
+  PlannedFault fault;
+  fault.where = "command line: --fault";
+  fault.id = fmt::format("flag{}", number);
+  const char* const kForm = "KIND:TARGET@MIN[+DURATION][=VALUE], e.g. loss:*@30+10=0.3";
+  const std::size_t colon = text.find(':');
+  const std::size_t at = text.rfind('@');
+  if (colon == std::string::npos || at == std::string::npos || at < colon + 2) {
+    throw InputError("command line", "--fault", text, kForm);
+  }
+  SetKind(&fault, text.substr(0, colon));
+  fault.target = text.substr(colon + 1, at - colon - 1);
+  std::string_view rest = std::string_view(text).substr(at + 1);
+  const auto take = [&](std::string_view ends) {
+    const std::size_t size = std::min(rest.find_first_of(ends), rest.size());
+    double value = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + size, value);
+    if (error != std::errc() || end != rest.data() + size) {
+      throw InputError("command line", "--fault", text, kForm);
+    }
+    rest.remove_prefix(size);
+    return value;
+  };
+  fault.at_us = ToUs(InRange(fault, "MIN", take("+="), kLongestMin, true) * 60);
+  if (!rest.empty() && rest.front() == '+') {
+    rest.remove_prefix(1);
+    const double duration = take("s=");
+    if (!rest.empty() && rest.front() == 's') {
+      rest.remove_prefix(1);
+      fault.for_real_us = ToUs(InRange(fault, "DURATION", duration, kLongest_s, false));
+    } else {
+      fault.for_us = ToUs(InRange(fault, "DURATION", duration, kLongestMin, false) * 60);
+    }
+  }
+  if (!rest.empty() && rest.front() == '=') {
+    rest.remove_prefix(1);
+    const bool delay = fault.kind == FaultKind::kDelay;
+    fault.probability =
+        InRange(fault, "VALUE", take(""), delay ? 1000 : 1, false) * (delay ? 1e-3 : 1);
+  }
+  if (!rest.empty()) throw InputError("command line", "--fault", text, kForm);
+  CheckShape(fault);
+  return fault;
+}
+
+void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
+                    const Scenario& scenario, bool goes_on) {
+  const auto is_process = [&](std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::set<std::string> ids;
+  for (const PlannedFault& fault : *plan) {
+    if (!ids.insert(fault.id).second) Refuse(fault, "id", fault.id, "an id of its own");
+    if (fault.id.size() > 64 || fault.id.find(':') != std::string::npos) {
+      Refuse(fault, "id", fault.id, "at most 64 characters, no colon");
+    }
+    if (fault.at_us >= scenario.rules.limit_us) {
+      Refuse(fault, "at_min", fmt::format("{}", ToMinutes(fault.at_us)),
+             fmt::format("a time below the limit, {} min", ToMinutes(scenario.rules.limit_us)));
+    }
+    const std::string processes = fmt::format("{}", fmt::join(names, ", "));
+    const std::string& target = fault.target;
+    if (fault.for_us > 0 && HoldsTheClock(fault) && !goes_on) {
+      Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
+             "for_s, real seconds: the mission's clock stands still meanwhile, unless by "
+             "--on-loss continue it goes on without an agent process or the scheduler");
+    }
+    if (fault.for_us > 0 && HoldsTheClock(fault) && NeverMissed(fault)) {
+      Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
+             "for_s, real seconds: the mission's clock stands still without world or recorder");
+    }
+    if (IsAgentFault(fault.kind)) {
+      bool known = false;
+      for (const AgentKind kind : kAgentKinds) {
+        const std::size_t n = scenario.agents(kind).size();
+        for (std::size_t id = 0; id < n && !known; ++id) {
+          known = target == fmt::format("{}:{}", ToString(kind), id);
+        }
+      }
+      if (!known) Refuse(fault, "target", target, "an agent of the scenario, e.g. uav:3");
+    } else if (fault.kind == FaultKind::kPartition) {
+      const auto sides = SidesOf(target);
+      const auto known = [&](const std::set<std::string>& side) {
+        return !side.empty() && std::all_of(side.begin(), side.end(), is_process);
+      };
+      const auto twice = [&](const std::string& name) { return sides->second.count(name) > 0; };
+      if (!sides || !known(sides->first) || !known(sides->second) ||
+          std::any_of(sides->first.begin(), sides->first.end(), twice)) {
+        Refuse(fault, "target", target, fmt::format("ONE+...|OTHER+... of {}", processes));
+      }
+    } else if (fault.kind == FaultKind::kDiskFull) {
+      if (target != kLogger) Refuse(fault, "target", target, kLogger);
+    } else if (fault.kind == FaultKind::kForeign) {
+      if (target != "*") Refuse(fault, "target", target, "*: everybody hears them");
+    } else if (IsPacketFault(fault.kind)) {
+      if (target != "*" && !is_process(target)) {
+        Refuse(fault, "target", target, fmt::format("* or one of {}", processes));
+      }
+    } else if (target != kLogger && !is_process(target)) {
+      Refuse(fault, "target", target, fmt::format("one of {}, {}", processes, kLogger));
+    }
+  }
+  std::stable_sort(plan->begin(), plan->end(),
+                   [](const PlannedFault& a, const PlannedFault& b) { return a.at_us < b.at_us; });
+}
+
+fault_t ToWire(const PlannedFault& fault) {
+  fault_t wire{};
+  wire.fault_id = fault.id;
+  wire.kind = static_cast<std::int8_t>(fault.kind);
+  wire.target = fault.target;
+  wire.at_us = fault.at_us;
+  wire.for_us = fault.for_us > 0        ? fault.for_us
+                : fault.for_real_us > 0 ? fault.for_real_us
+                                        : kNever;
+  wire.probability = fault.probability;
+  return wire;
+}
+
+std::vector<std::string> OutagesOf(const FaultPlan& plan) {
+  std::vector<std::string> outages;
+  for (const PlannedFault& fault : plan) {
+    if (!IsAgentFault(fault.kind)) continue;
+    outages.push_back(fmt::format("{}:{}:{}:{}", fault.target, fault.at_us,
+                                  fault.for_us > 0 ? fault.at_us + fault.for_us : kNever,
+                                  fault.id));
+  }
+  return outages;
+}
+
+}  // namespace muster::tools

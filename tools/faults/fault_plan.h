@@ -1,0 +1,52 @@
+#pragma once
+
+#include <muster/fault_t.hpp>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/protocol/fault_switch.h"
+#include "world/model/scenario.h"
+
+namespace muster::tools {
+
+/// One fault to inject (docs/faults.md).
+struct PlannedFault {
+  std::string id;
+  FaultKind kind = FaultKind::kLoss;
+  std::string target;
+  TimeUs at_us = 0;   ///< mission time
+  TimeUs for_us = 0;  ///< mission time; 0: see for_real_us
+  TimeUs for_real_us =
+      0;  ///< real time, for what holds the mission's clock; 0 with for_us 0: for good
+  double probability = 0;  ///< a share of packets; for a delay its seconds
+  std::string where;       ///< "plan.json: faults[2]", for messages
+};
+
+/// In order of time, then as written.
+using FaultPlan = std::vector<PlannedFault>;
+
+std::string_view NameOf(FaultKind kind);
+
+/// Parses a plan file's text. Throws InputError naming file, key, value and what is expected.
+FaultPlan ParseFaultPlan(const std::string& json, const std::string& file);
+/// Reads a plan file. Throws InputError, also when it cannot be read.
+FaultPlan LoadFaultPlan(const std::string& file);
+/// "KIND:TARGET@MIN[+DURATION][=VALUE]": DURATION in mission minutes, or with an s behind it in
+/// real seconds; VALUE is the share of packets, or the delay in ms. `number` makes the id.
+PlannedFault ParseFaultFlag(const std::string& text, std::size_t number);
+
+/// Throws InputError where a target is not among the processes `names` (the logger is lcm-logger)
+/// or the scenario's agents, a fault comes after the limit, lasts in mission time though it holds
+/// the clock, or an id comes twice. `goes_on`: the mission goes on without agent processes and
+/// scheduler. Sorts by time.
+void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
+                    const Scenario& scenario, bool goes_on);
+
+/// As published when it begins; `header` is left for the sender. for_us is kNever when it is for
+/// good, and never 0: that ends a fault.
+fault_t ToWire(const PlannedFault& fault);
+
+/// What muster-world takes as --outage for the plan's failing agents.
+std::vector<std::string> OutagesOf(const FaultPlan& plan);
+
+}  // namespace muster::tools
