@@ -17,6 +17,9 @@ install_packages() {
     die "there is no apt-get here; this needs Debian 12 and the packages in scripts/packages"
   while read -r package; do
     [[ $package == '' || $package == '#'* ]] && continue
+    # node and npm may come from elsewhere, and then exclude Debian's.
+    [[ $package == nodejs || $package == npm ]] && command -v "${package/nodejs/node}" >/dev/null &&
+      continue
     [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
       missing+=("$package")
   done <scripts/packages

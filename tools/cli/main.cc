@@ -15,6 +15,7 @@
 #include "tools/launch/run_command.h"
 #include "tools/log/log_command.h"
 #include "tools/replay/replay_command.h"
+#include "tools/report/report_command.h"
 #include "tools/scenario/import_command.h"
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
@@ -40,6 +41,7 @@ const std::vector<Command> kCommands = {
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
+    {"report", "makes one page of one or several runs", ReportCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},

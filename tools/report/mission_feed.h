@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/protocol/inbox.h"
+#include "tools/report/interval_set.h"
+#include "tools/report/run_record.h"
+#include "tools/report/timeline.h"
+
+namespace muster::tools {
+
+/// A mission's packets, from a log, the bus or the launcher alike, as record and timeline. It is
+/// the mission of the first scenario_t; what comes before it waits.
+class MissionFeed {
+ public:
+  /// Takes a packet: any, in any order, as often as it comes.
+  void Add(const Packet& packet);
+  /// Nothing more comes.
+  void Finish();
+
+  bool ready() const { return timeline_.has_value(); }  ///< the scenario is there
+  const RunRecord& record() const { return record_; }
+  RunRecord& record() { return record_; }
+  const Timeline& timeline() const { return *timeline_; }
+  /// Wall time of mission time 0, microseconds since the Unix epoch; 0 in a simulated mission or
+  /// before its start.
+  std::int64_t epoch_us() const { return epoch_us_; }
+  /// Run of the newest message, whether ready or not; none before the first.
+  std::optional<std::int64_t> heard_run_id() const { return heard_run_id_; }
+
+ private:
+  void Take(const Packet& packet);
+
+  RunRecord record_;
+  std::optional<Timeline> timeline_;
+  std::optional<Inbox> inbox_;
+  std::vector<Packet> held_back_;
+  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seen_;
+  std::int64_t epoch_us_ = 0;
+  bool epoch_known_ = false;
+  std::optional<std::int64_t> heard_run_id_;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,89 @@
+#include "tools/report/page.h"
+
+#include <fmt/format.h>
+#include <gio/gio.h>
+
+#include <memory>
+
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+struct Unref {
+  void operator()(gpointer object) const { g_object_unref(object); }
+};
+
+/// In zlib's format, which browsers call "deflate".
+std::string Deflate(const std::string& text) {
+  const std::unique_ptr<GZlibCompressor, Unref> zlib(
+      g_zlib_compressor_new(G_ZLIB_COMPRESSOR_FORMAT_ZLIB, 6));
+  std::string packed;
+  std::string buffer(1 << 16, '\0');
+  std::size_t read = 0;
+  while (true) {
+    gsize in = 0, out = 0;
+    GError* error = nullptr;
+    const GConverterResult result = g_converter_convert(
+        G_CONVERTER(zlib.get()), text.data() + read, text.size() - read, buffer.data(),
+        buffer.size(), G_CONVERTER_INPUT_AT_END, &in, &out, &error);
+    MUSTER_CHECK(result != G_CONVERTER_ERROR, "{}", error == nullptr ? "" : error->message);
+    read += in;
+    packed.append(buffer, 0, out);
+    if (result == G_CONVERTER_FINISHED) return packed;
+  }
+}
+
+std::string Base64(const std::string& bytes) {
+  const std::unique_ptr<gchar, decltype(&g_free)> text(
+      g_base64_encode(reinterpret_cast<const guchar*>(bytes.data()), bytes.size()), g_free);
+  return text.get();
+}
+
+std::string Escaped(const std::string& text) {
+  const std::unique_ptr<gchar, decltype(&g_free)> markup(
+      g_markup_escape_text(text.data(), static_cast<gssize>(text.size())), g_free);
+  return markup.get();
+}
+
+/// The template with what stands between its two marks.
+std::string Fill(const std::string& title, std::string_view connect, const std::string& data) {
+  constexpr std::string_view kTitle = "__MUSTER_TITLE__";
+  constexpr std::string_view kConnect = "__MUSTER_CONNECT__";
+  constexpr std::string_view kData = "<!--MUSTER_DATA-->";
+  std::string_view rest = PageTemplate();
+  std::string page;
+  const auto put = [&](std::string_view mark, std::string_view text) {
+    const std::size_t at = rest.find(mark);
+    MUSTER_CHECK(at != std::string_view::npos, "{} is not in the template", mark);
+    page.append(rest.substr(0, at)).append(text);
+    rest.remove_prefix(at + mark.size());
+  };
+  put(kConnect, connect);
+  put(kTitle, Escaped(title));
+  put(kData, data);
+  return page.append(rest);
+}
+
+}  // namespace
+
+void RequirePage() {
+  if (!PageTemplate().empty()) return;
+  throw InputError(
+      "this build has no report page: it was built without node and npm, or npm could not fetch "
+      "the page's libraries (scripts/run installs what is missing; then build again)");
+}
+
+std::string StaticPage(const std::string& title, const std::vector<std::string>& chunks) {
+  std::string data;
+  for (const std::string& chunk : chunks) {
+    data += "<script type=\"text/x-muster-run\">" + Base64(Deflate(chunk)) + "</script>\n";
+  }
+  return Fill(title, "'none'", data);
+}
+
+std::string LivePage(const std::string& title) {
+  return Fill(title, "'self'", "<script type=\"text/x-muster-live\">/events</script>\n");
+}
+
+}  // namespace muster::tools

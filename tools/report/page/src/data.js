@@ -1,0 +1,44 @@
+import { Run } from "./run.js";
+
+async function inflate(base64) {
+  const packed = Uint8Array.from(atob(base64.trim()), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return JSON.parse(await new Response(stream).text());
+}
+
+/** The runs that the page holds. */
+export async function embeddedRuns() {
+  const scripts = [...document.querySelectorAll('script[type="text/x-muster-run"]')];
+  return Promise.all(scripts.map(async (script) => {
+    const run = new Run();
+    run.apply(await inflate(script.textContent));
+    script.remove();
+    return run;
+  }));
+}
+
+/** Address of the events of a live page; null on a page that holds its runs. */
+export function liveAddress() {
+  return document.querySelector('script[type="text/x-muster-live"]')?.textContent.trim() ?? null;
+}
+
+/** Follows a mission; calls changed(run, isNew) with each chunk, status(text) as the line goes up and down. */
+export function follow(address, changed, status) {
+  const source = new EventSource(address);
+  let run = null;
+  source.addEventListener("open", () => status("connected"));
+  source.addEventListener("chunk", (event) => {
+    const chunk = JSON.parse(event.data);
+    const isNew = Boolean(chunk.scenario);
+    if (isNew) run = new Run();
+    run.apply(chunk);
+    changed(run, isNew);
+  });
+  source.addEventListener("bye", () => {
+    source.close();
+    status("ended");
+  });
+  source.addEventListener("error", () => {
+    if (source.readyState !== EventSource.CLOSED) status("waiting");
+  });
+}

@@ -1,0 +1,32 @@
+/** An element: element("td", { class: "n", onclick }, "text", child...). */
+export function element(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else node.setAttribute(name, value === true ? "" : value);
+  }
+  node.append(...children.filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+export const byId = (id) => document.getElementById(id);
+
+export function number(value, digits = 0) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  return value.toLocaleString("en-GB", { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}
+
+export const percent = (share, digits = 1) => `${number(100 * share, digits)} %`;
+
+/** "1.9 ms", "2.3 s" */
+export function duration(seconds) {
+  if (!Number.isFinite(seconds)) return "–";
+  if (seconds === 0) return "0 ms";
+  if (seconds < 0.0995) return `${number(seconds * 1000, 1)} ms`;
+  return seconds < 1 ? `${number(seconds * 1000)} ms` : `${number(seconds, 2)} s`;
+}
+
+export function bytes(n) {
+  return n >= 1e9 ? `${number(n / 1e9, 2)} GB` : n >= 1e6 ? `${number(n / 1e6, 1)} MB` : `${number(n / 1e3)} kB`;
+}

@@ -1,0 +1,39 @@
+import { byId } from "./dom.js";
+
+/** What the keyboard does; `?` shows it. */
+export function bindKeys({ state, clock, transport, map, panels }) {
+  const help = byId("help");
+  byId("help-open").addEventListener("click", () => help.showModal());
+  const actions = {
+    " ": () => clock.toggle(),
+    ArrowRight: (event) => (event.shiftKey ? transport.step(1) : clock.seek(clock.t + state.run.tickMs)),
+    ArrowLeft: (event) => (event.shiftKey ? transport.step(-1) : clock.seek(clock.t - state.run.tickMs)),
+    "]": () => transport.step(1),
+    "[": () => transport.step(-1),
+    Home: () => clock.seek(0),
+    End: () => clock.seek(clock.max, state.live),
+    "+": () => clock.faster(1),
+    "=": () => clock.faster(1),
+    "-": () => clock.faster(-1),
+    1: () => state.toggleClass(0),
+    2: () => state.toggleClass(1),
+    3: () => state.toggleClass(2),
+    f: () => map.reset(),
+    z: () => state.setView(null),
+    d: () => panels.open("decision"),
+    e: () => panels.open("events"),
+    p: () => panels.open("processes"),
+    Escape: () => state.select(null),
+    "?": () => help.showModal(),
+  };
+  document.addEventListener("keydown", (event) => {
+    const action = actions[event.key];
+    const target = event.target;
+    if (!action || event.ctrlKey || event.metaKey || event.altKey || help.open || !state.run) return;
+    if (target.matches("input:not([type=range]), select, textarea")) return;
+    if (event.key === " " && target.matches("button, summary, [tabindex]")) return; // it presses that
+    if (target.matches("input[type=range]") && event.key.startsWith("Arrow") === false && event.key === "Home") return;
+    event.preventDefault();
+    action(event);
+  });
+}

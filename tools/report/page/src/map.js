@@ -1,0 +1,351 @@
+import { scaleLinear } from "d3-scale";
+import { select } from "d3-selection";
+import { zoom, zoomIdentity } from "d3-zoom";
+import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
+import { byId } from "./dom.js";
+import { FAILED, MOVING, OFFLINE, STATUS, TASK_STATUS, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { rowAt } from "./time.js";
+import { theme } from "./theme.js";
+
+const MARGIN = 26;
+const NEAR_PX = 12;
+
+/** The map: everything where it is at the clock's time. */
+export class MapView {
+  constructor(state, clock) {
+    this.state = state;
+    this.clock = clock;
+    this.canvas = byId("map");
+    this.tip = byId("map-tip");
+    this.trailMs = 20 * 60000;
+    this.transform = zoomIdentity;
+    this.draw = oncePerFrame(() => this.#draw());
+    this.zoom = zoom()
+      .scaleExtent([0.8, 60])
+      .on("zoom", (event) => {
+        this.transform = event.transform;
+        this.draw();
+      });
+    select(this.canvas).call(this.zoom).on("dblclick.zoom", null);
+    this.canvas.addEventListener("pointermove", (event) => this.#hover(event));
+    this.canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
+    this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
+    this.canvas.addEventListener("dblclick", () => this.reset());
+    clock.subscribe(this.draw);
+    state.on("run data selection classes theme", this.draw);
+    new ResizeObserver(this.draw).observe(this.canvas);
+  }
+
+  reset() {
+    select(this.canvas).call(this.zoom.transform, zoomIdentity);
+  }
+
+  /** Metres to pixels, with the whole area in view at scale 1. */
+  #scales(width, height) {
+    const { width_m: w, height_m: h } = this.state.run.scenario;
+    const perMetre = Math.min((width - 2 * MARGIN) / w, (height - 2 * MARGIN) / h);
+    const left = (width - w * perMetre) / 2;
+    const bottom = (height + h * perMetre) / 2;
+    const x = scaleLinear([0, w], [left, left + w * perMetre]);
+    const y = scaleLinear([0, h], [bottom, bottom - h * perMetre]);
+    return { x: this.transform.rescaleX(x), y: this.transform.rescaleY(y), perMetre: perMetre * this.transform.k };
+  }
+
+  #visible(agent) {
+    return this.state.classes[agent.kind];
+  }
+
+  #draw() {
+    const { run } = this.state;
+    const { context: c, width, height } = fit(this.canvas);
+    if (!run || width === 0) return;
+    const t = this.clock.t;
+    const { x, y, perMetre } = this.#scales(width, height);
+    this.shown = { x, y, width, height };
+    this.#drawGrid(c, x, y, width, height);
+    const crowd = run.agents.length + run.tasks.length;
+    const r = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.transform.k ** 0.35));
+    this.#drawTrails(c, x, y, t);
+    this.#drawSites(c, x, y, t, r);
+    this.#drawAgents(c, x, y, t, r);
+    this.#drawSelected(c, x, y, t, r);
+    this.#drawScaleBar(c, perMetre, width);
+  }
+
+  #drawGrid(c, x, y, width, height) {
+    const { width_m: w, height_m: h } = this.state.run.scenario;
+    c.fillStyle = theme.bg;
+    c.fillRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
+    c.strokeStyle = theme.grid;
+    c.lineWidth = 1;
+    c.beginPath();
+    const km = (scale, most) => scale.ticks(most).filter((m) => m % 1000 === 0);
+    c.font = "10px system-ui, sans-serif";
+    c.fillStyle = theme.muted;
+    c.textAlign = "center";
+    for (const m of km(x, width / 80)) {
+      const px = Math.round(x(m)) + 0.5;
+      if (m < 0 || m > w || px < 0 || px > width) continue;
+      c.moveTo(px, Math.max(0, y(h)));
+      c.lineTo(px, Math.min(height, y(0)));
+      c.fillText(`${m / 1000}`, px, Math.min(height - 5, y(0) + 13));
+    }
+    c.textAlign = "right";
+    for (const m of km(y, height / 80)) {
+      const py = Math.round(y(m)) + 0.5;
+      if (m < 0 || m > h || py < 0 || py > height) continue;
+      c.moveTo(Math.max(0, x(0)), py);
+      c.lineTo(Math.min(width, x(w)), py);
+      c.fillText(`${m / 1000}`, Math.max(16, x(0) - 5), py + 3);
+    }
+    c.stroke();
+    c.strokeStyle = theme.line;
+    c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
+  }
+
+  #drawTrails(c, x, y, t) {
+    if (this.trailMs === 0) return;
+    const from = t - this.trailMs;
+    c.lineWidth = 1.3;
+    c.globalAlpha = this.state.run.agents.length > 500 ? 0.3 : 0.5;
+    for (let kind = 0; kind < 3; ++kind) {
+      if (!this.state.classes[kind]) continue;
+      c.strokeStyle = theme.kinds[kind];
+      c.beginPath();
+      for (const agent of this.state.run.agents) {
+        if (agent.kind === kind && statusAt(agent, t) !== OFFLINE) this.#trail(c, x, y, agent, from, t);
+      }
+      c.stroke();
+    }
+    c.globalAlpha = 1;
+  }
+
+  #trail(c, x, y, agent, from, t) {
+    const { stops } = agent;
+    const start = placeAt(agent, Math.max(from, stops[0] ?? 0));
+    const now = placeAt(agent, t);
+    if (!start) return;
+    c.moveTo(x(start.x), y(start.y));
+    for (let i = (rowAt(stops, 4, from) + 1) * 4; i < stops.length && stops[i] < t; i += 4) {
+      c.lineTo(x(stops[i + 1]), y(stops[i + 2]));
+    }
+    c.lineTo(x(now.x), y(now.y));
+  }
+
+  #drawSites(c, x, y, t, r) {
+    const { run } = this.state;
+    c.lineWidth = 1.4;
+    c.strokeStyle = theme.charging;
+    c.beginPath();
+    for (const point of run.charging) {
+      const px = x(point.x);
+      const py = y(point.y);
+      c.rect(px - r, py - r, 2 * r, 2 * r);
+      c.moveTo(px - r * 0.5, py);
+      c.lineTo(px + r * 0.5, py);
+      c.moveTo(px, py - r * 0.5);
+      c.lineTo(px, py + r * 0.5);
+    }
+    c.stroke();
+    const diamond = (px, py, size) => {
+      c.moveTo(px, py - size);
+      c.lineTo(px + size, py);
+      c.lineTo(px, py + size);
+      c.lineTo(px - size, py);
+      c.closePath();
+    };
+    // open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick
+    for (let status = 3; status >= 0; --status) {
+      c.beginPath();
+      for (const task of run.tasks) {
+        if (taskStatusAt(task, t) !== status) continue;
+        const px = x(task.x);
+        const py = y(task.y);
+        if (status === 3) {
+          c.moveTo(px - r * 0.7, py);
+          c.lineTo(px - r * 0.15, py + r * 0.6);
+          c.lineTo(px + r * 0.8, py - r * 0.7);
+        } else {
+          diamond(px, py, status === 2 ? r * 1.5 : r * 1.15);
+          if (status === 1) c.rect(px - 1, py - 1, 2, 2);
+        }
+      }
+      c.strokeStyle = status === 3 ? theme.done : status === 2 ? theme.sensing : theme.task;
+      c.lineWidth = status === 3 ? 1.6 : 1.4;
+      if (status === 2) {
+        c.fillStyle = theme.sensing;
+        c.fill();
+      }
+      c.stroke();
+    }
+  }
+
+  #drawAgents(c, x, y, t, r) {
+    const { run } = this.state;
+    const shown = [[], [], []];
+    for (const agent of run.agents) {
+      if (!this.#visible(agent)) continue;
+      const status = statusAt(agent, t);
+      if (status === OFFLINE) continue;
+      const place = placeAt(agent, t);
+      if (place) shown[agent.kind].push({ agent, status, place });
+    }
+    // where those who move are going
+    c.setLineDash([3, 4]);
+    c.lineWidth = 1;
+    c.globalAlpha = run.agents.length > 500 ? 0.35 : 0.6;
+    for (let kind = 0; kind < 3; ++kind) {
+      c.strokeStyle = theme.kinds[kind];
+      c.beginPath();
+      for (const { status, place } of shown[kind]) {
+        if (status !== MOVING) continue;
+        c.moveTo(x(place.x), y(place.y));
+        c.lineTo(x(place.toX), y(place.toY));
+      }
+      c.stroke();
+    }
+    c.setLineDash([]);
+    c.globalAlpha = 1;
+    // vehicles lowest, UAVs on top; idle ones hollow; a ring while sensing or charging
+    for (const kind of [2, 1, 0]) {
+      for (const idle of [true, false]) {
+        c.beginPath();
+        for (const { status, place } of shown[kind]) {
+          if (status === FAILED || (status === 1) !== idle) continue;
+          const heading = place.toX === place.x && place.toY === place.y ? -Math.PI / 2
+            : Math.atan2(place.y - place.toY, place.toX - place.x);
+          agentShape(c, kind, x(place.x), y(place.y), r, heading);
+        }
+        c.lineWidth = idle ? 1.5 : 1;
+        c.fillStyle = idle ? theme.bg : theme.kinds[kind];
+        c.strokeStyle = idle ? theme.kinds[kind] : theme.bg;
+        c.fill();
+        c.stroke();
+      }
+    }
+    for (const status of [3, 4, 5]) {
+      c.beginPath();
+      for (const { status: own, place } of shown.flat()) {
+        if (own !== status) continue;
+        c.moveTo(x(place.x) + r * 2.1, y(place.y));
+        c.arc(x(place.x), y(place.y), r * 2.1, 0, 2 * Math.PI);
+      }
+      c.strokeStyle = theme.status[status];
+      c.lineWidth = 1.8;
+      c.setLineDash(status === 3 ? [2, 3] : []);
+      c.stroke();
+    }
+    c.setLineDash([]);
+    c.beginPath();
+    for (const { status, place } of shown.flat()) {
+      if (status === FAILED) cross(c, x(place.x), y(place.y), r);
+    }
+    c.strokeStyle = theme.failed;
+    c.lineWidth = 2.4;
+    c.stroke();
+    if (run.agents.length <= 60 || this.transform.k > 4) this.#drawLabels(c, x, y, shown.flat(), r);
+  }
+
+  #drawLabels(c, x, y, shown, r) {
+    if (this.transform.k < 1.8) return;
+    c.font = "10px system-ui, sans-serif";
+    c.textAlign = "left";
+    c.fillStyle = theme.muted;
+    for (const { agent, place } of shown) c.fillText(agent.label, x(place.x) + r + 5, y(place.y) - r);
+  }
+
+  #drawSelected(c, x, y, t, r) {
+    const { run, selected } = this.state;
+    if (!selected) return;
+    let place;
+    if (selected.type === "agent") {
+      const agent = run.agents[selected.index];
+      place = agent && placeAt(agent, t);
+      if (!place) return;
+      c.strokeStyle = theme.kinds[agent.kind];
+      c.lineWidth = 2.2;
+      c.beginPath();
+      this.#trail(c, x, y, agent, 0, t);
+      c.stroke();
+    } else {
+      place = (selected.type === "task" ? run.tasks : run.charging)[selected.id];
+      if (!place) return;
+    }
+    c.strokeStyle = theme.cursor;
+    c.lineWidth = 2;
+    c.beginPath();
+    c.arc(x(place.x), y(place.y), r * 2.8, 0, 2 * Math.PI);
+    c.stroke();
+  }
+
+  #drawScaleBar(c, perMetre, width) {
+    const metres = [100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000].find((m) => m * perMetre > 50) ?? 100000;
+    const length = metres * perMetre;
+    const left = width - length - 14;
+    c.strokeStyle = theme.text;
+    c.lineWidth = 1.5;
+    c.beginPath();
+    c.moveTo(left, 16);
+    c.lineTo(left, 20);
+    c.lineTo(left + length, 20);
+    c.lineTo(left + length, 16);
+    c.stroke();
+    c.fillStyle = theme.text;
+    c.font = "11px system-ui, sans-serif";
+    c.textAlign = "center";
+    c.fillText(metres >= 1000 ? `${metres / 1000} km` : `${metres} m`, left + length / 2, 15);
+  }
+
+  /** What is nearest to the pointer, agents first; null when nothing is near. */
+  #find(event) {
+    if (!this.shown) return null;
+    const { run } = this.state;
+    const { x, y } = this.shown;
+    const t = this.clock.t;
+    let best = null;
+    let nearest = NEAR_PX ** 2;
+    const look = (px, py, found) => {
+      const d = (px - event.offsetX) ** 2 + (py - event.offsetY) ** 2;
+      if (d < nearest) {
+        nearest = d;
+        best = found;
+      }
+    };
+    for (const agent of run.agents) {
+      if (!this.#visible(agent) || statusAt(agent, t) === OFFLINE) continue;
+      const place = placeAt(agent, t);
+      if (place) look(x(place.x), y(place.y), { type: "agent", index: agent.index });
+    }
+    if (best) return best;
+    for (const task of run.tasks) look(x(task.x), y(task.y), { type: "task", id: task.id });
+    for (const point of run.charging) look(x(point.x), y(point.y), { type: "charge", id: point.id });
+    return best;
+  }
+
+  #hover(event) {
+    const found = this.#find(event);
+    this.canvas.style.cursor = found ? "pointer" : "grab";
+    this.tip.hidden = !found;
+    if (!found) return;
+    this.tip.textContent = describe(this.state.run, found, this.clock.t);
+    const left = Math.min(event.offsetX + 14, this.shown.width - this.tip.offsetWidth - 6);
+    this.tip.style.transform = `translate(${Math.max(4, left)}px, ${Math.max(4, event.offsetY - 34)}px)`;
+  }
+}
+
+/** One line about an agent, a task or a charging point at t. */
+export function describe(run, item, t) {
+  if (item.type === "agent") {
+    const agent = run.agents[item.index];
+    const place = placeAt(agent, t);
+    const range = agent.kind === 0 && place
+      ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
+    return `${agent.label}: ${STATUS[statusAt(agent, t)]}${range}`;
+  }
+  if (item.type === "task") {
+    const task = run.tasks[item.id];
+    return `task ${item.id}: ${TASK_STATUS[taskStatusAt(task, t)]}, takes ${(task.cost / 1000).toFixed(1)} km of range`;
+  }
+  const point = run.charging[item.id];
+  return `charging point ${item.id}: ${point.capacity === null ? "any number of" : point.capacity} UAV${point.capacity === 1 ? "" : "s"} at a time`;
+}

@@ -1,0 +1,199 @@
+import { byId, bytes, element, number } from "./dom.js";
+import { numbersOf } from "./header.js";
+import { describe } from "./map.js";
+import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, sameActions, statusAt, who } from "./run.js";
+import { clockText } from "./time.js";
+import { theme } from "./theme.js";
+import { duration, percent } from "./dom.js";
+
+const MOST_ROWS = 400;
+
+function table(head, rows) {
+  return element("table", {},
+    element("thead", {}, element("tr", {}, ...head.map((h) => element("th", { scope: "col", class: h.startsWith("#") ? "n" : null }, h.replace("#", ""))))),
+    element("tbody", {}, ...rows));
+}
+
+const cells = (values, head) => values.map((value, i) =>
+  element("td", { class: head[i].startsWith("#") ? "n" : null }, value instanceof Node ? value : String(value)));
+
+/** What the tabs beside the timeline show: decision, events, processes, comparison. */
+export class Panels {
+  constructor(state, clock) {
+    this.state = state;
+    this.clock = clock;
+    this.body = byId("panel-body");
+    this.tab = "decision";
+    for (const button of document.querySelectorAll("#panel-tabs button")) {
+      button.addEventListener("click", () => this.open(button.dataset.tab));
+    }
+    clock.subscribe(() => this.#onTime());
+    state.on("run data selection", () => this.draw());
+    state.on("run data", () => this.#drawComparison());
+  }
+
+  open(tab) {
+    this.tab = tab;
+    for (const button of document.querySelectorAll("#panel-tabs button")) {
+      button.setAttribute("aria-selected", String(button.dataset.tab === tab));
+    }
+    this.draw();
+  }
+
+  #onTime() {
+    const decision = this.state.run && decisionAt(this.state.run, this.clock.t);
+    if (this.tab === "decision" && decision !== this.shownDecision) this.draw();
+    this.#drawSelection();
+  }
+
+  draw() {
+    const { run } = this.state;
+    if (!run) return;
+    const draw = { decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run) };
+    this.body.replaceChildren(...draw[this.tab]());
+    this.#drawSelection();
+  }
+
+  #drawSelection() {
+    const { run, selected } = this.state;
+    const line = byId("selection");
+    line.hidden = !selected;
+    if (selected) line.textContent = describe(run, selected, this.clock.t);
+  }
+
+  #decision(run) {
+    const decision = decisionAt(run, this.clock.t);
+    this.shownDecision = decision;
+    if (!decision) return [element("p", { class: "empty" }, "Before the first decision.")];
+    const gap = decision.bound > 0 ? ` (${number(100 * (1 - decision.weight / decision.bound), 2)} % below it)` : "";
+    const head = ["what", "who", "where", "#weight"];
+    const actions = actionsOf(decision).filter((a) => a.kind > 2).sort((a, b) => b.weight - a.weight);
+    const staying = decision.actions.length / 9 - actions.length;
+    const rows = actions.slice(0, MOST_ROWS).map((a) =>
+      element("tr", { tabindex: 0, onclick: () => this.#selectAction(run, a), onkeydown: (e) => e.key === "Enter" && this.#selectAction(run, a) },
+        ...cells([element("span", { title: a.symbol }, a.name), who(a), a.task >= 0 ? `task ${a.task}` : a.charge >= 0 ? `charging point ${a.charge}` : `${number(a.x / 1000, 1)}, ${number(a.y / 1000, 1)} km`, number(a.weight, 3)], head)));
+    return [
+      element("p", { class: "lead" }, element("b", {}, `Decision ${decision.index}`), ` at ${clockText(decision.t)}, ${decision.policy}`),
+      element("dl", { class: "pairs" },
+        element("dt", {}, "weight"), element("dd", { "data-key": "decision_weight", "data-raw": String(decision.weight) }, number(decision.weight, 3)),
+        element("dt", {}, "bound"), element("dd", {}, decision.bound === null ? "none proven" : `${number(decision.bound, 3)}${gap}`),
+        element("dt", {}, "candidates"), element("dd", {}, number(decision.candidates)),
+        element("dt", {}, "solved in"), element("dd", {}, duration(decision.solveUs / 1e6)),
+        element("dt", {}, "sent"), element("dd", {}, `${number(actions.length)} actions, ${number(staying)} stay`)),
+      table(head, rows),
+      ...(actions.length > MOST_ROWS ? [element("p", { class: "empty" }, `${actions.length - MOST_ROWS} more of lower weight`)] : []),
+    ];
+  }
+
+  #selectAction(run, action) {
+    const kind = action.uav >= 0 ? 0 : action.worker >= 0 ? 1 : 2;
+    const id = [action.uav, action.worker, action.vehicle][kind];
+    if (id >= 0) this.state.select({ type: "agent", index: run.agentIndex(kind, id) });
+  }
+
+  #events(run) {
+    const notable = run.events.filter((e) => !["agent_online", "agent_offline", "sensing_started", "charging_started"].includes(e.kind));
+    if (notable.length === 0) return [element("p", { class: "empty" }, "Nothing happened yet.")];
+    const head = ["time", "what", "who", ""];
+    const worst = (e) => e.kind.includes("fail") || e.kind.includes("lost") || e.kind.includes("fault") || e.kind.includes("aborted");
+    const rows = notable.slice(0, 5000).map((e) =>
+      element("tr", { class: worst(e) ? "bad" : null, tabindex: 0, onclick: () => this.clock.seek(e.t), onkeydown: (k) => k.key === "Enter" && this.clock.seek(e.t) },
+        ...cells([clockText(e.t), e.kind.replace("_", " "), who(e),
+          [e.task >= 0 ? `task ${e.task}` : "", e.charge >= 0 ? `charging point ${e.charge}` : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
+    return [table(head, rows)];
+  }
+
+  #processes(run) {
+    const head = ["process", "#received", "#lost", "#rejected", "#sent again", "#restarts", "#CPU", "#memory"];
+    const list = run.report && (run.ended || !this.state.live) ? run.report.processes : latestProcesses(run);
+    return [table(head, list.map((p) => element("tr", {}, ...cells([p.name, number(p.received), number(p.lost), number(p.rejected),
+      number(p.resent), p.restarts, p.cpu_s > 0 ? duration(p.cpu_s) : "–", p.rss_bytes > 0 ? bytes(p.rss_bytes) : "–"], head))))];
+  }
+
+  #drawComparison() {
+    const { runs } = this.state;
+    byId("comparison").hidden = runs.length < 2;
+    if (runs.length < 2) return;
+    const head = ["run", "policy", "#completion", "#tasks done", "#weight", "#charges", "#flown", "#decision time", "first difference", "digest"];
+    const rows = runs.map((run, r) => {
+      const n = numbersOf(run);
+      return element("tr", {}, ...cells([
+        element("span", {}, element("i", { class: "swatch", style: `background:${theme.runs[r % 6]}` }), run.name),
+        n.policy, percent(n.completion), number(n.tasksDone), number(n.weight, 1), number(n.charges),
+        n.flownM === null ? "–" : `${number(n.flownM / 1000, 1)} km`, duration(n.medianS),
+        r === 0 ? "–" : firstDifference(runs[0], run), n.digest?.slice(0, 12) ?? "–"], head));
+    });
+    const each = ["#decision", ...runs.flatMap((run) => [`#weight ${run.name}`, `#done ${run.name}`])];
+    const most = Math.max(...runs.map((run) => run.decisions.length));
+    const perDecision = [];
+    for (let i = 0; i < most; ++i) {
+      const t = runs[0].decisions[i]?.t;
+      perDecision.push(element("tr", { tabindex: 0, onclick: () => t !== undefined && this.clock.seek(t) },
+        ...cells([i, ...runs.flatMap((run) => {
+          const d = run.decisions[i];
+          return d ? [number(d.weight, 2), number(doneAt(run, d.t))] : ["–", "–"];
+        })], each)));
+    }
+    byId("comparison-body").replaceChildren(
+      element("div", { class: "wide", tabindex: 0 }, table(head, rows)),
+      element("details", {}, element("summary", {}, "Decision by decision"), element("div", { class: "wide tall", tabindex: 0 }, table(each, perDecision))));
+  }
+}
+
+/** "decision 3", "none" or "other scenario": where `run` first decided otherwise than `reference`. */
+export function firstDifference(reference, run) {
+  if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return "other scenario";
+  for (let i = 0; i < Math.max(reference.decisions.length, run.decisions.length); ++i) {
+    const a = reference.decisions[i];
+    const b = run.decisions[i];
+    if (!a || !b || !sameActions(a, b)) return `decision ${i}`;
+  }
+  return "none";
+}
+
+/** The newest counters of each process of a live run. */
+function latestProcesses(run) {
+  return [...run.processes].map(([name, rows]) => {
+    const [, , start, received, lost, rejected, resent, cpu, rss] = rows.slice(-10);
+    return { name, received, lost, rejected, resent, restarts: start, cpu_s: cpu, rss_bytes: rss };
+  });
+}
+
+/** Class filters with counts by status; the legend of map and timeline at once. */
+export class Legend {
+  constructor(state, clock) {
+    this.state = state;
+    this.clock = clock;
+    this.buttons = KIND_NAMES.map((name, kind) => {
+      const count = element("b", {});
+      const button = element("button", { type: "button", class: `kind k${kind}`, "aria-pressed": "true", title: `Show or hide ${name} (key ${kind + 1})`,
+        onclick: () => state.toggleClass(kind) }, element("i", { class: `shape s${kind}` }), name, count);
+      return { button, count };
+    });
+    byId("classes").append(...this.buttons.map((b) => b.button));
+    byId("statuses").append(...STATUS.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), name, " ", element("b", { id: `count-${name}` }))));
+    clock.subscribe(() => this.draw());
+    state.on("run data classes", () => this.draw());
+  }
+
+  draw() {
+    const { run, classes } = this.state;
+    if (!run) return;
+    const online = [0, 0, 0];
+    const byStatus = new Array(STATUS.length).fill(0);
+    for (const agent of run.agents) {
+      const status = statusAt(agent, this.clock.t);
+      if (status === 0) continue;
+      ++online[agent.kind];
+      if (classes[agent.kind]) ++byStatus[status];
+    }
+    const total = [run.scenario.uavs, run.scenario.workers, run.scenario.vehicles];
+    this.buttons.forEach(({ button, count }, kind) => {
+      button.setAttribute("aria-pressed", String(classes[kind]));
+      count.textContent = ` ${online[kind]}/${total[kind]}`;
+    });
+    STATUS.forEach((name, i) => {
+      if (i > 0) byId(`count-${name}`).textContent = byStatus[i];
+    });
+  }
+}

@@ -1,0 +1,244 @@
+import { rowAt } from "./time.js";
+
+export const KINDS = ["uav", "worker", "vehicle"];
+export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
+export const STATUS = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
+export const TASK_STATUS = ["open", "reserved", "sensing", "done"];
+export const OFFLINE = 0;
+export const MOVING = 2;
+export const FAILED = 6;
+
+const STOP = 4; // t_ms, x_m, y_m, range_m
+const SAMPLE = 10; // t_ms, wall_ms, start, received, lost, rejected, resent, cpu_s, rss_bytes, state
+const ACTION = 9; // kind, uav, worker, vehicle, task, charge, x_m, y_m, weight
+
+function splice(list, from, fresh) {
+  list.length = from;
+  for (const value of fresh) list.push(value);
+}
+
+/** One mission, as the chunks tell it (docs/report.md): the first makes it, later ones add to it. */
+export class Run {
+  constructor() {
+    this.name = "";
+    this.scenario = null;
+    this.report = null;
+    this.nowMs = 0;
+    this.epochMs = 0;
+    this.ended = false;
+    this.agents = [];
+    this.tasks = [];
+    this.charging = [];
+    this.done = []; // t_ms, tasks
+    this.decisions = [];
+    this.activities = []; // kind, uav, partner, site, start_ms, end_ms
+    this.events = [];
+    this.processes = new Map(); // name -> rows of SAMPLE
+    this.faults = [];
+  }
+
+  apply(chunk) {
+    if (chunk.scenario) this.#begin(chunk);
+    this.nowMs = Math.max(this.nowMs, chunk.now_ms);
+    this.epochMs = chunk.epoch_ms;
+    this.ended = chunk.ended;
+    if (chunk.report) this.report = chunk.report;
+    for (const [i, from, rows] of chunk.stops ?? []) splice(this.agents[i].stops, from * STOP, rows);
+    for (const [i, from, rows] of chunk.spans ?? []) splice(this.agents[i].spans, from * 2, rows);
+    for (const [i, from, rows] of chunk.tasks ?? []) splice(this.tasks[i].changes, from * 2, rows);
+    if (chunk.done) splice(this.done, chunk.done[0] * 2, chunk.done[1]);
+    if (chunk.activities) splice(this.activities, chunk.activities[0] * 6, chunk.activities[1]);
+    for (const row of chunk.decisions?.[1] ?? []) this.#addDecision(row);
+    if (chunk.events) {
+      this.rawEvents ??= [];
+      splice(this.rawEvents, chunk.events[0], chunk.events[1]);
+      this.events = this.rawEvents.map(readEvent).sort((a, b) => a.t - b.t);
+    }
+    for (const [name, from, rows] of chunk.processes ?? []) {
+      if (!this.processes.has(name)) this.processes.set(name, []);
+      splice(this.processes.get(name), from * SAMPLE, rows);
+    }
+    if (chunk.faults) {
+      this.faults = chunk.faults.map(([id, kind, target, at, forMs, probability]) => ({
+        id, kind, target, at, forMs, probability }));
+    }
+  }
+
+  #begin(chunk) {
+    this.name = chunk.name;
+    const s = chunk.scenario;
+    this.scenario = s;
+    this.limitMs = s.limit_ms;
+    this.intervalMs = s.interval_ms;
+    this.tickMs = s.tick_ms;
+    [s.uavs, s.workers, s.vehicles].forEach((n, kind) => {
+      for (let id = 0; id < n; ++id) {
+        const fullRange = kind === 0 ? s.range_full_m[id] : 0;
+        this.agents.push({ index: this.agents.length, kind, id, label: `${KINDS[kind]}:${id}`,
+          fullRange, stops: [], spans: [] });
+      }
+    });
+    for (let i = 0; i < s.tasks.length; i += 3) {
+      this.tasks.push({ id: i / 3, x: s.tasks[i], y: s.tasks[i + 1], cost: s.tasks[i + 2], changes: [] });
+    }
+    for (let i = 0; i < s.charging_points.length; i += 3) {
+      this.charging.push({ id: i / 3, x: s.charging_points[i], y: s.charging_points[i + 1],
+        capacity: s.charging_points[i + 2] });
+    }
+  }
+
+  #addDecision([index, t, weight, bound, candidates, solveUs, policy, actions]) {
+    const place = this.decisions.findIndex((d) => d.index >= index);
+    const decision = { index, t, weight, bound, candidates, solveUs, policy, actions };
+    if (place < 0) this.decisions.push(decision);
+    else if (this.decisions[place].index === index) this.decisions[place] = decision;
+    else this.decisions.splice(place, 0, decision);
+  }
+
+  agentIndex(kind, id) {
+    const s = this.scenario;
+    return kind === 0 ? id : kind === 1 ? s.uavs + id : s.uavs + s.workers + id;
+  }
+
+  get tasksDone() {
+    return this.done.length ? this.done[this.done.length - 1] : 0;
+  }
+}
+
+function readEvent([kind, t, uav, worker, vehicle, task, charge, fault, detail]) {
+  return { kind, t, uav, worker, vehicle, task, charge, fault, detail };
+}
+
+/** Where an agent is at t: x, y, range and the direction of travel; null before its first state. */
+export function placeAt(agent, t) {
+  const { stops } = agent;
+  if (stops.length === 0) return null;
+  const i = Math.max(0, rowAt(stops, STOP, t)) * STOP;
+  const x = stops[i + 1];
+  const y = stops[i + 2];
+  const range = stops[i + 3];
+  if (i + STOP >= stops.length || stops[i] >= t) return { x, y, range, toX: x, toY: y };
+  const share = (t - stops[i]) / (stops[i + STOP] - stops[i]);
+  const toX = stops[i + 5];
+  const toY = stops[i + 6];
+  return { x: x + share * (toX - x), y: y + share * (toY - y), range: range + share * (stops[i + 7] - range), toX, toY };
+}
+
+export function statusAt(agent, t) {
+  const i = rowAt(agent.spans, 2, t);
+  return i < 0 ? OFFLINE : agent.spans[2 * i + 1];
+}
+
+export function taskStatusAt(task, t) {
+  const i = rowAt(task.changes, 2, t);
+  return i < 0 ? 0 : task.changes[2 * i + 1];
+}
+
+export function doneAt(run, t) {
+  const i = rowAt(run.done, 2, t);
+  return i < 0 ? 0 : run.done[2 * i + 1];
+}
+
+/** The decision in force at t; null before the first. */
+export function decisionAt(run, t) {
+  let found = null;
+  for (const decision of run.decisions) {
+    if (decision.t > t) break;
+    found = decision;
+  }
+  return found;
+}
+
+const ACTION_SYMBOLS = ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "to x, y"];
+const ACTION_NAMES = ["stays", "stays", "stays", "goes ahead", "goes ahead", "goes to charge", "goes to charge", "sense", "charge", "goes"];
+
+/** A decision's actions as objects. */
+export function actionsOf(decision) {
+  const list = [];
+  for (let i = 0; i < decision.actions.length; i += ACTION) {
+    const [kind, uav, worker, vehicle, task, charge, x, y, weight] = decision.actions.slice(i, i + ACTION);
+    list.push({ kind, symbol: ACTION_SYMBOLS[kind] ?? String(kind), name: ACTION_NAMES[kind] ?? String(kind), uav, worker, vehicle, task, charge, x, y, weight });
+  }
+  return list;
+}
+
+/** Whether two decisions command the same. */
+export function sameActions(a, b) {
+  return a.actions.length === b.actions.length && a.actions.every((value, i) => value === b.actions[i]);
+}
+
+/** Sums over all processes and their starts, at each time that one of them said something. */
+export function busOverTime(run) {
+  const samples = [];
+  for (const [name, rows] of run.processes) {
+    for (let i = 0; i < rows.length; i += SAMPLE) {
+      samples.push({ name, t: rows[i], start: rows[i + 2], lost: rows[i + 4], rejected: rows[i + 5], resent: rows[i + 6] });
+    }
+  }
+  samples.sort((a, b) => a.t - b.t);
+  const latest = new Map();
+  const total = { lost: 0, rejected: 0, resent: 0 };
+  const out = { t: [], lost: [], rejected: [], resent: [] };
+  for (const sample of samples) {
+    const key = `${sample.name}/${sample.start}`;
+    const before = latest.get(key) ?? { lost: 0, rejected: 0, resent: 0 };
+    for (const what of ["lost", "rejected", "resent"]) total[what] += sample[what] - before[what];
+    latest.set(key, sample);
+    if (out.t[out.t.length - 1] !== sample.t) out.t.push(sample.t);
+    for (const what of ["lost", "rejected", "resent"]) out[what][out.t.length - 1] = total[what];
+  }
+  return out;
+}
+
+/** What went wrong when: bands { from, to, label, kind }, those of an instant with to = from. */
+export function faultBands(run) {
+  const bands = [];
+  const open = new Map();
+  const end = Math.max(run.nowMs, 1);
+  const close = (key, t) => {
+    if (!open.has(key)) return;
+    open.get(key).to = t;
+    open.delete(key);
+  };
+  for (const event of run.events) {
+    const process = event.detail.split(/[ ,]/)[0];
+    if (event.kind === "fault_applied") {
+      const band = { from: event.t, to: end, label: `fault ${event.fault} ${event.detail}`.trim(), kind: "fault" };
+      open.set(`fault ${event.fault}`, band);
+      bands.push(band);
+    } else if (event.kind === "fault_ended") {
+      close(`fault ${event.fault}`, event.t);
+    } else if (event.kind === "process_lost") {
+      const band = { from: event.t, to: end, label: `lost: ${event.detail}`, kind: "process" };
+      open.set(process, band);
+      bands.push(band);
+    } else if (event.kind === "process_back") {
+      close(process, event.t);
+    } else if (event.kind === "agent_failed") {
+      bands.push({ from: event.t, to: event.t, label: `${who(event)} failed`, kind: "agent" });
+    }
+  }
+  return bands;
+}
+
+/** "uav:3, worker:5" of an event or action. */
+export function who(item) {
+  const names = [];
+  if (item.uav >= 0) names.push(`uav:${item.uav}`);
+  if (item.worker >= 0) names.push(`worker:${item.worker}`);
+  if (item.vehicle >= 0) names.push(`vehicle:${item.vehicle}`);
+  return names.join(", ");
+}
+
+/** Milliseconds an agent was moving, sensing or charging until `t`. */
+export function busyMs(agent, t) {
+  let sum = 0;
+  const { spans } = agent;
+  for (let i = 0; i < spans.length; i += 2) {
+    const status = spans[i + 1];
+    if (status < MOVING || status === FAILED) continue;
+    const until = Math.min(t, i + 2 < spans.length ? spans[i + 2] : t);
+    sum += Math.max(0, until - spans[i]);
+  }
+  return sum;
+}

@@ -1,0 +1,48 @@
+/** What the user has chosen, and who wants to know. */
+export class State {
+  constructor() {
+    this.runs = [];
+    this.current = 0;
+    this.selected = null; // { type: "agent", index } or { type: "task" | "charge", id }
+    this.classes = [true, true, true];
+    this.view = null; // [from, to] in ms of the current run; null: all of it
+    this.byDecision = false; // curves over decisions rather than time
+    this.live = false;
+    this.listeners = new Map();
+  }
+
+  get run() {
+    return this.runs[this.current];
+  }
+
+  /** what: "run", "data", "selection", "classes", "view", "axis", "theme" */
+  on(what, listener) {
+    for (const name of what.split(" ")) {
+      if (!this.listeners.has(name)) this.listeners.set(name, []);
+      this.listeners.get(name).push(listener);
+    }
+  }
+
+  emit(what) {
+    for (const listener of this.listeners.get(what) ?? []) listener();
+  }
+
+  select(selected) {
+    this.selected = selected;
+    this.emit("selection");
+  }
+
+  toggleClass(kind) {
+    this.classes[kind] = !this.classes[kind];
+    this.emit("classes");
+  }
+
+  setView(view) {
+    this.view = view;
+    this.emit("view");
+  }
+
+  get viewRange() {
+    return this.view ?? [0, this.run.limitMs];
+  }
+}

@@ -1,0 +1,24 @@
+/** Colours of the style sheet, for the canvases. Okabe and Ito's palette: told apart by all eyes. */
+const NAMES = ["bg", "panel", "line", "grid", "text", "muted", "accent", "uav", "worker", "vehicle", "idle",
+  "moving", "waiting", "sensing", "charging", "failed", "task", "done", "band", "cursor"];
+
+export const theme = {};
+
+export function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of NAMES) theme[name] = style.getPropertyValue(`--${name}`).trim();
+  theme.kinds = [theme.uav, theme.worker, theme.vehicle];
+  theme.status = ["transparent", theme.idle, theme.moving, theme.waiting, theme.sensing, theme.charging, theme.failed];
+  theme.runs = ["--run0", "--run1", "--run2", "--run3", "--run4", "--run5"].map((name) =>
+    style.getPropertyValue(name).trim());
+}
+
+export const RUN_DASHES = [[], [7, 3], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
+
+export function watchTheme(changed) {
+  readTheme();
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    readTheme();
+    changed();
+  });
+}

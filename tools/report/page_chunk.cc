@@ -1,0 +1,179 @@
+#include "tools/report/page_chunk.h"
+
+#include <cmath>
+
+#include "tools/report/report_json.h"
+
+namespace muster::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::int64_t Ms(std::int64_t us) { return us / 1000; }
+std::int64_t Whole(double metres) {
+  return std::isfinite(metres) ? static_cast<std::int64_t>(std::llround(metres)) : 0;
+}
+ordered_json Number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json();
+}
+
+/// Appends what is new in `growing` to `list` through write(row); returns the index of the first
+/// row written, -1 when nothing is new. A last row that may have changed is written again.
+template <class T, class Write>
+std::int64_t Fresh(const Growing<T>& growing, PageCursor::Place* place, ordered_json* list,
+                   Write write) {
+  if (place->version == growing.version) return -1;
+  std::size_t from = place->rows > 0 ? place->rows - 1 : 0;
+  if (place->rebuilt != growing.rebuilt) from = 0;
+  for (std::size_t i = from; i < growing.rows.size(); ++i) write(growing.rows[i], list);
+  *place = {growing.rows.size(), growing.version, growing.rebuilt};
+  return static_cast<std::int64_t>(from);
+}
+
+/// [from, [numbers of all rows, one after the other]]; nothing when nothing is new.
+template <class T, class Write>
+void Flat(const char* key, const Growing<T>& growing, PageCursor::Place* place, ordered_json* chunk,
+          Write write) {
+  ordered_json list = ordered_json::array();
+  const std::int64_t from = Fresh(growing, place, &list, write);
+  if (from >= 0) (*chunk)[key] = {from, std::move(list)};
+}
+
+void WriteAction(const action_t& a, ordered_json* list) {
+  list->insert(list->end(), {a.kind, a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id,
+                             Whole(a.x_m), Whole(a.y_m), Number(a.weight)});
+}
+
+void WriteSchedule(const schedule_t& s, ordered_json* list) {
+  ordered_json actions = ordered_json::array();
+  for (const action_t& action : s.actions) WriteAction(action, &actions);
+  list->push_back({s.decision, Ms(s.header.sim_us), Number(s.weight), Number(s.bound), s.candidates,
+                   s.solve_us, s.policy, std::move(actions)});
+}
+
+ordered_json Places(const Scenario& scenario) {
+  ordered_json tasks = ordered_json::array();
+  for (const Task& task : scenario.tasks) {
+    tasks.insert(tasks.end(), {Whole(task.at.x_m), Whole(task.at.y_m), Whole(task.cost_m)});
+  }
+  ordered_json charging = ordered_json::array();
+  for (const ChargingPoint& point : scenario.charging_points) {
+    charging.insert(charging.end(),
+                    {Whole(point.at.x_m), Whole(point.at.y_m),
+                     point.capacity ? ordered_json(*point.capacity) : ordered_json()});
+  }
+  ordered_json range = ordered_json::array();
+  for (const AgentSpec& uav : scenario.uavs) range.push_back(Whole(uav.range_full_m));
+  ordered_json place = {{"name", scenario.name},
+                        {"seed", scenario.seed},
+                        {"width_m", Whole(scenario.width_m)},
+                        {"height_m", Whole(scenario.height_m)},
+                        {"interval_ms", Ms(scenario.rules.interval_us)},
+                        {"limit_ms", Ms(scenario.rules.limit_us)},
+                        {"tick_ms", Ms(scenario.rules.tick_us)},
+                        {"uavs", scenario.uavs.size()},
+                        {"workers", scenario.workers.size()},
+                        {"vehicles", scenario.vehicles.size()},
+                        {"tasks", std::move(tasks)},
+                        {"charging_points", std::move(charging)},
+                        {"range_full_m", std::move(range)}};
+  if (scenario.origin) {
+    place["origin"] = {scenario.origin->latitude_deg, scenario.origin->longitude_deg};
+  }
+  return place;
+}
+
+ordered_json Numbers(const RunRecord& record) {
+  ordered_json report = Report(record);
+  for (const char* list : {"tasks", "uavs", "decisions"}) report.erase(list);
+  return report;
+}
+
+/// [[index, from, [numbers]], ...] of all items that changed.
+template <class Items, class Get, class Write>
+void FlatOfEach(const char* key, const Items& items, std::vector<PageCursor::Place>* places,
+                ordered_json* chunk, Get get, Write write) {
+  ordered_json all = ordered_json::array();
+  places->resize(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    ordered_json list = ordered_json::array();
+    const std::int64_t from = Fresh(get(items[i]), &(*places)[i], &list, write);
+    if (from >= 0) all.push_back({i, from, std::move(list)});
+  }
+  if (!all.empty()) (*chunk)[key] = std::move(all);
+}
+
+}  // namespace
+
+ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCursor* cursor,
+                       bool with_report) {
+  const Timeline& timeline = feed.timeline();
+  ordered_json chunk = ordered_json::object();
+  if (!cursor->begun) {
+    chunk["version"] = 1;
+    chunk["name"] = name;
+    chunk["scenario"] = Places(timeline.scenario());
+    cursor->begun = true;
+  }
+  chunk["now_ms"] = timeline.now_ms();
+  chunk["epoch_ms"] = Ms(feed.epoch_us());
+  chunk["ended"] = timeline.ended();
+  if (with_report) chunk["report"] = Numbers(feed.record());
+
+  FlatOfEach(
+      "stops", timeline.agents(), &cursor->stops, &chunk,
+      [](const Timeline::Agent& agent) -> const auto& { return agent.stops; },
+      [](const Timeline::Stop& s, ordered_json* list) {
+        list->insert(list->end(), {s.t_ms, Whole(s.x_m), Whole(s.y_m), Whole(s.range_m)});
+      });
+  FlatOfEach(
+      "spans", timeline.agents(), &cursor->spans, &chunk,
+      [](const Timeline::Agent& agent) -> const auto& { return agent.spans; },
+      [](const Timeline::Span& s, ordered_json* list) {
+        list->insert(list->end(), {s.t_ms, s.status});
+      });
+  FlatOfEach(
+      "tasks", timeline.tasks(), &cursor->tasks, &chunk,
+      [](const Growing<Timeline::TaskChange>& task) -> const auto& { return task; },
+      [](const Timeline::TaskChange& c, ordered_json* list) {
+        list->insert(list->end(), {c.t_ms, c.status});
+      });
+  Flat("done", timeline.done(), &cursor->done, &chunk,
+       [](const Timeline::Done& d, ordered_json* list) {
+         list->insert(list->end(), {d.t_ms, d.tasks});
+       });
+  Flat("decisions", timeline.schedules(), &cursor->schedules, &chunk, WriteSchedule);
+  Flat("activities", timeline.activities(), &cursor->activities, &chunk,
+       [](const activity_t& a, ordered_json* list) {
+         list->insert(list->end(),
+                      {a.kind, a.uav_id, a.partner_id, a.site_id, Ms(a.start_us), Ms(a.end_us)});
+       });
+  Flat("events", timeline.events(), &cursor->events, &chunk,
+       [](const event_t& e, ordered_json* list) {
+         list->push_back({EventName(e.kind), Ms(e.at_us), e.uav_id, e.worker_id, e.vehicle_id,
+                          e.task_id, e.charge_id, e.fault_id, e.detail});
+       });
+  ordered_json processes = ordered_json::array();
+  for (const auto& [process, samples] : timeline.processes()) {
+    ordered_json list = ordered_json::array();
+    const std::int64_t from =
+        Fresh(samples, &cursor->processes[process], &list,
+              [](const Timeline::ProcessSample& s, ordered_json* rows) {
+                rows->insert(rows->end(), {s.t_ms, Ms(s.wall_us), s.boot_id, s.received, s.lost,
+                                           s.rejected, s.resent, s.cpu_s, s.rss_bytes, s.state});
+              });
+    if (from >= 0) processes.push_back({process, from, std::move(list)});
+  }
+  if (!processes.empty()) chunk["processes"] = std::move(processes);
+  if (cursor->faults != timeline.faults().size()) {
+    ordered_json faults = ordered_json::array();
+    for (const auto& [id, f] : timeline.faults()) {
+      faults.push_back({id, f.kind, f.target, Ms(f.at_us), Ms(f.for_us), Number(f.probability)});
+    }
+    chunk["faults"] = std::move(faults);
+    cursor->faults = timeline.faults().size();
+  }
+  return chunk;
+}
+
+}  // namespace muster::tools

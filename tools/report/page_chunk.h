@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/report/mission_feed.h"
+
+namespace muster::tools {
+
+/// What one reader of a page has been told already.
+struct PageCursor {
+  struct Place {
+    std::size_t rows = 0;
+    std::int64_t version = 0;
+    std::int64_t rebuilt = 0;
+  };
+  bool begun = false;
+  std::vector<Place> stops, spans, tasks;  ///< by agent or task
+  Place done, schedules, activities, events;
+  std::map<std::string, Place> processes;
+  std::size_t faults = 0;
+};
+
+/// What the page is to learn: everything at first, later what is new or changed (docs/report.md
+/// describes it; tools/report/page/src/run.js reads it). `with_report`: report.json's numbers too,
+/// without its long lists, which the chunk has in another form. The feed must be ready.
+nlohmann::ordered_json PageChunk(const MissionFeed& feed, const std::string& name,
+                                 PageCursor* cursor, bool with_report);
+
+}  // namespace muster::tools

@@ -1,0 +1,77 @@
+#include "tools/report/report_command.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/protocol/program.h"
+#include "tools/log/log_source.h"
+#include "tools/report/mission_feed.h"
+#include "tools/report/page.h"
+#include "tools/report/page_chunk.h"
+#include "tools/report/report_json.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+/// "runs/a/" -> "a", "x/mission.lcm" -> "x"
+std::string NameOf(const std::string& run) {
+  std::filesystem::path path = std::filesystem::absolute(run).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  if (path.filename() == "mission.lcm") path = path.parent_path();
+  return path.filename().string();
+}
+
+std::string ReadRun(const std::string& run) {
+  LogSource source(run);
+  MissionFeed feed;
+  while (const auto message = source.Next()) feed.Add(message->packet);
+  if (!feed.ready()) throw InputError(source.files()[0] + ": the log has no scenario");
+  if (source.garbage_bytes() > 0) {
+    feed.record().NoteDamage(fmt::format("{} bytes belong to no event", source.garbage_bytes()));
+  }
+  feed.Finish();
+  PageCursor cursor;
+  // Names of processes and faults come from the bus: whatever is not UTF-8 is replaced.
+  return PageChunk(feed, NameOf(run), &cursor, true)
+      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+int ReportCommand(int argc, const char* const* argv) {
+  cxxopts::Options options(
+      argv[0],
+      "Makes one self-contained page of one or several runs: map, timeline of every agent,\n"
+      "curves, decisions. It opens in any browser and loads nothing from anywhere.");
+  options.add_options()("runs", "Run directories or log files",
+                        cxxopts::value<std::vector<std::string>>())(
+      "out", "Page to write", cxxopts::value<std::string>(), "FILE.html");
+  options.parse_positional({"runs"});
+  options.positional_help("RUN [RUN...]");
+  const auto parsed = ParseOptions(&options, argc, argv);
+  if (!parsed) return kExitOk;
+  if (parsed->count("runs") == 0) throw InputError("no RUN given: a run directory or a log file");
+  if (parsed->count("out") == 0 || (*parsed)["out"].as<std::string>().empty()) {
+    throw InputError("command line", "--out", "nothing", "a file to write, FILE.html");
+  }
+  RequirePage();
+  const auto runs = (*parsed)["runs"].as<std::vector<std::string>>();
+  const std::string out = (*parsed)["out"].as<std::string>();
+  std::vector<std::string> chunks;
+  std::string title;
+  for (const std::string& run : runs) {
+    chunks.push_back(ReadRun(run));
+    title += (title.empty() ? "" : ", ") + NameOf(run);
+  }
+  const std::string page = StaticPage(title, chunks);
+  WriteFile(out, page);
+  fmt::print("{}: {} run{}, {:.0f} kB\n", out, runs.size(), runs.size() == 1 ? "" : "s",
+             static_cast<double>(page.size()) / 1000);
+  return kExitOk;
+}
+
+}  // namespace muster::tools
