@@ -10,7 +10,8 @@ die() {
   exit 3
 }
 
-# Installs what scripts/packages names and this machine lacks. Silent when nothing is missing.
+# install_packages [FILE...]: installs what the files (default scripts/packages) name and this
+# machine lacks. Silent when nothing is missing.
 install_packages() {
   local package missing=() as_root=() log=build/packages.log reason
   command -v apt-get >/dev/null ||
@@ -22,7 +23,7 @@ install_packages() {
       continue
     [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
       missing+=("$package")
-  done <scripts/packages
+  done < <(cat "${@:-scripts/packages}")
   ((${#missing[@]})) || return 0
 
   if [[ $(id -u) != 0 ]]; then

@@ -1,3 +1,4 @@
+import { numbersOf } from "./compare.js";
 import { byId, duration, element, number, percent } from "./dom.js";
 import { theme } from "./theme.js";
 
@@ -7,37 +8,6 @@ function tile(key, label, text, raw, note) {
     element("dt", {}, label),
     element("dd", { "data-key": key, "data-raw": raw === undefined ? null : String(raw) }, text),
     note ? element("dd", { class: "note" }, note) : null);
-}
-
-/** The numbers that a run is known by: those of its report, or, while it runs, what is known now. */
-export function numbersOf(run) {
-  const r = run.report ?? {};
-  const live = !run.ended || !run.report;
-  const done = live ? run.tasksDone : r.tasks_done;
-  const solve = run.decisions.map((d) => d.solveUs / 1e6).sort((a, b) => a - b);
-  const processes = r.processes ?? [];
-  const sum = (key) => processes.reduce((total, process) => total + process[key], 0);
-  return {
-    live,
-    tasksDone: done,
-    tasksTotal: run.tasks.length,
-    completion: live ? done / Math.max(1, run.tasks.length) : r.completion_rate,
-    weight: run.decisions.reduce((total, d) => total + (d.weight ?? 0), 0),
-    decisions: run.decisions.length,
-    charges: live ? run.events.filter((e) => e.kind === "charging_done").length : r.charges,
-    flownM: live ? null : r.flown_m,
-    medianS: live ? solve[solve.length >> 1] : r.decision_time?.median_s,
-    maxS: live ? solve[solve.length - 1] : r.decision_time?.max_s,
-    wallS: live ? null : r.wall_s,
-    lost: sum("lost"),
-    resent: sum("resent"),
-    failed: run.events.filter((e) => e.kind === "agent_failed").length,
-    complete: r.log?.complete,
-    messages: r.log?.messages,
-    digest: r.digest,
-    policy: r.policy || run.decisions[0]?.policy || "–",
-    seed: r.seed ?? run.scenario.seed,
-  };
 }
 
 /** Which run this is and how it went. */

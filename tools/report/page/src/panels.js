@@ -1,10 +1,9 @@
-import { byId, bytes, element, number } from "./dom.js";
-import { numbersOf } from "./header.js";
+import { firstDifference, numbersOf } from "./compare.js";
+import { byId, bytes, duration, element, number, percent } from "./dom.js";
 import { describe } from "./map.js";
-import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, sameActions, statusAt, who } from "./run.js";
+import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { clockText } from "./time.js";
 import { theme } from "./theme.js";
-import { duration, percent } from "./dom.js";
 
 const MOST_ROWS = 400;
 
@@ -138,17 +137,6 @@ export class Panels {
       element("div", { class: "wide", tabindex: 0 }, table(head, rows)),
       element("details", {}, element("summary", {}, "Decision by decision"), element("div", { class: "wide tall", tabindex: 0 }, table(each, perDecision))));
   }
-}
-
-/** "decision 3", "none" or "other scenario": where `run` first decided otherwise than `reference`. */
-export function firstDifference(reference, run) {
-  if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return "other scenario";
-  for (let i = 0; i < Math.max(reference.decisions.length, run.decisions.length); ++i) {
-    const a = reference.decisions[i];
-    const b = run.decisions[i];
-    if (!a || !b || !sameActions(a, b)) return `decision ${i}`;
-  }
-  return "none";
 }
 
 /** The newest counters of each process of a live run. */

@@ -194,6 +194,7 @@ export function busOverTime(run) {
 export function faultBands(run) {
   const bands = [];
   const open = new Map();
+  const faults = new Map();
   const end = Math.max(run.nowMs, 1);
   const close = (key, t) => {
     if (!open.has(key)) return;
@@ -203,11 +204,13 @@ export function faultBands(run) {
   for (const event of run.events) {
     const process = event.detail.split(/[ ,]/)[0];
     if (event.kind === "fault_applied") {
-      const band = { from: event.t, to: end, label: `fault ${event.fault} ${event.detail}`.trim(), kind: "fault" };
-      open.set(`fault ${event.fault}`, band);
+      if (faults.has(event.fault)) continue; // each process that it hits says so
+      const band = { from: event.t, to: end, label: faultText(run, event.fault), kind: "fault" };
+      faults.set(event.fault, band);
       bands.push(band);
     } else if (event.kind === "fault_ended") {
-      close(`fault ${event.fault}`, event.t);
+      const band = faults.get(event.fault);
+      if (band) band.to = band.to === end ? event.t : Math.max(band.to, event.t);
     } else if (event.kind === "process_lost") {
       const band = { from: event.t, to: end, label: `lost: ${event.detail}`, kind: "process" };
       open.set(process, band);
@@ -218,7 +221,20 @@ export function faultBands(run) {
       bands.push({ from: event.t, to: event.t, label: `${who(event)} failed`, kind: "agent" });
     }
   }
+  for (const [id, band] of faults) {
+    // How long a killed process is away is a band of its own.
+    if (run.faults.find((fault) => fault.id === id)?.kind === KILLED) band.to = band.from;
+  }
   return bands;
+}
+
+const KILLED = 2;
+const FAULTS = ["agent fails", "agent silent", "process killed", "process stopped", "partition", "loss",
+  "duplication", "delay", "reordering", "corruption", "disk full"];
+
+function faultText(run, id) {
+  const fault = run.faults.find((other) => other.id === id);
+  return fault ? `${id}: ${FAULTS[fault.kind] ?? `fault ${fault.kind}`} ${fault.target}` : `fault ${id}`;
 }
 
 /** "uav:3, worker:5" of an event or action. */

@@ -1,0 +1,212 @@
+// The pages that muster report writes, in Chromium. Run by browser_tests.mjs.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+const { MUSTER_CHROMIUM, MUSTER_PROGRAM, MUSTER_SCENARIOS, MUSTER_WORK } = process.env;
+const { chromium } = createRequire(join(MUSTER_WORK, "package.json"))("playwright-core");
+const folder = mkdtempSync(join(tmpdir(), "muster-page-"));
+const muster = (...args) => execFileSync(MUSTER_PROGRAM, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+const file = (name) => join(folder, name);
+const json = (name) => JSON.parse(readFileSync(file(name), "utf8"));
+let browser;
+
+before(async () => {
+  // The sandbox wants namespaces, which root in a container has not.
+  browser = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0 });
+  const scenario = join(MUSTER_SCENARIOS, "random_1.json");
+  muster("simulate", scenario, "--policy", "mpq", "--log", "--out", file("a"));
+  muster("simulate", scenario, "--policy", "kwta", "--log", "--out", file("b"));
+  muster("report", file("a"), "--out", file("a.html"));
+  muster("report", file("a"), file("b"), "--out", file("ab.html"));
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+/** Opens a page; whatever goes wrong in it, or wants to leave it, fails the test at the end. */
+async function open(t, name, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: "light", ...options });
+  const page = await context.newPage();
+  const wrong = [];
+  const asked = [];
+  page.on("console", (message) => wrong.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("dialog", (dialog) => wrong.push(`dialog ${dialog.message()}`));
+  page.on("request", (request) => asked.push(request.url()));
+  t.after(async () => {
+    await context.close();
+    assert.deepEqual(wrong, []);
+    assert.deepEqual(asked.filter((url) => !url.startsWith("data:")), [`file://${file(name)}`]);
+  });
+  await page.goto(`file://${file(name)}`);
+  await page.locator("html[data-ready]").waitFor({ state: "attached" });
+  return page;
+}
+
+const raw = async (page, key) => page.locator(`[data-key="${key}"]`).first().getAttribute("data-raw");
+const text = async (page, key) => page.locator(`[data-key="${key}"]`).first().innerText();
+const scrub = (page, minutes) => page.locator("#scrub").evaluate((input, t) => {
+  input.value = t;
+  input.dispatchEvent(new Event("input", { bubbles: true }));
+}, minutes * 60000);
+
+/** A canvas' picture, once it is drawn. */
+const picture = (page, id) => page.evaluate((name) => new Promise((resolve) => {
+  requestAnimationFrame(() => requestAnimationFrame(() => resolve(document.getElementById(name).toDataURL())));
+}), id);
+
+test("the figures are those of report.json", async (t) => {
+  const page = await open(t, "a.html");
+  const report = json("a/report.json");
+  const weight = report.decisions.reduce((sum, d) => sum + d.weight, 0);
+  for (const [key, value] of [["completion_rate", report.completion_rate], ["tasks_done", report.tasks_done],
+    ["charges", report.charges], ["flown_m", report.flown_m], ["median_s", report.decision_time.median_s],
+    ["lost", report.processes.reduce((sum, p) => sum + p.lost, 0)], ["weight", weight]]) {
+    assert.equal(Number(await raw(page, key)), value, key);
+  }
+  assert.equal(await raw(page, "digest"), report.digest);
+  assert.equal(await text(page, "tasks_done"), `${report.tasks_done} of ${report.tasks_total}`);
+  assert.equal(await text(page, "completion_rate"), `${(100 * report.completion_rate).toFixed(1)} %`);
+  assert.equal(await text(page, "policy"), report.policy);
+  assert.equal(await text(page, "seed"), String(report.seed));
+  assert.equal(await text(page, "scenario"), report.scenario.name);
+  assert.equal(await text(page, "log"), "complete");
+});
+
+test("the clock scrubs, and every part follows", async (t) => {
+  const page = await open(t, "a.html");
+  const report = json("a/report.json");
+  const maps = new Set();
+  for (const minutes of [0, 45, 90.5, 140, 180]) {
+    await scrub(page, minutes);
+    const s = minutes * 60;
+    const clock = `${Math.floor(s / 3600)}:${String(Math.floor(s / 60) % 60).padStart(2, "0")}:${String(s % 60).padStart(2, "0")}`;
+    assert.equal(await page.locator("#time-now").innerText(), clock);
+    // The world counts a task at the first tick after its end.
+    const tick = report.scenario.tick_s;
+    const done = report.tasks.filter((task) => task.done_s !== undefined && Math.ceil(task.done_s / tick) * tick <= s).length;
+    assert.match(await page.locator("#now-completion").innerText(), new RegExp(`^${done} of ${report.tasks_total} `));
+    const decision = report.decisions.filter((d) => d.sim_s <= s).at(-1);
+    assert.equal(Number(await raw(page, "decision_weight")), decision.weight);
+    assert.equal(await page.locator("#decision-now").innerText(), `decision ${decision.index}`);
+    maps.add(await picture(page, "map"));
+  }
+  assert.equal(maps.size, 5, "the map shows another picture at each time");
+});
+
+test("it plays, and stops at the end", async (t) => {
+  const page = await open(t, "a.html");
+  await page.locator("#speed").selectOption("3600");
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => window.muster.clock.t > 10 * 60000);
+  await page.waitForFunction(() => window.muster.clock.t === window.muster.clock.max && !window.muster.clock.playing);
+  assert.equal(await page.locator("#time-now").innerText(), "3:00:00");
+  assert.equal(await page.locator("#play").getAttribute("aria-label"), "Play");
+});
+
+test("the keyboard steps, filters and selects nothing", async (t) => {
+  const page = await open(t, "a.html");
+  const now = () => page.locator("#time-now").innerText();
+  await page.keyboard.press("]");
+  await page.keyboard.press("]");
+  assert.equal(await now(), "0:20:00");
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await now(), "0:20:30");
+  await page.keyboard.press("[");
+  assert.equal(await now(), "0:20:00");
+  await page.keyboard.press("1");
+  assert.match(await page.locator("#gantt-count").innerText(), /^70 of 100 /);
+  await page.keyboard.press("1");
+  await page.locator("#filter").fill("vehicle:1");
+  assert.match(await page.locator("#gantt-count").innerText(), /^11 of 100 /); // 1 and 10 to 19
+  await page.locator("#filter").fill("");
+  await page.locator("h1").click();
+  await page.keyboard.press("?");
+  assert.ok(await page.locator("#help").isVisible());
+});
+
+test("a click on the timeline goes there and shows the agent", async (t) => {
+  const page = await open(t, "a.html");
+  await page.locator("#gantt-scroll").scrollIntoViewIfNeeded();
+  const box = await page.locator("#gantt-scroll").boundingBox();
+  // Rows are 18 px high below an axis of 22; the first is uav:0.
+  await page.mouse.click(box.x + box.width / 2, box.y + 22 + 18 * 2.5);
+  assert.match(await page.locator("#selection").innerText(), /^uav:2: /);
+  const t1 = await page.evaluate(() => window.muster.clock.t);
+  assert.ok(t1 > 60 * 60000 && t1 < 110 * 60000, String(t1));
+  await page.keyboard.press("Escape");
+  assert.ok(!(await page.locator("#selection").isVisible()));
+});
+
+test("a phone shows all of it without scrolling sideways", async (t) => {
+  const page = await open(t, "a.html", { viewport: { width: 360, height: 740 }, deviceScaleFactor: 3, isMobile: true, hasTouch: true });
+  for (const tab of ["decision", "events", "processes"]) {
+    await page.locator(`#panel-tabs button[data-tab=${tab}]`).tap();
+    const [wide, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+    assert.equal(shown, 360);
+    assert.ok(wide <= 360, `${wide} px wide on ${tab}`);
+  }
+  await page.locator("#play").tap();
+  await page.waitForFunction(() => window.muster.clock.t > 0);
+});
+
+test("dark and light follow the system", async (t) => {
+  const colours = [];
+  for (const colorScheme of ["dark", "light"]) {
+    const page = await open(t, "a.html", { colorScheme });
+    colours.push(await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor.match(/\d+/g).map(Number)));
+  }
+  assert.ok(Math.max(...colours[0]) < 64 && Math.min(...colours[1]) > 192, JSON.stringify(colours));
+});
+
+test("several runs are compared", async (t) => {
+  const page = await open(t, "ab.html");
+  const reports = [json("a/report.json"), json("b/report.json")];
+  const rows = await page.locator("#comparison-body .wide").first().locator("tbody tr").allInnerTexts();
+  assert.equal(rows.length, 2);
+  reports.forEach((report, i) => {
+    assert.ok(rows[i].includes(`${(100 * report.completion_rate).toFixed(1)} %`), rows[i]);
+    assert.ok(rows[i].includes(report.digest.slice(0, 12)), rows[i]);
+  });
+  const same = (a, b) => JSON.stringify(a.actions) === JSON.stringify(b.actions);
+  const first = reports[0].decisions.findIndex((d, i) => !same(d, reports[1].decisions[i]));
+  assert.ok(rows[1].includes(`decision ${first}`), rows[1]);
+  await page.locator("#tabs button").nth(1).click();
+  assert.equal(Number(await raw(page, "tasks_done")), reports[1].tasks_done);
+  await page.locator("#axis").selectOption("decision");
+  assert.equal(await page.locator("#plot-weight canvas").count(), 1);
+  await page.locator("summary").click();
+  assert.equal(await page.locator("#comparison-body .tall tbody tr").count(), reports[0].decisions.length);
+});
+
+test("two thousand agents fit in a canvas of bounded size, down to the last", async (t) => {
+  muster("scenario", "--preset", "Random_29", "--scale", "5", "--limit", "20", "--online-min", "10:", "--out", file("big.json"));
+  muster("simulate", file("big.json"), "--policy", "greedy-nearest", "--log", "--out", file("big"));
+  muster("report", file("big"), "--out", file("big.html"));
+  const page = await open(t, "big.html");
+  assert.match(await page.locator("#gantt-count").innerText(), /^2000 of 2000 /);
+  const height = await page.locator("#gantt").evaluate((canvas) => canvas.height);
+  assert.ok(height < 2000, String(height));
+  await page.locator("#gantt-scroll").evaluate((box) => { box.scrollTop = box.scrollHeight; });
+  const box = await page.locator("#gantt-scroll").boundingBox();
+  await page.locator("#gantt-scroll").click({ position: { x: box.width / 2, y: box.height - 6 } });
+  assert.match(await page.locator("#selection").innerText(), /^vehicle:399: /);
+});
+
+test("names from a file are text, never markup", async (t) => {
+  const name = "<img src=x onerror=alert(1)></script><b>$&";
+  const scenario = JSON.parse(readFileSync(join(MUSTER_SCENARIOS, "random_1.json"), "utf8"));
+  writeFileSync(file("evil.json"), JSON.stringify({ ...scenario, name, limit_min: 20 }));
+  muster("simulate", file("evil.json"), "--policy", "greedy-nearest", "--log", "--out", file("evil"));
+  muster("report", file("evil"), "--out", file("evil.html"));
+  const page = await open(t, "evil.html");
+  assert.equal(await text(page, "scenario"), name);
+  assert.equal(await page.locator("img").count(), 0);
+});

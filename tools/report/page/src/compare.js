@@ -1,0 +1,43 @@
+import { sameActions } from "./run.js";
+
+/** The numbers that a run is known by: those of its report, or, while it runs, what is known now. */
+export function numbersOf(run) {
+  const r = run.report ?? {};
+  const live = !run.ended || !run.report;
+  const done = live ? run.tasksDone : r.tasks_done;
+  const solve = run.decisions.map((d) => d.solveUs / 1e6).sort((a, b) => a - b);
+  const processes = r.processes ?? [];
+  const sum = (key) => processes.reduce((total, process) => total + process[key], 0);
+  return {
+    live,
+    tasksDone: done,
+    tasksTotal: run.tasks.length,
+    completion: live ? done / Math.max(1, run.tasks.length) : r.completion_rate,
+    weight: run.decisions.reduce((total, d) => total + (d.weight ?? 0), 0),
+    decisions: run.decisions.length,
+    charges: live ? run.events.filter((e) => e.kind === "charging_done").length : r.charges,
+    flownM: live ? null : r.flown_m,
+    medianS: live ? solve[solve.length >> 1] : r.decision_time?.median_s,
+    maxS: live ? solve[solve.length - 1] : r.decision_time?.max_s,
+    wallS: live ? null : r.wall_s,
+    lost: sum("lost"),
+    resent: sum("resent"),
+    failed: run.events.filter((e) => e.kind === "agent_failed").length,
+    complete: r.log?.complete,
+    messages: r.log?.messages,
+    digest: r.digest,
+    policy: r.policy || run.decisions[0]?.policy || "–",
+    seed: r.seed ?? run.scenario.seed,
+  };
+}
+
+/** "decision 3", "none" or "other scenario": where `run` first decided otherwise than `reference`. */
+export function firstDifference(reference, run) {
+  if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return "other scenario";
+  for (let i = 0; i < Math.max(reference.decisions.length, run.decisions.length); ++i) {
+    const a = reference.decisions[i];
+    const b = run.decisions[i];
+    if (!a || !b || !sameActions(a, b)) return `decision ${i}`;
+  }
+  return "none";
+}
