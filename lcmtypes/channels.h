@@ -13,6 +13,13 @@ struct Channel {
   std::string_view publisher;
   std::string_view rate;
   std::int64_t max_bytes;
+
+  /// Whether that sender may publish on it: where the publisher is one process it is the sender's
+  /// name, and whoever else speaks there is an intruder.
+  constexpr bool AcceptsFrom(std::string_view sender) const {
+    const bool one = publisher == "world" || publisher == "scheduler" || publisher == "recorder";
+    return !one || sender == publisher;
+  }
 };
 
 namespace channel {

@@ -148,6 +148,7 @@ void AgentProcess::Ask(std::string_view name, const Now& now) {
 }
 
 void AgentProcess::Take(const clock_t& clock) {
+  if (!Possible(clock, scenario_->rules)) return inbox().Reject();
   if (!restored_) return;
   if (clock.phase == 2) set_state(ProcessState::kEnded);
   if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
@@ -158,6 +159,7 @@ void AgentProcess::Take(const clock_t& clock) {
 }
 
 void AgentProcess::Take(const world_state_t& world) {
+  if (!Possible(world, scenario_->rules)) return inbox().Reject();
   if (world.tick > tick_ && restored_) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
     // came from an earlier start of it. Go on from them.

@@ -272,7 +272,7 @@ bool Valid(const process_status_t& m) {
 }
 bool Valid(const request_t& m) { return Valid(m.header) && FindChannel(m.channel) != nullptr; }
 bool Valid(const restore_t& m) {
-  return Valid(m.header) && FindChannel(m.channel) != nullptr && m.tick >= 0;
+  return Valid(m.header) && FindChannel(m.channel) != nullptr && m.tick >= -1;
 }
 bool Valid(const rulings_t& m) {
   return Valid(m.header) && m.tick >= 0 &&

@@ -37,8 +37,8 @@ template <class T>
 std::optional<T> Decode(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Whether all values are in ranges that need no scenario: finite numbers, known enumerators, ids
-/// of at least -1, times and counters not negative (process_status_t's tick: at least -1, none
-/// yet), names that are not endless, channels of the table.
+/// of at least -1, times and counters not negative (the ticks of process_status_t and restore_t:
+/// at least -1, none yet), names that are not endless, channels of the table.
 bool Valid(const header_t& header);
 bool Valid(const agent_states_t& message);
 bool Valid(const clock_t& message);

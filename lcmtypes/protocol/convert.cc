@@ -62,6 +62,18 @@ bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const Wi
 
 }  // namespace
 
+bool Possible(const clock_t& clock, const Rules& rules) {
+  return clock.tick >= 0 && clock.tick <= rules.last_tick() &&
+         clock.tick_us == rules.TimeOf(clock.tick) && clock.limit_us == rules.limit_us &&
+         clock.decision == rules.DecisionAt(clock.tick) &&
+         clock.required_decision <= clock.tick_us / rules.interval_us;
+}
+
+bool Possible(const world_state_t& world, const Rules& rules) {
+  return world.tick >= 0 && world.tick <= rules.last_tick() &&
+         world.header.sim_us == rules.TimeOf(world.tick);
+}
+
 std::string_view ChannelOf(AgentKind kind) {
   return kind == AgentKind::kUav      ? channel::kUavs
          : kind == AgentKind::kWorker ? channel::kWorkers

@@ -3,7 +3,9 @@
 #include <muster/action_t.hpp>
 #include <muster/activity_t.hpp>
 #include <muster/agent_t.hpp>
+#include <muster/clock_t.hpp>
 #include <muster/ruling_t.hpp>
+#include <muster/world_state_t.hpp>
 #include <optional>
 #include <string_view>
 
@@ -31,6 +33,11 @@ struct WireLimits {
     return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
   }
 };
+
+/// Whether that clock, or a world's state of that tick, can be in a mission of these rules: a
+/// process that follows one that cannot would wait for a tick that never comes.
+bool Possible(const clock_t& clock, const Rules& rules);
+bool Possible(const world_state_t& world, const Rules& rules);
 
 /// Where the states of that class are published.
 std::string_view ChannelOf(AgentKind kind);

@@ -6,6 +6,10 @@
 namespace muster {
 namespace {
 
+/// Starts of senders that are told apart; a mission has some tens. Who floods a process with names
+/// gets no more memory than this.
+constexpr std::size_t kMostStarts = 10'000;
+
 template <class T>
 std::optional<Message> DecodeAs(const Packet& packet) {
   std::optional<T> message = Decode<T>(packet.bytes);
@@ -34,15 +38,6 @@ std::optional<Message> DecodePacket(const Packet& packet) {
 
 }  // namespace
 
-bool SeqCoverage::Add(std::int64_t seq) {
-  if (seq < next_ || !ahead_.insert(seq).second) return false;
-  while (!ahead_.empty() && *ahead_.begin() == next_) {
-    ahead_.erase(ahead_.begin());
-    ++next_;
-  }
-  return true;
-}
-
 Inbox::Inbox(std::int64_t run_id, std::string own_name)
     : run_id_(run_id), own_name_(std::move(own_name)) {}
 
@@ -55,18 +50,36 @@ std::optional<Message> Inbox::Open(const Packet& packet) {
   const header_t& header =
       std::visit([](const auto& m) -> const header_t& { return m.header; }, *message);
   if (header.sender == own_name_) return std::nullopt;
-  if (header.run_id != run_id_) {
+  if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
+      !Count(header)) {
     ++counters_.rejected;
     return std::nullopt;
   }
   ++counters_.received;
-  seen_[{header.sender, header.boot_id}].Add(header.seq);
   return message;
+}
+
+bool Inbox::Count(const header_t& header) {
+  const std::pair key(header.sender, header.boot_id);
+  const auto found = starts_.find(key);
+  if (found == starts_.end()) {
+    if (starts_.size() == kMostStarts) return false;
+    starts_[key].seqs.Add(header.seq);
+    starts_[key].newest_sim_us = header.sim_us;
+    return true;
+  }
+  Start& start = found->second;
+  if (header.seq > start.seqs.max()) {
+    if (header.sim_us < start.newest_sim_us) return false;
+    start.newest_sim_us = header.sim_us;
+  }
+  start.seqs.Add(header.seq);
+  return true;
 }
 
 std::int64_t Inbox::lost() const {
   std::int64_t lost = 0;
-  for (const auto& [sender, coverage] : seen_) lost += coverage.missing();
+  for (const auto& [key, start] : starts_) lost += start.seqs.max() + 1 - start.seqs.size();
   return lost;
 }
 

@@ -15,12 +15,12 @@
 #include <muster/schedule_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 namespace muster {
 
@@ -28,33 +28,15 @@ using Message =
     std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, schedule_t, event_t,
                  fault_t, process_status_t, log_status_t, request_t, restore_t>;
 
-/// Seqs of one start of one sender that have been seen.
-class SeqCoverage {
- public:
-  /// False when seq was seen before.
-  bool Add(std::int64_t seq);
-  bool Contains(std::int64_t seq) const { return seq < next_ || ahead_.count(seq) > 0; }
-  /// Every seq below it has been seen.
-  std::int64_t next() const { return next_; }
-  /// Seqs below the highest seen that have not been seen.
-  std::int64_t missing() const {
-    return ahead_.empty() ? 0
-                          : *ahead_.rbegin() - next_ + 1 - static_cast<std::int64_t>(ahead_.size());
-  }
-
- private:
-  std::int64_t next_ = 0;
-  std::set<std::int64_t> ahead_;  ///< seen beyond next_
-};
-
 /// A process's door: opens packets, counts and drops what is not for it. What comes through is
-/// decoded, of this run, from somebody else, and within the ranges that need no scenario. Doubles
-/// come through, since a repeated question wants a repeated answer.
+/// decoded, of this run, from somebody else who may publish there, within the ranges that need no
+/// scenario, and not numbered as if mission time ran backwards. Doubles come through, since a
+/// repeated question wants a repeated answer.
 class Inbox {
  public:
   struct Counters {
     std::int64_t received = 0;  ///< opened, doubles included
-    std::int64_t rejected = 0;  ///< undecodable, foreign or out of range
+    std::int64_t rejected = 0;  ///< undecodable, foreign, forged or out of range
   };
 
   Inbox(std::int64_t run_id, std::string own_name);
@@ -68,10 +50,17 @@ class Inbox {
   void Reject() { ++counters_.rejected; }
 
  private:
+  /// Notes the message's number; false when it cannot be.
+  bool Count(const header_t& header);
+
   std::int64_t run_id_;
   std::string own_name_;
   Counters counters_;
-  std::map<std::pair<std::string, std::int64_t>, SeqCoverage> seen_;
+  struct Start {
+    IntervalSet seqs;
+    std::int64_t newest_sim_us = 0;  ///< of the highest seq
+  };
+  std::map<std::pair<std::string, std::int64_t>, Start> starts_;  ///< by sender, boot_id
 };
 
 }  // namespace muster

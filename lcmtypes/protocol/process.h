@@ -58,6 +58,7 @@ class Process {
   std::int64_t rejected() const { return inbox_.counters().rejected; }
 
   ProcessState state() const { return state_; }
+  const Inbox::Counters& counters() const { return inbox_.counters(); }
   const Identity& identity() const { return sender_.identity(); }
 
  protected:

@@ -40,6 +40,7 @@ void SchedulerProcess::Take(const scenario_t& message) {
 }
 
 void SchedulerProcess::Take(const clock_t& clock) {
+  if (!Possible(clock, scenario_->rules)) return inbox().Reject();
   if (clock.phase == 2) set_state(ProcessState::kEnded);
   if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
   if (clock.phase < 2 && clock.tick <= tick_) repeat_tick_ = clock.tick;

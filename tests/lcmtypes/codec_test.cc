@@ -318,7 +318,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));
-  EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.kind = 11; }));
+  EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.kind = 12; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.probability = kNan; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.probability = 1.5; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.for_us = -1; }));
@@ -330,7 +330,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.lost = -1; }));
   EXPECT_FALSE(ValidAfter<request_t>([](request_t& m) { m.channel = "MUSTER_NOBODY_KNOWS"; }));
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.channel = ""; }));
-  EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.tick = -1; }));
+  EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.tick = -2; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_kind = 3; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].kind = 2; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_id = -1; }));

@@ -34,6 +34,27 @@ TEST(Inbox, CountsAndDropsStrangersAndGarbage) {
   EXPECT_EQ(inbox.counters().received, 0);
 }
 
+TEST(Inbox, CountsAndDropsWhoMayNotPublishThere) {
+  Inbox inbox(1, "uav");
+  EXPECT_FALSE(inbox.Open(ClockFrom("intruder", 0)));
+  EXPECT_EQ(inbox.counters().rejected, 1);
+}
+
+TEST(Inbox, CountsAndDropsWhatIsNumberedAsIfTimeRanBackwards) {
+  const auto clock = [](std::int64_t seq, std::int64_t sim_us) {
+    Packet packet = ClockFrom("world", seq);
+    auto message = *Decode<muster::clock_t>(packet.bytes);
+    message.header.sim_us = sim_us;
+    return Packet{packet.channel, Encode(message)};
+  };
+  Inbox inbox(1, "uav");
+  EXPECT_TRUE(inbox.Open(clock(4, 60)));
+  EXPECT_TRUE(inbox.Open(clock(2, 30)));  // an older one that was overtaken
+  EXPECT_FALSE(inbox.Open(clock(5, 59)));
+  EXPECT_TRUE(inbox.Open(clock(5, 60)));
+  EXPECT_EQ(inbox.counters().rejected, 1);
+}
+
 TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
   Inbox inbox(1, "world");
   EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));

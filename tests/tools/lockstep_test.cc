@@ -121,6 +121,18 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
   }
 }
 
+TEST(Lockstep, AnyOneProcessMayBeKilledBeforeTheMissionBegins) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    for (int kill_at = 0; kill_at < 20; ++kill_at) {
+      const Outcome outcome = RunOver({}, 1, json, Kill{victim, kill_at});
+      ASSERT_TRUE(outcome.ended) << victim << " killed after packet " << kill_at;
+      ASSERT_EQ(outcome.digest, expected) << victim << " killed after packet " << kill_at;
+    }
+  }
+}
+
 TEST(Lockstep, AClassMayBeSplitOverProcesses) {
   const std::string json = ScenarioToJson(SmallScenario());
   VirtualNetwork network({.loss = 0.1}, 1);

@@ -32,6 +32,10 @@ class VirtualNetwork {
     arrivals_[{now_us_, serial_++}] = {name, std::nullopt};
   }
   void Kill(const std::string& name) { processes_.erase(name); }
+  /// Somebody who answers each packet with one of his own, which everybody receives.
+  void set_intruder(std::function<Packet(const Packet&)> intruder) {
+    intruder_ = std::move(intruder);
+  }
 
   /// Runs until `done` or until `limit_us` of virtual time; every packet sent goes to `observe`.
   /// Returns whether `done` was reached.
@@ -61,6 +65,7 @@ class VirtualNetwork {
       for (const Packet& packet : out) {
         observe(packet);
         Send(waker, packet);
+        if (intruder_) Send("", intruder_(packet));
       }
     }
     return true;
@@ -80,6 +85,7 @@ class VirtualNetwork {
   }
 
   NetworkFaults faults_;
+  std::function<Packet(const Packet&)> intruder_;
   Random random_;
   TimeUs now_us_ = 0;
   std::int64_t serial_ = 0;

@@ -14,7 +14,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "tools/audit/agent_model.h"
 #include "tools/audit/audit_scenario.h"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 namespace muster::tools::audit {
 

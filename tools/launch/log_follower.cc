@@ -32,7 +32,7 @@ bool LogFollower::Contains(const header_t& header) const {
 
 std::int64_t LogFollower::missing() const {
   std::int64_t sum = 0;
-  for (const auto& [start, seqs] : starts_) sum += seqs.missing();
+  for (const auto& [start, seqs] : starts_) sum += seqs.max() + 1 - seqs.size();
   return sum;
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lcmtypes/bus/bus.h"
-#include "lcmtypes/protocol/inbox.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 namespace muster::tools {
 
@@ -43,7 +43,7 @@ class LogFollower {
   using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
 
   std::int64_t run_id_;
-  std::map<Start, SeqCoverage> starts_;
+  std::map<Start, IntervalSet> starts_;
   std::int64_t messages_ = 0;
   std::int64_t doubles_ = 0;
   std::int64_t strangers_ = 0;

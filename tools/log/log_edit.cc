@@ -6,7 +6,7 @@
 
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "world/model/check.h"
 
 namespace muster::tools {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tools/log/log_source.h"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 namespace muster::tools {
 

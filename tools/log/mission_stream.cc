@@ -9,7 +9,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
 

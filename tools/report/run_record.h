@@ -15,7 +15,7 @@
 #include "muster/scenario_t.hpp"
 #include "muster/schedule_t.hpp"
 #include "muster/world_state_t.hpp"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "world/model/scenario.h"
 
 namespace muster {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -56,6 +57,15 @@ struct Rules {
   /// Same cell, both idle: sensing and charging start without a pair action (for policies that move
   /// by cells).
   bool start_on_meeting = false;
+
+  /// Ticks are 0 to last_tick(), whose time is the limit.
+  std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
+  TimeUs TimeOf(std::int64_t tick) const { return std::min(tick * tick_us, limit_us); }
+  /// The decision of that tick; -1: none.
+  std::int32_t DecisionAt(std::int64_t tick) const {
+    const TimeUs t = TimeOf(tick);
+    return t >= limit_us || t % interval_us != 0 ? -1 : static_cast<std::int32_t>(t / interval_us);
+  }
 
   bool operator==(const Rules&) const = default;
 };

@@ -37,8 +37,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
       limits_(scenario_),
       options_(options),
       referee_(scenario_) {
-  const Rules& rules = scenario_.rules;
-  last_tick_ = (rules.limit_us + rules.tick_us - 1) / rules.tick_us;
+  last_tick_ = scenario_.rules.last_tick();
   for (const AgentKind kind : kAgentKinds) {
     const std::size_t n = scenario_.agents(kind).size();
     agents_.of(kind).resize(n);
@@ -57,16 +56,6 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
     }
     referee_.Add(outage);
   }
-}
-
-TimeUs WorldProcess::tick_us(std::int64_t tick) const {
-  return std::min(tick * scenario_.rules.tick_us, scenario_.rules.limit_us);
-}
-
-std::int32_t WorldProcess::DecisionAt(std::int64_t tick) const {
-  const TimeUs t = tick_us(tick);
-  if (t >= scenario_.rules.limit_us || t % scenario_.rules.interval_us != 0) return -1;
-  return static_cast<std::int32_t>(t / scenario_.rules.interval_us);
 }
 
 void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
@@ -91,14 +80,15 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     return;
   const TimeUs t = tick_us(tick_);
   const std::string& sender = states.header.sender;
-  bool news = false;
+  std::vector<AgentState> agents;
   for (const agent_t& wire : states.agents) {
     const std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
-    if (!agent) {
-      inbox().Reject();
-      continue;
-    }
-    const auto id = static_cast<std::size_t>(wire.id);
+    if (!agent) return inbox().Reject();
+    agents.push_back(*agent);
+  }
+  bool news = false;
+  for (const AgentState& agent : agents) {
+    const auto id = static_cast<std::size_t>(agent.id);
     if (!owners_[k][id].empty() && owners_[k][id] != sender) {
       throw InputError(
           fmt::format("{} {} is reported by two processes, {} and {}: give each its --ids",
@@ -110,7 +100,7 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     heard_[k][id] = 1;
     news = true;
     --missing_;
-    agents_.of(kind)[id] = *agent;
+    agents_.of(kind)[id] = agent;
   }
   if (news) reports_[k].push_back(packet);
 }

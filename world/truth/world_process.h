@@ -50,9 +50,9 @@ class WorldProcess : public Process {
   void PublishEvents(const Now& now);
   void Repeat();
   bool StatesComplete() const { return missing_ == 0; }
-  TimeUs tick_us(std::int64_t tick) const;
+  TimeUs tick_us(std::int64_t tick) const { return scenario_.rules.TimeOf(tick); }
   /// The decision due at that tick, -1: none.
-  std::int32_t DecisionAt(std::int64_t tick) const;
+  std::int32_t DecisionAt(std::int64_t tick) const { return scenario_.rules.DecisionAt(tick); }
   void WaitFor(Wait wait, const Now& now);
 
   const std::string json_;

@@ -1,11 +1,11 @@
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <set>
 
-namespace muster::tools {
+namespace muster {
 namespace {
 
 using Range = IntervalSet::Range;
@@ -23,6 +23,11 @@ TEST(IntervalSet, SaysWhatIsNewAndWhatIsMissing) {
   EXPECT_EQ(set.Missing(4, 4), (std::vector<Range>{}));
   EXPECT_EQ(set.Missing(5, 4), (std::vector<Range>{}));
   EXPECT_EQ(set.max(), 5);
+  EXPECT_EQ(set.size(), 4);
+  EXPECT_EQ(set.next(), 1);
+  set.Add(2);
+  set.Add(1);
+  EXPECT_EQ(set.next(), 6);
 }
 
 TEST(IntervalSet, AgreesWithAPlainSetInAnyOrder) {
@@ -38,6 +43,7 @@ TEST(IntervalSet, AgreesWithAPlainSetInAnyOrder) {
     for (const Range& range : set.Missing(0, 49)) {
       for (std::int64_t v = range.first; v <= range.last; ++v) missing.insert(v);
     }
+    ASSERT_EQ(set.size(), static_cast<std::int64_t>(plain.size())) << "round " << round;
     for (std::int64_t v = 0; v < 50; ++v) {
       ASSERT_EQ(set.Contains(v), plain.contains(v)) << "round " << round;
       ASSERT_EQ(missing.contains(v), !plain.contains(v)) << "round " << round;
@@ -46,4 +52,4 @@ TEST(IntervalSet, AgreesWithAPlainSetInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster

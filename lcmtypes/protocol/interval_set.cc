@@ -1,9 +1,9 @@
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 
 #include <algorithm>
 #include <iterator>
 
-namespace muster::tools {
+namespace muster {
 
 bool IntervalSet::Add(std::int64_t value) {
   auto next = last_by_first_.upper_bound(value);
@@ -12,6 +12,7 @@ bool IntervalSet::Add(std::int64_t value) {
     if (value <= before->second) return false;
     if (before->second + 1 == value) {
       before->second = value;
+      ++size_;
       if (next != last_by_first_.end() && next->first == value + 1) {
         before->second = next->second;
         last_by_first_.erase(next);
@@ -25,6 +26,7 @@ bool IntervalSet::Add(std::int64_t value) {
     next = last_by_first_.erase(next);
   }
   last_by_first_.emplace_hint(next, value, last);
+  ++size_;
   return true;
 }
 
@@ -45,4 +47,4 @@ std::vector<IntervalSet::Range> IntervalSet::Missing(std::int64_t first, std::in
   return missing;
 }
 
-}  // namespace muster::tools
+}  // namespace muster
