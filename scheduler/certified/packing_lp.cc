@@ -284,7 +284,7 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
   ++pivots_;
 }
 
-bool PackingLp::Solve(std::int64_t work_limit) {
+bool PackingLp::Solve(std::int64_t work_limit, const std::function<bool()>& stop) {
   const std::int64_t end = work_ + work_limit;
   candidates_.clear();
   while (work_ < end) {
@@ -306,6 +306,7 @@ bool PackingLp::Solve(std::int64_t work_limit) {
     }
     if (position < 0) return false;  // every column has a row: only by rounding
     Pivot(entering, position, reduced);
+    if (pivots_ % 64 == 0 && stop()) return false;
   }
   return false;
 }

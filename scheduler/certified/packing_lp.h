@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,9 @@ class PackingLp {
   /// Rows that are kNoRow do not count. Returns the column's number, counting from 0.
   std::int32_t AddColumn(double cost, std::array<std::int32_t, 3> rows);
 
-  /// To optimality over the columns so far; false when `work_limit` ran out.
-  bool Solve(std::int64_t work_limit);
+  /// To optimality over the columns so far; false when `work_limit` ran out or at `stop`, which is
+  /// asked now and then.
+  bool Solve(std::int64_t work_limit, const std::function<bool()>& stop);
 
   /// A closed column cannot be used: it costs more than all others are worth.
   void Close(std::int32_t column, bool close);
@@ -39,6 +41,12 @@ class PackingLp {
   const std::vector<double>& prices() const { return price_; }
   /// Value of a column in the current basic solution; right-hand sides are off by at most 1e-5.
   double value(std::int32_t column) const;
+  const std::array<std::int32_t, 3>& rows(std::int32_t column) const { return rows_[At(column)]; }
+  /// Columns of a row, ascending.
+  const std::vector<std::int32_t>& columns_at(std::int32_t row) const {
+    return columns_at_[At(row)];
+  }
+  std::int32_t capacity(std::int32_t row) const { return capacity_[At(row)]; }
   std::int32_t n_columns() const { return static_cast<std::int32_t>(cost_.size()); }
   std::int64_t work() const { return work_; }
   std::int64_t pivots() const { return pivots_; }

@@ -27,14 +27,14 @@ struct Solution {
 };
 
 /// A heaviest independent set of the instance's conflict graph, or a heavy one with a proven bound.
-/// In turn: the linear relaxation of the packing by column generation, where a round's bound is
-/// Lagrangian (Dual) and holds whether or not the relaxation was solved to its end; its solution,
-/// integral in nearly every decision, rounded and filled up; else ejection chains and exact
-/// searches in small windows around agents that lose against the bound (SearchLeastLoss); and, when
-/// a gap is left, one exact search over all columns that a better assignment may hold, which proves
-/// the optimum when it ends. Source: ours; the prices are those of Frieze and Yadegar 1981, Poore
-/// and Robertson 1997, found by simplex steps (PackingLp) as subgradient steps needed ten times
-/// longer for a thousandth of gap.
+/// In turn: the linear relaxation of the packing (Relaxation), where a round's bound is Lagrangian
+/// (Dual) and holds whether or not the relaxation was solved to its end; its solution, integral in
+/// nearly every decision, rounded and filled up; else exact searches in small windows (Windows) and
+/// ejection chains (Chains) where that loses against the bound; and, when a gap is left, one exact
+/// search over all columns that a better assignment may hold (Branching), which proves the optimum
+/// when it ends. Source: ours; the prices are those of Frieze and Yadegar 1981, Poore and Robertson
+/// 1997, found by simplex steps (PackingLp) as subgradient steps needed ten times longer for a
+/// thousandth of gap.
 Solution Solve(const Instance& instance, const SolverLimits& limits = {});
 
 }  // namespace muster::scheduler
