@@ -25,7 +25,8 @@ Branching::Pick Branching::Fraction() {
     shares_.clear();
     for (Index k = 0; k < lp_.n_columns(); ++k) {
       const double value = lp_.value(k);
-      if (value < kWhole) continue;
+      // Where a share is not whole, none of its columns is.
+      if (value < kWhole || value > 1 - kWhole) continue;
       const auto& rows = lp_.rows(k);
       const bool is_uav = rows[0] >= 0;
       if (!by_site && (!is_uav || rows[1] < 0)) continue;

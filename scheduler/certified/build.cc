@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "scheduler/certified/expected_costs.h"
 #include "scheduler/certified/grid_index.h"
@@ -24,6 +25,10 @@ double Seconds(Clock::time_point from, Clock::time_point to) {
 }
 
 double Softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
+
+/// Where that many agents and tasks are, neighbours get neighbouring numbers, as memory far apart
+/// is slow to reach.
+constexpr std::size_t kNeighboursFirst = 4096;
 
 /// Number of a cell along the Z-order curve.
 std::uint32_t ZOrder(double x, double y) {
@@ -69,14 +74,6 @@ struct Way {
   std::int32_t level;
 };
 
-std::vector<const AgentState*> Idle(const std::vector<AgentState>& agents, TimeUs now) {
-  std::vector<const AgentState*> idle;
-  for (const AgentState& agent : agents) {
-    if (agent.idle(now)) idle.push_back(&agent);
-  }
-  return idle;
-}
-
 std::vector<Point> Places(const std::vector<const AgentState*>& agents, TimeUs now) {
   std::vector<Point> places;
   for (const AgentState* agent : agents) places.push_back(PositionAt(*agent, now));
@@ -97,9 +94,13 @@ class Builder {
         rules_(situation.site->rules),
         threads_(threads),
         exact_up_to_(exact_up_to),
-        uavs_(Idle(situation.uavs, situation.now_us)),
-        workers_(Idle(situation.workers, situation.now_us)),
-        vehicles_(Idle(situation.vehicles, situation.now_us)),
+        neighbours_first_(situation.uavs.size() + situation.workers.size() +
+                              situation.vehicles.size() + site_.tasks.size() >
+                          kNeighboursFirst),
+        cell_m_(std::max(std::max(site_.width_m, site_.height_m) / 65535, 1e-3)),
+        uavs_(Idle(situation.uavs)),
+        workers_(Idle(situation.workers)),
+        vehicles_(Idle(situation.vehicles)),
         uav_at_(Places(uavs_, situation.now_us)),
         worker_at_(Places(workers_, situation.now_us)),
         vehicle_at_(Places(vehicles_, situation.now_us)),
@@ -108,16 +109,21 @@ class Builder {
         vehicle_speeds_(vehicles_, rules_) {
     for (const AgentState* uav : uavs_) range_m_.push_back(situation.range_m(*uav));
     for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
-      if (situation.task_status[x] != TaskStatus::kOpen) continue;
-      tasks_.push_back(TaskId(x));
-      task_at_.push_back(site_.tasks[x].at);
+      if (situation.task_status[x] == TaskStatus::kOpen) tasks_.push_back(TaskId(x));
     }
     site_of_charge_.assign(site_.charging_points.size(), -1);
     for (std::size_t y = 0; y < site_.charging_points.size(); ++y) {
       charge_at_.push_back(site_.charging_points[y].at);
-      if (situation.free_places(ChargeId(y)) <= 0) continue;
-      site_of_charge_[y] = static_cast<Index>(tasks_.size() + charges_.size());
-      charges_.push_back(ChargeId(y));
+      if (situation.free_places(ChargeId(y)) > 0) charges_.push_back(ChargeId(y));
+    }
+    if (neighbours_first_) {
+      SortByNeighbourhood(&tasks_, [&](TaskId x) { return site_.tasks[x.index()].at; });
+      SortByNeighbourhood(&charges_,
+                          [&](ChargeId y) { return site_.charging_points[y.index()].at; });
+    }
+    for (const TaskId x : tasks_) task_at_.push_back(site_.tasks[x.index()].at);
+    for (std::size_t k = 0; k < charges_.size(); ++k) {
+      site_of_charge_[charges_[k].index()] = static_cast<Index>(tasks_.size() + k);
     }
   }
 
@@ -139,6 +145,30 @@ class Builder {
   }
 
  private:
+  std::uint32_t Neighbourhood(Point p) const { return ZOrder(p.x_m / cell_m_, p.y_m / cell_m_); }
+
+  template <class Element, class At>
+  void SortByNeighbourhood(std::vector<Element>* elements, const At& at) const {
+    std::vector<std::pair<std::uint32_t, Element>> keyed;
+    for (const Element& element : *elements)
+      keyed.emplace_back(Neighbourhood(at(element)), element);
+    std::stable_sort(keyed.begin(), keyed.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < keyed.size(); ++i) (*elements)[i] = keyed[i].second;
+  }
+
+  std::vector<const AgentState*> Idle(const std::vector<AgentState>& agents) const {
+    std::vector<const AgentState*> idle;
+    for (const AgentState& agent : agents) {
+      if (agent.idle(situation_.now_us)) idle.push_back(&agent);
+    }
+    if (neighbours_first_) {
+      SortByNeighbourhood(&idle,
+                          [&](const AgentState* a) { return PositionAt(*a, situation_.now_us); });
+    }
+    return idle;
+  }
+
   double E(double share) const {
     return std::max(1e-6, (1 - std::exp(-share)) / (1 - std::exp(-1.0)));
   }
@@ -329,10 +359,8 @@ class Builder {
   void Assemble(BuiltInstance* built) {
     Instance& instance = built->instance;
     const double stay = Softplus(0);
-    const double cell_m = std::max(std::max(site_.width_m, site_.height_m) / 65535, 1e-3);
     for (std::size_t u = 0; u < uavs_.size(); ++u) {
-      instance.uavs.push_back({stay, LatestEnd(*uavs_[u], rules_),
-                               ZOrder(uav_at_[u].x_m / cell_m, uav_at_[u].y_m / cell_m)});
+      instance.uavs.push_back({stay, LatestEnd(*uavs_[u], rules_), Neighbourhood(uav_at_[u])});
     }
     for (const AgentState* worker : workers_) {
       instance.partners.push_back({stay, LatestEnd(*worker, rules_), 0});
@@ -464,6 +492,8 @@ class Builder {
   const Rules& rules_;
   int threads_;
   std::size_t exact_up_to_;
+  bool neighbours_first_;  ///< elements are numbered by neighbourhood, else by id
+  double cell_m_;
   std::vector<const AgentState*> uavs_, workers_, vehicles_;
   std::vector<Point> uav_at_, worker_at_, vehicle_at_;
   SpeedClasses uav_speeds_, worker_speeds_, vehicle_speeds_;

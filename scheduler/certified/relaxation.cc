@@ -18,7 +18,8 @@ constexpr std::size_t kColumnsPerRound = 8;  ///< that a UAV may add to the line
 constexpr std::int32_t kOffersPerPlace = 6;  ///< columns of a site that a round adds, about
 constexpr double kMostRegret = 70;           ///< of these, where a UAV has enough of them
 constexpr int kChunk = 100;                  ///< UAVs whose columns are solved for together
-constexpr double kAlike = 0.05;              ///< regrets that count as equal when choosing these
+
+constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
 
 /// Rows of the linear program: UAVs, partners, sites.
 std::vector<std::int32_t> Rows(const Instance& instance) {
@@ -144,7 +145,10 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
         AddSolo(p, &solo);
       }
     }
-    if (lp_.n_columns() == before) break;
+    if (lp_.n_columns() == before) {
+      solved_ = solved;
+      break;
+    }
     solved = solved && lp_.Solve(end - dual_.work() - work(), stop);
     Dual::Prices prices;
     for (Index s = 0; s < instance_.n_sites(); ++s) {
@@ -161,9 +165,17 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
       prices_ = std::move(prices);
     }
     if (!solved) break;
+    // What is too large for a proof of the optimum need not be exact either.
+    if (known_.size() > kProofColumns &&
+        bound_ - stay_weight_ - lp_.Bound() <= kCloseEnough * bound_) {
+      solved_ = true;
+      break;
+    }
   }
-  dual_.set_prices(prices_);
-  dual_.Evaluate();
+  if (dual_.prices().site != prices_.site || dual_.prices().partner != prices_.partner) {
+    dual_.set_prices(prices_);
+    dual_.Evaluate();
+  }
 }
 
 void Relaxation::AddColumn(Index uav, const Column& column) {

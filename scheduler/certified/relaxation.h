@@ -12,6 +12,11 @@
 
 namespace muster::scheduler {
 
+/// Up to that many columns are searched for a proof of the optimum.
+inline constexpr std::size_t kProofColumns = 20000;
+/// Gap, relative, with which larger instances are content.
+inline constexpr double kCloseEnough = 1e-6;
+
 /// The linear relaxation of the packing, by column generation: the program knows some columns of
 /// each UAV; at its prices each UAV's best column overall is found, which bounds the optimum and
 /// says what is missing.
@@ -20,9 +25,12 @@ class Relaxation {
   /// Both must outlive this. threads: 1 or 2; no result depends on it.
   Relaxation(const Instance& instance, Dual* dual, int threads);
 
-  /// Until no column is missing, the work is done or `stop`. The dual is left at the best prices.
+  /// Until no column is missing (or, of large instances, those missing count for next to nothing),
+  /// the work is done or `stop`. The dual is left at the best prices.
   void Solve(std::int64_t work_limit, const std::function<bool()>& stop);
 
+  /// Whether it ended for want of columns.
+  bool solved() const { return solved_; }
   /// Proven: no assignment weighs more.
   double bound() const { return bound_; }
   const Dual::Prices& prices() const { return prices_; }              ///< that prove it
@@ -72,6 +80,7 @@ class Relaxation {
   Dual::Prices prices_, first_prices_;
   double bound_ = std::numeric_limits<double>::infinity();
   double stay_weight_ = 0;
+  bool solved_ = false;
   std::int64_t work_ = 0;
 };
 

@@ -17,10 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kWork = 20'000'000;    ///< default limit: this, once more for branching,
-constexpr std::int64_t kWorkPerArc = 130;     ///< and this for each arc
-constexpr std::size_t kProofColumns = 20000;  ///< of an exact search over all
-constexpr double kWorthAnotherStart = 1e-4;   ///< gap, relative
+constexpr std::int64_t kWork = 20'000'000;   ///< default limit: this, once more for branching,
+constexpr std::int64_t kWorkPerArc = 130;    ///< and this for each arc
+constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
 
 class Search {
  public:
@@ -58,27 +57,9 @@ class Search {
       windows_.ImproveLosers(&plan, stop);
       Keep(std::move(plan));
     }
-    if (Gap() > kWorthAnotherStart * relaxation_.bound()) {
-      plan = planner_.Empty();
-      work_ += planner_.Fill(&plan);
-      chains_.Improve(&plan, stop);
-      windows_.ImproveLosers(&plan, stop);
-      Keep(std::move(plan));
-    }
-    if (Gap() > kWorthAnotherStart * relaxation_.bound()) {
-      // Where all weights are alike, prices hide that some sites are worth more than others.
-      dual_.set_prices(relaxation_.first_prices());
-      dual_.Evaluate();
-      plan = planner_.Empty();
-      work_ += planner_.Fill(&plan);
-      Keep(std::move(plan));
-      dual_.set_prices(relaxation_.prices());
-      dual_.Evaluate();
-    }
-    if (!Proven() && !Stop() && relaxation_.known().size() <= kProofColumns) {
-      if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
-      Prove(stop);
-    }
+    if (relaxation_.solved()) Branch();
+    if (Gap() > kWorthAnotherStart * relaxation_.bound()) StartAgain(stop);
+    if (!relaxation_.solved()) Branch();
     search_s_ += Lap(&mark);
     return Finish();
   }
@@ -105,9 +86,38 @@ class Search {
     return Gap() <= 2 * dual_.slack() + kNegligible * static_cast<double>(instance_.uavs.size());
   }
 
+  /// What the prices alone suggest.
+  void StartAgain(const std::function<bool()>& stop) {
+    Plan plan = planner_.Empty();
+    work_ += planner_.Fill(&plan);
+    chains_.Improve(&plan, stop);
+    windows_.ImproveLosers(&plan, stop);
+    Keep(std::move(plan));
+    if (Gap() <= kWorthAnotherStart * relaxation_.bound()) return;
+    // Where all weights are alike, prices hide that some sites are worth more than others.
+    dual_.set_prices(relaxation_.first_prices());
+    dual_.Evaluate();
+    plan = planner_.Empty();
+    work_ += planner_.Fill(&plan);
+    Keep(std::move(plan));
+    dual_.set_prices(relaxation_.prices());
+    dual_.Evaluate();
+  }
+
+  void Branch() {
+    if (Proven() || Stop()) return;
+    if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
+    if (relaxation_.known().size() <= kProofColumns) {
+      Prove([this] { return Stop(); });
+    } else {
+      // A proof is out of reach; a few branches find what windows miss.
+      BranchOverKnown([this] { return Stop() || Gap() <= kCloseEnough * relaxation_.bound(); });
+    }
+  }
+
   /// Best assignment among the columns that the linear program knows; returns a bound on all of
   /// these.
-  double Branch(const std::function<bool()>& stop) {
+  double BranchOverKnown(const std::function<bool()>& stop) {
     const double stay = relaxation_.stay_weight();
     Branching branching(relaxation_.lp(), instance_.n_uavs(), dual_.slack(),
                         {stop, [&] { return best_.weight - stay; },
@@ -125,9 +135,9 @@ class Search {
   /// may hold: those whose regret at the best prices is within the gap, as what an assignment falls
   /// short of the bound is a sum that each of its columns' regrets is part of.
   void Prove(const std::function<bool()>& stop) {
-    Branch(stop);
+    BranchOverKnown(stop);
     if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProofColumns)) return;
-    proven_bound_ = std::max(best_.weight, Branch(stop));
+    proven_bound_ = std::max(best_.weight, BranchOverKnown(stop));
     proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;
   }
 

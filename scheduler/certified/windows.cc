@@ -13,12 +13,12 @@ namespace {
 
 using Index = std::int32_t;
 
-constexpr std::size_t kUavs = 16;          ///< of a window, or twice those that it is made for
-constexpr std::size_t kMostUavs = 64;      ///< of a window
-constexpr std::size_t kNeighbours = 6;     ///< columns whose holders join a window
-constexpr std::size_t kColumns = 32;       ///< of a UAV in a window
-constexpr std::int64_t kWork = 1'000'000;  ///< of one search
-constexpr double kWorthwhile = 1e-6;       ///< loss that a window is searched for
+constexpr std::size_t kUavs = 16;             ///< of a window, or twice those that it is made for
+constexpr std::size_t kNeighbours = 8;        ///< columns of each whose holders join
+constexpr std::size_t kColumns = 32;          ///< of a UAV in a window
+constexpr std::int64_t kWorkPerUav = 60'000;  ///< of one search
+constexpr double kWorthwhile = 1e-6;  ///< loss that a window is searched for, of the whole weight
+constexpr double kEqual = 1e-6;       ///< regrets
 
 }  // namespace
 
@@ -65,36 +65,35 @@ void Windows::ImproveFractions(Plan* plan, const std::function<bool()>& stop) {
 }
 
 void Windows::ImproveLosers(Plan* plan, const std::function<bool()>& stop) {
-  for (bool again = true; again;) {
-    again = false;
-    std::vector<std::pair<double, Index>> losers;
-    for (Index u = 0; u < instance_.n_uavs(); ++u) {
-      const double regret = planner_.Regret(u, plan->column[At(u)]);
-      if (regret > kWorthwhile) losers.emplace_back(-regret, u);
-    }
-    work_ += instance_.n_uavs();
-    std::sort(losers.begin(), losers.end());
-    for (const auto& [loss, u] : losers) {
-      if (stop()) return;
-      if (planner_.Regret(u, plan->column[At(u)]) <= kWorthwhile) continue;
-      again = Improve(plan, {u}, stop) || again;
-    }
+  const double least = kWorthwhile * relaxation_.bound();
+  std::vector<std::pair<double, Index>> losers;
+  for (Index u = 0; u < instance_.n_uavs(); ++u) {
+    const double regret = planner_.Regret(u, plan->column[At(u)]);
+    if (regret > least) losers.emplace_back(-regret, u);
+  }
+  work_ += instance_.n_uavs();
+  std::sort(losers.begin(), losers.end());
+  for (const auto& [loss, u] : losers) {
+    if (stop()) return;
+    if (planner_.Regret(u, plan->column[At(u)]) > least) Improve(plan, {u}, stop);
   }
 }
 
 /// Adds UAVs that hold what those in the window would rather have.
 void Windows::Widen(const Plan& plan, std::vector<Index>* uavs) {
-  const std::size_t most = std::min(kMostUavs, std::max(kUavs, 2 * uavs->size()));
+  const std::size_t most = std::max(kUavs, 2 * uavs->size());
   for (const Index u : *uavs) uav_row_[At(u)] = 0;
   const auto join = [&](Index u) {
     if (u < 0 || uav_row_[At(u)] >= 0 || uavs->size() >= most) return;
     uav_row_[At(u)] = 0;
     uavs->push_back(u);
   };
+  double loss = kEqual;
+  for (const Index u : *uavs) loss += planner_.Regret(u, plan.column[At(u)]);
   for (std::size_t i = 0; i < uavs->size() && uavs->size() < most; ++i) {
     const Index u = (*uavs)[i];
     columns_.clear();
-    dual_.TopColumns(u, planner_.Regret(u, plan.column[At(u)]) + kWorthwhile, &columns_);
+    dual_.TopColumns(u, loss, &columns_);
     work_ += 2 * dual_.n_arcs(u);
     const std::size_t n = std::min(kNeighbours, columns_.size());
     std::partial_sort(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(n),
@@ -122,7 +121,7 @@ bool Windows::Improve(Plan* plan, std::vector<Index> uavs, const std::function<b
     for (const Index u : uavs) columns.push_back(plan->column[At(u)]);
     return columns;
   }();
-  double loss = kWorthwhile, before = 0;
+  double loss = kEqual, before = 0;
   for (std::size_t i = 0; i < uavs.size(); ++i) {
     loss += planner_.Regret(uavs[i], held[i]);
     before += planner_.WeightOf(uavs[i], held[i]) - instance_.uavs[At(uavs[i])].stay;
@@ -245,7 +244,8 @@ bool Windows::Improve(Plan* plan, std::vector<Index> uavs, const std::function<b
          best = weight;
          chosen = std::move(now);
        }});
-  search.Search(std::numeric_limits<double>::infinity(), kWork);
+  search.Search(std::numeric_limits<double>::infinity(),
+                kWorkPerUav * static_cast<std::int64_t>(uavs.size()));
   work_ += search.work() + lp.work() + static_cast<std::int64_t>(capacity.size());
 
   for (const Index u : uavs) uav_row_[At(u)] = -1;
