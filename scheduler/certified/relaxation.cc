@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -16,8 +17,9 @@ using Index = std::int32_t;
 
 constexpr std::size_t kColumnsPerRound = 8;  ///< that a UAV may add to the linear program
 constexpr std::int32_t kOffersPerPlace = 6;  ///< columns of a site that a round adds, about
-constexpr double kMostRegret = 70;           ///< of these, where a UAV has enough of them
-constexpr int kChunk = 100;                  ///< UAVs whose columns are solved for together
+/// Of these, where a UAV has enough of them; multiples of kAlike.
+constexpr std::array<double, 4> kMostRegret = {0.1, 1, 70, std::numeric_limits<double>::infinity()};
+constexpr int kChunk = 50;  ///< UAVs whose columns are solved for together
 
 constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
 
@@ -50,11 +52,10 @@ void Relaxation::OffersOf(Index u, std::vector<Column>* columns, std::vector<Off
   const double earns = instance_.uavs[At(u)].stay + lp_.prices()[At(u)];
   const double more = dual_.best_value(u) - earns;
   if (more <= kNegligible) return;
-  columns->clear();
-  dual_.TopColumns(u, std::min(more - kNegligible, kMostRegret), columns);
-  if (columns->size() < kColumnsPerRound && more > kMostRegret) {
+  for (const double most : kMostRegret) {
     columns->clear();
-    dual_.TopColumns(u, more - kNegligible, columns);
+    dual_.TopColumns(u, std::min(more - kNegligible, most), columns);
+    if (columns->size() >= kColumnsPerRound || most >= more) break;
   }
   if (columns->size() > kColumnsPerRound) {
     // The best one, then good ones: which of them differs from UAV to UAV.
