@@ -1,0 +1,188 @@
+#include "scheduler/explain/look.h"
+
+#include <algorithm>
+
+#include "world/model/feasibility.h"
+
+namespace muster::scheduler {
+namespace {
+
+std::size_t At(int i) { return static_cast<std::size_t>(i); }
+
+constexpr int kAny = -2;  ///< no row; -1 is an agent that is not idle
+
+}  // namespace
+
+std::string_view ToString(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::kNone:
+      return "none";
+    case Obstacle::kNoUav:
+      return "no idle uav";
+    case Obstacle::kNoPartner:
+      return "no idle partner";
+    case Obstacle::kNoPlace:
+      return "no free place";
+    case Obstacle::kRange:
+      return "range";
+    case Obstacle::kWindow:
+      return "online window";
+    case Obstacle::kLimit:
+      return "time limit";
+  }
+  return "none";
+}
+
+Look::Look(const Situation& situation)
+    : situation_(situation), weights_(ComputeWeights(situation)), feasible_(situation, weights_) {}
+
+int Look::RowOf(AgentKind kind, std::int32_t id) const {
+  const auto& rows = kind == AgentKind::kUav      ? weights_.uavs
+                     : kind == AgentKind::kWorker ? weights_.workers
+                                                  : weights_.vehicles;
+  const auto& agents = situation_.agents(kind);
+  const auto found = std::lower_bound(
+      rows.begin(), rows.end(), id,
+      [&](std::int32_t row, std::int32_t wanted) { return agents[At(row)].id < wanted; });
+  if (found == rows.end() || agents[At(*found)].id != id) return -1;
+  return static_cast<int>(found - rows.begin());
+}
+
+PlaceLook Look::AtTask(TaskId task, UavId uav, WorkerId worker) const {
+  const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), task);
+  const auto column = static_cast<int>(found - weights_.tasks.begin());
+  return AtPlace(false, task.value, column, uav.valid() ? RowOf(AgentKind::kUav, uav.value) : kAny,
+                 worker.valid() ? RowOf(AgentKind::kWorker, worker.value) : kAny);
+}
+
+PlaceLook Look::AtCharge(ChargeId charge, UavId uav, VehicleId vehicle) const {
+  return AtPlace(true, charge.value, charge.value,
+                 uav.valid() ? RowOf(AgentKind::kUav, uav.value) : kAny,
+                 vehicle.valid() ? RowOf(AgentKind::kVehicle, vehicle.value) : kAny);
+}
+
+PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_uav,
+                        int only_partner) const {
+  const Rules& rules = situation_.site->rules;
+  const Legs& legs = charging ? weights_.uav_charge : weights_.uav_task;
+  const int n_partners = charging ? weights_.n_vehicles() : weights_.n_workers();
+  const auto& partners = charging ? situation_.vehicles : situation_.workers;
+  const auto& partner_rows = charging ? weights_.vehicles : weights_.workers;
+  PlaceLook look;
+  look.charging = charging;
+  look.site = site;
+  look.idle_uavs = weights_.n_uavs();
+  look.idle_partners = n_partners;
+  const auto lacks = [](const RangeNeed& need) { return need.needs_m() - need.range_m; };
+  for (int u = 0; u < weights_.n_uavs(); ++u) {
+    if (only_uav != kAny && u != only_uav) continue;
+    const AgentState& uav = situation_.uavs[At(weights_.uavs[At(u)])];
+    if (!(charging ? weights_.chargeable(u, column) : weights_.senseable(u, column))) {
+      RangeNeed need{UavId(uav.id), weights_.range_m(u), legs.way_m(u, column), 0, 0};
+      if (!charging) {
+        need.cost_m = situation_.site->tasks[At(site)].cost_m;
+        need.to_charge_m = situation_.site->task_to_charge_m[At(site)];
+      }
+      if (!look.nearest_range || lacks(need) < lacks(*look.nearest_range)) {
+        look.nearest_range = need;
+      }
+      continue;
+    }
+    ++look.uavs_in_range;
+    for (int p = 0; p < n_partners; ++p) {
+      if (only_partner != kAny && p != only_partner) continue;
+      const AgentState& partner = partners[At(partner_rows[At(p)])];
+      ++look.pairs;
+      PairLook pair;
+      pair.uav = UavId(uav.id);
+      pair.partner = partner.id;
+      pair.end_us = charging ? feasible_.ChargeEnd(u, column, p) : feasible_.SenseEnd(u, column, p);
+      if (charging ? feasible_.Charge(u, column, p) : feasible_.Sense(u, column, p)) {
+        ++look.pairs_feasible;
+        pair.weight = charging ? weights_.Charge(u, column, p) : weights_.Sense(u, column, p);
+        pair.latest_us = std::min(LatestEnd(uav, rules), LatestEnd(partner, rules));
+        // Heaviest first; ties by the ids, in which order they come.
+        const auto at =
+            std::find_if(look.best.begin(), look.best.end(),
+                         [&](const PairLook& other) { return other.weight < pair.weight; });
+        if (at != look.best.end() || look.best.size() < PlaceLook::kBest) {
+          look.best.insert(at, pair);
+          if (look.best.size() > PlaceLook::kBest) look.best.pop_back();
+        }
+        continue;
+      }
+      if (charging && feasible_.free_places(column) == 0) continue;
+      if (pair.end_us > rules.limit_us) {
+        pair.obstacle = Obstacle::kLimit;
+        pair.latest_us = rules.limit_us;
+        ++look.pairs_after_limit;
+      } else {
+        pair.obstacle = Obstacle::kWindow;
+        const bool by_uav = uav.online_until_us <= partner.online_until_us;
+        pair.window_of = by_uav ? uav.kind : partner.kind;
+        pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
+        ++look.pairs_after_window;
+      }
+      if (!look.nearest_time ||
+          pair.end_us - pair.latest_us < look.nearest_time->end_us - look.nearest_time->latest_us) {
+        look.nearest_time = pair;
+      }
+    }
+  }
+  if (look.pairs_feasible > 0) return look;
+  if (look.idle_uavs == 0) {
+    look.obstacle = Obstacle::kNoUav;
+  } else if (look.idle_partners == 0) {
+    look.obstacle = Obstacle::kNoPartner;
+  } else if (charging && feasible_.free_places(column) == 0) {
+    look.obstacle = Obstacle::kNoPlace;
+  } else if (look.uavs_in_range == 0) {
+    look.obstacle = Obstacle::kRange;
+  } else {
+    look.obstacle = look.pairs_after_window > 0 ? Obstacle::kWindow : Obstacle::kLimit;
+  }
+  return look;
+}
+
+std::optional<double> Look::WeightOf(const Action& action) const {
+  const int u = action.uav.valid() ? RowOf(AgentKind::kUav, action.uav.value) : -1;
+  const int w = action.worker.valid() ? RowOf(AgentKind::kWorker, action.worker.value) : -1;
+  const int v = action.vehicle.valid() ? RowOf(AgentKind::kVehicle, action.vehicle.value) : -1;
+  if ((action.uav.valid() && u < 0) || (action.worker.valid() && w < 0) ||
+      (action.vehicle.valid() && v < 0)) {
+    return {};
+  }
+  int x = -1;
+  if (action.task.valid()) {
+    const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), action.task);
+    if (found == weights_.tasks.end() || *found != action.task) return {};
+    x = static_cast<int>(found - weights_.tasks.begin());
+  }
+  const int y = action.charge.value;
+  const auto when = [](bool offered, auto&& weight) {
+    return offered ? std::optional<double>(weight()) : std::nullopt;
+  };
+  switch (action.kind) {
+    case ActionKind::kUavStays:
+    case ActionKind::kWorkerStays:
+    case ActionKind::kVehicleStays:
+      return weights_.stay;
+    case ActionKind::kUavToTask:
+      return when(feasible_.UavToTask(u, x), [&] { return weights_.uav_to_task(u, x); });
+    case ActionKind::kWorkerToTask:
+      return when(feasible_.WorkerToTask(w, x), [&] { return weights_.worker_to_task(w, x); });
+    case ActionKind::kUavToCharge:
+      return when(feasible_.UavToCharge(u, y), [&] { return weights_.uav_to_charge(u, y); });
+    case ActionKind::kVehicleToCharge:
+      return when(feasible_.VehicleToCharge(v, y),
+                  [&] { return weights_.vehicle_to_charge(v, y); });
+    case ActionKind::kSense:
+      return when(feasible_.Sense(u, x, w), [&] { return weights_.Sense(u, x, w); });
+    case ActionKind::kCharge:
+      return when(feasible_.Charge(u, y, v), [&] { return weights_.Charge(u, y, v); });
+    default:
+      return {};
+  }
+}
+
+}  // namespace muster::scheduler

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "scheduler/candidates.h"
+#include "scheduler/situation.h"
+#include "scheduler/weights.h"
+
+namespace muster::scheduler {
+
+/// What keeps every pair from a place, or one pair.
+enum class Obstacle {
+  kNone,
+  kNoUav,      ///< no UAV is idle
+  kNoPartner,  ///< no worker (vehicle) is idle
+  kNoPlace,    ///< the charging point is full
+  kRange,      ///< constraint (6) at a task, (5) at a charging point
+  kWindow,     ///< it would end after a participant's downtime
+  kLimit,      ///< it would end after the mission
+};
+/// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
+/// "time limit"
+std::string_view ToString(Obstacle obstacle);
+
+/// A UAV's range against what a place asks of it, metres.
+struct RangeNeed {
+  UavId uav;
+  double range_m = 0;
+  double way_m = 0;
+  double cost_m = 0;       ///< of sensing; 0 at a charging point
+  double to_charge_m = 0;  ///< from the task to the nearest charging point; 0 at one
+  double needs_m() const { return way_m + cost_m + to_charge_m; }
+};
+
+/// One UAV and one partner at one place.
+struct PairLook {
+  UavId uav;
+  std::int32_t partner = -1;  ///< worker or vehicle
+  Obstacle obstacle = Obstacle::kNone;
+  double weight = 0;     ///< when nothing stands against it
+  TimeUs end_us = 0;     ///< when it would be done
+  TimeUs latest_us = 0;  ///< by when it must be: of kWindow the downtime, of kLimit the limit
+  std::optional<AgentKind> window_of;  ///< of kWindow: whose downtime
+};
+
+/// All pairs of idle agents at one place.
+struct PlaceLook {
+  bool charging = false;
+  std::int32_t site = -1;  ///< task or charging point
+  Obstacle obstacle = Obstacle::kNone;
+  int idle_uavs = 0, idle_partners = 0;
+  int uavs_in_range = 0;
+  int pairs = 0;  ///< of a UAV in range and a partner
+  int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0;
+  std::vector<PairLook> best;  ///< feasible, heaviest first, at most kBest
+  std::optional<RangeNeed>
+      nearest_range;                     ///< of the UAVs that lack range, the one that lacks least
+  std::optional<PairLook> nearest_time;  ///< of the pairs that end too late, the least late
+
+  static constexpr std::size_t kBest = 3;
+};
+
+/// One decision's situation under the paper's weights, to be asked about single places and agents.
+/// What it says is what EnumerateCandidates offers. Source: ours.
+class Look {
+ public:
+  /// `situation` must outlive this.
+  explicit Look(const Situation& situation);
+  Look(const Look&) = delete;
+  Look& operator=(const Look&) = delete;
+
+  const Situation& situation() const { return situation_; }
+  bool idle(AgentKind kind, std::int32_t id) const { return RowOf(kind, id) >= 0; }
+
+  /// All pairs at an open task; only those with that UAV or that worker when given. O(idle UAVs *
+  /// idle workers).
+  PlaceLook AtTask(TaskId task, UavId uav = {}, WorkerId worker = {}) const;
+  PlaceLook AtCharge(ChargeId charge, UavId uav = {}, VehicleId vehicle = {}) const;
+
+  /// The paper's weight of an action of idle agents; none for a free move or what is not offered.
+  std::optional<double> WeightOf(const Action& action) const;
+
+ private:
+  int RowOf(AgentKind kind, std::int32_t id) const;
+  PlaceLook AtPlace(bool charging, std::int32_t site, int column, int only_uav,
+                    int only_partner) const;
+
+  const Situation& situation_;
+  Weights weights_;
+  Feasibility feasible_;
+};
+
+}  // namespace muster::scheduler
