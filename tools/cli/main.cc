@@ -9,6 +9,7 @@
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
 #include "tools/cli/command.h"
+#include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
@@ -36,6 +37,7 @@ const std::vector<Command> kCommands = {
     {"audit", "checks a run's log against every rule of the mission", AuditCommand},
     {"bench", "times decisions", BenchCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
+    {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},

@@ -3,13 +3,25 @@
 #include <muster/schedule_t.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
+#include "world/model/action.h"
+#include "world/model/scenario.h"
 #include "world/model/units.h"
 
 namespace muster::tools {
 
 /// Mission time as "0:42:30".
 std::string ClockWords(TimeUs t);
+
+/// "uav:3"
+std::string AgentName(AgentKind kind, std::int32_t id);
+
+/// What an action is, without jargon: "uav:3 and worker:7 sense task:4".
+std::string Words(const Action& action);
+
+/// event_t's kinds: "agent online", ..., "match failed".
+std::string_view EventWords(int kind);
 
 /// Actions of a schedule that are not stays.
 int MovesIn(const schedule_t& schedule);

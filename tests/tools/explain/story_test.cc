@@ -1,0 +1,312 @@
+#include "tools/explain/story.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "lcmtypes/protocol/program.h"
+#include "tests/tools/explain/mission_log.h"
+#include "tools/explain/explain_command.h"
+#include "tools/explain/redecide_command.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+using scheduler::AgentCondition;
+using scheduler::Obstacle;
+using scheduler::TaskVerdict;
+
+AgentSpec Spec(Point at, double speed_m_s) {
+  AgentSpec spec;
+  spec.at = at;
+  spec.speed_m_s = speed_m_s;
+  spec.online_until_us = 60 * kMinuteUs;
+  return spec;
+}
+
+/// An hour, decisions every 10 min; a UAV (10 m/s, 12 of 30 km of range), a worker (5 m/s) that
+/// leaves at 25 min, two tasks and a charging point. By hand: the pair senses task 0 from 400 s to
+/// 700 s. Task 1 needs 5 + 3 + 4.12 km first, which is 0.12 km too much; at 10 min the UAV is busy;
+/// at 20 min it has 6 km left and needs 4 + 3 + 4.12; then the worker is gone.
+Scenario TwoTasks() {
+  Scenario scenario;
+  scenario.name = "two tasks";
+  scenario.seed = 1;
+  scenario.width_m = scenario.height_m = 10e3;
+  scenario.rules.limit_us = 60 * kMinuteUs;
+  AgentSpec uav = Spec({1e3, 1e3}, 10);
+  uav.range_full_m = 30e3;
+  uav.range_m = 12e3;
+  scenario.uavs = {uav};
+  AgentSpec worker = Spec({2e3, 1e3}, 5);
+  worker.online_until_us = 25 * kMinuteUs;
+  scenario.workers = {worker};
+  AgentSpec vehicle = Spec({9e3, 9e3}, 10);  // takes no part: online after the last decision
+  vehicle.charge_rate_m_s = 100;
+  vehicle.online_from_us = 55 * kMinuteUs;
+  scenario.vehicles = {vehicle};
+  scenario.tasks = {{{4e3, 1e3}, 3e3}, {{4e3, 5e3}, 3e3}};
+  scenario.charging_points = {{{5e3, 1e3}, 1}};
+  return scenario;
+}
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(TaskStory, TellsWhatStoodAgainstATask) {
+  const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "certified"));
+  const TaskStory story = TellTask(log, "run", 1, {});
+  ASSERT_EQ(story.chapters.size(), 6u);
+  const Obstacle expected[] = {Obstacle::kRange,     Obstacle::kNoUav,     Obstacle::kRange,
+                               Obstacle::kNoPartner, Obstacle::kNoPartner, Obstacle::kNoPartner};
+  for (std::size_t d = 0; d < 6; ++d) {
+    EXPECT_EQ(story.chapters[d].answer.verdict, TaskVerdict::kInfeasible) << d;
+    EXPECT_EQ(story.chapters[d].answer.look.obstacle, expected[d]) << d;
+    EXPECT_EQ(story.chapters[d].policy, "certified");
+  }
+  EXPECT_EQ(story.last_status, TaskStatus::kOpen);
+  const std::string text = ToText(story);
+  EXPECT_TRUE(Contains(text,
+                       "task:1 at (4.00, 5.00) km takes 3.00 km of range to sense, 4.12 km "
+                       "from there to charge: not done\n"))
+      << text;
+  EXPECT_TRUE(Contains(text,
+                       "decision   0  0:00:00  infeasible, range (constraint 6): uav:0 has "
+                       "12.00 km of range and needs 12.12 km: 5.00 km to the task, 3.00 km "
+                       "to sense, 4.12 km to charge\n"))
+      << text;
+  EXPECT_TRUE(Contains(text, "decision   1  0:10:00  infeasible, no UAV is free\n")) << text;
+  EXPECT_TRUE(Contains(text,
+                       "decision   2  0:20:00  infeasible, range (constraint 6): uav:0 has "
+                       "6.00 km of range and needs 11.12 km: 4.00 km"))
+      << text;
+  EXPECT_TRUE(Contains(text, "decision   3  0:30:00  infeasible, no worker is free\n")) << text;
+  EXPECT_TRUE(Contains(text,
+                       "Of 6 decisions: infeasible in 6 (no idle uav 1, no idle worker 3, "
+                       "range 2).\n"))
+      << text;
+  const auto json = ToJson(story);
+  EXPECT_EQ(json["status"], "open");
+  EXPECT_TRUE(json["done_s"].is_null());
+  EXPECT_EQ(json["decisions"][0]["verdict"], "infeasible");
+  EXPECT_EQ(json["decisions"][0]["pairs"]["obstacle"], "range");
+  EXPECT_EQ(json["decisions"][0]["pairs"]["nearest_by_range"]["range_m"], 12e3);
+  EXPECT_NEAR(json["decisions"][0]["pairs"]["nearest_by_range"]["needs_m"].get<double>(),
+              8000 + std::hypot(1000, 4000), 1e-6);
+  EXPECT_EQ(json["decisions"][3]["pairs"]["obstacle"], "no idle partner");
+}
+
+TEST(TaskStory, TellsATaskThatIsDone) {
+  const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "certified"));
+  const TaskStory story = TellTask(log, "run", 0, {});
+  EXPECT_EQ(story.chapters[0].answer.verdict, TaskVerdict::kChosen);
+  EXPECT_EQ(story.chapters[1].answer.verdict, TaskVerdict::kUnderWay);
+  EXPECT_EQ(story.chapters[2].answer.verdict, TaskVerdict::kDone);
+  const std::string text = ToText(story);
+  EXPECT_TRUE(Contains(text, "done at 0:11:40 by uav:0 and worker:0\n")) << text;
+  EXPECT_TRUE(Contains(text, "chosen: uav:0 and worker:0 sense task:0 (10")) << text;
+  EXPECT_TRUE(Contains(text, "* 0:06:40 sensing started uav:0 worker:0 task:0\n")) << text;
+  EXPECT_TRUE(Contains(
+      text,
+      "decision   1  0:10:00  under way: uav:0 and worker:0 sense it from 0:06:40 to 0:11:40"))
+      << text;
+  EXPECT_TRUE(Contains(text, "Of 6 decisions: done in 4, under way in 1, chosen in 1.\n")) << text;
+  EXPECT_FALSE(Contains(text, "decision   3"));
+  EXPECT_TRUE(Contains(ToText(TellTask(log, "run", 0, 3)), "decision   3  0:30:00  done\n"));
+}
+
+TEST(AgentStory, TellsWhatAnAgentDidAndWhyNotMore) {
+  const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "certified"));
+  const AgentStory worker = TellAgent(log, "run", AgentKind::kWorker, 0, {});
+  EXPECT_EQ(worker.chapters[0].answer.condition, AgentCondition::kIdle);
+  EXPECT_EQ(worker.chapters[1].answer.condition, AgentCondition::kBusy);
+  EXPECT_EQ(worker.chapters[2].answer.condition, AgentCondition::kIdle);
+  EXPECT_EQ(worker.chapters[3].answer.condition, AgentCondition::kOffline);
+  const std::string text = ToText(worker);
+  EXPECT_TRUE(Contains(text, "worker:0 is online from 0:00:00 to 0:25:00\n")) << text;
+  EXPECT_TRUE(Contains(text, "decision   0  0:00:00  idle: uav:0 and worker:0 sense task:0 (10"))
+      << text;
+  EXPECT_TRUE(Contains(text,
+                       "not 1 task: at task:1, which comes nearest, range (constraint 6): "
+                       "uav:0 has 12.00 km of range and needs 12.12 km"))
+      << text;
+  EXPECT_TRUE(Contains(text,
+                       "busy until 0:11:40: uav:0 and worker:0 sense task:0 (since decision "
+                       "0)\n"))
+      << text;
+  EXPECT_TRUE(Contains(text, "* 0:25:00 agent offline worker:0\n")) << text;
+  EXPECT_TRUE(Contains(text, "decision   3  0:30:00  offline\n")) << text;
+  const auto json = ToJson(worker);
+  EXPECT_EQ(json["agent"], "worker:0");
+  EXPECT_EQ(json["decisions"][0]["did"]["symbol"], "UiTxWj");
+  EXPECT_EQ(json["decisions"][1]["under_way"]["until_s"], 700.0);
+  EXPECT_EQ(json["decisions"][2]["blocked"][0]["obstacle"], "range");
+}
+
+/// A UAV between two tasks with a worker beside each: one interval to task 0, two to task 1.
+Scenario NearAndFar() {
+  Scenario scenario = TwoTasks();
+  scenario.width_m = scenario.height_m = 30e3;
+  scenario.uavs[0].at = {10e3, 1e3};
+  scenario.uavs[0].range_m = 30e3;
+  scenario.workers = {Spec({8e3, 1e3}, 5), Spec({18e3, 1e3}, 5)};
+  scenario.tasks = {{{8e3, 1e3}, 1e3}, {{18e3, 1e3}, 1e3}};
+  scenario.charging_points = {{{10e3, 2e3}, 1}};
+  return scenario;
+}
+
+TEST(TaskStory, TellsWhatATaskLostToAndItsPrice) {
+  const DecisionLog log = Logged(SimulatedPackets(NearAndFar(), "certified"));
+  const TaskStory story = TellTask(log, "run", 1, 0);
+  ASSERT_EQ(story.chapters.size(), 1u);
+  const auto& answer = story.chapters[0].answer;
+  ASSERT_EQ(answer.verdict, TaskVerdict::kLost);
+  ASSERT_TRUE(answer.forcing && answer.forcing->exact);
+  const std::string text = ToText(story);
+  // 8 km at 10 m/s and 1 km of sensing.
+  EXPECT_TRUE(Contains(text, "lost: uav:0 and worker:1 could sense it by 0:15:00 (5")) << text;
+  EXPECT_TRUE(Contains(text, "to:   uav:0 and worker:0 sense task:0 (10")) << text;
+  EXPECT_TRUE(
+      Contains(text, fmt::format("forcing it costs {:.3f} of {:.3f}; uav:0 and worker:1 "
+                                 "sense task:1, and task:0 is not\n",
+                                 answer.forcing->cost, story.chapters[0].quality.best.weight)))
+      << text;
+  const auto json = ToJson(story)["decisions"][0];
+  EXPECT_EQ(json["verdict"], "lost");
+  EXPECT_EQ(json["forcing"]["cost"], answer.forcing->cost);
+  EXPECT_NEAR(json["forcing"]["cost"].get<double>(), 50, 3);
+  EXPECT_EQ(json["forcing"]["tasks_displaced"], nlohmann::json::array({0}));
+  EXPECT_EQ(json["lost_to"][0]["task"], 0);
+  EXPECT_EQ(json["options"][0]["uav_did"]["task"], 0);
+  EXPECT_EQ(json["options"][0]["pair"]["end_s"], 900.0);
+  EXPECT_FALSE(json["own_weights"].get<bool>());
+}
+
+TEST(TaskStory, APolicyWithWeightsOfItsOwnIsNamed) {
+  Scenario scenario = NearAndFar();
+  const DecisionLog log = Logged(SimulatedPackets(scenario, "horizon"));
+  EXPECT_TRUE(Contains(ToText(TellTask(log, "run", 1, {})),
+                       "Policy horizon decides by weights of "
+                       "its own"));
+  const DecisionLog paper = Logged(SimulatedPackets(scenario, "mpq"));
+  EXPECT_FALSE(Contains(ToText(TellTask(paper, "run", 1, {})), "weights of its own"));
+}
+
+TEST(TaskStory, ALogWithHolesIsToldAsFarAsItGoes) {
+  std::vector<Packet> packets = SimulatedPackets(TwoTasks(), "certified");
+  std::erase_if(packets, [](const Packet& packet) {
+    return packet.channel == channel::kRulings && Decode<rulings_t>(packet.bytes)->tick == 20;
+  });
+  const TaskStory story = TellTask(Logged(packets), "run", 1, {});
+  EXPECT_EQ(story.chapters[1].missing, "rulings_t");
+  EXPECT_EQ(story.chapters[2].missing, "");
+  EXPECT_TRUE(Contains(ToText(story),
+                       "decision   1  0:10:00  cannot be told, the log lacks "
+                       "rulings_t\n"));
+}
+
+class Commands : public testing::Test {
+ protected:
+  Commands() {
+    std::filesystem::remove(file_);
+    EventLogWriter writer(file_);
+    for (const Packet& packet : SimulatedPackets(NearAndFar(), "certified")) {
+      writer.Write(1, packet);
+    }
+    writer.Flush();
+  }
+  ~Commands() override { std::filesystem::remove(file_); }
+
+  /// Exit code; what it prints goes to out_.
+  template <class Command>
+  int Run(Command command, std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), {"muster", file_.c_str()});
+    testing::internal::CaptureStdout();
+    int code = -1;
+    try {
+      code = command(static_cast<int>(arguments.size()), arguments.data());
+    } catch (...) {
+      std::fflush(stdout);
+      testing::internal::GetCapturedStdout();
+      throw;
+    }
+    std::fflush(stdout);
+    out_ = testing::internal::GetCapturedStdout();
+    return code;
+  }
+
+  const std::string file_ = testing::TempDir() + "explain_commands.lcm";
+  std::string out_;
+};
+
+TEST_F(Commands, ExplainPrintsTextAndJson) {
+  EXPECT_EQ(Run(ExplainCommand, {"--task", "1"}), kExitOk);
+  EXPECT_TRUE(Contains(out_, "task:1 at")) << out_;
+  EXPECT_EQ(Run(ExplainCommand, {"--agent", "uav:0", "--decision", "0", "--json"}), kExitOk);
+  const auto json = nlohmann::json::parse(out_);
+  EXPECT_EQ(json["version"], 1);
+  EXPECT_EQ(json["agent"], "uav:0");
+  ASSERT_EQ(json["decisions"].size(), 1u);
+  EXPECT_EQ(json["decisions"][0]["options"][0]["task"], 1);
+  for (const std::vector<const char*>& bad :
+       std::vector<std::vector<const char*>>{{},
+                                             {"--task", "1", "--agent", "uav:0"},
+                                             {"--task", "2"},
+                                             {"--task", "-1"},
+                                             {"--task", "1x"},
+                                             {"--agent", "uav:1"},
+                                             {"--agent", "drone:0"},
+                                             {"--agent", "uav"},
+                                             {"--task", "1", "--decision", "6"}}) {
+    EXPECT_THROW(Run(ExplainCommand, bad), InputError);
+  }
+}
+
+TEST_F(Commands, RedecideTellsByItsExitCode) {
+  EXPECT_EQ(Run(RedecideCommand, {}), kExitOk);
+  EXPECT_TRUE(Contains(out_, "every decision is the same, bit for bit")) << out_;
+  EXPECT_EQ(Run(RedecideCommand, {"--policy", "certified", "--json"}), kExitOk);
+  auto json = nlohmann::json::parse(out_);
+  EXPECT_TRUE(json["same"].get<bool>());
+  EXPECT_EQ(json["schedules"], 6);
+  EXPECT_EQ(Run(RedecideCommand, {"--policy", "greedy-sum", "--json"}), kExitOk);
+  json = nlohmann::json::parse(out_);
+  ASSERT_EQ(json["decisions"].size(), 6u);
+  EXPECT_EQ(json["decisions"][0]["logged"]["policy"], "certified");
+  EXPECT_EQ(json["decisions"][0]["redecided"]["policy"], "greedy-sum");
+  EXPECT_GT(json["decisions"][0]["dropped"], 0);
+  EXPECT_EQ(Run(RedecideCommand, {"--policy", "greedy-sum"}), kExitOk);
+  EXPECT_TRUE(Contains(out_, " of 6 decisions have the same actions")) << out_;
+  EXPECT_THROW(Run(RedecideCommand, {"--policy", "nonsense"}), InputError);
+
+  // The same log with one schedule's weight changed by its last bit.
+  std::vector<Packet> packets = SimulatedPackets(NearAndFar(), "certified");
+  std::filesystem::remove(file_);
+  {
+    EventLogWriter writer(file_);
+    for (Packet& packet : packets) {
+      if (packet.channel == channel::kSchedule) {
+        schedule_t schedule = *Decode<schedule_t>(packet.bytes);
+        if (schedule.decision == 0) schedule.weight = std::nextafter(schedule.weight, 0);
+        packet.bytes = Encode(schedule);
+      }
+      writer.Write(1, packet);
+    }
+    writer.Flush();
+  }
+  EXPECT_EQ(Run(RedecideCommand, {}), kExitCheckFailed);
+  EXPECT_TRUE(Contains(out_, "0:00:00  decision 0: weight is ")) << out_;
+  EXPECT_EQ(Run(RedecideCommand, {"--json"}), kExitCheckFailed);
+  json = nlohmann::json::parse(out_);
+  EXPECT_FALSE(json["same"].get<bool>());
+  EXPECT_EQ(json["divergences"][0]["decision"], 0);
+}
+
+}  // namespace
+}  // namespace muster::tools

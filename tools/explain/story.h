@@ -1,0 +1,59 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/explain/explain.h"
+#include "tools/explain/decision_log.h"
+
+namespace muster::tools {
+
+/// One decision of a story. `Answer` is scheduler::TaskAnswer or AgentAnswer.
+template <class Answer>
+struct Chapter {
+  std::int32_t decision = -1;
+  TimeUs at_us = 0;
+  std::string missing;    ///< why nothing can be told; else empty
+  bool scheduled = true;  ///< the log holds a schedule for it
+  std::string policy;
+  scheduler::DecisionQuality quality;
+  Answer answer;
+  std::vector<event_t> events;  ///< of the task or agent, from the decision to the next
+};
+
+/// A task over the mission.
+struct TaskStory {
+  TaskId task;
+  Task spec;
+  double to_charge_m = 0;
+  TaskStatus last_status = TaskStatus::kOpen;  ///< as the log shows last
+  std::optional<event_t> done;
+  std::vector<Chapter<scheduler::TaskAnswer>> chapters;
+};
+
+/// An agent over the mission.
+struct AgentStory {
+  AgentKind kind = AgentKind::kUav;
+  std::int32_t id = -1;
+  AgentSpec spec;
+  std::vector<Chapter<scheduler::AgentAnswer>> chapters;
+};
+
+/// All decisions, or one. Throws InputError when the scenario has no such task or agent, or the log
+/// no such decision; `run` is named then. Costs a few exact decisions each.
+TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
+                   std::optional<std::int32_t> decision);
+AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
+                     std::int32_t id, std::optional<std::int32_t> decision);
+
+/// For people.
+std::string ToText(const TaskStory& story);
+std::string ToText(const AgentStory& story);
+
+/// The same facts for tools (docs/explain.md).
+nlohmann::ordered_json ToJson(const TaskStory& story);
+nlohmann::ordered_json ToJson(const AgentStory& story);
+
+}  // namespace muster::tools

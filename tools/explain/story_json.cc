@@ -1,0 +1,212 @@
+#include <cmath>
+
+#include "lcmtypes/protocol/convert.h"
+#include "tools/explain/story.h"
+#include "tools/explain/words.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using scheduler::AgentAnswer;
+using scheduler::AgentCondition;
+using scheduler::Forcing;
+using scheduler::Optimum;
+using scheduler::Option;
+using scheduler::PairLook;
+using scheduler::PlaceLook;
+using scheduler::RangeNeed;
+using scheduler::TaskAnswer;
+using scheduler::TaskVerdict;
+
+Json Seconds(TimeUs t) { return t == kNever ? Json() : Json(ToSeconds(t)); }
+
+Json ActionsJson(const std::vector<Action>& actions) {
+  Json list = Json::array();
+  for (const Action& action : actions) list.push_back(ActionJson(ToWire(action)));
+  return list;
+}
+
+std::string PartnerName(bool charging, std::int32_t id) {
+  return AgentName(charging ? AgentKind::kVehicle : AgentKind::kWorker, id);
+}
+
+Json ToJson(const RangeNeed& need) {
+  return {{"uav", need.uav.value}, {"range_m", need.range_m},  {"needs_m", need.needs_m()},
+          {"way_m", need.way_m},   {"sensing_m", need.cost_m}, {"to_charge_m", need.to_charge_m}};
+}
+
+Json ToJson(const PairLook& pair, bool charging) {
+  Json json = {{"uav", pair.uav.value},
+               {charging ? "vehicle" : "worker", pair.partner},
+               {"end_s", Seconds(pair.end_us)},
+               {"latest_s", Seconds(pair.latest_us)}};
+  if (pair.obstacle == scheduler::Obstacle::kNone) {
+    json["weight"] = pair.weight;
+  } else {
+    json["obstacle"] = ToString(pair.obstacle);
+  }
+  if (pair.window_of) {
+    json["window_of"] = *pair.window_of == AgentKind::kUav
+                            ? AgentName(AgentKind::kUav, pair.uav.value)
+                            : PartnerName(charging, pair.partner);
+  }
+  return json;
+}
+
+Json ToJson(const PlaceLook& look) {
+  Json json = {{"obstacle", ToString(look.obstacle)},
+               {"idle_uavs", look.idle_uavs},
+               {look.charging ? "idle_vehicles" : "idle_workers", look.idle_partners},
+               {"uavs_in_range", look.uavs_in_range},
+               {"pairs_in_range", look.pairs},
+               {"pairs_feasible", look.pairs_feasible},
+               {"pairs_after_online_window", look.pairs_after_window},
+               {"pairs_after_time_limit", look.pairs_after_limit}};
+  json["nearest_by_range"] = look.nearest_range ? ToJson(*look.nearest_range) : Json();
+  json["nearest_by_time"] = look.nearest_time ? ToJson(*look.nearest_time, look.charging) : Json();
+  return json;
+}
+
+Json ToJson(const std::optional<Forcing>& forcing) {
+  if (!forcing) return {};
+  Json displaced = Json::array();
+  for (const TaskId task : forcing->displaced) displaced.push_back(task.value);
+  return {{"cost", forcing->cost},
+          {"exact", forcing->exact},
+          {"cost_between", {forcing->cost_low, forcing->cost_high}},
+          {"weight", forcing->with.weight},
+          {"bound", forcing->with.bound},
+          {"pair", forcing->pair ? ActionJson(ToWire(*forcing->pair)) : Json()},
+          {"tasks_displaced", std::move(displaced)}};
+}
+
+Json ToJson(const Option& option) {
+  Json json = {
+      {option.charging ? "charge" : "task", option.site},
+      {"pair", ToJson(option.pair, option.charging)},
+      {"uav_did", ActionJson(ToWire(option.uav_did))},
+      {option.charging ? "vehicle_did" : "worker_did", ActionJson(ToWire(option.partner_did))}};
+  json["place_taken_by"] = option.site_holder ? ActionJson(ToWire(*option.site_holder)) : Json();
+  return json;
+}
+
+template <class Answer>
+Json HeadOf(const Chapter<Answer>& chapter) {
+  Json json = {{"decision", chapter.decision}, {"at_s", ToSeconds(chapter.at_us)}};
+  json["policy"] = chapter.scheduled ? Json(chapter.policy) : Json();
+  if (!chapter.missing.empty()) {
+    json["missing"] = chapter.missing;
+    return json;
+  }
+  const Optimum& best = chapter.quality.best;
+  json["weight"] = chapter.quality.weight;
+  json["best_weight"] = best.weight;
+  json["best_bound"] = best.bound;
+  json["own_weights"] = chapter.quality.own_weights;
+  return json;
+}
+
+template <class Answer>
+void AddEvents(const Chapter<Answer>& chapter, Json* json) {
+  Json events = Json::array();
+  for (const event_t& event : chapter.events) {
+    events.push_back({{"at_s", ToSeconds(event.at_us)},
+                      {"kind", EventWords(event.kind)},
+                      {"uav", event.uav_id},
+                      {"worker", event.worker_id},
+                      {"vehicle", event.vehicle_id},
+                      {"task", event.task_id},
+                      {"charge", event.charge_id}});
+  }
+  (*json)["events"] = std::move(events);
+}
+
+void Add(const TaskAnswer& answer, Json* json) {
+  (*json)["verdict"] = ToString(answer.verdict);
+  if (answer.verdict == TaskVerdict::kDone) return;
+  if (answer.verdict == TaskVerdict::kUnderWay) {
+    if (!answer.activity) return;
+    (*json)["pair"] = {{"uav", answer.activity->uav.value},
+                       {"worker", answer.activity->partner},
+                       {"start_s", Seconds(answer.activity->start_us)},
+                       {"end_s", Seconds(answer.activity->end_us)}};
+    return;
+  }
+  (*json)["commanded"] = ActionsJson(answer.commanded);
+  (*json)["pairs"] = ToJson(answer.look);
+  if (answer.verdict != TaskVerdict::kLost) return;
+  Json options = Json::array();
+  for (const Option& option : answer.options) options.push_back(ToJson(option));
+  (*json)["options"] = std::move(options);
+  (*json)["lost_to"] = ActionsJson(answer.rivals);
+  (*json)["forcing"] = ToJson(answer.forcing);
+}
+
+void Add(const AgentAnswer& answer, Json* json) {
+  (*json)["condition"] = ToString(answer.condition);
+  if (answer.condition == AgentCondition::kBusy && answer.state) {
+    const AgentState& state = *answer.state;
+    (*json)["under_way"] = {{"kind", static_cast<int>(state.action)},
+                            {"symbol", Symbol(state.action)},
+                            {"target", state.target},
+                            {"partner", state.partner},
+                            {"since_decision", state.decision},
+                            {"until_s", Seconds(state.busy_until_us)}};
+  }
+  if (answer.condition != AgentCondition::kIdle) return;
+  (*json)["did"] = ActionJson(ToWire(*answer.did));
+  (*json)["places_feasible"] = answer.places_feasible;
+  Json options = Json::array();
+  for (std::size_t i = 0; i < answer.options.size(); ++i) {
+    Json option = ToJson(answer.options[i]);
+    option["forcing"] = ToJson(answer.forcings[i]);
+    options.push_back(std::move(option));
+  }
+  (*json)["options"] = std::move(options);
+  Json blocked = Json::array();
+  for (const AgentAnswer::Blocked& group : answer.blocked) {
+    blocked.push_back({{"obstacle", ToString(group.obstacle)},
+                       {group.charging ? "charging_points" : "tasks", group.places},
+                       {group.charging ? "nearest_charge" : "nearest_task", group.nearest.site},
+                       {"nearest", ToJson(group.nearest)}});
+  }
+  (*json)["blocked"] = std::move(blocked);
+}
+
+template <class Answer>
+Json ChaptersJson(const std::vector<Chapter<Answer>>& chapters) {
+  Json list = Json::array();
+  for (const auto& chapter : chapters) {
+    Json json = HeadOf(chapter);
+    if (chapter.missing.empty()) Add(chapter.answer, &json);
+    AddEvents(chapter, &json);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+}  // namespace
+
+Json ToJson(const TaskStory& story) {
+  constexpr const char* kStatus[] = {"open", "reserved", "sensing", "done"};
+  return {{"version", 1},
+          {"task", story.task.value},
+          {"x_m", story.spec.at.x_m},
+          {"y_m", story.spec.at.y_m},
+          {"sensing_m", story.spec.cost_m},
+          {"to_charge_m", std::isfinite(story.to_charge_m) ? Json(story.to_charge_m) : Json()},
+          {"status", kStatus[static_cast<int>(story.last_status)]},
+          {"done_s", story.done ? Json(ToSeconds(story.done->at_us)) : Json()},
+          {"decisions", ChaptersJson(story.chapters)}};
+}
+
+Json ToJson(const AgentStory& story) {
+  return {{"version", 1},
+          {"agent", AgentName(story.kind, story.id)},
+          {"online_from_s", ToSeconds(story.spec.online_from_us)},
+          {"online_until_s", ToSeconds(story.spec.online_until_us)},
+          {"decisions", ChaptersJson(story.chapters)}};
+}
+
+}  // namespace muster::tools
