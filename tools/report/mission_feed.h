@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lcmtypes/protocol/inbox.h"
-#include "tools/report/interval_set.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "tools/report/run_record.h"
 #include "tools/report/timeline.h"
 
