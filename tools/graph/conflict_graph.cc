@@ -18,8 +18,8 @@ namespace muster::tools {
 
 using scheduler::Node;
 
-ConflictGraph::ConflictGraph(const scheduler::Situation& situation)
-    : situation_(situation), candidates_(scheduler::EnumerateCandidates(situation)) {
+ConflictGraph::ConflictGraph(scheduler::Situation situation)
+    : situation_(std::move(situation)), candidates_(scheduler::EnumerateCandidates(situation_)) {
   at_element_.resize(static_cast<std::size_t>(candidates_.elements.size()));
   for (std::int32_t i = 0; i < n_nodes(); ++i) {
     for (const std::int32_t e :

@@ -15,7 +15,7 @@ namespace muster::tools {
 /// scheduler::EnumerateCandidates, from 0.
 class ConflictGraph {
  public:
-  explicit ConflictGraph(const scheduler::Situation& situation);
+  explicit ConflictGraph(scheduler::Situation situation);
 
   std::int32_t n_nodes() const { return static_cast<std::int32_t>(nodes().size()); }
   const std::vector<scheduler::Node>& nodes() const { return candidates_.nodes; }
@@ -43,7 +43,7 @@ class ConflictGraph {
   void Neighbours(std::int32_t node, std::vector<std::int32_t>* neighbours) const;
   std::string NameOf(std::int32_t element) const;
 
-  const scheduler::Situation& situation_;
+  scheduler::Situation situation_;
   scheduler::Candidates candidates_;
   std::vector<std::vector<std::int32_t>> at_element_;  ///< nodes of each element
   mutable std::vector<std::int32_t> mark_;
