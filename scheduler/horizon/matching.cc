@@ -91,7 +91,7 @@ class Builder {
       const double each =
           interval * static_cast<double>(Intervals(TravelUs(way + cost, uav.agent->speed_m_s),
                                                    site_.rules.interval_us));
-      const double time = static_cast<double>(uav.latest_us - uav.ready_us);
+      const double time = static_cast<double>(uav.until_us - uav.ready_us);
       const double to_charge = way / 2;
       const auto tasks = [&](double range_m, double time_us) {
         return std::max(
@@ -215,6 +215,7 @@ Participants ParticipantsOf(const Situation& situation, const HorizonSettings& s
       Participant participant;
       participant.agent = &agent;
       participant.idle = agent.idle(situation.now_us);
+      participant.until_us = std::min(agent.online_until_us, rules.limit_us);
       // Even where an action may overrun its agents' time, what ends after the limit is lost.
       participant.latest_us = std::min(LatestEnd(agent, rules), rules.limit_us);
       if (participant.idle) {

@@ -15,6 +15,7 @@ struct Participant {
   Point at;
   TimeUs ready_us = 0;   ///< time of a decision, now or later
   TimeUs latest_us = 0;  ///< its actions must have ended
+  TimeUs until_us = 0;   ///< it can be commanded before
   double range_m = 0;    ///< UAVs, at ready_us
   bool idle = false;     ///< can be commanded now
 };

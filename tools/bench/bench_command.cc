@@ -9,20 +9,12 @@
 
 #include "lcmtypes/protocol/program.h"
 #include "scheduler/policy.h"
+#include "tools/bench/paper_command.h"
 #include "tools/bench/suites.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
 namespace {
-
-int Positive(const cxxopts::ParseResult& flags, const char* name, int most) {
-  const int value = flags[name].as<int>();
-  if (value < 1 || value > most) {
-    throw InputError("options", std::string("--") + name, fmt::to_string(value),
-                     fmt::format("a number from 1 to {}", most));
-  }
-  return value;
-}
 
 void WriteWhole(const std::string& file, const std::string& text) {
   std::ofstream out(file);
@@ -35,31 +27,36 @@ void WriteWhole(const std::string& file, const std::string& text) {
 
 int BenchCommand(int argc, const char* const* argv) {
   cxxopts::Options options("muster bench", "Times decisions; writes one CSV row a run.");
-  const auto list = [](const char* text) {
-    return cxxopts::value<std::vector<std::string>>()->default_value(text);
-  };
   options.add_options()(
-      "suite", "decisions (of missions on the paper's data sets) or scale (growing Random_29)",
+      "suite",
+      "decisions (of missions on the paper's data sets), scale (growing Random_29), paper (its "
+      "experiments: completion rates) or paper-long (the runs of those that take longest)",
       cxxopts::value<std::string>()->default_value("decisions"),
-      "SUITE")("instances", "decisions: presets (default: all 32)",
+      "SUITE")("instances", "Settings (default: all of the suite)",
                cxxopts::value<std::vector<std::string>>(),
                "NAME,...")("scales", "scale: times Random_29's size",
                            cxxopts::value<std::vector<double>>()->default_value("1,3,10,30,100"),
-                           "X,...")("methods", "Policies to time", list("certified"), "NAME,...")(
-      "seeds", "Scenarios of each setting: seeds 1 to N", cxxopts::value<int>()->default_value("1"),
-      "N")("repetitions", "Runs of each decision", cxxopts::value<int>()->default_value("1"), "N")(
+                           "X,...")("methods", "Policies (default: certified; paper: all)",
+                                    cxxopts::value<std::vector<std::string>>(), "NAME,...")(
+      "seeds", "Scenarios of each setting (default: 1; paper: 10)", cxxopts::value<int>(), "N")(
+      "first-seed", "Their first seed", cxxopts::value<int>()->default_value("1"), "N")(
+      "repetitions", "Runs of each decision", cxxopts::value<int>()->default_value("1"), "N")(
       "threads", "certified: 1 or 2", cxxopts::value<int>()->default_value("1"), "N")(
-      "out", "CSV file", cxxopts::value<std::string>(), "FILE")(
-      "plot", "gnuplot script that draws time against size from the CSV file",
-      cxxopts::value<std::string>(), "FILE");
+      "out", "CSV file; paper: folder for rows, tables and page", cxxopts::value<std::string>(),
+      "FILE")("plot", "gnuplot script that draws time against size from the CSV file",
+              cxxopts::value<std::string>(), "FILE");
+  AddPaperOptions(&options);
   const auto flags = ParseOptions(&options, argc, argv);
   if (!flags) return kExitOk;
   const auto suite = (*flags)["suite"].as<std::string>();
+  if (suite == "paper" || suite == "paper-long") return PaperCommand(*flags);
   if (suite != "decisions" && suite != "scale") {
-    throw InputError("options", "--suite", suite, "decisions or scale");
+    throw InputError("options", "--suite", suite, "decisions, scale, paper or paper-long");
   }
   BenchOptions bench;
-  bench.methods = (*flags)["methods"].as<std::vector<std::string>>();
+  bench.methods = {"certified"};
+  if (flags->count("methods") > 0)
+    bench.methods = (*flags)["methods"].as<std::vector<std::string>>();
   for (const std::string& method : bench.methods) scheduler::MakePolicy(method);
   if (flags->count("instances") > 0) {
     bench.instances = (*flags)["instances"].as<std::vector<std::string>>();
@@ -73,9 +70,10 @@ int BenchCommand(int argc, const char* const* argv) {
       throw InputError("options", "--scales", fmt::to_string(scale), "numbers above 0 up to 1000");
     }
   }
-  bench.seeds = Positive(*flags, "seeds", 10000);
-  bench.repetitions = Positive(*flags, "repetitions", 10000);
-  bench.threads = Positive(*flags, "threads", 2);
+  if (flags->count("seeds") > 0) bench.seeds = PositiveOption(*flags, "seeds", 10000);
+  bench.first_seed = PositiveOption(*flags, "first-seed", 1000000);
+  bench.repetitions = PositiveOption(*flags, "repetitions", 10000);
+  bench.threads = PositiveOption(*flags, "threads", 2);
   if (flags->count("plot") > 0 && flags->count("out") == 0) {
     throw InputError("options", "--out", "nothing", "the CSV file that --plot draws");
   }

@@ -82,7 +82,7 @@ double Quantile(const std::vector<double>& sorted, double share) {
 
 void RunDecisions(const BenchOptions& options, const std::function<void(const BenchRow&)>& report) {
   for (const std::string& instance : options.instances) {
-    for (int seed = 1; seed <= options.seeds; ++seed) {
+    for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
       SituationRecorder recorder;
       const Scenario scenario = Generate(PresetByName(instance), static_cast<std::uint64_t>(seed));
       Simulate(ScenarioToJson(scenario), "certified",
@@ -104,7 +104,7 @@ void RunDecisions(const BenchOptions& options, const std::function<void(const Be
 
 void RunScale(const BenchOptions& options, const std::function<void(const BenchRow&)>& report) {
   for (const double scale : options.scales) {
-    for (int seed = 1; seed <= options.seeds; ++seed) {
+    for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
       BenchRow row;
       row.instance = fmt::format("Random_29 x{:g}", scale);
       row.seed = static_cast<std::uint64_t>(seed);

@@ -34,6 +34,7 @@ struct BenchOptions {
   std::vector<std::string> instances;
   std::vector<double> scales;
   int seeds = 1;
+  int first_seed = 1;
   int repetitions = 1;
   int threads = 1;
 };

@@ -8,6 +8,7 @@
 #include "lcmtypes/protocol/program.h"
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
+#include "tools/bound/bound_command.h"
 #include "tools/cli/command.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
@@ -35,7 +36,8 @@ struct Command {
 const std::vector<Command> kCommands = {
     {"doctor", "looks whether this host can run missions", DoctorCommand},
     {"audit", "checks a run's log against every rule of the mission", AuditCommand},
-    {"bench", "times decisions", BenchCommand},
+    {"bench", "compares policies, times decisions", BenchCommand},
+    {"bound", "tells how many tasks any policy could do at most", BoundCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},

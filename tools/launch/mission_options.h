@@ -22,6 +22,9 @@ struct MissionOptions {
 };
 
 void AddMissionOptions(cxxopts::Options* parser);
+/// The scenario file and the overrides of its rules alone.
+void AddRuleOptions(cxxopts::Options* parser);
+MissionOptions ReadRuleOptions(const cxxopts::ParseResult& result);
 /// Throws InputError on a value that cannot be.
 MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result);
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "tools/bench/paper_plan.h"
+#include "tools/scenario/table.h"
+
+namespace muster::tools {
+
+/// Makes the scenarios of the suite: drawn ones, and on imported places (docs/import.md) out of the
+/// tables of a data folder, each read once.
+class PaperScenarios {
+ public:
+  explicit PaperScenarios(std::string data_folder) : data_folder_(std::move(data_folder)) {}
+
+  /// Whether the tables of all imported places are there.
+  bool HasImports() const;
+
+  /// Reads what Make(run) needs, so that processes forked later share it. Throws InputError,
+  /// SystemError.
+  void Prepare(const std::string& setting);
+
+  /// The mission of a run. greedy-* move by cells and can only start sensing on meeting: their
+  /// missions have that rule on. Nothing else depends on the policy.
+  Scenario Make(const PaperRun& run);
+
+  /// What a run of the setting rests on beside the program: the beginning of the SHA-256 of its
+  /// table of places; "" for drawn ones.
+  std::string PlacesOf(const std::string& setting);
+
+ private:
+  struct Places {
+    Table table;
+    std::string sha256;
+  };
+  const Places& Load(const std::string& file);
+
+  std::string data_folder_;
+  std::map<std::string, Places> places_;
+};
+
+}  // namespace muster::tools

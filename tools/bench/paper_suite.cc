@@ -1,0 +1,185 @@
+#include "tools/bench/paper_suite.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "tools/bench/paper_page.h"
+#include "tools/bench/paper_rows.h"
+#include "tools/bench/paper_scenarios.h"
+#include "tools/bench/worker_pool.h"
+#include "tools/launch/progress.h"
+#include "tools/report/report_json.h"
+#include "world/model/check.h"
+
+namespace muster::tools {
+namespace {
+
+std::string FileIn(const std::string& folder, const char* name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+constexpr const char* kRows = "runs.csv";
+
+void CheckSame(const std::string& file, const PaperRun& run, const char* what,
+               const std::string& found, const std::string& expected) {
+  if (found == expected) return;
+  throw InputError(file, fmt::format("{} of {}", what, NameOf(run)), found,
+                   expected +
+                       ": rows of different programs or places do not mix; take another "
+                       "--out folder or delete this one");
+}
+
+void WriteResults(const PaperOptions& options, const PaperRows& rows) {
+  WriteFile(FileIn(options.out, kRows), PaperCsv(rows));
+  const auto notes = WritePaperPage(rows, options.published, FileIn(options.out, "results.md"),
+                                    FileIn(options.out, "results.html"));
+  for (const std::string& note : notes) fmt::print(stderr, "{}\n", note);
+}
+
+/// Rows, each on disk before the next is taken.
+class Journal {
+ public:
+  Journal(const std::string& file, const PaperRows& before) : name_(file) {
+    WriteFile(file, PaperCsv(before));
+    file_ = std::fopen(file.c_str(), "ab");
+    if (file_ == nullptr) throw SystemError(fmt::format("{}: cannot be written", name_));
+  }
+  ~Journal() { std::fclose(file_); }
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  void Add(const std::string& line) {
+    if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fflush(file_) != 0) {
+      throw SystemError(fmt::format("{}: cannot be written", name_));
+    }
+  }
+
+ private:
+  std::string name_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace
+
+bool RunPaperSuite(const PaperOptions& options) {
+  PaperScenarios scenarios(options.data);
+  PaperFilter filter = options.filter;
+  filter.with_imports = scenarios.HasImports();
+  if (!filter.with_imports) {
+    fmt::print(stderr, "{}: without the tables of places (see --data): drawn places only\n",
+               options.data);
+  }
+  const std::vector<PaperRun> plan = PlanRuns(filter);
+  if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
+  std::set<std::string> settings;
+  for (const PaperRun& run : plan) settings.insert(run.what.setting);
+  for (const std::string& setting : settings) scenarios.Prepare(setting);
+
+  std::filesystem::create_directories(options.out);
+  const std::string file = FileIn(options.out, kRows);
+  const std::string build = BuildName();
+  PaperRows rows = ReadPaperCsv(file);
+  for (const auto& [run, row] : rows) {
+    CheckSame(file, run, "build", row.build, build);
+    if (settings.count(run.what.setting) > 0) {
+      CheckSame(file, run, "places", row.places, scenarios.PlacesOf(run.what.setting));
+    }
+  }
+  std::vector<PaperRun> left;
+  for (const PaperRun& run : plan) {
+    if (rows.count(run) == 0) left.push_back(run);
+  }
+  if (left.size() < plan.size() && !options.quiet) {
+    fmt::print(stderr, "{}: {} of {} runs are done already\n", file, plan.size() - left.size(),
+               plan.size());
+  }
+
+  std::size_t ended = 0, failures = 0;
+  {
+    Journal journal(file, rows);
+    const ProgressPrinter::Style style = StyleFor(stderr, options.quiet);
+    ProgressPrinter progress(stderr, style);
+    // Hours of lines in a file are to be read, too.
+    const TimeUs rarely_us = style == ProgressPrinter::Style::kLines ? 30 * kSecondUs : 0;
+    TimeUs shown_us = 0;
+    const auto start = std::chrono::steady_clock::now();
+    const auto show = [&] {
+      ++ended;
+      const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
+                            std::chrono::steady_clock::now() - start)
+                            .count();
+      if (!progress.due(took) || (took - shown_us < rarely_us && ended < left.size())) return;
+      shown_us = took;
+      const double all =
+          static_cast<double>(took) * static_cast<double>(left.size()) / static_cast<double>(ended);
+      progress.Show(fmt::format("{} of {} runs, {} gone, about {} left", ended, left.size(),
+                                ClockText(took), ClockText(static_cast<TimeUs>(all) - took)),
+                    took);
+    };
+    RunInProcesses(
+        left.size(), options.jobs,
+        [&](std::size_t i) {
+          PaperRow row = FlyPaperRun(left[i], scenarios.Make(left[i]));
+          row.build = build;
+          row.places = scenarios.PlacesOf(left[i].what.setting);
+          return PaperCsvLine(left[i], row);
+        },
+        [&](std::size_t, const std::string& line) {
+          journal.Add(line);
+          show();
+        },
+        [&](std::size_t i, const std::string& why) {
+          ++failures;
+          progress.Break();
+          fmt::print(stderr, "{}: {}\n", NameOf(left[i]), why);
+          show();
+        });
+    progress.Break();
+  }
+  rows = ReadPaperCsv(file);
+  WriteResults(options, rows);
+  fmt::print("{} runs, {} failed; rows, tables and page: {}\n", plan.size(), failures, options.out);
+  return failures == 0;
+}
+
+void ListPaperJobs(const PaperOptions& options, const std::string& program) {
+  PaperFilter filter = options.filter;
+  filter.with_imports = PaperScenarios(options.data).HasImports();
+  std::set<std::pair<std::string, std::string>> jobs;
+  std::set<std::string> availability;
+  for (const PaperRun& run : PlanRuns(filter)) {
+    jobs.emplace(run.what.setting, run.policy);
+    availability.emplace(NameOf(run.what.availability));
+  }
+  for (const auto& [setting, policy] : jobs) {
+    fmt::print(
+        "{} bench --suite paper --instances {} --methods {} --availability {} --first-seed {} "
+        "--seeds {} --data {} --jobs 1 --quiet --out {}\n",
+        program, setting, policy, fmt::join(availability, ","), filter.first_seed, filter.seeds,
+        options.data, FileIn(options.out, fmt::format("{}.{}", setting, policy).c_str()));
+  }
+}
+
+void MergePaperRuns(const PaperOptions& options, const std::vector<std::string>& folders) {
+  PaperRows all;
+  for (const std::string& folder : folders) {
+    const std::string file = FileIn(folder, kRows);
+    const PaperRows rows = ReadPaperCsv(file);
+    if (rows.empty()) throw InputError(file, "rows", "none", "those of a finished job");
+    for (const auto& [run, row] : rows) {
+      CheckSame(file, run, "build", row.build, all.empty() ? row.build : all.begin()->second.build);
+      const auto [at, added] = all.emplace(run, row);
+      if (!added) CheckSame(file, run, "digest", row.digest, at->second.digest);
+    }
+  }
+  std::filesystem::create_directories(options.out);
+  WriteResults(options, all);
+  fmt::print("{} runs of {} folders; rows, tables and page: {}\n", all.size(), folders.size(),
+             options.out);
+}
+
+}  // namespace muster::tools

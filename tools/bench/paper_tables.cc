@@ -1,0 +1,278 @@
+#include "tools/bench/paper_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tools/scenario/settings_options.h"
+#include "tools/scenario/table.h"
+
+namespace muster::tools {
+namespace {
+
+/// The paper's methods and our readings of them. The learned methods have no reading here.
+constexpr std::pair<std::string_view, std::string_view> kReadings[] = {
+    {"mpq", "HoCs-MPQ"},
+    {"mpq", "HoCs-MPQ hierarchical weights"},
+    {"mpq-uniform", "HoCs-MPQ uniform weights"},
+    {"ils", "HoCs-ILS"},
+    {"kwta", "HoCs-KWTA"},
+    {"greedy-sum", "HoCs-GREEDY"},
+    {"greedy-nearest", "HoCs-GREEDY"},
+    {"HoCs-MADL", "HoCs-MADL"},
+    {"HoCs-MARL", "HoCs-MARL"},
+};
+
+struct Moments {
+  double mean = 0, standard_deviation = 0, standard_error = 0;
+};
+Moments MomentsOf(const std::vector<double>& values) {
+  Moments moments;
+  const auto n = static_cast<double>(values.size());
+  for (const double value : values) moments.mean += value / n;
+  if (values.size() < 2) return moments;
+  double squares = 0;
+  for (const double value : values) squares += (value - moments.mean) * (value - moments.mean);
+  moments.standard_deviation = std::sqrt(squares / (n - 1));
+  moments.standard_error = moments.standard_deviation / std::sqrt(n);
+  return moments;
+}
+
+/// Columns: the policies in the order of the plan, then the paper's that we do not have.
+const std::vector<std::string>& ColumnOrder() {
+  static const std::vector<std::string> order = [] {
+    std::vector<std::string> names = PaperPolicies();
+    names.insert(names.end(), {"HoCs-MADL", "HoCs-MARL"});
+    return names;
+  }();
+  return order;
+}
+
+PaperCell CellOf(const PaperRows& rows, std::vector<PaperCase> cases, Availability availability,
+                 const std::string& policy, const std::set<std::uint64_t>& seeds) {
+  PaperCell cell;
+  std::vector<double> values;
+  double decision_s = 0;
+  for (const std::uint64_t seed : seeds) {
+    double sum = 0, time_s = 0;
+    const bool all = std::all_of(cases.begin(), cases.end(), [&](PaperCase what) {
+      what.availability = availability;
+      const auto row = rows.find({what, policy, seed});
+      if (row == rows.end()) return false;
+      sum += row->second.completion();
+      time_s += row->second.decision_median_s;
+      return true;
+    });
+    if (!all) continue;
+    values.push_back(sum / static_cast<double>(cases.size()));
+    decision_s += time_s / static_cast<double>(cases.size());
+  }
+  cell.seeds = static_cast<int>(values.size());
+  if (values.empty()) return cell;
+  const Moments moments = MomentsOf(values);
+  cell.mean = moments.mean;
+  cell.standard_deviation = moments.standard_deviation;
+  cell.standard_error = moments.standard_error;
+  cell.decision_s = decision_s / static_cast<double>(values.size());
+  return cell;
+}
+
+std::string Duration(double seconds) {
+  if (seconds < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
+  return fmt::format("{:.3g} s", seconds);
+}
+
+std::string Columns(const std::string& first, const std::vector<std::string>& names) {
+  std::string text = fmt::format("| {} |", first), rule = "| --- |";
+  for (const std::string& name : names) {
+    text += fmt::format(" {} |", name);
+    rule += " --- |";
+  }
+  return text + "\n" + rule + "\n";
+}
+
+std::string CaseName(const PaperCase& what) {
+  return fmt::format("{} {} min {} h {} {}", what.setting, what.interval_min, what.limit_min / 60,
+                     what.disturbance, NameOf(what.availability));
+}
+
+/// What the requirement asks of our policies, and where it fails.
+std::string Differences(const PaperRows& rows) {
+  std::string text =
+      "## Differences to mpq\n\nIn every setting, interval, limit, disturbance and mode: mean of "
+      "the paired differences, seed by seed. Below: by more than one standard error.\n\n"
+      "| policy | cases | above | equal | below | smallest difference |\n"
+      "| --- | --- | --- | --- | --- | --- |\n";
+  std::string failing;
+  for (const std::string policy : {"horizon", "rollout", "certified"}) {
+    const std::vector<PairedDifference> all = PairedDifferences(rows, policy, "mpq");
+    if (all.empty()) continue;
+    int above = 0, below = 0;
+    const PairedDifference* least = &all.front();
+    for (const PairedDifference& d : all) {
+      above += d.mean > d.standard_error;
+      below += d.below();
+      if (d.mean < least->mean) least = &d;
+      if (d.below() && policy != "certified") {
+        failing += fmt::format("- {}, {}: {:+.4f} ± {:.4f} ({} seeds)\n", policy, CaseName(d.what),
+                               d.mean, d.standard_error, d.seeds);
+      }
+    }
+    const auto n = static_cast<int>(all.size());
+    text += fmt::format("| {} | {} | {} | {} | {} | {:+.4f} ± {:.4f}, {} |\n", policy, n, above,
+                        n - above - below, below, least->mean, least->standard_error,
+                        CaseName(least->what));
+  }
+  if (!failing.empty()) text += "\nBelow:\n\n" + failing;
+  return text;
+}
+
+}  // namespace
+
+PublishedFigures::PublishedFigures(const std::string& file) {
+  const Table table = ReadTable(file);
+  const std::size_t section = table.Column("table_or_section"),
+                    setting = table.Column("dataset_or_setting"),
+                    algorithm = table.Column("algorithm"), metric = table.Column("metric"),
+                    value = table.Column("value");
+  for (const std::vector<std::string>& row : table.rows) {
+    const bool rate = row[metric].starts_with("task_completion_rate");
+    const bool time = row[metric] == "decision_time_s";
+    if (!rate && !time) continue;
+    const double number = ParseNumber(file, row[value], "a number");
+    Figure& figure = figures_[{row[section], row[setting], row[algorithm]}];
+    if (time) {
+      figure.decision_s = number;
+    } else {
+      const bool percent = row[metric].find("_pct") != std::string::npos;
+      figure.completion = percent ? number / 100 : number;
+    }
+  }
+}
+
+PublishedFigures::Figure PublishedFigures::Of(const std::string& section,
+                                              const std::string& setting,
+                                              const std::string& policy) const {
+  for (const auto& [ours, theirs] : kReadings) {
+    if (ours != policy || setting.empty()) continue;
+    for (auto at = figures_.lower_bound({section, "", ""});
+         at != figures_.end() && std::get<0>(at->first).starts_with(section); ++at) {
+      if (std::get<1>(at->first) == setting && std::get<2>(at->first) == theirs) return at->second;
+    }
+  }
+  return {};
+}
+
+std::vector<PaperTable> MakePaperTables(const PaperRows& rows, const PublishedFigures& published) {
+  std::set<std::uint64_t> seeds;
+  for (const auto& [run, row] : rows) seeds.insert(run.seed);
+  std::vector<PaperTable> tables;
+  for (const PaperExperiment& experiment : PaperExperiments(true)) {
+    for (const Availability availability : {Availability::kStrict, Availability::kOverrun}) {
+      PaperTable all{experiment.title, experiment.note, availability, ColumnOrder(), {}, {}};
+      std::vector<char> used(all.policies.size(), 0);
+      for (const PaperLine& line : experiment.lines) {
+        std::vector<PaperCell> cells;
+        bool ours = false;
+        std::vector<char> here(all.policies.size(), 0);
+        for (std::size_t p = 0; p < all.policies.size(); ++p) {
+          PaperCell cell = CellOf(rows, line.cases, availability, all.policies[p], seeds);
+          cell.published = published.Of(experiment.section, line.published, all.policies[p]);
+          ours = ours || cell.seeds > 0;
+          here[p] =
+              cell.seeds > 0 || (all.policies[p].starts_with("HoCs-") && cell.published.completion);
+          cells.push_back(cell);
+        }
+        if (!ours) continue;
+        for (std::size_t p = 0; p < used.size(); ++p) used[p] = used[p] || here[p];
+        all.labels.push_back(line.label);
+        all.cells.push_back(std::move(cells));
+      }
+      if (all.labels.empty()) continue;
+      PaperTable table{all.title, all.note, availability, {}, all.labels, {}};
+      table.cells.resize(all.labels.size());
+      for (std::size_t p = 0; p < used.size(); ++p) {
+        if (!used[p]) continue;
+        table.policies.push_back(all.policies[p]);
+        for (std::size_t l = 0; l < all.labels.size(); ++l) {
+          table.cells[l].push_back(all.cells[l][p]);
+        }
+      }
+      tables.push_back(std::move(table));
+    }
+  }
+  return tables;
+}
+
+std::vector<PairedDifference> PairedDifferences(const PaperRows& rows, const std::string& policy,
+                                                const std::string& base) {
+  std::map<PaperCase, std::vector<double>> differences;
+  for (const auto& [run, row] : rows) {
+    if (run.policy != policy) continue;
+    const auto other = rows.find({run.what, base, run.seed});
+    if (other == rows.end()) continue;
+    differences[run.what].push_back(row.completion() - other->second.completion());
+  }
+  std::vector<PairedDifference> result;
+  for (const auto& [what, values] : differences) {
+    const Moments moments = MomentsOf(values);
+    result.push_back(
+        {what, policy, static_cast<int>(values.size()), moments.mean, moments.standard_error});
+  }
+  return result;
+}
+
+std::string CompletionText(const PaperCell& cell) {
+  std::string text;
+  if (cell.seeds > 0) text = fmt::format("{:.3f} ± {:.3f}", cell.mean, cell.standard_error);
+  if (cell.published.completion) {
+    text += fmt::format("{}({:.3f})", text.empty() ? "" : " ", *cell.published.completion);
+  }
+  return text;
+}
+
+std::string DecisionTimeText(const PaperCell& cell) {
+  std::string text;
+  if (cell.seeds > 0) text = Duration(cell.decision_s);
+  if (cell.published.decision_s) {
+    text += fmt::format("{}({})", text.empty() ? "" : " ", Duration(*cell.published.decision_s));
+  }
+  return text;
+}
+
+std::string PaperMarkdown(const PaperRows& rows, const std::vector<PaperTable>& tables) {
+  std::string text;
+  for (const PaperTable& table : tables) {
+    text += fmt::format("## {}, {}\n\n{}\n\n", table.title, NameOf(table.availability), table.note);
+    text += Columns("", table.policies);
+    for (std::size_t l = 0; l < table.labels.size(); ++l) {
+      text += fmt::format("| {} |", table.labels[l]);
+      for (const PaperCell& cell : table.cells[l])
+        text += fmt::format(" {} |", CompletionText(cell));
+      text += "\n";
+    }
+    text += "\n";
+    const bool timed = std::any_of(table.cells.begin(), table.cells.end(), [](const auto& line) {
+      return std::any_of(line.begin(), line.end(), [](const PaperCell& cell) {
+        return cell.published.decision_s.has_value();
+      });
+    });
+    if (!timed) continue;
+    text += "Time of a decision (median of a mission, mean over the seeds):\n\n";
+    text += Columns("", table.policies);
+    for (std::size_t l = 0; l < table.labels.size(); ++l) {
+      text += fmt::format("| {} |", table.labels[l]);
+      for (std::size_t p = 0; p < table.policies.size(); ++p) {
+        text += fmt::format(
+            " {} |", table.policies[p] == kUpperBound ? "" : DecisionTimeText(table.cells[l][p]));
+      }
+      text += "\n";
+    }
+    text += "\n";
+  }
+  return text + Differences(rows);
+}
+
+}  // namespace muster::tools

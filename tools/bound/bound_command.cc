@@ -1,0 +1,26 @@
+#include "tools/bound/bound_command.h"
+
+#include <fmt/format.h>
+
+#include "lcmtypes/protocol/program.h"
+#include "tools/bound/upper_bound.h"
+#include "tools/launch/mission_options.h"
+
+namespace muster::tools {
+
+int BoundCommand(int argc, const char* const* argv) {
+  cxxopts::Options parser("muster bound",
+                          "Tells how many of a scenario's tasks any policy could do at most, even "
+                          "one that knows everything beforehand.");
+  AddRuleOptions(&parser);
+  const auto result = ParseOptions(&parser, argc, argv);
+  if (!result) return kExitOk;
+  const Scenario scenario = ResolveScenario(ReadRuleOptions(*result));
+  const std::int64_t bound = UpperBound(scenario);
+  const std::size_t tasks = scenario.tasks.size();
+  fmt::print("at most {} of {} tasks ({:.1f} %)\n", bound, tasks,
+             tasks == 0 ? 0.0 : 100.0 * static_cast<double>(bound) / static_cast<double>(tasks));
+  return kExitOk;
+}
+
+}  // namespace muster::tools
