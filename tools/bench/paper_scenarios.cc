@@ -72,6 +72,8 @@ Disturbances DisturbancesOf(const std::string& name) {
 
 }  // namespace
 
+bool MovesByCells(std::string_view policy) { return policy.starts_with("greedy-"); }
+
 bool PaperScenarios::HasImports() const {
   return std::all_of(std::begin(kImported), std::end(kImported), [&](const Imported& row) {
     return std::filesystem::exists(std::filesystem::path(data_folder_) / row.file);
@@ -109,7 +111,7 @@ Scenario PaperScenarios::Make(const PaperRun& run) {
   settings.rules.interval_us = run.what.interval_min * kMinuteUs;
   settings.rules.limit_us = run.what.limit_min * kMinuteUs;
   settings.rules.availability = run.what.availability;
-  settings.rules.start_on_meeting = run.policy.starts_with("greedy-");
+  settings.rules.start_on_meeting = MovesByCells(run.policy);
   settings.disturbances = DisturbancesOf(run.what.disturbance);
   if (imported == nullptr) return Generate(settings, run.seed);
 

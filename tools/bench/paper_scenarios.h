@@ -2,11 +2,15 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "tools/bench/paper_plan.h"
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
+
+/// Whether the policy can only start sensing on meeting, so that its missions need that rule.
+bool MovesByCells(std::string_view policy);
 
 /// Makes the scenarios of the suite: drawn ones, and on imported places (docs/import.md) out of the
 /// tables of a data folder, each read once.
@@ -21,8 +25,7 @@ class PaperScenarios {
   /// SystemError.
   void Prepare(const std::string& setting);
 
-  /// The mission of a run. greedy-* move by cells and can only start sensing on meeting: their
-  /// missions have that rule on. Nothing else depends on the policy.
+  /// The mission of a run. Of the policy only Rules::start_on_meeting depends: MovesByCells.
   Scenario Make(const PaperRun& run);
 
   /// What a run of the setting rests on beside the program: the beginning of the SHA-256 of its

@@ -89,12 +89,20 @@ bool RunPaperSuite(const PaperOptions& options) {
       CheckSame(file, run, "places", row.places, scenarios.PlacesOf(run.what.setting));
     }
   }
-  std::vector<PaperRun> left;
+  // One job flies all policies on one mission: making a scenario from a table of places takes
+  // longer than most of the missions.
+  std::vector<std::vector<PaperRun>> jobs;
+  std::size_t left = 0;
   for (const PaperRun& run : plan) {
-    if (rows.count(run) == 0) left.push_back(run);
+    if (rows.count(run) > 0) continue;
+    ++left;
+    if (jobs.empty() || jobs.back()[0].what != run.what || jobs.back()[0].seed != run.seed) {
+      jobs.emplace_back();
+    }
+    jobs.back().push_back(run);
   }
-  if (left.size() < plan.size() && !options.quiet) {
-    fmt::print(stderr, "{}: {} of {} runs are done already\n", file, plan.size() - left.size(),
+  if (left < plan.size() && !options.quiet) {
+    fmt::print(stderr, "{}: {} of {} runs are done already\n", file, plan.size() - left,
                plan.size());
   }
 
@@ -107,36 +115,43 @@ bool RunPaperSuite(const PaperOptions& options) {
     const TimeUs rarely_us = style == ProgressPrinter::Style::kLines ? 30 * kSecondUs : 0;
     TimeUs shown_us = 0;
     const auto start = std::chrono::steady_clock::now();
-    const auto show = [&] {
-      ++ended;
+    const auto show = [&](std::size_t job) {
+      ended += jobs[job].size();
       const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
                             std::chrono::steady_clock::now() - start)
                             .count();
-      if (!progress.due(took) || (took - shown_us < rarely_us && ended < left.size())) return;
+      if (!progress.due(took) || (took - shown_us < rarely_us && ended < left)) return;
       shown_us = took;
       const double all =
-          static_cast<double>(took) * static_cast<double>(left.size()) / static_cast<double>(ended);
-      progress.Show(fmt::format("{} of {} runs, {} gone, about {} left", ended, left.size(),
+          static_cast<double>(took) * static_cast<double>(left) / static_cast<double>(ended);
+      progress.Show(fmt::format("{} of {} runs, {} gone, about {} left", ended, left,
                                 ClockText(took), ClockText(static_cast<TimeUs>(all) - took)),
                     took);
     };
     RunInProcesses(
-        left.size(), options.jobs,
-        [&](std::size_t i) {
-          PaperRow row = FlyPaperRun(left[i], scenarios.Make(left[i]));
-          row.build = build;
-          row.places = scenarios.PlacesOf(left[i].what.setting);
-          return PaperCsvLine(left[i], row);
+        jobs.size(), options.jobs,
+        [&](std::size_t job) {
+          Scenario scenario = scenarios.Make(jobs[job][0]);
+          std::string lines;
+          for (const PaperRun& run : jobs[job]) {
+            scenario.rules.start_on_meeting = MovesByCells(run.policy);
+            PaperRow row = FlyPaperRun(run, scenario);
+            row.build = build;
+            row.places = scenarios.PlacesOf(run.what.setting);
+            lines += PaperCsvLine(run, row);
+          }
+          return lines;
         },
-        [&](std::size_t, const std::string& line) {
-          journal.Add(line);
-          show();
+        [&](std::size_t job, const std::string& lines) {
+          journal.Add(lines);
+          show(job);
         },
-        [&](std::size_t i, const std::string& why) {
-          ++failures;
+        [&](std::size_t job, const std::string& why) {
+          failures += jobs[job].size();
           progress.Break();
-          fmt::print(stderr, "{}: {}\n", NameOf(left[i]), why);
-          show();
+          fmt::print(stderr, "{} and what else is left of that mission: {}\n", NameOf(jobs[job][0]),
+                     why);
+          show(job);
         });
     progress.Break();
   }
