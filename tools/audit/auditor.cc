@@ -323,6 +323,41 @@ void Auditor::Advance() {
   if (stopped_) pending_.clear();
 }
 
+void Auditor::CheckTick(std::int64_t tick, const TickData& data) {
+  before_us_ = tick == 0 ? -1 : now_us_;
+  now_us_ = scenario_->TimeOf(tick);
+  due_ = scenario_->DecisionAt(tick);
+  CheckClock(*data.clock);
+  CheckReports(data);
+  if (!TickHolds()) return;
+  ReadRulings(*data.rulings);
+  CheckActivities(*data.world);
+  if (!TickHolds()) return;
+  AbortActivities();
+  SettleAgents();
+  for (const Tracked& tracked : activities_) {
+    if (tracked.is_new && tracked.meeting) CheckMeeting(tracked.activity);
+  }
+  CheckTasks(*data.world);
+  ExpectEvents();
+  if (due_ < 0) return;
+  if (TickHolds()) CheckDecision(schedules_.at(due_));
+  in_force_ = due_;
+}
+
+void Auditor::CheckClock(const clock_t& clock) {
+  const auto expect = [&](const char* field, std::int64_t found, std::int64_t expected) {
+    if (found == expected) return;
+    Violate(now_us_, "clock",
+            fmt::format("clock_t of tick {}: {} is {}, expected {}", clock.tick, field, found,
+                        expected));
+  };
+  expect("tick_us", clock.tick_us, now_us_);
+  expect("limit_us", clock.limit_us, scenario_->limit_us);
+  expect("decision", clock.decision, due_);
+  expect("required_decision", clock.required_decision, in_force_);
+}
+
 const std::vector<Violation>& Auditor::Finish() {
   if (!scenario_) {
     if (violations_.empty()) Violate(0, "scenario", "the log has no scenario_t");

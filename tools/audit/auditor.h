@@ -12,9 +12,9 @@
 
 #include "lcmtypes/bus/bus.h"
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "tools/audit/agent_model.h"
 #include "tools/audit/audit_scenario.h"
-#include "lcmtypes/protocol/interval_set.h"
 
 namespace muster::tools::audit {
 

@@ -1,0 +1,161 @@
+// What the world rules and what follows: failures, releases, ends, tasks, events.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/audit/auditor.h"
+#include "tools/audit/values.h"
+
+namespace muster::tools::audit {
+
+void Auditor::ReadRulings(const rulings_t& rulings) {
+  std::map<AgentKey, Failure> failed;
+  released_.clear();
+  for (const ruling_t& r : rulings.rulings) {
+    if (r.agent_kind < 0 || r.agent_kind > 2 || r.agent_id < 0 ||
+        static_cast<std::size_t>(r.agent_id) >= models_[r.agent_kind].size()) {
+      Violate(now_us_, "rulings",
+              fmt::format("a ruling names agent {} of class {}", r.agent_id, r.agent_kind));
+      continue;
+    }
+    const AgentKey agent{r.agent_kind, r.agent_id};
+    const std::string name = Model(r.agent_kind, r.agent_id).name();
+    if (r.kind == 1) {
+      released_[agent] = r.at_us;
+      continue;
+    }
+    const auto known = failed_.find(agent);
+    const bool is_new = known == failed_.end();
+    failed[agent] = {r.at_us, is_new};
+    if (!is_new && known->second.at_us != r.at_us) {
+      Violate(now_us_, "rulings",
+              fmt::format("{} failed at {} us, earlier it was {} us", name, r.at_us,
+                          known->second.at_us));
+    }
+    if (!is_new) continue;
+    if (r.at_us < before_us_ || r.at_us > now_us_) {
+      Violate(now_us_, "rulings",
+              fmt::format("{} is said to have failed at {} us, after {} us", name, r.at_us,
+                          before_us_));
+    }
+    Expect(r.at_us, 2, agent);
+  }
+  for (const auto& [agent, failure] : failed_) {
+    if (!failed.contains(agent)) expected_back_.emplace_back(agent, before_us_, now_us_);
+  }
+  failed_ = std::move(failed);
+}
+
+void Auditor::SettleAgents() {
+  for (const int kind : {kUav, kWorker, kVehicle}) {
+    for (AgentModel& model : models_[kind]) {
+      const AgentKey agent{kind, model.id};
+      const auto failure = failed_.find(agent);
+      const bool fails = failure != failed_.end();
+      if (fails && !model.failed) {
+        const std::int64_t at = failure->second.at_us;
+        if (!model.way_seen && kind == kUav && model.MovedAt(at) > 0) {
+          // It ran dry before its first report: that tells the wind.
+          model.range_per_m = model.range_at_departure_m / model.MovedAt(at);
+        }
+        model.StopAt(at);
+      }
+      const auto release = released_.find(agent);
+      if (release != released_.end() && model.action != kNoAction &&
+          release->second >= model.depart_us) {
+        const bool cause =
+            model.pair() &&
+            std::any_of(activities_.begin(), activities_.end(), [&](const Tracked& t) {
+              const Activity& a = t.activity;
+              return t.aborted &&
+                     (kind == kUav ? a.uav == model.id
+                                   : a.partner_class() == kind && a.partner == model.id);
+            });
+        if (!cause && !(model.pair() && !model.activity)) {
+          Violate(now_us_, "rulings",
+                  fmt::format("{} is released at {} us without its partner "
+                              "having failed",
+                              model.name(), release->second));
+        }
+        model.StopAt(release->second);
+      }
+      model.failed = fails;
+      if (model.busy_until_us < now_us_ && model.action == kNoAction) {
+        was_[kind][static_cast<std::size_t>(model.id)].first = model.to;
+      }
+      CheckRangeLeft(model);
+      if (model.action != kNoAction && model.busy_until_us <= now_us_) {
+        model.StopAt(model.busy_until_us);
+      }
+    }
+  }
+}
+
+void Auditor::CheckRangeLeft(const AgentModel& model) {
+  if (model.kind != kUav || model.failed) return;
+  const double range = model.RangeAt(now_us_);
+  if (range < -kTolerance_m) {
+    Violate(now_us_, "range",
+            fmt::format("{} has flown and sensed {:.3f} m further than its range", model.name(),
+                        -range));
+  }
+}
+
+void Auditor::CheckTasks(const world_state_t& world) {
+  if (world.task_status.size() != task_status_.size()) {
+    Violate(now_us_, "task-status",
+            fmt::format("{} tasks are listed, the scenario has {}", world.task_status.size(),
+                        task_status_.size()));
+    return;
+  }
+  for (std::int8_t& status : task_status_) status = status == 3 ? 3 : 0;
+  for (const Tracked& tracked : activities_) {
+    const Activity& a = tracked.activity;
+    if (a.kind != 0 || tracked.aborted) continue;
+    std::int8_t& status = task_status_[static_cast<std::size_t>(a.site)];
+    if (status != 0) {
+      Violate(now_us_, "task-twice",
+              fmt::format("{}: the task is {} already", Name(a), kTaskNames[status]));
+    }
+    status = a.end_us <= now_us_ ? 3 : a.start_us <= now_us_ ? 2 : 1;
+  }
+  std::int32_t done = 0;
+  for (std::size_t x = 0; x < task_status_.size(); ++x) {
+    done += task_status_[x] == 3 ? 1 : 0;
+    const int said = world.task_status[x];
+    if (said == task_status_[x]) continue;
+    Violate(now_us_, "task-status",
+            fmt::format("task:{} is said to be {}, it is {}", x,
+                        said >= 0 && said <= 3 ? kTaskNames[said] : "unknown",
+                        kTaskNames[task_status_[x]]));
+  }
+  if (world.done != done) {
+    Violate(now_us_, "task-status",
+            fmt::format("{} tasks are said to be done, {} are", world.done, done));
+  }
+}
+
+void Auditor::Expect(std::int64_t at_us, int kind, const Activity& a) {
+  const bool sensing = a.kind == 0;
+  expected_.insert({at_us, kind, a.uav, sensing ? a.partner : -1, sensing ? -1 : a.partner,
+                    sensing ? a.site : -1, sensing ? -1 : a.site});
+}
+
+void Auditor::Expect(std::int64_t at_us, int kind, AgentKey agent) {
+  const auto [of, id] = agent;
+  expected_.insert({at_us, kind, of == kUav ? id : -1, of == kWorker ? id : -1,
+                    of == kVehicle ? id : -1, -1, -1});
+}
+
+void Auditor::ExpectEvents() {
+  for (const Tracked& tracked : activities_) {
+    if (tracked.aborted) continue;
+    const Activity& a = tracked.activity;
+    if (a.start_us <= now_us_ && (tracked.is_new || a.start_us > before_us_)) {
+      Expect(a.start_us, a.kind == 0 ? 4 : 7, a);
+    }
+    if (a.end_us <= now_us_) Expect(a.end_us, a.kind == 0 ? 5 : 8, a);
+  }
+}
+
+}  // namespace muster::tools::audit

@@ -1,0 +1,200 @@
+// What each agent reports of a tick, against its command and its own arithmetic.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/audit/auditor.h"
+#include "tools/audit/values.h"
+
+namespace muster::tools::audit {
+
+void Auditor::CheckReports(const TickData& data) {
+  for (const int kind : {kUav, kWorker, kVehicle}) {
+    for (AgentModel& model : models_[kind]) {
+      const auto id = static_cast<std::size_t>(model.id);
+      if (const auto& report = data.reports[kind][id]) {
+        CheckReport(&model, *report);
+      } else {
+        commands_.erase({kind, model.id});  // of a lost process: what it did is not known
+      }
+    }
+  }
+}
+
+void Auditor::CheckReport(AgentModel* model, const Report& report) {
+  const agent_t& a = report.agent;
+  const auto kind = static_cast<std::size_t>(model->kind);
+  const auto id = static_cast<std::size_t>(model->id);
+  const std::size_t before = n_violations_;
+  if (report.applied_decision != in_force_) {
+    Violate(now_us_, "lockstep",
+            fmt::format("{} applied decision {}, in force is {}", model->name(),
+                        report.applied_decision, in_force_));
+  }
+  CheckSpec(*model, a);
+
+  const Place here{a.x_m, a.y_m};
+  // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
+  auto& [was, was_us] = was_[kind][id];
+  const double moved = Way(was, here);
+  const double seconds = static_cast<double>(now_us_ - was_us) * 1e-6;
+  const double most = model->spec->speed_m_s * seconds;
+  if (moved > most + kTolerance_m) {
+    Violate(now_us_, "speed",
+            fmt::format("{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",
+                        model->name(), moved, seconds, model->spec->speed_m_s, most));
+  }
+  was = here;
+  was_us = now_us_;
+  std::optional<Place>& seen = last_seen_[kind][id];
+  if (seen && model->kind == kUav) flown_m_[id] += Way(*seen, here);
+  seen = here;
+  if (model->kind == kUav) {
+    final_range_m_[id] = a.range_left_m;
+    if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {
+      Violate(now_us_, "range",
+              fmt::format("{} has {:.6g} m of range left, full is {:.6g} m", model->name(),
+                          a.range_left_m, model->spec->range_full_m));
+    }
+  }
+  if (n_violations_ != before) return;
+
+  ResolveCommand(model, a);
+  SeeWay(model, a);
+  if (n_violations_ == before) CheckMotion(*model, a);
+}
+
+void Auditor::CheckSpec(const AgentModel& model, const agent_t& a) {
+  const auto expect = [&](const char* field, double found, double expected) {
+    if (std::abs(found - expected) <= 1e-12 * std::abs(expected)) return;
+    Violate(now_us_, "scenario",
+            fmt::format("{} reports {} {:.17g}, the scenario says {:.17g}", model.name(), field,
+                        found, expected));
+  };
+  expect("speed_m_s", a.speed_m_s, model.spec->speed_m_s);
+  expect("range_full_m", a.range_full_m, model.spec->range_full_m);
+  expect("charge_rate_m_s", a.charge_rate_m_s, model.spec->charge_rate_m_s);
+  const auto expect_us = [&](const char* field, std::int64_t found, std::int64_t expected) {
+    if (found == expected) return;
+    Violate(now_us_, "scenario",
+            fmt::format("{} reports {} {}, the scenario says {}", model.name(), field, found,
+                        expected));
+  };
+  expect_us("online_from_us", a.online_from_us, model.spec->online_from_us);
+  expect_us("online_until_us", a.online_until_us, model.spec->online_until_us);
+}
+
+void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
+  const auto found = commands_.find({model->kind, model->id});
+  if (found == commands_.end()) return;
+  const Command command = found->second;
+  commands_.erase(found);
+  const action_t& action = command.action;
+  const bool pair = action.kind == kSense || action.kind == kChargeUp;
+  const bool obeys = a.action == action.kind && a.depart_us == command.at_us;
+  if (!obeys && pair && scenario_->match_failure.high > 0) {
+    // The match failed; its event is looked for at the end.
+    const bool sense = action.kind == kSense;
+    Expect(command.at_us, 10,
+           Activity{sense ? 0 : 1, action.uav_id, sense ? action.worker_id : action.vehicle_id,
+                    sense ? action.task_id : action.charge_id, 0, 0});
+    return;
+  }
+  if (!obeys) {
+    Violate(now_us_, "obedience",
+            fmt::format("{} did not begin {} of decision {}", model->name(), Name(action),
+                        command.decision));
+    return;
+  }
+  double range_m = model->range_at_departure_m;
+  if (model->kind == kUav && scenario_->communication_m.high > 0) {
+    const double cost_m = range_m - a.range_at_departure_m;
+    if (a.range_at_departure_m > 0 && !Within(cost_m, scenario_->communication_m, kTolerance_m)) {
+      Violate(
+          now_us_, "range",
+          fmt::format("{} paid {:.6g} m to communicate, expected {:.6g} to {:.6g} m", model->name(),
+                      cost_m, scenario_->communication_m.low, scenario_->communication_m.high));
+    }
+    range_m = a.range_at_departure_m;
+  }
+  model->from = model->to;
+  model->to = {action.x_m, action.y_m};
+  model->depart_us = command.at_us;
+  model->arrive_us =
+      command.at_us + DurationUs(Way(model->from, model->to), model->spec->speed_m_s);
+  // Which of two roundings is right does not matter; what follows rests on the reported one.
+  if (NearUs(model->arrive_us, a.arrive_us)) model->arrive_us = a.arrive_us;
+  model->range_at_departure_m = range_m;
+  model->range_per_m = 1;
+  model->way_seen = model->kind != kUav || scenario_->wind.high <= 0;
+  model->action = action.kind;
+  model->target = action.task_id >= 0 ? action.task_id : action.charge_id;
+  model->partner = !pair                   ? -1
+                   : model->kind != kUav   ? action.uav_id
+                   : action.kind == kSense ? action.worker_id
+                                           : action.vehicle_id;
+  model->decision = command.decision;
+  model->activity.reset();
+  model->busy_until_us = pair ? kForever : model->arrive_us;
+}
+
+void Auditor::SeeWay(AgentModel* model, const agent_t& a) {
+  const double moved = model->MovedAt(now_us_);
+  if (model->way_seen || moved <= 0 || a.range_left_m <= 0) return;
+  const double spent = model->range_at_departure_m - a.range_left_m;
+  model->range_per_m = spent / moved;
+  model->way_seen = true;
+  if (!Within(model->range_per_m, {1 + scenario_->wind.low, 1 + scenario_->wind.high},
+              kTolerance_m / moved)) {
+    Violate(now_us_, "range",
+            fmt::format("{} spent {:.6g} m of range on {:.6g} m of way, wind allows a factor of "
+                        "{:.6g} to {:.6g}",
+                        model->name(), spent, moved, 1 + scenario_->wind.low,
+                        1 + scenario_->wind.high));
+  }
+}
+
+void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
+  const auto differs = [&](const char* invariant, const std::string& what) {
+    Violate(now_us_, invariant,
+            fmt::format("{} ({} since decision {}): {}", model.name(),
+                        model.action < 0 ? "free" : kSymbols[model.action], model.decision, what));
+  };
+  const Place expected = model.At(now_us_);
+  if (Way(expected, {a.x_m, a.y_m}) > kTolerance_m) {
+    differs("motion",
+            fmt::format("is at ({:.3f}, {:.3f}) m, its way leads it to ({:.3f}, {:.3f}) m", a.x_m,
+                        a.y_m, expected.x_m, expected.y_m));
+    return;
+  }
+  if (a.action != model.action) {
+    differs("motion", fmt::format("reports action {}, expected {}", a.action, model.action));
+  }
+  if (a.action != kNoAction && (a.target_id != model.target || a.partner_id != model.partner)) {
+    differs("motion", fmt::format("reports target {} and partner {}, expected {} and {}",
+                                  a.target_id, a.partner_id, model.target, model.partner));
+  }
+  if (!NearUs(a.depart_us, model.depart_us) || !NearUs(a.arrive_us, model.arrive_us)) {
+    differs("speed",
+            fmt::format("reports a way of {:.3f} m in [{}, {}] us, at {:.6g} m/s it is [{}, {}] us",
+                        Way(model.from, model.to), a.depart_us, a.arrive_us, model.spec->speed_m_s,
+                        model.depart_us, model.arrive_us));
+  }
+  if (!NearUs(a.busy_until_us, model.busy_until_us)) {
+    differs("motion", fmt::format("reports to be busy until {} us, expected {} us", a.busy_until_us,
+                                  model.busy_until_us));
+  }
+  const int status = model.StatusAt(now_us_);
+  if (a.status != status) {
+    const char* said = a.status >= 0 && a.status <= 6 ? kStatusNames[a.status] : "unknown";
+    differs("motion", fmt::format("reports to be {}, expected {}", said, kStatusNames[status]));
+  }
+  if (model.kind != kUav) return;
+  if (model.way_seen && !Near(a.range_left_m, std::max(0.0, model.RangeAt(now_us_)))) {
+    differs("range", fmt::format("reports {:.6f} m of range left, expected {:.6f} m",
+                                 a.range_left_m, model.RangeAt(now_us_)));
+  }
+}
+
+}  // namespace muster::tools::audit

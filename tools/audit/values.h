@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lcmtypes/bus/codec.h"
+#include "tools/audit/agent_model.h"
+#include "tools/audit/audit_scenario.h"
+
+namespace muster::tools::audit {
+
+/// Rounding of arrival times to microseconds and of sums: far above both, far below what matters.
+inline constexpr double kTolerance_m = 1e-3;
+inline constexpr std::int64_t kToleranceUs = 2;
+
+inline constexpr const char* kSymbols[] = {"Ui",   "Wj",   "Vk",     "UiTx",   "WjTx",
+                                           "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"};
+inline constexpr const char* kStatusNames[] = {"offline", "idle",     "moving", "waiting",
+                                               "sensing", "charging", "failed"};
+inline constexpr const char* kTaskNames[] = {"open", "reserved", "being sensed", "done"};
+
+/// Equal but for rounding.
+bool Near(double a_m, double b_m);
+bool NearUs(std::int64_t a, std::int64_t b);
+bool Within(double value, Interval range, double tolerance);
+bool SameCell(Place a, Place b);
+
+/// "UiTxWj uav:3 worker:5 task:17"
+std::string Name(const action_t& action);
+/// "sensing of uav:3 and worker:5 at task:17 in [400000000, 700000000] us"
+std::string Name(const Activity& activity);
+
+Activity FromWire(const activity_t& activity);
+
+}  // namespace muster::tools::audit
