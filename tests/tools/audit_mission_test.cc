@@ -2,6 +2,8 @@
 // disturbance and rule.
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tools/audit/auditor.h"
@@ -199,6 +201,100 @@ TEST(AuditMission, CatchesAnEditOfAnyFieldThatMatters) {
     ++e.at_us;
     return true;
   });
+}
+
+/// Edits every message of a type on a channel for which `edit` returns true.
+template <class Message>
+int EditAll(std::vector<Packet>* packets, std::string_view channel,
+            const std::function<bool(Message&)>& edit) {
+  int edited = 0;
+  for (Packet& packet : *packets) {
+    if (packet.channel != channel) continue;
+    Message message = *Decode<Message>(packet.bytes);
+    if (!edit(message)) continue;
+    packet.bytes = Encode(message);
+    ++edited;
+  }
+  return edited;
+}
+
+audit::Violation FirstViolation(const std::vector<Packet>& packets) {
+  audit::Auditor auditor;
+  for (const Packet& packet : packets) auditor.Add(packet);
+  const auto& violations = auditor.Finish();
+  return violations.empty() ? audit::Violation() : violations.front();
+}
+
+TEST(AuditMission, CatchesAMeetingThatLastsTooShort) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 90 * kMinuteUs;
+  settings.rules.start_on_meeting = true;
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(Generate(settings, 1)), "greedy-nearest",
+           [&](const Packet& packet) { packets.push_back(packet); });
+  std::optional<activity_t> first;
+  ASSERT_GT(
+      EditAll<world_state_t>(&packets, channel::kWorld,
+                             [&](world_state_t& w) {
+                               bool edited = false;
+                               for (activity_t& a : w.activities) {
+                                 if (!first) first = a;
+                                 if (a.uav_id != first->uav_id || a.start_us != first->start_us) {
+                                   continue;
+                                 }
+                                 a.end_us -= 5;
+                                 edited = true;
+                               }
+                               return edited;
+                             }),
+      0);
+  const audit::Violation violation = FirstViolation(packets);
+  EXPECT_EQ(violation.invariant, "meeting");
+  EXPECT_EQ(violation.at_us, first->start_us);
+  EXPECT_NE(violation.text.find("should take"), std::string::npos) << violation.text;
+}
+
+TEST(AuditMission, CatchesACommandToAFailedAgent) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 90 * kMinuteUs;
+  settings.disturbances.agent_failure = {0.1, 0.2};
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(Generate(settings, 1)), "mpq",
+           [&](const Packet& packet) { packets.push_back(packet); });
+  ASSERT_EQ(FirstViolation(packets).text, "");
+  std::optional<ruling_t> failed;
+  std::int64_t failed_tick = 0;
+  for (const Packet& packet : packets) {
+    if (packet.channel != channel::kRulings || failed) continue;
+    const auto rulings = Decode<rulings_t>(packet.bytes);
+    for (const ruling_t& r : rulings->rulings) {
+      if (r.kind != 0 || r.agent_kind != 1) continue;
+      failed = r;
+      failed_tick = rulings->tick;
+    }
+  }
+  ASSERT_TRUE(failed);
+  std::int64_t decision_tick = -1;
+  ASSERT_EQ(EditAll<schedule_t>(&packets, channel::kSchedule,
+                                [&](schedule_t& s) {
+                                  if (s.tick <= failed_tick || decision_tick >= 0) return false;
+                                  decision_tick = s.tick;
+                                  action_t stay{};
+                                  stay.kind = 1;
+                                  stay.uav_id = stay.vehicle_id = stay.task_id = stay.charge_id =
+                                      -1;
+                                  stay.worker_id = failed->agent_id;
+                                  s.actions.push_back(stay);
+                                  ++s.n;
+                                  return true;
+                                }),
+            1);
+  const audit::Violation violation = FirstViolation(packets);
+  EXPECT_EQ(violation.invariant, "idle-agents-only");
+  EXPECT_EQ(violation.at_us, decision_tick * settings.rules.tick_us);
+  EXPECT_NE(violation.text.find("worker:" + std::to_string(failed->agent_id) + " is failed"),
+            std::string::npos)
+      << violation.text;
 }
 
 }  // namespace
