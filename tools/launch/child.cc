@@ -20,7 +20,7 @@ namespace muster::tools {
 namespace {
 
 /// Between fork and exec: async-signal-safe calls only, since the parent may have threads.
-[[noreturn]] void BecomeChild(char* const* argv, int output, int null, int failure, pid_t parent) {
+[[noreturn]] void BecomeChild(char* const* argv, int output, int input, int failure, pid_t parent) {
   const auto fail = [failure] {
     const int error = errno;
     [[maybe_unused]] const ssize_t written = write(failure, &error, sizeof error);
@@ -35,7 +35,7 @@ namespace {
   sigset_t none;
   sigemptyset(&none);
   if (sigprocmask(SIG_SETMASK, &none, nullptr) != 0) fail();
-  if (dup2(null, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
+  if (dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
       dup2(output, STDERR_FILENO) < 0) {
     fail();
   }
@@ -92,9 +92,14 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
   if (output.get() < 0) {
     throw SystemError(fmt::format("cannot write {}: {}", spec_.output_file, std::strerror(errno)));
   }
-  const Descriptor null(open("/dev/null", O_RDONLY | O_CLOEXEC));
+  int held[2] = {-1, -1};
+  if (spec_.hold_stdin && pipe2(held, O_CLOEXEC) != 0) {
+    throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
+  }
+  stdin_fd_ = held[1];
+  const Descriptor input(spec_.hold_stdin ? held[0] : open("/dev/null", O_RDONLY | O_CLOEXEC));
   int ends[2];
-  if (null.get() < 0 || pipe2(ends, O_CLOEXEC) != 0) {
+  if (input.get() < 0 || pipe2(ends, O_CLOEXEC) != 0) {
     throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
   }
   const Descriptor read_end(ends[0]);
@@ -109,7 +114,7 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
     throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
   }
   if (pid_ == 0) {
-    BecomeChild(argv.data(), output.get(), null.get(), write_end.get(), parent);
+    BecomeChild(argv.data(), output.get(), input.get(), write_end.get(), parent);
   }
   write_end.Close();
 
@@ -128,9 +133,11 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
 Child::Child(Child&& other) noexcept
     : spec_(std::move(other.spec_)),
       pid_(std::exchange(other.pid_, -1)),
+      stdin_fd_(std::exchange(other.stdin_fd_, -1)),
       end_(std::move(other.end_)) {}
 
 Child::~Child() {
+  if (stdin_fd_ >= 0) close(stdin_fd_);
   if (pid_ < 0 || Poll()) return;
   kill(pid_, SIGKILL);
   while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
@@ -144,7 +151,12 @@ const std::optional<ChildEnd>& Child::Poll() {
 }
 
 void Child::Signal(int signal) {
-  if (!Poll()) kill(pid_, signal);
+  if (Poll()) return;
+  if (signal == SIGTERM && stdin_fd_ >= 0) {
+    close(std::exchange(stdin_fd_, -1));
+  } else {
+    kill(pid_, signal);
+  }
 }
 
 bool Child::Stopped() const {

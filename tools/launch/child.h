@@ -14,6 +14,7 @@ struct ChildSpec {
   std::vector<std::string> argv;  ///< argv[0] is the program's path
   std::string output_file;        ///< takes its stdout and stderr
   bool append = false;            ///< keep what output_file holds
+  bool hold_stdin = false;        ///< stdin is a pipe from this process, else /dev/null
 };
 
 /// How a process ended.
@@ -42,6 +43,7 @@ class Child {
 
   /// Reaps it if it has ended; never waits. Its end, once known, stays known.
   const std::optional<ChildEnd>& Poll();
+  /// SIGTERM to one whose stdin is held closes that instead: what it stands for ends, then itself.
   void Signal(int signal);
   /// Whether a signal holds it now.
   bool Stopped() const;
@@ -49,6 +51,7 @@ class Child {
  private:
   ChildSpec spec_;
   pid_t pid_ = -1;
+  int stdin_fd_ = -1;  ///< our end, with hold_stdin
   std::optional<ChildEnd> end_;
 };
 

@@ -85,6 +85,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        cxxopts::value<std::string>()->default_value("5"), "N");
   parser.add_options()("l,lcm-url", "LCM URL (default: a network of the mission's own)",
                        cxxopts::value<std::string>(), "URL");
+  parser.add_options()("hosts", "Which process runs on which host (docs/hosts.md)",
+                       cxxopts::value<std::string>(), "FILE");
   const auto result = ParseOptions(&parser, argc, argv);
   if (!result) return std::nullopt;
 
@@ -115,6 +117,15 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   if (result->count("lcm-url") > 0) {
     options.lcm_url = (*result)["lcm-url"].as<std::string>();
     ParseMulticastUrl(options.lcm_url);
+  }
+  if (result->count("hosts") > 0) {
+    options.hosts_file = (*result)["hosts"].as<std::string>();
+    options.hosts = LoadHosts(options.hosts_file);
+    if (!options.lcm_url.empty()) {
+      throw InputError(kCommandLine, "--lcm-url", options.lcm_url,
+                       "not with --hosts, whose file has it as lcm_url");
+    }
+    options.lcm_url = options.hosts.lcm_url;
   }
   for (const auto& [kind, count] : options.processes) {
     if (count == 0 && options.lcm_url.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/faults/fault_plan.h"
+#include "tools/launch/hosts.h"
 #include "tools/launch/mission_options.h"
 #include "world/model/scenario.h"
 
@@ -20,6 +21,8 @@ struct LaunchOptions : MissionOptions {
   FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
   std::string lcm_url;  ///< "": a network of the mission's own, or a free port
+  std::string hosts_file;
+  HostList hosts;  ///< empty: all processes run here
 };
 
 /// Reads the command line. No value: --help or --version was answered. Throws InputError.

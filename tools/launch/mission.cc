@@ -237,6 +237,7 @@ void Supervisor::Start(Member* member) {
     spec.argv.push_back(log_files_.back().path);
   } else {
     spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(member->starts)});
+    if (const Host* host = plan_.hosts.Of(spec.name)) spec = OnHost(*host, std::move(spec));
   }
   member->child.emplace(std::move(spec));
   member->back_due = member->starts > 0;

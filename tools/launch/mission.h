@@ -7,6 +7,7 @@
 #include "lcmtypes/bus/lossy_bus.h"
 #include "tools/faults/fault_plan.h"
 #include "tools/launch/child.h"
+#include "tools/launch/hosts.h"
 #include "tools/launch/progress.h"
 #include "tools/launch/stop_signals.h"
 #include "tools/report/run_record.h"
@@ -26,6 +27,7 @@ struct RestartPolicy {
 struct MissionPlan {
   std::int64_t run_id = 0;
   std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
+  HostList hosts;                    ///< who runs elsewhere
   ChildSpec logger;                  ///< a stock lcm-logger; its file is added
   std::string log_file;              ///< of the first logger; the next one's is log_file.1, ...
   RestartPolicy restarts;

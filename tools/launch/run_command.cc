@@ -97,6 +97,7 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   MissionPlan plan;
   plan.restarts.most = options.restarts;
   plan.faults = options.faults;
+  plan.hosts = options.hosts;
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
   plan.logger = {"lcm-logger",
@@ -148,6 +149,8 @@ int RunCommand(int argc, const char* const* argv) {
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
     names.push_back(process.name);
   }
+  CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
+             options->faults);
   CheckFaultPlan(&options->faults, names, scenario, false);
   scheduler::MakePolicy(options->policy);
   const StopSignals stop;

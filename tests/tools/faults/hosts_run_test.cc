@@ -1,0 +1,161 @@
+// A mission over several hosts: network namespaces joined by a bridge, with packets of ttl 1.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
+#include "tests/tools/launch/process_test_util.h"
+#include "tools/launch/child.h"
+#include "tools/report/digest.h"
+#include "tools/simulate/simulator.h"
+#include "world/model/generator.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Hosts on one cable each into a switch: namespaces of this test, gone when it ends.
+class Lan {
+ public:
+  explicit Lan(const std::vector<std::string>& hosts) {
+    hub_ = fmt::format("muster{}-hub", getpid());
+    Add(hub_);
+    Ip("-n {} link add br0 type bridge mcast_snooping 0", hub_);
+    Ip("-n {} link set br0 up", hub_);
+    for (std::size_t i = 0; i < hosts.size(); ++i) {
+      const std::string host = Name(hosts[i]);
+      Add(host);
+      Ip("-n {} link add {} type veth peer name eth0 netns {}", hub_, hosts[i], host);
+      Ip("-n {} link set {} master br0 up", hub_, hosts[i]);
+      Ip("-n {} link set lo up", host);
+      Ip("-n {} addr add 10.76.0.{}/24 dev eth0", host, i + 1);
+      Ip("-n {} link set eth0 up", host);
+      Ip("-n {} route add 224.0.0.0/4 dev eth0", host);
+    }
+  }
+  ~Lan() {
+    for (const std::string& name : namespaces_) Run("ip netns del " + name);
+  }
+  std::string Name(const std::string& host) const { return hub_ + "-" + host; }
+  /// "": all is there.
+  const std::string& problem() const { return problem_; }
+  void Pull(const std::string& host) { Ip("-n {} link set {} down", hub_, host); }
+  void PutBack(const std::string& host) { Ip("-n {} link set {} up", hub_, host); }
+
+ private:
+  static bool Run(const std::string& command) {
+    return std::system((command + " 2>/dev/null").c_str()) == 0;
+  }
+  void Add(const std::string& name) {
+    Ip("netns add {}", name);
+    namespaces_.push_back(name);
+  }
+  template <class... Args>
+  void Ip(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string command = "ip " + fmt::format(format, std::forward<Args>(args)...);
+    if (problem_.empty() && !Run(command)) problem_ = "needs root and iproute2: " + command;
+  }
+
+  std::string hub_;
+  std::vector<std::string> namespaces_;
+  std::string problem_;
+};
+
+/// The last tick that the log has; -1: none yet.
+std::int64_t LastTick(const std::string& log) {
+  if (!std::filesystem::exists(log)) return -1;
+  std::int64_t tick = -1;
+  EventLogReader reader(log, EventLogReader::Tail::kMayGrow);
+  while (const auto event = reader.Next()) {
+    if (event->packet.channel != channel::kClock) continue;
+    if (const auto clock = DecodeValid<muster::clock_t>(event->packet.bytes)) {
+      tick = std::max(tick, clock->tick);
+    }
+  }
+  return tick;
+}
+
+class HostsRunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!lan_.problem().empty()) GTEST_SKIP() << lan_.problem();
+    std::ofstream(folder_.File("scenario.json")) << json_;
+    std::ofstream(folder_.File("hosts.json")) << Json{
+        {"version", 1},
+        {"hosts",
+         {{{"name", "field"}, {"netns", lan_.Name("field")}, {"processes", {"uav", "worker"}}},
+          {{"name", "road"}, {"netns", lan_.Name("road")}, {"processes", {"vehicle"}}},
+          {{"name", "room"},
+           {"netns", lan_.Name("room")},
+           {"processes", {"world", "scheduler"}}}}}};
+  }
+  Child Start(const std::vector<std::string>& more) {
+    std::vector<std::string> argv = {"/usr/bin/env",
+                                     "ip",
+                                     "netns",
+                                     "exec",
+                                     lan_.Name("base"),
+                                     MUSTER_PROGRAM,
+                                     "run",
+                                     "--hosts",
+                                     folder_.File("hosts.json"),
+                                     folder_.File("scenario.json"),
+                                     "--policy",
+                                     "mpq",
+                                     "--out",
+                                     folder_.File("run")};
+    argv.insert(argv.end(), more.begin(), more.end());
+    return Child({"muster", argv, folder_.File("output")});
+  }
+  void ExpectTheUndisturbedMission(Child* muster) {
+    ASSERT_TRUE(Eventually([&] { return muster->Poll().has_value(); }));
+    EXPECT_TRUE(muster->Poll()->clean()) << TextOf(folder_.File("output"));
+    RunRecord expected;
+    Simulate(json_, "mpq", [&](const Packet& packet) { expected.Add(packet); });
+    const Json report = Json::parse(TextOf(folder_.File("run/report.json")));
+    EXPECT_EQ(report["digest"], Digest(expected));
+    EXPECT_TRUE(report["log"]["complete"].get<bool>());
+  }
+
+  Lan lan_{{"base", "field", "road", "room"}};
+  TemporaryFolder folder_;
+  std::string json_ = ScenarioToJson(Generate(PresetByName("Random_1"), 1));
+};
+
+TEST_F(HostsRunTest, FourHostsMakeTheSameDecisionsAsOne) {
+  Child muster = Start({});
+  ExpectTheUndisturbedMission(&muster);
+}
+
+TEST_F(HostsRunTest, ACableMayBePulledAndPutBack) {
+  Child muster = Start({"--rate", "3600"});
+  const std::string log = folder_.File("run/mission.lcm");
+  ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
+  lan_.Pull("field");
+  // The mission waits: nothing new for fifty looks at the log.
+  std::int64_t tick = -1;
+  int same = 0;
+  ASSERT_TRUE(Eventually([&] {
+    const std::int64_t now = LastTick(log);
+    same = now == tick ? same + 1 : 0;
+    tick = now;
+    return same == 50;
+  }));
+  EXPECT_LT(tick, 350);
+  EXPECT_FALSE(muster.Poll());
+  lan_.PutBack("field");
+  ExpectTheUndisturbedMission(&muster);
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/faults/fault_plan.h"
+#include "tools/launch/child.h"
+
+namespace muster::tools {
+
+/// A host that runs some of a mission's processes.
+struct Host {
+  std::string name;
+  std::string ssh;     ///< "user@machine"; "": this machine
+  std::string netns;   ///< a network namespace of this machine (ip-netns(8)); "": ssh
+  std::string folder;  ///< where that host has Muster's programs; "": where this one has them
+  std::vector<std::string> processes;  ///< by sender name
+};
+
+/// A host list, version 1 (docs/hosts.md).
+struct HostList {
+  std::string lcm_url;
+  std::vector<Host> hosts;
+
+  /// The host of that process; nullptr: where `muster run` runs.
+  const Host* Of(std::string_view process) const;
+};
+
+/// Throws InputError naming `file`, key, value and what is expected.
+HostList ParseHosts(std::string_view json, const std::string& file);
+HostList LoadHosts(const std::string& file);
+
+/// Throws InputError where a host has a process that the mission has not, a process is on two, or
+/// the plan wants one stopped that no signal of this machine reaches.
+void CheckHosts(const HostList& list, const std::string& file,
+                const std::vector<std::string>& processes, const FaultPlan& faults);
+
+/// The same program, started on that host. argv[0] and its arguments reach it unchanged, whatever
+/// characters they have. Over ssh the program ends when its ssh does, and the other way round.
+ChildSpec OnHost(const Host& host, ChildSpec spec);
+
+}  // namespace muster::tools
