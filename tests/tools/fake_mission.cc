@@ -197,7 +197,7 @@ class Mission {
     event.vehicle_id = vehicle;
     event.task_id = task;
     event.charge_id = charge;
-    Say("world", channel::kEvent, event, at);
+    Say("world", channel::kEvent, event, now_us_);
   }
 
   clock_t Clock(std::int64_t tick) const {
@@ -215,6 +215,7 @@ class Mission {
   }
 
   void Tick(std::int64_t tick, std::int64_t last_tick) {
+    now_us_ = tick * tick_us_;
     const std::int64_t t = tick * tick_us_;
     const clock_t clock = Clock(tick);
     Say("world", channel::kClock, clock, t);
@@ -373,6 +374,7 @@ class Mission {
   }
 
   std::int64_t tick_us_;
+  std::int64_t now_us_ = 0;  ///< of the tick under way
   double costs_[2];
   std::vector<Agent> agents_;
   std::vector<activity_t> activities_;
