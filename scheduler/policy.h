@@ -39,7 +39,7 @@ struct PolicyInfo {
 };
 
 /// The policy of a mission that names none.
-inline constexpr std::string_view kDefaultPolicy = "mpq";
+inline constexpr std::string_view kDefaultPolicy = "certified";
 
 /// All policies, in the order in which they are listed to users.
 const std::vector<PolicyInfo>& Policies();
