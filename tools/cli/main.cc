@@ -15,12 +15,14 @@
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
+#include "tools/live/live_command.h"
 #include "tools/log/log_command.h"
 #include "tools/replay/replay_command.h"
 #include "tools/report/report_command.h"
 #include "tools/scenario/import_command.h"
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
+#include "tools/top/top_command.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -42,6 +44,7 @@ const std::vector<Command> kCommands = {
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
+    {"live", "shows a mission in a browser while it goes on", LiveCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
@@ -49,6 +52,7 @@ const std::vector<Command> kCommands = {
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},
+    {"top", "shows a mission in the terminal while it goes on", TopCommand},
 };
 
 void PrintUsage() {

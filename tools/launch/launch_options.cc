@@ -8,6 +8,8 @@
 
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/protocol/program.h"
+#include "tools/live/live_server.h"
+#include "tools/report/page.h"
 #include "world/model/agent.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
@@ -87,6 +89,11 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        cxxopts::value<std::string>(), "URL");
   parser.add_options()("hosts", "Which process runs on which host (docs/hosts.md)",
                        cxxopts::value<std::string>(), "FILE");
+  parser.add_options()(
+      "live",
+      "Show the mission in browsers of this host, and keep the page after its end "
+      "until Ctrl-C; PORT 0: any free one",
+      cxxopts::value<std::string>()->implicit_value(std::to_string(kDefaultLivePort)), "PORT");
   const auto result = ParseOptions(&parser, argc, argv);
   if (!result) return std::nullopt;
 
@@ -126,6 +133,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        "not with --hosts, whose file has it as lcm_url");
     }
     options.lcm_url = options.hosts.lcm_url;
+  }
+  if (result->count("live") > 0) {
+    RequirePage();
+    options.live_port = ParsePort("--live", (*result)["live"].as<std::string>());
   }
   for (const auto& [kind, count] : options.processes) {
     if (count == 0 && options.lcm_url.empty()) {

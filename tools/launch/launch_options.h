@@ -20,6 +20,7 @@ struct LaunchOptions : MissionOptions {
   int restarts = 5;  ///< how often a process that ended by itself is started again
   FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
+  std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
   std::string lcm_url;  ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
   HostList hosts;  ///< empty: all processes run here

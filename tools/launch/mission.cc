@@ -157,6 +157,7 @@ void Supervisor::ReadLog(const Now& now) {
     }
     while (const std::optional<LogEvent> event = file.reader->Next()) {
       record_.Add(event->packet);
+      if (plan_.on_logged) plan_.on_logged(event->packet);
       if (&file == &log_files_.back()) NoteBack(&members_.front(), now);
       if (!recorder_.OnLogged(event->packet, now)) continue;
       logged_.Add(event->packet);

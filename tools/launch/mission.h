@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct MissionPlan {
   std::string log_file;              ///< of the first logger; the next one's is log_file.1, ...
   RestartPolicy restarts;
   FaultPlan faults;
+  /// Called with every event of the log, as it is read; it must return soon.
+  std::function<void(const Packet&)> on_logged = {};
 };
 
 enum class MissionEnd {

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -26,6 +27,7 @@
 #include "tools/launch/progress.h"
 #include "tools/launch/run_directory.h"
 #include "tools/launch/stop_signals.h"
+#include "tools/live/live_server.h"
 #include "tools/report/report_json.h"
 #include "tools/report/summary.h"
 #include "world/model/agent.h"
@@ -155,6 +157,9 @@ int RunCommand(int argc, const char* const* argv) {
   scheduler::MakePolicy(options->policy);
   const StopSignals stop;
   const Now start = HostNow();
+  // Before the network: its socket stays in the host's, where the browsers are.
+  std::optional<LiveServer> server;
+  if (options->live_port) server.emplace(*options->live_port);
   MissionIdentity mission;
   mission.lcm_url = FindNetwork(*options);
   mission.run_id = start.wall_us;
@@ -187,16 +192,30 @@ int RunCommand(int argc, const char* const* argv) {
     PrintWhatToStart(*options, mission);
   }
 
+  MissionPlan plan =
+      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory);
+  std::optional<LiveFeed> feed;
+  if (server) {
+    feed.emplace(fs::path(directory.path()).filename().string());
+    plan.on_logged = [&feed](const Packet& packet) { feed->Add({packet}); };
+    server->Start(&*feed);
+    fmt::print(stderr, "live at {}\n", server->url());
+  }
+
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
-  const MissionResult result = RunMission(
-      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory),
-      bus.get(), stop, &progress);
+  const MissionResult result = RunMission(plan, bus.get(), stop, &progress);
 
   for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
   for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);
   if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
   directory.Write("report.json", Report(result.record).dump(2) + "\n");
   fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());
+  if (server && stop.count() == 0) {
+    std::fflush(stdout);
+    fmt::print(stderr, "the page stays at {} until Ctrl-C\n", server->url());
+    while (stop.count() == 0) poll(nullptr, 0, -1);
+  }
+  server.reset();
   return ExitCodeOf(result);
 }
 

@@ -1,6 +1,6 @@
 // The pages that muster report writes, in Chromium. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -209,4 +209,37 @@ test("names from a file are text, never markup", async (t) => {
   const page = await open(t, "evil.html");
   assert.equal(await text(page, "scenario"), name);
   assert.equal(await page.locator("img").count(), 0);
+});
+
+test("a mission that runs is shown until its end, with the numbers of its report", async (t) => {
+  const run = spawn(MUSTER_PROGRAM, ["run", join(MUSTER_SCENARIOS, "random_1.json"), "--limit", "60", "--rate", "1200", "--live=0", "--out", file("live")], { stdio: ["ignore", "ignore", "pipe"] });
+  const ended = new Promise((resolve) => run.on("exit", (code) => resolve(code)));
+  t.after(() => run.kill("SIGKILL"));
+  let said = "";
+  const url = await new Promise((resolve) => run.stderr.on("data", (data) => {
+    said += data;
+    const found = said.match(/live at (http:\S+)/);
+    if (found) resolve(found[1]);
+  }));
+  const page = await (await browser.newContext()).newPage();
+  const wrong = [];
+  const asked = new Set();
+  page.on("console", (message) => wrong.push(message.text()));
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("request", (request) => asked.add(request.url()));
+  await page.goto(url);
+  await page.waitForFunction(() => document.getElementById("live-state").textContent === "live");
+  await page.waitForFunction(() => window.muster.clock.t > 0 && window.muster.clock.follow);
+  await page.waitForFunction(() => document.getElementById("live-state").textContent === "ended");
+  await page.waitForFunction(() => window.muster.state.run.report?.log.complete);
+  while (!said.includes("the page stays")) await new Promise((resolve) => run.stderr.once("data", resolve));
+  const report = json("live/report.json");
+  assert.equal(Number(await raw(page, "tasks_done")), report.tasks_done);
+  assert.equal(await raw(page, "digest"), report.digest);
+  assert.equal(await page.locator("#time-now").innerText(), "1:00:00");
+  assert.deepEqual([...asked].filter((other) => !other.startsWith("data:")), [url, `${url}events`]);
+  run.kill("SIGINT");
+  assert.equal(await ended, 0);
+  await page.waitForFunction(() => document.getElementById("live-state").textContent === "closed");
+  assert.deepEqual(wrong, []);
 });

@@ -1,4 +1,4 @@
-import { sameActions } from "./run.js";
+import { busOverTime, sameActions } from "./run.js";
 
 /** The numbers that a run is known by: those of its report, or, while it runs, what is known now. */
 export function numbersOf(run) {
@@ -7,7 +7,8 @@ export function numbersOf(run) {
   const done = live ? run.tasksDone : r.tasks_done;
   const solve = run.decisions.map((d) => d.solveUs / 1e6).sort((a, b) => a - b);
   const processes = r.processes ?? [];
-  const sum = (key) => processes.reduce((total, process) => total + process[key], 0);
+  const bus = live ? busOverTime(run) : null;
+  const sum = (key) => (bus ? bus[key].at(-1) ?? 0 : processes.reduce((total, process) => total + process[key], 0));
   return {
     live,
     tasksDone: done,

@@ -36,7 +36,7 @@ export function follow(address, changed, status) {
   });
   source.addEventListener("bye", () => {
     source.close();
-    status("ended");
+    status("closed");
   });
   source.addEventListener("error", () => {
     if (source.readyState !== EventSource.CLOSED) status("waiting");

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace muster::tools {
+
+/// `muster live`.
+int LiveCommand(int argc, const char* const* argv);
+
+}  // namespace muster::tools

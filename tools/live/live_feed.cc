@@ -1,0 +1,107 @@
+#include "tools/live/live_feed.h"
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+#include "lcmtypes/channels.h"
+
+namespace muster::tools {
+namespace {
+
+/// Packets taken at a time: readers wait no longer than for these.
+constexpr std::size_t kBatch = 200;
+
+}  // namespace
+
+std::thread StartQuietThread(std::function<void()> body) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(body));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+LiveFeed::LiveFeed(std::string name) : name_(std::move(name)), feed_(std::in_place) {
+  worker_ = StartQuietThread([this] { Work(); });
+}
+
+LiveFeed::~LiveFeed() {
+  Close();
+  worker_.join();
+}
+
+void LiveFeed::Add(std::vector<Packet> packets) {
+  if (packets.empty()) return;
+  const std::lock_guard lock(pending_mutex_);
+  if (closed_) return;
+  if (pending_.empty()) {
+    pending_ = std::move(packets);
+  } else {
+    std::move(packets.begin(), packets.end(), std::back_inserter(pending_));
+  }
+  pending_changed_.notify_all();
+}
+
+void LiveFeed::Close() {
+  const std::lock_guard lock(pending_mutex_);
+  closed_ = true;
+  pending_changed_.notify_all();
+}
+
+bool LiveFeed::closed() const {
+  const std::lock_guard lock(pending_mutex_);
+  return closed_;
+}
+
+void LiveFeed::Work() {
+  std::vector<Packet> taken;
+  while (true) {
+    {
+      std::unique_lock lock(pending_mutex_);
+      pending_changed_.wait(lock, [this] { return closed_ || !pending_.empty(); });
+      taken.swap(pending_);
+      if (taken.empty()) break;
+    }
+    for (std::size_t begin = 0; begin < taken.size(); begin += kBatch) {
+      const std::lock_guard lock(feed_mutex_);
+      const std::size_t end = std::min(taken.size(), begin + kBatch);
+      for (std::size_t i = begin; i < end; ++i) Take(taken[i]);
+      ++version_;
+      feed_changed_.notify_all();
+    }
+    taken.clear();
+  }
+  const std::lock_guard lock(feed_mutex_);
+  worked_off_ = true;
+  feed_changed_.notify_all();
+}
+
+void LiveFeed::Take(const Packet& packet) {
+  if (packet.channel == channel::kScenario && feed_->ready() && feed_->timeline().ended()) {
+    feed_.emplace();
+    ++mission_;
+  }
+  feed_->Add(packet);
+}
+
+std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseconds wait) {
+  std::unique_lock lock(feed_mutex_);
+  const auto news = [&] { return feed_->ready() && reader->version != version_; };
+  feed_changed_.wait_for(lock, wait, [&] { return news() || worked_off_; });
+  if (!news()) return {};
+  if (reader->mission != mission_) *reader = {{}, mission_, -1};
+  reader->version = version_;
+  const std::string& name = name_.empty() ? feed_->timeline().scenario().name : name_;
+  const auto chunk = PageChunk(*feed_, name, &reader->cursor, feed_->timeline().ended());
+  lock.unlock();
+  return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+void LiveFeed::Rest(std::chrono::milliseconds time) {
+  std::unique_lock lock(feed_mutex_);
+  feed_changed_.wait_for(lock, time, [this] { return worked_off_; });
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "tools/report/mission_feed.h"
+#include "tools/report/page_chunk.h"
+
+namespace muster::tools {
+
+/// A mission that goes on, for several readers at once. One thread adds packets and is never kept
+/// waiting by readers; any thread reads. When a mission has ended and another scenario comes, it is
+/// that mission's from there on.
+class LiveFeed {
+ public:
+  /// What one reader knows.
+  struct Reader {
+    PageCursor cursor;
+    std::int64_t mission = -1;
+    std::int64_t version = -1;
+  };
+
+  /// `name` of the run; "": the scenario's.
+  explicit LiveFeed(std::string name);
+  ~LiveFeed();
+  LiveFeed(const LiveFeed&) = delete;
+  LiveFeed& operator=(const LiveFeed&) = delete;
+
+  void Add(std::vector<Packet> packets);
+  /// Readers that wait return, and nothing is taken any more.
+  void Close();
+  bool closed() const;
+
+  /// The next chunk for that reader (PageChunk, as text), as soon as there is something new; none
+  /// when `wait` is over, or the feed is closed and the reader knows all.
+  std::optional<std::string> Next(Reader* reader, std::chrono::milliseconds wait);
+  /// Waits that long, or until the feed is closed.
+  void Rest(std::chrono::milliseconds time);
+
+ private:
+  void Work();
+  void Take(const Packet& packet);
+
+  const std::string name_;
+  mutable std::mutex pending_mutex_;
+  std::condition_variable pending_changed_;
+  std::vector<Packet> pending_;
+  bool closed_ = false;
+
+  std::mutex feed_mutex_;
+  std::condition_variable feed_changed_;
+  std::optional<MissionFeed> feed_;
+  std::int64_t mission_ = 0;
+  std::int64_t version_ = 0;
+  bool worked_off_ = false;  ///< closed, and all that was added is taken
+
+  std::thread worker_;
+};
+
+/// Starts a thread that takes no signals: they are the main thread's.
+std::thread StartQuietThread(std::function<void()> body);
+
+}  // namespace muster::tools

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/report/mission_feed.h"
+
+namespace muster::tools {
+
+/// What `muster top` shows of a mission: how far it is, who does what, how the processes and the
+/// bus are. Rates and ages come from the wall time in the messages, so a log that is read later
+/// tells the same.
+class TopView {
+ public:
+  enum class Look { kPlain, kHead, kBad };
+  struct Line {
+    std::string text;
+    Look look = Look::kPlain;
+  };
+
+  void Add(const Packet& packet);
+  /// The display at that wall time (microseconds since the Unix epoch), at most `width` columns;
+  /// 0: as wide as it gets. ASCII.
+  std::vector<Line> Lines(std::int64_t now_us, std::size_t width) const;
+
+  /// The mission's scenario is known and the world has told its state.
+  bool ready() const { return feed_.ready() && feed_.timeline().done().version > 0; }
+  bool ended() const { return feed_.ready() && feed_.timeline().ended(); }
+
+  /// Rates are means over so much time.
+  static constexpr std::int64_t kWindowUs = 5'000'000;
+
+ private:
+  struct Traffic {
+    std::deque<std::pair<std::int64_t, std::size_t>> recent;  // wall time, bytes
+    std::size_t bytes = 0;                                    // of recent
+    std::int64_t last_us = 0;
+  };
+  struct Rate {
+    double messages = 0, bytes = 0;  // a second
+  };
+  static void Forget(Traffic* traffic, std::int64_t before_us);
+  static Rate RateOf(const Traffic& traffic, std::int64_t now_us);
+  std::string MissionLine() const;
+  std::string TaskLine() const;
+  std::string BusLine(std::int64_t now_us) const;
+  void AddAgents(std::vector<Line>* lines) const;
+  void AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const;
+
+  MissionFeed feed_;
+  std::map<std::string, Traffic> senders_;
+  Traffic all_;
+};
+
+}  // namespace muster::tools
