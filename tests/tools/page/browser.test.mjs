@@ -132,6 +132,25 @@ test("the keyboard steps, filters and selects nothing", async (t) => {
   assert.ok(await page.locator("#help").isVisible());
 });
 
+test("events to come are pale, and a click on one goes there", async (t) => {
+  const page = await open(t, "a.html");
+  const report = json("a/report.json");
+  await scrub(page, 90);
+  await page.keyboard.press("e");
+  await page.locator("#panel-body tr.later").first().waitFor();
+  const past = await page.locator("#panel-body tbody tr:not(.later)").count();
+  const kinds = ["sensing_done", "sensing_aborted", "charging_done", "charging_aborted", "agent_failed", "match_failed"];
+  const all = kinds.reduce((sum, kind) => sum + report.events[kind], 0);
+  assert.equal(await page.locator("#panel-body tbody tr").count(), all);
+  const done = report.tasks.filter((task) => task.done_s <= 90 * 60).length;
+  assert.ok(past >= done && past < all, `${past} of ${all}, ${done} tasks done`);
+  const next = page.locator("#panel-body tr.later").first();
+  const at = await next.locator("td").first().innerText();
+  await next.click();
+  assert.equal(await page.locator("#time-now").innerText(), at);
+  assert.equal(await page.locator("#panel-body tr:not(.later) td:first-child").last().innerText(), at);
+});
+
 test("a click on the timeline goes there and shows the agent", async (t) => {
   const page = await open(t, "a.html");
   await page.locator("#gantt-scroll").scrollIntoViewIfNeeded();

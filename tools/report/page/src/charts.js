@@ -221,8 +221,9 @@ export class Charts {
       const from = u.valToPos(this.#axis(run, band.from), "x", true);
       const to = u.valToPos(this.#axis(run, band.to), "x", true);
       c.fillStyle = theme.failed;
-      c.globalAlpha = band.kind === "agent" ? 0.45 : 0.16;
-      c.fillRect(from, top, Math.max(devicePixelRatio, to - from), height);
+      c.globalAlpha = band.kind === "agent" ? 0.7 : 0.16;
+      const tall = band.kind === "agent" ? 3 * devicePixelRatio : height;
+      c.fillRect(from, top, Math.max(2 * devicePixelRatio, to - from), tall);
     }
     c.restore();
   }

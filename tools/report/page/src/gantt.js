@@ -164,7 +164,7 @@ export class Gantt {
       if (right < LABEL || left > width) continue;
       if (band.kind === "agent") {
         c.fillStyle = theme.failed;
-        c.fillRect(left - 0.5, 0, 1, 6);
+        c.fillRect(left - 0.5, AXIS - 4, Math.max(1.5, right - left), 2);
         continue;
       }
       c.fillStyle = theme.failed;

@@ -212,8 +212,8 @@ export class MapView {
         c.beginPath();
         for (const { status, place } of shown[kind]) {
           if (status === FAILED || (status === 1) !== idle) continue;
-          const heading = place.toX === place.x && place.toY === place.y ? -Math.PI / 2
-            : Math.atan2(place.y - place.toY, place.toX - place.x);
+          const still = status !== MOVING || (place.dx === 0 && place.dy === 0);
+          const heading = still ? -Math.PI / 2 : Math.atan2(-place.dy, place.dx);
           agentShape(c, kind, x(place.x), y(place.y), r, heading);
         }
         c.lineWidth = idle ? 1.5 : 1;

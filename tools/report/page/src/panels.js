@@ -2,10 +2,11 @@ import { firstDifference, numbersOf } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
 import { describe } from "./map.js";
 import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
-import { clockText } from "./time.js";
+import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
 
 const MOST_ROWS = 400;
+const MOST_EVENTS = 3000;
 
 function table(head, rows) {
   return element("table", {},
@@ -39,9 +40,25 @@ export class Panels {
     this.draw();
   }
 
+  /** Events that are still to come at the clock's time are pale; the newest one is in view. */
+  #markPast() {
+    if (this.tab !== "events" || !this.eventRows) return;
+    const { rows, times } = this.eventRows;
+    const past = rowAt(times, 1, this.clock.t) + 1;
+    if (past === this.eventRows.past) return;
+    this.eventRows.past = past;
+    rows.forEach((row, i) => row.classList.toggle("later", i >= past));
+    const newest = rows[Math.max(0, past - 1)];
+    const top = newest.getBoundingClientRect().top - this.body.getBoundingClientRect().top + this.body.scrollTop;
+    if (top < this.body.scrollTop || top > this.body.scrollTop + this.body.clientHeight - 40) {
+      this.body.scrollTop = top - this.body.clientHeight / 2;
+    }
+  }
+
   #onTime() {
     const decision = this.state.run && decisionAt(this.state.run, this.clock.t);
     if (this.tab === "decision" && decision !== this.shownDecision) this.draw();
+    this.#markPast();
     this.#drawSelection();
   }
 
@@ -64,7 +81,8 @@ export class Panels {
     const decision = decisionAt(run, this.clock.t);
     this.shownDecision = decision;
     if (!decision) return [element("p", { class: "empty" }, "Before the first decision.")];
-    const gap = decision.bound > 0 ? ` (${number(100 * (1 - decision.weight / decision.bound), 2)} % below it)` : "";
+    const below = 1 - decision.weight / decision.bound;
+    const gap = !(decision.bound > 0) ? "" : below < 1e-9 ? " (reached: optimal)" : ` (${number(100 * below, 2)} % below it)`;
     const head = ["what", "who", "where", "#weight"];
     const actions = actionsOf(decision).filter((a) => a.kind > 2).sort((a, b) => b.weight - a.weight);
     const staying = decision.actions.length / 9 - actions.length;
@@ -95,11 +113,14 @@ export class Panels {
     if (notable.length === 0) return [element("p", { class: "empty" }, "Nothing happened yet.")];
     const head = ["time", "what", "who", ""];
     const worst = (e) => e.kind.includes("fail") || e.kind.includes("lost") || e.kind.includes("fault") || e.kind.includes("aborted");
-    const rows = notable.slice(0, 5000).map((e) =>
+    const shown = notable.slice(0, MOST_EVENTS);
+    const rows = shown.map((e) =>
       element("tr", { class: worst(e) ? "bad" : null, tabindex: 0, onclick: () => this.clock.seek(e.t), onkeydown: (k) => k.key === "Enter" && this.clock.seek(e.t) },
         ...cells([clockText(e.t), e.kind.replace("_", " "), who(e),
           [e.task >= 0 ? `task ${e.task}` : "", e.charge >= 0 ? `charging point ${e.charge}` : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
-    return [table(head, rows)];
+    this.eventRows = { rows, times: shown.map((e) => e.t), past: -1 };
+    requestAnimationFrame(() => this.#markPast());
+    return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, `${notable.length - shown.length} later ones`)] : [])];
   }
 
   #processes(run) {

@@ -109,7 +109,7 @@ function readEvent([kind, t, uav, worker, vehicle, task, charge, fault, detail])
   return { kind, t, uav, worker, vehicle, task, charge, fault, detail };
 }
 
-/** Where an agent is at t: x, y, range and the direction of travel; null before its first state. */
+/** Where an agent is at t: x, y, range, where its leg leads and the way that it goes; null before its first state. */
 export function placeAt(agent, t) {
   const { stops } = agent;
   if (stops.length === 0) return null;
@@ -117,11 +117,17 @@ export function placeAt(agent, t) {
   const x = stops[i + 1];
   const y = stops[i + 2];
   const range = stops[i + 3];
-  if (i + STOP >= stops.length || stops[i] >= t) return { x, y, range, toX: x, toY: y };
+  if (i + STOP >= stops.length || stops[i] >= t) {
+    // The newest place of a live mission is its last: what it did before tells the way.
+    const atEnd = i + STOP >= stops.length && i > 0;
+    const dx = atEnd ? x - stops[i - STOP + 1] : 0;
+    const dy = atEnd ? y - stops[i - STOP + 2] : 0;
+    return { x, y, range, toX: x, toY: y, dx, dy };
+  }
   const share = (t - stops[i]) / (stops[i + STOP] - stops[i]);
   const toX = stops[i + 5];
   const toY = stops[i + 6];
-  return { x: x + share * (toX - x), y: y + share * (toY - y), range: range + share * (stops[i + 7] - range), toX, toY };
+  return { x: x + share * (toX - x), y: y + share * (toY - y), range: range + share * (stops[i + 7] - range), toX, toY, dx: toX - x, dy: toY - y };
 }
 
 export function statusAt(agent, t) {
@@ -190,7 +196,10 @@ export function busOverTime(run) {
   return out;
 }
 
-/** What went wrong when: bands { from, to, label, kind }, those of an instant with to = from. */
+/**
+ * What went wrong when: bands { from, to, label, kind }, those of an instant with to = from. kind:
+ * "fault" or "process" touch the whole mission, "agent" one agent.
+ */
 export function faultBands(run) {
   const bands = [];
   const open = new Map();
@@ -222,8 +231,10 @@ export function faultBands(run) {
     }
   }
   for (const [id, band] of faults) {
+    const kind = run.faults.find((fault) => fault.id === id)?.kind;
+    if (kind < KILLED) band.kind = "agent"; // of one agent alone
     // How long a killed process is away is a band of its own.
-    if (run.faults.find((fault) => fault.id === id)?.kind === KILLED) band.to = band.from;
+    if (kind === KILLED) band.to = band.from;
   }
   return bands;
 }
