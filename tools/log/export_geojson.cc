@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "tools/log/export.h"
 #include "tools/log/mission_stream.h"
@@ -35,10 +38,42 @@ class Collection {
   bool first_ = true;
 };
 
-struct Trip {
-  ordered_json coordinates = ordered_json::array();
+struct Position {
   double x_m = 0, y_m = 0;
-  ordered_json held;  ///< the newest position, when it is the one before again
+  std::int64_t unix_us = 0;
+};
+
+/// An agent's way as a line in space and time. Agents stand still or go straight at one speed, so
+/// only the places where that changes are kept: memory does not grow with the ticks. (In degrees
+/// such a way is bent, by decimetres on 10 km.)
+class Trip {
+ public:
+  /// Positions in the order of their times; one that is said again or late is left out.
+  void Add(const Position& at) {
+    if (held_ && at.unix_us <= held_->unix_us) return;
+    if (held_ && !bends_.empty() && !OnLine(bends_.back(), *held_, at)) bends_.push_back(*held_);
+    if (bends_.empty()) bends_.push_back(at);
+    held_ = at;
+  }
+  /// A line has two points.
+  std::vector<Position> Bends() const {
+    std::vector<Position> bends = bends_;
+    if (held_ && held_->unix_us > bends.back().unix_us) bends.push_back(*held_);
+    if (bends.size() < 2) bends.clear();
+    return bends;
+  }
+
+ private:
+  /// Whether `at` lies within a millimetre of the straight way from `from` to `to`.
+  static bool OnLine(const Position& from, const Position& at, const Position& to) {
+    const double share = static_cast<double>(at.unix_us - from.unix_us) /
+                         static_cast<double>(to.unix_us - from.unix_us);
+    return std::abs(from.x_m + (to.x_m - from.x_m) * share - at.x_m) < 1e-3 &&
+           std::abs(from.y_m + (to.y_m - from.y_m) * share - at.y_m) < 1e-3;
+  }
+
+  std::vector<Position> bends_;
+  std::optional<Position> held_;  ///< the newest
 };
 
 }  // namespace
@@ -80,30 +115,23 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
                                           {"class", kind},
                                           {"status", ToString(static_cast<AgentStatus>(a.status))},
                                           {"range_left_m", a.range_left_m}});
-      Trip& trip = trips[{m->kind, a.id}];
-      ordered_json at = lon_lat(a.x_m, a.y_m);
-      at.push_back(0);
-      at.push_back(static_cast<double>(unix_us) * 1e-6);
-      // Where it stood still, only the first and the last time are kept.
-      const bool still = !trip.coordinates.empty() && trip.x_m == a.x_m && trip.y_m == a.y_m;
-      if (still) {
-        trip.held = std::move(at);
-        continue;
-      }
-      if (!trip.held.is_null()) trip.coordinates.push_back(std::exchange(trip.held, nullptr));
-      trip.coordinates.push_back(std::move(at));
-      trip.x_m = a.x_m;
-      trip.y_m = a.y_m;
+      trips[{m->kind, a.id}].Add({a.x_m, a.y_m, unix_us});
     }
   });
   positions.End();
 
   Collection lines(&folder.Add("trips.geojson"));
-  for (auto& [agent, trip] : trips) {
-    if (!trip.held.is_null()) trip.coordinates.push_back(std::move(trip.held));
-    if (trip.coordinates.size() < 2) continue;  // a line has two points
+  for (const auto& [agent, trip] : trips) {
+    ordered_json coordinates = ordered_json::array();
+    for (const Position& bend : trip.Bends()) {
+      ordered_json at = lon_lat(bend.x_m, bend.y_m);
+      at.push_back(0);
+      at.push_back(static_cast<double>(bend.unix_us) * 1e-6);
+      coordinates.push_back(std::move(at));
+    }
+    if (coordinates.empty()) continue;
     const std::string_view kind = ToString(static_cast<AgentKind>(agent.first));
-    lines.Add({{"type", "LineString"}, {"coordinates", std::move(trip.coordinates)}},
+    lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
               {{"agent", fmt::format("{}:{}", kind, agent.second)}, {"class", kind}});
   }
   lines.End();

@@ -76,14 +76,13 @@ int Cut(int argc, const char* const* argv) {
   cxxopts::Options options =
       MakeOptions(argv[0], "Copies the part of a log between two mission times, and the scenario.");
   options.add_options()("from", "Seconds of mission time",
-                        cxxopts::value<double>()->default_value("0"),
-                        "S")("to", "Seconds of mission time (default: the end)",
-                             cxxopts::value<double>()->default_value("inf"),
-                             "S")("out", "New log file", cxxopts::value<std::string>(), "FILE");
+                        cxxopts::value<double>()->default_value("0"), "S")(
+      "to", "Seconds of mission time (default: the end)", cxxopts::value<double>(), "S")(
+      "out", "New log file", cxxopts::value<std::string>(), "FILE");
   const auto parsed = ParseOptions(&options, argc, argv);
   if (!parsed) return kExitOk;
   const std::int64_t from_us = SecondsFlag(*parsed, "from");
-  const std::int64_t to_us = SecondsFlag(*parsed, "to");
+  const std::int64_t to_us = parsed->count("to") > 0 ? SecondsFlag(*parsed, "to") : kNever;
   if (to_us < from_us) {
     throw InputError("command line", "--to", fmt::format("{}", (*parsed)["to"].as<double>()),
                      "at least --from");

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/log/log_source.h"
 #include "lcmtypes/protocol/interval_set.h"
+#include "tools/log/log_source.h"
 
 namespace muster::tools {
 

@@ -183,9 +183,7 @@ void Visit(const restore_t& m, V&& v) {
 
 template <class T>
 ordered_json Value(const T& value) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json();
-  } else if constexpr (std::is_integral_v<T> || std::is_same_v<T, std::string>) {
+  if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
   } else if constexpr (requires { value.begin(); }) {
     ordered_json array = ordered_json::array();
@@ -193,7 +191,12 @@ ordered_json Value(const T& value) {
     return array;
   } else {
     ordered_json object = ordered_json::object();
-    Visit(value, [&](const char* name, const auto& field) { object[name] = Value(field); });
+    Visit(value, [&](const char* name, const auto& field) {
+      if constexpr (std::is_floating_point_v<std::decay_t<decltype(field)>>) {
+        if (!std::isfinite(field)) return;
+      }
+      object[name] = Value(field);
+    });
     return object;
   }
 }
