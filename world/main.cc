@@ -65,6 +65,10 @@ int Main(int argc, char** argv) {
       "rate", "Mission seconds per wall second, or max",
       cxxopts::value<std::string>()->default_value("max"))(
       "recorder", "A recorder takes part: wait for it, never run ahead of the log")(
+      "on-loss", "When a process is lost: wait for it, or continue without it",
+      cxxopts::value<std::string>()->default_value("wait"),
+      "wait|continue")("lost-after", "Seconds of silence after which a process is lost",
+                       cxxopts::value<double>()->default_value("5"))(
       "outage", "An agent fails in [FROM, UNTIL), by order of that fault",
       cxxopts::value<std::vector<std::string>>(), "CLASS:ID:FROM_US:UNTIL_US:FAULT");
   AddProcessOptions(&options, "world");
@@ -78,6 +82,17 @@ int Main(int argc, char** argv) {
   WorldOptions world;
   world.rate = ReadRate((*result)["rate"].as<std::string>());
   world.recorded = result->count("recorder") > 0;
+  const std::string on_loss = (*result)["on-loss"].as<std::string>();
+  if (on_loss != "wait" && on_loss != "continue") {
+    throw InputError("command line", "--on-loss", on_loss, "wait or continue");
+  }
+  world.goes_on = on_loss == "continue";
+  const double lost_after_s = (*result)["lost-after"].as<double>();
+  if (!(lost_after_s >= 0.5 && lost_after_s <= 3600)) {
+    throw InputError("command line", "--lost-after", fmt::to_string(lost_after_s),
+                     "seconds from 0.5 to 3600");
+  }
+  world.lost_after_us = ToUs(lost_after_s);
   if (result->count("outage") > 0) {
     for (const std::string& text : (*result)["outage"].as<std::vector<std::string>>()) {
       world.outages.push_back(ReadOutage(text));

@@ -187,7 +187,7 @@ void AgentProcess::Take(const rulings_t& rulings) {
 }
 
 void AgentProcess::Take(const schedule_t& schedule) {
-  if (schedule.tick != tick_ || schedule.decision != applied_decision_ + 1 || schedule_) return;
+  if (schedule.tick != tick_ || schedule.decision <= applied_decision_ || schedule_) return;
   std::vector<Action> actions;
   if (FromWireAll(schedule.actions, WireLimits(*scenario_), &actions)) {
     schedule_ = std::move(actions);

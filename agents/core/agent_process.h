@@ -73,7 +73,7 @@ class AgentProcess : public Process {
   std::int64_t repeat_tick_ = -1;                    ///< of a clock heard again; -1: none
   std::optional<std::vector<Activity>> activities_;  ///< of the verdict on tick_
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
-  std::optional<std::vector<Action>> schedule_;      ///< of the decision after the applied one
+  std::optional<std::vector<Action>> schedule_;      ///< of the decision made at tick_
   std::int32_t schedule_decision_ = -1;
   BackOff request_{5'000, 200'000};
 };

@@ -38,6 +38,10 @@ std::optional<Message> DecodePacket(const Packet& packet) {
 
 }  // namespace
 
+const header_t& HeaderOf(const Message& message) {
+  return std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
+}
+
 Inbox::Inbox(std::int64_t run_id, std::string own_name)
     : run_id_(run_id), own_name_(std::move(own_name)) {}
 
@@ -47,8 +51,7 @@ std::optional<Message> Inbox::Open(const Packet& packet) {
     ++counters_.rejected;
     return std::nullopt;
   }
-  const header_t& header =
-      std::visit([](const auto& m) -> const header_t& { return m.header; }, *message);
+  const header_t& header = HeaderOf(*message);
   if (header.sender == own_name_) return std::nullopt;
   if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
       !Count(header)) {

@@ -27,6 +27,7 @@ namespace muster {
 using Message =
     std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, schedule_t, event_t,
                  fault_t, process_status_t, log_status_t, request_t, restore_t>;
+const header_t& HeaderOf(const Message& message);
 
 /// A process's door: opens packets, counts and drops what is not for it. What comes through is
 /// decoded, of this run, from somebody else who may publish there, within the ranges that need no

@@ -1,5 +1,7 @@
 #include "scheduler/process/fusion.h"
 
+#include <algorithm>
+
 #include "world/model/check.h"
 
 namespace muster::scheduler {
@@ -66,6 +68,16 @@ bool Fusion::Take(const rulings_t& rulings) {
   return true;
 }
 
+std::size_t Fusion::silent() const {
+  if (missing_ == 0) return 0;
+  return static_cast<std::size_t>(
+      std::count_if(rulings_->begin(), rulings_->end(), [&](const Ruling& ruling) {
+        return ruling.kind == Ruling::Kind::kFailed &&
+               !agents_[static_cast<int>(ruling.agent_kind)]
+                       [static_cast<std::size_t>(ruling.agent)];
+      }));
+}
+
 Situation Fusion::Fuse() const {
   MUSTER_CHECK(complete(), "tick={}", tick_);
   const Verdict verdict(*activities_, *rulings_);
@@ -77,6 +89,7 @@ Situation Fusion::Fuse() const {
   situation.charging_load.assign(scenario_.charging_points.size(), 0);
   const auto settle = [&](AgentKind kind, std::vector<AgentState>* out) {
     for (const auto& reported : agents_[static_cast<int>(kind)]) {
+      if (!reported) continue;
       AgentState agent = *reported;
       Settle(&agent, verdict, now_us_, site_->tasks);
       if (agent.failed || (!agent.online(now_us_) && agent.busy_until_us <= now_us_)) continue;

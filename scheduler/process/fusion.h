@@ -13,7 +13,8 @@
 namespace muster::scheduler {
 
 /// Collects what is said of one tick until it is a whole: every agent's state exactly once, the
-/// world's state and its rulings. Messages may come in any order and repeatedly.
+/// world's state and its rulings. An agent that is ruled to have failed may say nothing. Messages
+/// may come in any order and repeatedly.
 class Fusion {
  public:
   explicit Fusion(const Scenario& scenario);
@@ -26,11 +27,14 @@ class Fusion {
   bool Take(const world_state_t& world);
   bool Take(const rulings_t& rulings);
 
-  bool complete() const { return missing_ == 0 && activities_ && rulings_; }
+  bool complete() const { return activities_ && rulings_ && missing_ <= silent(); }
   /// The situation; only when complete.
   Situation Fuse() const;
 
  private:
+  /// Agents without a state that have failed.
+  std::size_t silent() const;
+
   const Scenario& scenario_;
   const WireLimits limits_;
   const std::shared_ptr<const Site> site_;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ class VirtualNetwork {
   /// Somebody who answers each packet with one of his own, which everybody receives.
   void set_intruder(std::function<Packet(const Packet&)> intruder) {
     intruder_ = std::move(intruder);
+  }
+  /// It neither hears nor is heard from now on, or again.
+  void Isolate(const std::string& name, bool isolated) {
+    isolated ? void(isolated_.insert(name)) : void(isolated_.erase(name));
   }
 
   /// Runs until `done` or until `limit_us` of virtual time; every packet sent goes to `observe`.
@@ -74,6 +79,7 @@ class VirtualNetwork {
  private:
   void Send(const std::string& sender, const Packet& packet) {
     for (const auto& [name, process] : processes_) {
+      if (isolated_.contains(sender) || isolated_.contains(name)) continue;
       if (name == sender || random_.Uniform() < faults_.loss) continue;
       const int copies = random_.Uniform() < faults_.duplication ? 2 : 1;
       for (int i = 0; i < copies; ++i) {
@@ -89,6 +95,7 @@ class VirtualNetwork {
   Random random_;
   TimeUs now_us_ = 0;
   std::int64_t serial_ = 0;
+  std::set<std::string> isolated_;
   std::map<std::string, std::unique_ptr<Process>> processes_;
   std::map<std::pair<TimeUs, std::int64_t>, std::pair<std::string, std::optional<Packet>>>
       arrivals_;

@@ -121,6 +121,7 @@ void Auditor::Take(const Packet& packet) {
   if (name == channel::kClock) {
     const auto m = Admit<clock_t>(packet);
     if (m && m->phase == 2) ended_ = true;
+    if (m) clock_sender_ = m->header.sender;
     if (m && m->phase == 1) {
       if (TickData* data = DataOf(m->tick)) data->clock = *m;
     }
@@ -264,8 +265,10 @@ void Auditor::TakeSchedule(const schedule_t& message) {
 
 bool Auditor::Complete(std::int64_t tick, const TickData& data) const {
   if (!data.clock || !data.world || !data.rulings) return false;
-  const std::int32_t due = scenario_->DecisionAt(tick);
-  if (due >= 0 && !schedules_.contains(due)) return false;
+  if (const std::int32_t due = scenario_->DecisionAt(tick); due >= 0) {
+    const std::optional<bool> in_force = InForce(tick);
+    if (!in_force || (*in_force && !schedules_.contains(due))) return false;
+  }
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (std::size_t id = 0; id < data.reports[kind].size(); ++id) {
       if (data.reports[kind][id]) continue;
@@ -281,6 +284,29 @@ bool Auditor::Complete(std::int64_t tick, const TickData& data) const {
   return true;
 }
 
+std::optional<bool> Auditor::InForce(std::int64_t tick) const {
+  const auto next = pending_.find(tick + 1);
+  if (next == pending_.end() || !next->second.clock) return {};
+  return next->second.clock->required_decision >= scenario_->DecisionAt(tick);
+}
+
+void Auditor::CheckSkipped() {
+  for (const std::int32_t decision : skipped_) {
+    const std::int64_t t = decision * scenario_->interval_us;
+    // The world must have said that it misses somebody, and not yet that it is back.
+    std::set<std::string> lost;
+    for (const event_t& event : events_) {
+      if (event.at_us > t || event.header.sender != clock_sender_) continue;
+      if (event.kind == 11) lost.insert(event.detail);
+      if (event.kind == 12) lost.erase(event.detail);
+    }
+    if (lost.empty()) {
+      Violate(t, "lockstep",
+              fmt::format("the clock does not require decision {}, and nobody was lost", decision));
+    }
+  }
+}
+
 std::string Auditor::WhatIsMissing(std::int64_t tick) const {
   const auto found = pending_.find(tick);
   const TickData none;
@@ -292,6 +318,7 @@ std::string Auditor::WhatIsMissing(std::int64_t tick) const {
   if (!data.rulings) add("rulings_t");
   const std::int32_t due = scenario_->DecisionAt(tick);
   if (due >= 0 && !schedules_.contains(due)) add(fmt::format("schedule_t of decision {}", due));
+  if (due >= 0 && !InForce(tick)) add(fmt::format("clock_t of tick {}", tick + 1));
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (std::size_t id = 0; id < models_[kind].size(); ++id) {
       if (data.reports[kind].empty() || !data.reports[kind][id]) {
@@ -341,6 +368,10 @@ void Auditor::CheckTick(std::int64_t tick, const TickData& data) {
   CheckTasks(*data.world);
   ExpectEvents();
   if (due_ < 0) return;
+  if (!*InForce(tick)) {
+    skipped_.insert(due_);
+    return;
+  }
   if (TickHolds()) CheckDecision(schedules_.at(due_));
   in_force_ = due_;
 }
@@ -388,11 +419,13 @@ const std::vector<Violation>& Auditor::Finish() {
                             }),
                 events_.end());
   CompareEvents();
+  CheckSkipped();
   if (!stopped_) {
     Facts facts;
     facts.sha256 = sha256_;
     facts.seed = scenario_->seed;
     facts.schedules = schedules_;
+    for (const std::int32_t decision : skipped_) facts.schedules.erase(decision);
     facts.events = events_;
     facts.task_status = task_status_;
     facts.flown_m = flown_m_;

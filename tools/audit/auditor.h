@@ -112,6 +112,10 @@ class Auditor {
   void TakeSchedule(const schedule_t& message);
   TickData* DataOf(std::int64_t tick);
   bool Complete(std::int64_t tick, const TickData& data) const;
+  /// Whether the next tick's clock requires the decision due at `tick`; none: that clock is not
+  /// here yet. A decision that the scheduler, lost, did not make in time is not required.
+  std::optional<bool> InForce(std::int64_t tick) const;
+  void CheckSkipped();
   std::string WhatIsMissing(std::int64_t tick) const;
   void Advance();
 
@@ -162,8 +166,10 @@ class Auditor {
   std::int64_t next_tick_ = 0;
   bool stopped_ = false;
   bool ended_ = false;
+  std::string clock_sender_;
   std::map<std::int32_t, schedule_t> schedules_;
   std::vector<event_t> events_;
+  std::set<std::int32_t> skipped_;  // decisions that never were in force
 
   // The state after tick next_tick_ - 1; while a tick is checked, of that tick.
   std::int64_t now_us_ = 0, before_us_ = -1;

@@ -81,6 +81,12 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                        "FILE");
   parser.add_options()("fault", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45",
                        cxxopts::value<std::vector<std::string>>(), "FAULT");
+  parser.add_options()("on-loss",
+                       "When an agent process or the scheduler is lost: wait for it, or continue "
+                       "without it until it is back",
+                       cxxopts::value<std::string>()->default_value("wait"), "wait|continue");
+  parser.add_options()("lost-after", "Seconds of silence after which a process is lost",
+                       cxxopts::value<double>()->default_value("5"), "S");
   parser.add_options()("restarts",
                        "How often each process that ends by itself is started again; 0: it ends "
                        "the mission",
@@ -115,6 +121,15 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     for (const std::string& text : (*result)["fault"].as<std::vector<std::string>>()) {
       options.faults.push_back(ParseFaultFlag(text, options.faults.size()));
     }
+  }
+  options.on_loss = (*result)["on-loss"].as<std::string>();
+  if (options.on_loss != "wait" && options.on_loss != "continue") {
+    throw InputError(kCommandLine, "--on-loss", options.on_loss, "wait or continue");
+  }
+  options.lost_after_s = (*result)["lost-after"].as<double>();
+  if (!(options.lost_after_s >= 0.5 && options.lost_after_s <= 3600)) {
+    throw InputError(kCommandLine, "--lost-after", fmt::to_string(options.lost_after_s),
+                     "seconds from 0.5 to 3600");
   }
   const std::string restarts = (*result)["restarts"].as<std::string>();
   options.restarts = ToNumber<int>(restarts).value_or(-1);
@@ -164,6 +179,10 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   std::vector<std::string> world = {
       mission.scenario_file, "--rate",   options.rate,
       "--recorder",          "--window", fmt::to_string(kWorldWindow)};
+  if (options.on_loss != "wait") {
+    world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",
+                               fmt::to_string(options.lost_after_s)});
+  }
   for (const std::string& outage : OutagesOf(options.faults)) {
     world.insert(world.end(), {"--outage", outage});
   }

@@ -20,6 +20,7 @@
 #include "tools/faults/foreign_packets.h"
 #include "tools/launch/mission_view.h"
 #include "tools/launch/recorder.h"
+#include "tools/launch/stall_watch.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -33,6 +34,8 @@ constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
 constexpr int kLastWords = 5;  // lines
 constexpr TimeUs kForeignUs = 2'000;
+
+constexpr std::string_view kWorldName = "world";
 
 /// The wire's numbers.
 constexpr std::int8_t kProcessLost = 11;
@@ -54,6 +57,7 @@ struct Member {
   bool held = false;           ///< not before it is released
   std::int64_t forgiven = 0;   ///< ends that the fault plan caused
   bool back_due = false;       ///< started again, and nothing heard of that start yet
+  bool gone = false;           ///< ended for good, and the mission goes on
 };
 
 /// One mission from start to end.
@@ -105,6 +109,7 @@ class Supervisor : private FaultActions {
   ProgressPrinter* progress_;
 
   Recorder recorder_;
+  StallWatch stall_watch_;
   FaultInjector injector_;
   FaultSwitch own_faults_;
   RunRecord record_;
@@ -134,6 +139,7 @@ Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals
       stop_(stop),
       progress_(progress),
       recorder_({plan.run_id, "recorder", 0}),
+      stall_watch_(NamesOf(plan.processes), plan.tick_wall_us),
       injector_(plan.faults, NamesOf(plan.processes)),
       own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
@@ -145,7 +151,7 @@ bool Supervisor::Ended() const {
   // Who is stopped can repair nothing: the log comes first.
   return logged_.end_announced() && injector_.Settled(*this) && !recorder_.behind() &&
          std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
-           return logged_.StateOf(member.spec.name) == ProcessState::kEnded;
+           return member.gone || logged_.StateOf(member.spec.name) == ProcessState::kEnded;
          });
 }
 
@@ -201,6 +207,9 @@ void Supervisor::Turn() {
   for (const Packet& packet : out_) bus_->Publish(packet);
   out_.clear();
   ShowProgress(now.monotonic_us);
+  if (!stopping_) {
+    if (const auto line = stall_watch_.Line(now.monotonic_us)) Say(*line);
+  }
 
   const TimeUs look_us = recorder_.behind() ? kLookBehindUs : kLookUs;
   const TimeUs wait_us = std::clamp<TimeUs>(recorder_.wake_us() - MonotonicUs(), 0, look_us);
@@ -208,6 +217,7 @@ void Supervisor::Turn() {
   now = HostNow();
   for (const Packet& packet : heard) {
     recorder_.OnHeard(packet, now);
+    stall_watch_.OnHeard(packet, now.monotonic_us);
     if (packet.channel != channel::kClock) continue;
     const auto clock = DecodeValid<clock_t>(packet.bytes);
     if (clock && clock->header.run_id == plan_.run_id) {
@@ -341,10 +351,18 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
   member->forgiven += planned;
   const std::int64_t unplanned = member->starts - member->forgiven;
   if (!planned && (unplanned > plan_.restarts.most || end.usage_error())) {
-    problems_.push_back(Obituary(member));
+    std::string text = Obituary(member);
     if (member->starts > 1) {
-      problems_.back() += fmt::format("\nit was started again {} times", member->starts - 1);
+      text += fmt::format("\nit was started again {} times", member->starts - 1);
     }
+    if (plan_.goes_on && !end.usage_error() && !is_logger(*member) && name != kWorldName) {
+      member->gone = true;
+      Say(fmt::format("{}\nthe mission goes on without it", text));
+      Announce(kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
+      recorder_.OnEnd(name, member->starts - 1, now);
+      return true;
+    }
+    problems_.push_back(std::move(text));
     return false;
   }
   const std::int64_t doublings = std::clamp<std::int64_t>(unplanned - 1, 0, 20);
@@ -366,6 +384,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
 bool Supervisor::KeepAlive() {
   const Now now = HostNow();
   for (Member& member : members_) {
+    if (member.gone) continue;
     if (!member.down && member.child->Poll() && !OnEnd(&member, now)) return false;
     if (member.down && !member.held && now.monotonic_us >= member.restart_us) Start(&member);
   }

@@ -35,6 +35,8 @@ struct MissionPlan {
   FaultPlan faults;
   /// Called with every event of the log, as it is read; it must return soon.
   std::function<void(const Packet&)> on_logged = {};
+  bool goes_on = false;     ///< without agent processes and scheduler when they are lost
+  TimeUs tick_wall_us = 0;  ///< by --rate; 0: as fast as it goes
 };
 
 enum class MissionEnd {

@@ -95,11 +95,15 @@ std::string FindLogger() {
 
 MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessPlan>& processes,
                         const std::string& logger, const MissionIdentity& mission,
-                        const RunDirectory& directory) {
+                        const RunDirectory& directory, TimeUs tick_us) {
   MissionPlan plan;
   plan.restarts.most = options.restarts;
   plan.faults = options.faults;
   plan.hosts = options.hosts;
+  plan.goes_on = options.on_loss == "continue";
+  if (options.rate != "max") {
+    plan.tick_wall_us = ToUs(ToSeconds(tick_us) / std::stod(options.rate));
+  }
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
   plan.logger = {"lcm-logger",
@@ -153,7 +157,7 @@ int RunCommand(int argc, const char* const* argv) {
   }
   CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
              options->faults);
-  CheckFaultPlan(&options->faults, names, scenario, false);
+  CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue");
   scheduler::MakePolicy(options->policy);
   const StopSignals stop;
   const Now start = HostNow();
@@ -193,7 +197,8 @@ int RunCommand(int argc, const char* const* argv) {
   }
 
   MissionPlan plan =
-      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory);
+      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory,
+                  scenario.rules.tick_us);
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());

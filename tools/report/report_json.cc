@@ -268,6 +268,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["tasks"] = Tasks(record);
   report["uavs"] = std::move(uavs);
   report["decisions"] = Decisions(record);
+  report["skipped_decisions"] = record.skipped_decisions();
   report["faults"] = Faults(record);
   report["processes"] = Processes(record);
   report["log"] = Log(record);

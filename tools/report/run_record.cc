@@ -113,6 +113,7 @@ void RunRecord::Take(const Packet& packet) {
     TickCover* cover = message ? Cover(message->tick) : nullptr;
     if (cover != nullptr) {
       cover->rulings = true;
+      Excuse(*message, cover);
       Collapse(message->tick);
     }
   } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
@@ -178,8 +179,29 @@ void RunRecord::Collapse(std::int64_t tick) {
   open_ticks_.erase(cover);
 }
 
+void RunRecord::Excuse(const rulings_t& message, TickCover* cover) const {
+  const std::size_t n_uavs = scenario_->uavs.size();
+  const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario_->workers.size(), said_.size()};
+  for (const ruling_t& ruling : message.rulings) {
+    if (ruling.kind != 0 || ruling.agent_kind > 2 || ruling.agent_id < 0) continue;
+    const std::size_t i = offsets[ruling.agent_kind] + static_cast<std::size_t>(ruling.agent_id);
+    if (i < offsets[ruling.agent_kind + 1]) cover->excused.push_back(i);
+  }
+}
+
 void RunRecord::TakeClock(const clock_t& message) {
   if (message.phase == 0) return;
+  // Decisions before this tick that it does not require never were in force.
+  const Rules& rules = scenario_->rules;
+  const std::int32_t before =
+      message.tick_us <= 0
+          ? -1
+          : static_cast<std::int32_t>((std::min(message.tick_us, rules.limit_us) - 1) /
+                                      rules.interval_us);
+  for (std::int32_t d = before; d > message.required_decision && !skipped_.contains(d); --d) {
+    skipped_.insert(d);
+    schedules_.erase(d);
+  }
   const std::pair<std::int64_t, std::int64_t> when(message.tick, message.header.wall_us);
   if (!first_clock_ || when < *first_clock_) first_clock_ = when;
   if (!last_clock_ || when > *last_clock_) last_clock_ = when;
@@ -249,6 +271,7 @@ void RunRecord::TakeSchedule(schedule_t message) {
     ++counts_.undecodable;
     return;
   }
+  if (skipped_.contains(message.decision)) return;
   const auto [known, is_new] = schedules_.try_emplace(message.decision);
   if (is_new || Rank(message.header) < Rank(known->second.header)) {
     known->second = std::move(message);
@@ -327,13 +350,16 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
       if (!cover.world) lacks(1, tick, tick);
       if (!cover.rulings) lacks(2, tick, tick);
       for (std::size_t i = 0; i < said_.size(); ++i) {
-        if (cover.agents.empty() || !cover.agents[i]) lacks(i + 3, tick, tick);
+        if (!cover.agents.empty() && cover.agents[i]) continue;
+        if (std::find(cover.excused.begin(), cover.excused.end(), i) != cover.excused.end())
+          continue;
+        lacks(i + 3, tick, tick);
       }
     }
   }
   for (std::size_t owner = 0; owner < n_owners; ++owner) finish(owner);
   for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
-    if (schedules_.contains(d)) continue;
+    if (schedules_.contains(d) || skipped_.contains(d)) continue;
     ++result.n_missing;
     if (result.missing.size() < kMaxListed) result.missing.push_back({"schedule", d, d});
   }

@@ -3,19 +3,20 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/protocol/interval_set.h"
 #include "muster/event_t.hpp"
 #include "muster/fault_t.hpp"
 #include "muster/process_status_t.hpp"
 #include "muster/scenario_t.hpp"
 #include "muster/schedule_t.hpp"
 #include "muster/world_state_t.hpp"
-#include "lcmtypes/protocol/interval_set.h"
 #include "world/model/scenario.h"
 
 namespace muster {
@@ -78,8 +79,11 @@ class RunRecord {
   const std::string& scenario_sha256() const { return scenario_sha256_; }
   std::int64_t run_id() const { return run_id_.value_or(-1); }
 
-  /// By decision. When several schedules name one decision, the one of the lowest (boot, seq).
+  /// By decision, without skipped_decisions(). When several schedules name one decision, the one of
+  /// the lowest (boot, seq).
   const std::map<std::int32_t, schedule_t>& schedules() const { return schedules_; }
+  /// Decisions that no clock required: the scheduler was lost, and its schedule, if any, came late.
+  const std::set<std::int32_t>& skipped_decisions() const { return skipped_; }
   /// Sorted by (at_us, kind, uav, worker, vehicle, task, charge, fault_id, detail), without
   /// repeats.
   const std::vector<event_t>& events() const;
@@ -121,7 +125,8 @@ class RunRecord {
   };
   static constexpr std::size_t kMaxListed = 100;
   /// Whether everything that the mission said is here: no sender's seq has a gap, every tick has
-  /// clock, world state, rulings and each agent once, every decision its schedule, and the end was
+  /// clock, world state, rulings and each agent once (unless it is ruled to have failed, as a lost
+  /// process's agents are), every decision its schedule (unless it was skipped), and the end was
   /// announced. A sender without any message is found by its ticks. What a killed start had sent
   /// and nobody logged is reported apart where it is known, and its ticks count.
   Completeness CheckComplete() const;
@@ -131,7 +136,8 @@ class RunRecord {
     bool clock = false;
     bool world = false;
     bool rulings = false;
-    std::vector<bool> agents;  // [n_uavs + n_workers + n_vehicles]
+    std::vector<bool> agents;          // [n_uavs + n_workers + n_vehicles]
+    std::vector<std::size_t> excused;  // of those: ruled to have failed, need not report
     std::size_t n_agents = 0;
   };
   /// Ticks that one start of a sender has said of one agent.
@@ -153,6 +159,7 @@ class RunRecord {
   /// Forgets the cover of a tick that is complete.
   void Collapse(std::int64_t tick);
   TickCover* Cover(std::int64_t tick);
+  void Excuse(const rulings_t& message, TickCover* cover) const;
   std::int64_t last_tick() const;
 
   std::optional<std::int64_t> run_id_;
@@ -162,6 +169,7 @@ class RunRecord {
   std::string scenario_sha256_;
   std::map<std::pair<std::string, std::int64_t>, IntervalSet> seqs_;
   std::map<std::int32_t, schedule_t> schedules_;
+  std::set<std::int32_t> skipped_;
   mutable std::vector<event_t> events_;
   mutable bool events_sorted_ = true;
   std::map<std::string, fault_t> faults_;

@@ -218,6 +218,10 @@ std::span<const Ruling> Verdict::rulings_of(AgentKind kind, std::int32_t id) con
 }
 
 void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks) {
+  const auto rulings = verdict.rulings_of(agent->kind, agent->id);
+  const auto is_failure = [](const Ruling& r) { return r.kind == Ruling::Kind::kFailed; };
+  // The activity that its failure aborted is listed once more.
+  if (agent->failed && std::any_of(rulings.begin(), rulings.end(), is_failure)) return;
   verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
     // What ended before a meeting began is over, though the agent may learn of both at once.
     if (agent->action != ActionKind::kNone && agent->busy_until_us <= activity.start_us &&
@@ -232,8 +236,8 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     agent->busy_until_us = activity.end_us;
   });
   bool failed = false;
-  for (const Ruling& ruling : verdict.rulings_of(agent->kind, agent->id)) {
-    if (ruling.kind == Ruling::Kind::kFailed) {
+  for (const Ruling& ruling : rulings) {
+    if (is_failure(ruling)) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
     } else if (agent->action != ActionKind::kNone && ruling.at_us >= agent->depart_us) {

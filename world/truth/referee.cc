@@ -51,6 +51,12 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   }
 }
 
+void Referee::EndOutages(const std::string& detail, TimeUs t) {
+  for (Outage& outage : outages_) {
+    if (outage.detail == detail) outage.until_us = std::min(outage.until_us, t);
+  }
+}
+
 void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
   MUSTER_CHECK(t > previous_us_, "t={} previous={}", t, previous_us_);
   std::erase_if(activities_, [&](const Known& known) {

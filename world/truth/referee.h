@@ -75,6 +75,8 @@ class Referee {
   void Take(std::int32_t decision, const std::vector<Action>& actions);
 
   void Add(const Outage& outage) { outages_.push_back(outage); }
+  /// Those with that detail end at t.
+  void EndOutages(const std::string& detail, TimeUs t);
 
   /// Continues from an earlier verdict on time t, as a restarted world does: outages that were over
   /// by then are forgotten.

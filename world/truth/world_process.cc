@@ -14,6 +14,14 @@
 namespace muster::world {
 namespace {
 
+/// So many limits without an answer make a process lost though it is heard: it may be deaf.
+constexpr int kDeaf = 3;
+constexpr TimeUs kLookUs = 20'000;
+/// Keeps a message near one datagram's 64 kB, as agent processes do.
+constexpr std::size_t kAgentsPerMessage = 256;
+
+std::string LostDetail(const std::string& process) { return process + " is lost"; }
+
 event_t ToWire(const Event& event) {
   event_t wire{};
   wire.kind = static_cast<std::int8_t>(event.kind);
@@ -42,7 +50,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
     const std::size_t n = scenario_.agents(kind).size();
     agents_.of(kind).resize(n);
     owners_[static_cast<int>(kind)].resize(n);
-    heard_[static_cast<int>(kind)].assign(n, 0);
+    heard_[static_cast<int>(kind)].assign(n, Heard::kNot);
     missing_ += n;
     restoring_.ticks[static_cast<int>(kind)].assign(n, -1);
   }
@@ -59,9 +67,12 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
 }
 
 void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
+  Peer& peer = peers_[HeaderOf(message).sender];
+  peer.heard_us = now.monotonic_us;
+  if (peer.presence == Peer::Presence::kLost) peer.presence = Peer::Presence::kReturning;
   Handle(
       message, [&](const agent_states_t& states) { Take(states, packet); },
-      [&](const schedule_t& schedule) { Take(schedule, packet); },
+      [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const restore_t& restore) { Take(restore); },
       [&](const log_status_t&) { recorder_ready_ = true; },
@@ -96,16 +107,16 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     }
     owners_[k][id] = sender;
     members_.insert(sender);
-    if (heard_[k][id]) continue;
-    heard_[k][id] = 1;
+    if (heard_[k][id] == Heard::kYes) continue;
+    if (heard_[k][id] == Heard::kNot) --missing_;
+    heard_[k][id] = Heard::kYes;
     news = true;
-    --missing_;
     agents_.of(kind)[id] = agent;
   }
   if (news) reports_[k].push_back(packet);
 }
 
-void WorldProcess::Take(const schedule_t& schedule, const Packet& packet) {
+void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {
   if (wait_ != Wait::kSchedule || schedule.decision != DecisionAt(tick_) ||
       schedule.tick != tick_) {
     return;
@@ -121,6 +132,12 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet) {
   }
   referee_.Take(schedule.decision, actions);
   members_.insert(schedule.header.sender);
+  scheduler_name_ = schedule.header.sender;
+  Peer& peer = peers_[scheduler_name_];
+  if (peer.presence != Peer::Presence::kThere) {
+    peer.presence = Peer::Presence::kThere;
+    SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
+  }
   schedule_packet_ = std::make_shared<const Packet>(packet);
   required_decision_ = schedule.decision;
   wait_ = Wait::kClock;
@@ -138,16 +155,17 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
     // The states that the newest verdict rests on: whoever goes on from them needs only that
     // verdict and what follows, and that is what this process repeats.
     const auto& packets = judged_reports_[static_cast<int>(kind)];
-    const auto answer = [&](const Packet& packet) {
+    const auto answer = [&](std::vector<std::uint8_t> bytes) {
       restore_t restore{};
       restore.channel = request.channel;
-      restore.tick = packets.empty() ? -1 : judged_tick_;
-      restore.data = packet.bytes;
+      restore.tick = judged_tick_;
+      restore.data = std::move(bytes);
       restore.n = static_cast<std::int32_t>(restore.data.size());
       sender().Send(channel::kRestore, std::move(restore), tick_us(tick_), now);
     };
-    if (packets.empty()) answer({});
-    for (const Packet& packet : packets) answer(packet);
+    if (judged_tick_ < 0) answer({});
+    for (const Packet& packet : packets) answer(packet.bytes);
+    for (std::vector<std::uint8_t>& bytes : StatesOfLost(kind, now)) answer(std::move(bytes));
   }
 }
 
@@ -170,6 +188,7 @@ void WorldProcess::Take(const restore_t& restore) {
     }
     const auto states = DecodeValid<agent_states_t>(restore.data);
     if (!states || states->header.run_id != identity().run_id) return inbox().Reject();
+    restoring_.applied[states->tick] = states->applied_decision;
     auto& ticks = restoring_.ticks[static_cast<int>(kind)];
     for (const agent_t& wire : states->agents) {
       if (wire.id < 0 || static_cast<std::size_t>(wire.id) >= ticks.size()) return inbox().Reject();
@@ -220,8 +239,7 @@ bool WorldProcess::RestoreState(const Now& now) {
                      Verdict(std::move(activities), std::move(list)));
     phase_ = Phase::kRunning;
     set_state(ProcessState::kRunning);
-    // Decisions are at n x interval: the last one before this tick is in force.
-    required_decision_ = static_cast<std::int32_t>(tick_us(tick - 1) / scenario_.rules.interval_us);
+    required_decision_ = restoring_.applied.at(tick);
     if (options_.rate > 0) {
       started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick)) / options_.rate);
     }
@@ -248,8 +266,18 @@ void WorldProcess::Judge(const Now& now) {
     const int k = static_cast<int>(kind);
     judged_reports_[k] = std::exchange(reports_[k], {});
   }
+  TakeBack(now);
   judged_tick_ = tick_;
+  judged_applied_ = required_decision_;
   referee_.Judge(t, DecisionAt(tick_), &agents_);
+  for (const AgentKind kind : kAgentKinds) {
+    const int k = static_cast<int>(kind);
+    unreported_[k].clear();
+    for (std::size_t id = 0; id < heard_[k].size(); ++id) {
+      if (heard_[k][id] == Heard::kYes) continue;
+      unreported_[k].push_back(ToWire(agents_.of(kind)[id], t, scenario_.tasks));
+    }
+  }
   world_state_t world{};
   world.tick = tick_;
   world.done = referee_.done();
@@ -293,6 +321,128 @@ void WorldProcess::PublishEvents(const Now& now) {
 void WorldProcess::WaitFor(Wait wait, const Now& now) {
   wait_ = wait;
   repeat_.Start(now.monotonic_us);
+  waits_since_us_ = look_us_ = now.monotonic_us;
+}
+
+template <class Visit>
+void WorldProcess::ForEachAgentOf(const std::string& owner, Visit visit) {
+  for (const AgentKind kind : kAgentKinds) {
+    const auto& owners = owners_[static_cast<int>(kind)];
+    for (std::size_t id = 0; id < owners.size(); ++id) {
+      if (owners[id] == owner) visit(kind, id);
+    }
+  }
+}
+
+void WorldProcess::SayOfProcess(Event::Kind kind, const std::string& name, const Now& now) {
+  Event event;
+  event.kind = kind;
+  event.at_us = tick_us(tick_);
+  event.detail = name;
+  sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+}
+
+bool WorldProcess::Unheard(const std::string& name, const Now& now) const {
+  const auto peer = peers_.find(name);
+  if (peer == peers_.end()) return false;
+  if (peer->second.presence == Peer::Presence::kLost) return true;
+  const TimeUs heard_us = std::max(peer->second.heard_us, awake_since_us_);
+  const TimeUs asked_us = std::max(waits_since_us_, awake_since_us_);
+  return now.monotonic_us - heard_us >= options_.lost_after_us ||
+         now.monotonic_us - asked_us >= kDeaf * options_.lost_after_us;
+}
+
+void WorldProcess::FindLost(const Now& now) {
+  // Whoever was held up itself has heard nobody meanwhile.
+  if (now.monotonic_us - stepped_us_ > options_.lost_after_us / 4) {
+    awake_since_us_ = now.monotonic_us;
+  }
+  stepped_us_ = now.monotonic_us;
+  if (!options_.goes_on || phase_ != Phase::kRunning || now.monotonic_us < look_us_) return;
+  look_us_ = now.monotonic_us + kLookUs;
+  if (wait_ == Wait::kStates) {
+    std::set<std::string> owing;
+    for (const AgentKind kind : kAgentKinds) {
+      const auto k = static_cast<std::size_t>(kind);
+      for (std::size_t id = 0; id < heard_[k].size(); ++id) {
+        if (heard_[k][id] == Heard::kNot) owing.insert(owners_[k][id]);
+      }
+    }
+    for (const std::string& name : owing) {
+      if (Unheard(name, now)) Lose(name, now);
+    }
+  }
+  if (wait_ == Wait::kSchedule && Unheard(scheduler_name_, now)) {
+    Peer& peer = peers_[scheduler_name_];
+    if (peer.presence == Peer::Presence::kThere) {
+      SayOfProcess(Event::Kind::kProcessLost, scheduler_name_, now);
+    }
+    peer.presence = Peer::Presence::kLost;
+    // This decision will not be in force: no clock names it.
+    wait_ = Wait::kClock;
+    repeat_.Stop();
+  }
+}
+
+void WorldProcess::Lose(const std::string& name, const Now& now) {
+  Peer& peer = peers_[name];
+  const bool is_new = peer.presence == Peer::Presence::kThere;
+  peer.presence = Peer::Presence::kLost;
+  if (is_new) SayOfProcess(Event::Kind::kProcessLost, name, now);
+  ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
+    Heard& heard = heard_[static_cast<int>(kind)][id];
+    if (heard == Heard::kNot) {
+      --missing_;
+      heard = Heard::kNotAwaited;
+    }
+    // Nobody knows what became of it since it was heard.
+    if (is_new) {
+      referee_.Add(
+          {kind, static_cast<std::int32_t>(id), tick_us(tick_ - 1) + 1, kNever, LostDetail(name)});
+    }
+  });
+}
+
+void WorldProcess::TakeBack(const Now& now) {
+  for (auto& [name, peer] : peers_) {
+    if (peer.presence != Peer::Presence::kReturning || name == scheduler_name_) continue;
+    bool complete = true;
+    ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
+      complete &= heard_[static_cast<int>(kind)][id] == Heard::kYes;
+    });
+    if (!complete) continue;
+    peer.presence = Peer::Presence::kThere;
+    referee_.EndOutages(LostDetail(name), tick_us(tick_));
+    SayOfProcess(Event::Kind::kProcessBack, name, now);
+  }
+}
+
+std::vector<std::vector<std::uint8_t>> WorldProcess::StatesOfLost(AgentKind kind,
+                                                                  const Now& now) const {
+  std::vector<std::vector<std::uint8_t>> messages;
+  if (judged_tick_ < 0) return messages;
+  const TimeUs t = tick_us(judged_tick_);
+  agent_states_t states{};
+  states.header = {};
+  states.header.run_id = identity().run_id;
+  states.header.sender = identity().name;
+  states.header.boot_id = identity().boot_id;
+  states.header.sim_us = t;
+  states.header.wall_us = now.wall_us;
+  states.kind = static_cast<std::int8_t>(kind);
+  states.tick = judged_tick_;
+  states.applied_decision = judged_applied_;
+  const auto finish = [&] {
+    states.n = static_cast<std::int32_t>(states.agents.size());
+    if (states.n > 0) messages.push_back(Encode(states));
+    states.agents.clear();
+  };
+  for (const agent_t& agent : unreported_[static_cast<int>(kind)]) {
+    states.agents.push_back(agent);
+    if (states.agents.size() == kAgentsPerMessage) finish();
+  }
+  finish();
+  return messages;
 }
 
 void WorldProcess::Begin(const Now& now) {
@@ -322,6 +472,7 @@ void WorldProcess::OnStep(const Now& now) {
       return;
     }
   }
+  FindLost(now);
   // Each turn of the loop is one step of the lockstep that needs no further input.
   while (true) {
     if (wait_ == Wait::kStates && StatesComplete() && recorder_ready_) {
@@ -347,14 +498,7 @@ void WorldProcess::OnStep(const Now& now) {
         continue;
       }
       if (now.monotonic_us < OwnWakeUs()) return;
-      ++tick_;
-      for (const AgentKind kind : kAgentKinds) {
-        auto& heard = heard_[static_cast<int>(kind)];
-        std::fill(heard.begin(), heard.end(), 0);
-        missing_ += heard.size();
-      }
-      PublishClock(now);
-      WaitFor(Wait::kStates, now);
+      StartTick(now);
     }
     if (wait_ == Wait::kLog) {
       if (options_.recorded && !sender().drained()) return;
@@ -367,6 +511,25 @@ void WorldProcess::OnStep(const Now& now) {
     break;
   }
   if (repeat_.Fire(now.monotonic_us)) Repeat();
+}
+
+void WorldProcess::StartTick(const Now& now) {
+  ++tick_;
+  missing_ = 0;
+  for (const AgentKind kind : kAgentKinds) {
+    auto& heard = heard_[static_cast<int>(kind)];
+    std::fill(heard.begin(), heard.end(), Heard::kNot);
+    missing_ += heard.size();
+  }
+  for (const auto& [name, peer] : peers_) {
+    if (peer.presence != Peer::Presence::kLost) continue;
+    ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
+      heard_[static_cast<int>(kind)][id] = Heard::kNotAwaited;
+      --missing_;
+    });
+  }
+  PublishClock(now);
+  WaitFor(Wait::kStates, now);
 }
 
 void WorldProcess::Repeat() {

@@ -15,6 +15,11 @@ namespace muster::world {
 struct WorldOptions {
   double rate = 0;        ///< mission seconds per wall second; 0: as fast as it goes
   bool recorded = false;  ///< a recorder takes part: start only when it is there
+  /// Without agent processes and scheduler that are silent for lost_after_us, or that do not answer
+  /// for three times as long, the mission goes on: their agents count as failed until they are
+  /// back, their decisions are not in force. Else it waits for everybody.
+  bool goes_on = false;
+  TimeUs lost_after_us = 5 * kSecondUs;
   /// Agents that fail by order; `detail` is the fault's id.
   std::vector<Outage> outages = {};
 };
@@ -38,8 +43,15 @@ class WorldProcess : public Process {
  private:
   enum class Phase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
   enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
+  enum class Heard : char { kNot, kYes, kNotAwaited };
+  /// Another process, as far as it has been heard.
+  struct Peer {
+    enum class Presence { kThere, kLost, kReturning };
+    Presence presence = Presence::kThere;
+    TimeUs heard_us = 0;  ///< monotonic
+  };
   void Take(const agent_states_t& states, const Packet& packet);
-  void Take(const schedule_t& schedule, const Packet& packet);
+  void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
   void Take(const restore_t& restore);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
@@ -49,6 +61,19 @@ class WorldProcess : public Process {
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
   void Repeat();
+  void StartTick(const Now& now);
+  /// Gives up those whose answer has been due for too long.
+  void FindLost(const Now& now);
+  bool Unheard(const std::string& name, const Now& now) const;
+  void Lose(const std::string& name, const Now& now);
+  /// Takes back those returning processes whose agents have all been heard for this tick.
+  void TakeBack(const Now& now);
+  void SayOfProcess(Event::Kind kind, const std::string& name, const Now& now);
+  template <class Visit>
+  void ForEachAgentOf(const std::string& owner, Visit visit);
+  /// The states that the verdict on judged_tick_ left of the agents of that class that nobody
+  /// reported, as messages; for their process when it comes back.
+  std::vector<std::vector<std::uint8_t>> StatesOfLost(AgentKind kind, const Now& now) const;
   bool StatesComplete() const { return missing_ == 0; }
   TimeUs tick_us(std::int64_t tick) const { return scenario_.rules.TimeOf(tick); }
   /// The decision due at that tick, -1: none.
@@ -72,7 +97,8 @@ class WorldProcess : public Process {
 
   Agents agents_;                       ///< reports for tick_, then settled
   std::vector<std::string> owners_[3];  ///< [n_agents] who reports that agent; "" not known yet
-  std::vector<char> heard_[3];          ///< [n_agents] heard for tick_
+  std::vector<Heard> heard_[3];         ///< [n_agents] for tick_
+  std::vector<agent_t> unreported_[3];  ///< of judged_tick_, after the verdict: nobody said them
   std::size_t missing_ = 0;
   std::set<std::string> members_;  ///< processes whose end is awaited
   /// Agent states by class: those of tick_ so far, and those of the newest judged tick.
@@ -80,11 +106,17 @@ class WorldProcess : public Process {
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
   BackOff repeat_{2'000, 40'000};
+  std::map<std::string, Peer> peers_;
+  std::string scheduler_name_ = "scheduler";
+  TimeUs waits_since_us_ = 0;  ///< monotonic
+  TimeUs stepped_us_ = 0, awake_since_us_ = 0, look_us_ = 0;
+  std::int32_t judged_applied_ = -1;  ///< decision in force at judged_tick_
 
   /// What the others still hold, while this process starts again.
   struct Restoring {
     bool not_begun = false;
     std::vector<std::int64_t> ticks[3];  ///< [n_agents] tick of the newest states; -1: not heard
+    std::map<std::int64_t, std::int32_t> applied;  ///< by tick: the decision in force
     std::map<std::int64_t, world_state_t> worlds;
     std::map<std::int64_t, rulings_t> rulings;
   };

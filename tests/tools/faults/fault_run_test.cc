@@ -32,9 +32,11 @@ class FaultRunTest : public ::testing::Test {
     return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
   }
   /// A mission with these faults; its report.
-  Json Run(const std::vector<std::string>& faults, const std::string& name = "run") {
+  Json Run(const std::vector<std::string>& faults, const std::string& name = "run",
+           const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File(name)};
     for (const std::string& fault : faults) arguments.insert(arguments.end(), {"--fault", fault});
+    arguments.insert(arguments.end(), more.begin(), more.end());
     Muster muster(folder_, name, arguments);
     EXPECT_EQ(muster.Wait(), 0) << muster.output();
     Json report = Report(name);
@@ -105,6 +107,55 @@ TEST_F(FaultRunTest, AnAgentGoesSilentComesBackAndARestartedWorldKnows) {
                           "process_killed:world@50", "process_killed:world@100"},
                          "two");
   EXPECT_EQ(again["digest"], report["digest"]);
+}
+
+TEST_F(FaultRunTest, TheMissionGoesOnWithoutUavsForHalfAnHour) {
+  const Json report =
+      Run({"process_killed:uav@60+30"}, "killed", {"--on-loss", "continue", "--lost-after", "0.5"});
+  EXPECT_EQ(report["events"]["process_back"], 2) << "the launcher's and the world's word";
+  EXPECT_EQ(report["events"]["agent_failed"], report["events"]["agent_back"]);
+  EXPECT_GT(report["events"]["agent_back"], 0);
+  int uavs_during = 0, uavs_after = 0;
+  for (const Json& decision : report["decisions"]) {
+    for (const Json& action : decision["actions"]) {
+      const double min = decision["sim_s"].get<double>() / 60;
+      if (action["uav"] < 0) continue;
+      uavs_during += min > 60 && min < 90;
+      uavs_after += min > 100;
+    }
+  }
+  EXPECT_EQ(uavs_during, 0);
+  EXPECT_GT(uavs_after, 0);
+  Muster audit(folder_, "audit", {"audit", folder_.File("killed")});
+  EXPECT_EQ(audit.Wait(), 0) << audit.output();
+}
+
+TEST_F(FaultRunTest, TheMissionGoesOnWithoutAScheduler) {
+  const Json report = Run({"process_stopped:scheduler@65+30"}, "stopped",
+                          {"--on-loss", "continue", "--lost-after", "0.5"});
+  EXPECT_GE(report["skipped_decisions"].size(), 2u) << report["skipped_decisions"];
+  EXPECT_GT(report["decisions"].back()["index"], 10);
+  Muster audit(folder_, "audit", {"audit", folder_.File("stopped")});
+  EXPECT_EQ(audit.Wait(), 0) << audit.output();
+}
+
+TEST_F(FaultRunTest, WhoIsStoppedOrCutOffForMinutesComesBack) {
+  const Json report = Run({"process_stopped:worker@40+20", "partition:vehicle|world@90+20"}, "both",
+                          {"--on-loss", "continue", "--lost-after", "0.5"});
+  EXPECT_EQ(report["events"]["process_lost"], 2);
+  EXPECT_EQ(report["events"]["process_back"], 2);
+  Muster audit(folder_, "audit", {"audit", folder_.File("both")});
+  EXPECT_EQ(audit.Wait(), 0) << audit.output();
+}
+
+TEST_F(FaultRunTest, AMissionThatStandsSaysForWhom) {
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--fault",
+                 "process_stopped:vehicle@60+4s"});
+  EXPECT_EQ(muster.Wait(), 0) << muster.output();
+  const std::string said = muster.output();
+  EXPECT_NE(said.find("it waits for vehicle (silent for"), std::string::npos) << said;
+  EXPECT_NE(said.find("the mission goes on at 6"), std::string::npos) << said;
 }
 
 TEST_F(FaultRunTest, ABadPlanIsRefusedBeforeAnythingIsWritten) {

@@ -1,0 +1,73 @@
+#include "tools/launch/stall_watch.h"
+
+#include <gtest/gtest.h>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster::tools {
+namespace {
+
+Packet Clock(TimeUs mission_us, int decision) {
+  clock_t clock{};
+  clock.header.sender = "world";
+  clock.header.sim_us = clock.tick_us = mission_us;
+  clock.phase = 1;
+  clock.decision = decision;
+  return {std::string(channel::kClock), Encode(clock)};
+}
+
+Packet States(const char* name, TimeUs mission_us) {
+  agent_states_t states{};
+  states.header.sender = name;
+  states.header.sim_us = mission_us;
+  return {std::string(channel::kUavs), Encode(states)};
+}
+
+Packet Schedule(TimeUs mission_us) {
+  schedule_t schedule{};
+  schedule.header.sender = "scheduler";
+  schedule.header.sim_us = mission_us;
+  return {std::string(channel::kSchedule), Encode(schedule)};
+}
+
+using Names = std::vector<std::string>;
+
+TEST(StallWatch, NamesWhoIsMissingAndSaysWhenItGoesOn) {
+  StallWatch watch({"world", "uav", "worker", "scheduler"}, 0);
+  EXPECT_FALSE(watch.Line(100 * kSecondUs)) << "it has not begun";
+  TimeUs now_us = 0;
+  for (TimeUs t : {TimeUs{0}, kMinuteUs}) {
+    watch.OnHeard(Clock(t, 0), now_us);
+    for (const char* name : {"uav", "worker"}) watch.OnHeard(States(name, t), now_us);
+    watch.OnHeard(Schedule(t), now_us);
+    now_us += kSecondUs;
+  }
+  EXPECT_EQ(watch.Missing(), Names{});
+  watch.OnHeard(Clock(2 * kMinuteUs, 1), now_us);
+  watch.OnHeard(States("worker", 2 * kMinuteUs), now_us);
+  EXPECT_EQ(watch.Missing(), Names{"uav"}) << "the scheduler needs its states";
+  EXPECT_FALSE(watch.Line(now_us + 2 * kSecondUs));
+  EXPECT_EQ(watch.Line(now_us + 3 * kSecondUs),
+            "the mission has stood at 2.0 min for 3 s: it waits for uav (silent for 4 s)");
+  EXPECT_FALSE(watch.Line(now_us + 5 * kSecondUs));
+  EXPECT_TRUE(watch.Line(now_us + 6 * kSecondUs));
+  watch.OnHeard(States("uav", 2 * kMinuteUs), now_us + 7 * kSecondUs);
+  EXPECT_EQ(watch.Missing(), Names{"scheduler"});
+  watch.OnHeard(Schedule(2 * kMinuteUs), now_us + 7 * kSecondUs);
+  watch.OnHeard(Clock(3 * kMinuteUs, -1), now_us + 7 * kSecondUs);
+  EXPECT_EQ(watch.Line(now_us + 7 * kSecondUs), "the mission goes on at 3.0 min");
+  EXPECT_FALSE(watch.Line(now_us + 7 * kSecondUs));
+}
+
+TEST(StallWatch, GivesAPacedMissionItsTicks) {
+  StallWatch watch({"world", "uav"}, 30 * kSecondUs);
+  watch.OnHeard(Clock(0, -1), 0);
+  watch.OnHeard(States("uav", 0), 0);
+  EXPECT_FALSE(watch.Line(32 * kSecondUs));
+  EXPECT_EQ(watch.Line(33 * kSecondUs),
+            "the mission has stood at 0.0 min for 33 s: it waits for the world or the log");
+}
+
+}  // namespace
+}  // namespace muster::tools

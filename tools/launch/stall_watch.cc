@@ -1,0 +1,81 @@
+#include "tools/launch/stall_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr TimeUs kPatienceUs = 3 * kSecondUs;
+
+}  // namespace
+
+StallWatch::StallWatch(std::vector<std::string> processes, TimeUs tick_wall_us)
+    : processes_(std::move(processes)), patience_us_(kPatienceUs + tick_wall_us) {}
+
+void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
+  const std::optional<header_t> header = DecodeHeader(packet);
+  if (!header) return;
+  Peer& peer = peers_[header->sender];
+  peer.heard_us = now_us;
+  const std::string& name = packet.channel;
+  if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
+    peer.role = Role::kAgents;
+    peer.answered_us = std::max(peer.answered_us, header->sim_us);
+  } else if (name == channel::kSchedule) {
+    peer.role = Role::kScheduler;
+    peer.answered_us = std::max(peer.answered_us, header->sim_us);
+  } else if (name == channel::kClock) {
+    peer.role = Role::kOther;
+    const auto clock = DecodeValid<clock_t>(packet.bytes);
+    if (!clock || clock->phase == 0) return;
+    ended_ |= clock->phase == 2;
+    if (clock->tick_us <= clock_us_) return;
+    clock_us_ = clock->tick_us;
+    decision_due_ = clock->decision >= 0;
+    moved_us_ = now_us;
+  }
+}
+
+std::vector<std::string> StallWatch::Missing() const {
+  std::vector<std::string> agents, schedulers;
+  for (const std::string& name : processes_) {
+    const auto peer = peers_.find(name);
+    if (peer == peers_.end()) {
+      agents.push_back(name);
+    } else if (peer->second.answered_us < clock_us_) {
+      if (peer->second.role == Role::kAgents) agents.push_back(name);
+      if (peer->second.role == Role::kScheduler && decision_due_) schedulers.push_back(name);
+    }
+  }
+  return agents.empty() ? schedulers : agents;  // a decision needs all agents
+}
+
+std::optional<std::string> StallWatch::Line(TimeUs now_us) {
+  if (moved_us_ < 0 || ended_) return {};
+  const TimeUs stands_us = now_us - moved_us_;
+  if (stands_us < patience_us_) {
+    if (said_after_us_ == 0) return {};
+    said_after_us_ = 0;
+    return fmt::format("the mission goes on at {:.1f} min", ToMinutes(clock_us_));
+  }
+  if (said_after_us_ > 0 && stands_us < 2 * said_after_us_) return {};
+  said_after_us_ = stands_us;
+  std::string whom;
+  for (const std::string& name : Missing()) {
+    const auto peer = peers_.find(name);
+    whom += (whom.empty() ? "" : ", ") + name;
+    whom += peer == peers_.end()
+                ? " (never heard)"
+                : fmt::format(" (silent for {:.0f} s)", ToSeconds(now_us - peer->second.heard_us));
+  }
+  return fmt::format("the mission has stood at {:.1f} min for {:.0f} s: it waits for {}",
+                     ToMinutes(clock_us_), ToSeconds(stands_us),
+                     whom.empty() ? "the world or the log" : whom);
+}
+
+}  // namespace muster::tools
