@@ -12,6 +12,7 @@
 #include "tools/cli/command.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
+#include "tools/faults/faults_command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
@@ -43,6 +44,7 @@ const std::vector<Command> kCommands = {
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
+    {"faults", "runs missions under fault plans and scores them, draws plans", FaultsCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"live", "shows a mission in a browser while it goes on", LiveCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},

@@ -54,9 +54,7 @@ bool NeverMissed(const PlannedFault& fault) {
 }
 
 void SetKind(PlannedFault* fault, const std::string& name) {
-  const auto kind = KindOf(name);
-  if (!kind) Refuse(*fault, "kind", name, fmt::format("{}", fmt::join(kNames, ", ")));
-  fault->kind = *kind;
+  fault->kind = KindByName(name, fault->where, "kind");
 }
 
 double InRange(const PlannedFault& fault, std::string_view key, double value, double longest,
@@ -92,6 +90,39 @@ void CheckShape(const PlannedFault& fault) {
   }
 }
 
+Expectations ReadExpectations(const PlannedFault& fault, const Json& json) {
+  if (!json.is_object()) Refuse(fault, "expect", json.dump(), "an object");
+  Expectations expect;
+  for (const auto& [key, value] : json.items()) {
+    const std::string path = "expect." + key;
+    const auto number = [&, &found = value](double most) {
+      if (!found.is_number()) Refuse(fault, path, found.dump(), "a number");
+      return InRange(fault, path, found.get<double>(), most, true);
+    };
+    if (key == "detected_within_ticks" || key == "partner_released_within_decisions") {
+      const double n = number(kLongestMin);
+      if (n != std::floor(n)) Refuse(fault, path, value.dump(), "an integer");
+      if (key[0] == 'd' && IsPacketFault(fault.kind)) {
+        Refuse(fault, path, value.dump(), "none: nobody is missed for a fault on packets");
+      }
+      (key[0] == 'd' ? expect.detected_within_ticks : expect.partner_released_within_decisions) =
+          static_cast<int>(n);
+    } else if (key == "tasks_finished_by_min") {
+      expect.tasks_finished_by_us = ToUs(number(kLongestMin) * 60);
+    } else if (key == "completion_rate") {
+      expect.completion_rate = number(1);
+    } else if (key == "same_decisions") {
+      if (value != true) Refuse(fault, path, value.dump(), "true");
+      expect.same_decisions = true;
+    } else {
+      Refuse(fault, path, value.dump(),
+             "only detected_within_ticks, partner_released_within_decisions, "
+             "tasks_finished_by_min, completion_rate, same_decisions");
+    }
+  }
+  return expect;
+}
+
 PlannedFault FromJson(const Json& json, const std::string& where, std::size_t number) {
   PlannedFault fault;
   fault.where = where;
@@ -117,6 +148,8 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
     if (key == "kind" || key == "target") continue;
     if (key == "id") {
       fault.id = text("id");
+    } else if (key == "expect") {
+      fault.expect = ReadExpectations(fault, value);
     } else if (key == "at_min") {
       fault.at_us = ToUs(InRange(fault, key, number_of("at_min"), kLongestMin, true) * 60);
     } else if (key == "for_min") {
@@ -129,7 +162,7 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
       fault.probability = InRange(fault, key, number_of("delay_ms"), 1000, false) * 1e-3;
     } else {
       Refuse(fault, key, value.dump(),
-             fmt::format("only kind, target, at_min, for_min, for_s, {}, id",
+             fmt::format("only kind, target, at_min, for_min, for_s, {}, id, expect",
                          delay ? "delay_ms" : "probability"));
     }
   }
@@ -142,6 +175,12 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
 }
 
 }  // namespace
+
+FaultKind KindByName(const std::string& name, const std::string& file, std::string_view key) {
+  const auto kind = KindOf(name);
+  if (!kind) throw InputError(file, key, name, fmt::format("{}", fmt::join(kNames, ", ")));
+  return *kind;
+}
 
 std::string_view NameOf(FaultKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
@@ -298,6 +337,29 @@ fault_t ToWire(const PlannedFault& fault) {
                                         : kNever;
   wire.probability = fault.probability;
   return wire;
+}
+
+std::string ToJson(const FaultPlan& plan) {
+  nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+  for (const PlannedFault& fault : plan) {
+    nlohmann::ordered_json row = {{"id", fault.id},
+                                  {"kind", NameOf(fault.kind)},
+                                  {"target", fault.target},
+                                  {"at_min", ToMinutes(fault.at_us)}};
+    if (fault.for_us > 0) row["for_min"] = ToMinutes(fault.for_us);
+    if (fault.for_real_us > 0) row["for_s"] = ToSeconds(fault.for_real_us);
+    if (fault.probability > 0 && fault.kind == FaultKind::kDelay) {
+      row["delay_ms"] = fault.probability * 1e3;
+    } else if (fault.probability > 0) {
+      row["probability"] = fault.probability;
+    }
+    faults.push_back(std::move(row));
+  }
+  std::string text = "{\"version\": 1, \"faults\": [";
+  for (const auto& row : faults) {
+    text += fmt::format("{}\n  {}", &row == &faults.front() ? "" : ",", row.dump());
+  }
+  return text + "\n]}\n";
 }
 
 std::vector<std::string> OutagesOf(const FaultPlan& plan) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <muster/fault_t.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,15 @@
 #include "world/model/scenario.h"
 
 namespace muster::tools {
+
+/// What a fault must lead to; scored after the mission (docs/faults.md).
+struct Expectations {
+  std::optional<int> detected_within_ticks;
+  std::optional<int> partner_released_within_decisions;
+  std::optional<TimeUs> tasks_finished_by_us;  ///< those that it interrupted
+  std::optional<double> completion_rate;       ///< at least
+  bool same_decisions = false;                 ///< and outcomes, as without any fault
+};
 
 /// One fault to inject (docs/faults.md).
 struct PlannedFault {
@@ -19,13 +29,16 @@ struct PlannedFault {
   TimeUs for_real_us =
       0;  ///< real time, for what holds the mission's clock; 0 with for_us 0: for good
   double probability = 0;  ///< a share of packets; for a delay its seconds
-  std::string where;       ///< "plan.json: faults[2]", for messages
+  Expectations expect = {};
+  std::string where;  ///< "plan.json: faults[2]", for messages
 };
 
 /// In order of time, then as written.
 using FaultPlan = std::vector<PlannedFault>;
 
 std::string_view NameOf(FaultKind kind);
+/// Throws InputError naming file, key and what is expected.
+FaultKind KindByName(const std::string& name, const std::string& file, std::string_view key);
 
 /// Parses a plan file's text. Throws InputError naming file, key, value and what is expected.
 FaultPlan ParseFaultPlan(const std::string& json, const std::string& file);
@@ -45,6 +58,9 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
 /// As published when it begins; `header` is left for the sender. for_us is kNever when it is for
 /// good, and never 0: that ends a fault.
 fault_t ToWire(const PlannedFault& fault);
+
+/// The plan as a plan file; expectations are left out.
+std::string ToJson(const FaultPlan& plan);
 
 /// What muster-world takes as --outage for the plan's failing agents.
 std::vector<std::string> OutagesOf(const FaultPlan& plan);

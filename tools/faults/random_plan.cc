@@ -1,0 +1,102 @@
+#include "tools/faults/random_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "world/model/agent.h"
+#include "world/model/check.h"
+#include "world/model/random.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr std::array kMembers = {"uav", "worker", "vehicle", "scheduler", "world", "lcm-logger"};
+constexpr std::uint32_t kReplaceable = 4;  ///< of those: without these a mission may go on
+constexpr TimeUs kBetweenHoldsUs = 3 * kMinuteUs;
+/// Apart from the draws for packets, which count from 0.
+constexpr std::uint64_t kPlanEntity = std::uint64_t{1} << 40;
+
+bool HoldsAProcess(FaultKind kind) {
+  return kind == FaultKind::kProcessKilled || kind == FaultKind::kProcessStopped ||
+         kind == FaultKind::kPartition || kind == FaultKind::kDiskFull;
+}
+
+double Rounded(double value, double unit) { return std::round(value / unit) * unit; }
+
+}  // namespace
+
+std::vector<FaultKind> AllSurvivableKinds() {
+  return {FaultKind::kAgentFails,     FaultKind::kAgentSilent, FaultKind::kProcessKilled,
+          FaultKind::kProcessStopped, FaultKind::kPartition,   FaultKind::kLoss,
+          FaultKind::kDuplication,    FaultKind::kDelay,       FaultKind::kReordering,
+          FaultKind::kDiskFull,       FaultKind::kForeign};
+}
+
+FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings) {
+  MUSTER_CHECK(!settings.kinds.empty() && settings.rate_per_hour > 0, "rate {}",
+               settings.rate_per_hour);
+  FaultPlan plan;
+  Random random(settings.seed, Stream::kPacketFault, kPlanEntity);
+  const double mean_gap_us = 3600e6 / settings.rate_per_hour;
+  TimeUs hold_over_us = 0;
+  double at_us = 0;
+  while (true) {
+    at_us += -std::log(1 - random.Uniform()) * mean_gap_us;
+    // The last tenth is left for everybody to come back.
+    if (at_us >= 0.9 * static_cast<double>(scenario.rules.limit_us)) break;
+    PlannedFault fault;
+    fault.id = fmt::format("r{}", plan.size());
+    fault.kind = settings.kinds[random.Below(static_cast<std::uint32_t>(settings.kinds.size()))];
+    fault.at_us = ToUs(Rounded(at_us * 1e-6, 1));
+    const TimeUs minutes = static_cast<TimeUs>(1 + random.Below(30)) * kMinuteUs;
+    const bool in_mission_time = settings.goes_on && random.Below(2) == 0;
+    const std::uint32_t pick = random.Below(in_mission_time ? kReplaceable : kMembers.size());
+    const double share = Rounded(random.Uniform(0.05, 0.4), 0.01);
+    const TimeUs real_us = ToUs(Rounded(random.Uniform(0.05, 0.5), 0.01));
+    if (HoldsAProcess(fault.kind)) {
+      if (fault.at_us < hold_over_us) continue;
+      hold_over_us = fault.at_us + (in_mission_time ? minutes : 0) + kBetweenHoldsUs;
+    }
+    switch (fault.kind) {
+      case FaultKind::kAgentFails:
+      case FaultKind::kAgentSilent: {
+        const AgentKind kind = kAgentKinds[random.Below(3)];
+        const std::size_t n = scenario.agents(kind).size();
+        if (n == 0) continue;
+        fault.target =
+            fmt::format("{}:{}", ToString(kind), random.Below(static_cast<std::uint32_t>(n)));
+        if (fault.kind == FaultKind::kAgentSilent) fault.for_us = minutes;
+        break;
+      }
+      case FaultKind::kProcessKilled:
+      case FaultKind::kProcessStopped:
+        fault.target = kMembers[pick];
+        (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
+        break;
+      case FaultKind::kPartition:
+        fault.target = fmt::format("{}|world", kMembers[random.Below(kReplaceable)]);
+        (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
+        break;
+      case FaultKind::kDiskFull:
+        fault.target = "lcm-logger";
+        fault.for_real_us = real_us;
+        break;
+      case FaultKind::kForeign:
+        fault.target = "*";
+        fault.for_us = minutes;
+        break;
+      default:
+        fault.target = random.Below(2) == 0 ? "*" : kMembers[random.Below(5)];
+        fault.for_us = minutes;
+        fault.probability = fault.kind == FaultKind::kDelay ? share * 1e-2 : share;
+        break;
+    }
+    plan.push_back(std::move(fault));
+  }
+  return plan;
+}
+
+}  // namespace muster::tools

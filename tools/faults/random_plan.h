@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/faults/fault_plan.h"
+#include "world/model/scenario.h"
+
+namespace muster::tools {
+
+struct RandomPlanSettings {
+  std::uint64_t seed = 1;
+  double rate_per_hour = 4;      ///< faults per mission hour, on average
+  std::vector<FaultKind> kinds;  ///< to draw from, not empty
+  bool goes_on = false;          ///< some kills, stops and partitions last in mission time
+};
+
+/// Every kind but corruption, which may truly change decisions.
+std::vector<FaultKind> AllSurvivableKinds();
+
+/// Draws a plan for a mission of one process per class: times from a Poisson process, kind, target,
+/// duration and strength uniformly. Faults that hold a process overlap with no other fault of that
+/// sort: world and agents keep each other's state, and two of them at a time may be lost for good.
+FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings);
+
+}  // namespace muster::tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/faults/fault_plan.h"
+#include "tools/report/run_record.h"
+
+namespace muster::tools {
+
+/// What a mission's log says, as far as faults are scored by it.
+struct FaultEvidence {
+  RunRecord record;
+  /// Wall time of the first clock_t of each mission time, microseconds.
+  std::map<TimeUs, std::int64_t> clock_wall_us;
+  std::string undisturbed_digest;  ///< "": not asked for
+
+  void Add(const Packet& packet);
+};
+
+/// One line of the table.
+struct FaultScore {
+  std::string fault;     ///< id, kind and target
+  std::string check;     ///< "visible effect", or an expectation's name
+  std::string expected;  ///< as in "at most 2 ticks"
+  std::string observed;
+  bool met = false;
+  std::string recovery;  ///< on the fault's first line: how long it took; "" elsewhere
+};
+
+/// Scores every fault of the plan: that it had a visible effect, and each of its expectations. An
+/// expectation that had nothing to show it on (no partner, no task under way) is not met.
+std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& evidence);
+
+/// As a table for people, aligned.
+std::string ToTable(const std::vector<FaultScore>& scores);
+
+}  // namespace muster::tools
