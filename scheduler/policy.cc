@@ -49,6 +49,11 @@ std::unique_ptr<Policy> Rollout() {
   for (HorizonSettings& variant : settings.variants) variant.steps = kSteps;
   return std::make_unique<RolloutPolicy>(std::move(settings));
 }
+std::unique_ptr<Policy> RolloutWithoutDraws() {
+  RolloutSettings settings;
+  settings.draws = 0;
+  return std::make_unique<RolloutPolicy>(std::move(settings));
+}
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 const Row kPolicies[] = {
@@ -59,6 +64,7 @@ const Row kPolicies[] = {
     {{"rollout", "ours: the variant of horizon that gets most done when simulated forward"},
      &Rollout<false>},
     {{"rollout-steps", "rollout over variants of horizon-steps"}, &Rollout<true>},
+    {{"rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
     {{"horizon-without-true-duration", "horizon that counts ways only"},
      &HorizonVariant<&HorizonSettings::true_duration>},
     {{"horizon-without-soon-idle", "horizon with idle agents only"},

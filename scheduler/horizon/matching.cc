@@ -6,6 +6,7 @@
 
 #include "scheduler/certified/solver.h"
 #include "world/model/feasibility.h"
+#include "world/model/random.h"
 
 namespace muster::scheduler {
 namespace {
@@ -103,6 +104,17 @@ class Builder {
     }
   }
 
+  /// The chance's part in the worth of an agent at a task.
+  double Jitter(AgentKind kind, std::int32_t id, std::int32_t task) const {
+    if (settings_.jitter == 0) return 0;
+    const auto entity = static_cast<std::uint64_t>(kind) << 60 |
+                        static_cast<std::uint64_t>(settings_.draw) << 50 |
+                        static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
+    return Random(site_.seed, Stream::kPolicy, entity,
+                  static_cast<std::uint32_t>(situation_.decision))
+        .Uniform(-settings_.jitter, settings_.jitter);
+  }
+
   double PartnerGain(const Participant& partner, TimeUs travel) const {
     if (!settings_.ties) return partner.idle ? 0 : settings_.tentative - 1;
     return (partner.idle ? 0 : settings_.tentative - 1) -
@@ -121,7 +133,7 @@ class Builder {
     instance_.partner_begin.push_back(static_cast<std::int32_t>(instance_.partner_arcs.size()));
   }
   void AddPartners(const std::vector<Participant>& partners, std::int32_t first, Point at,
-                   TimeUs duration) {
+                   TimeUs duration, std::int32_t task = -1) {
     for (std::size_t p = 0; p < partners.size(); ++p) {
       const Participant& partner = partners[p];
       const TimeUs travel = TravelUs(Distance(partner.at, at), partner.agent->speed_m_s);
@@ -132,6 +144,7 @@ class Builder {
       arc.partner = first + static_cast<std::int32_t>(p);
       arc.level = Level(arrive, duration);
       arc.gain = PartnerGain(partner, travel);
+      if (task >= 0) arc.gain += Jitter(AgentKind::kWorker, partner.agent->id, task);
       arc.arrive_us = arrive;
       arc.solo = false;
       instance_.partner_arcs.push_back(arc);
@@ -157,11 +170,11 @@ class Builder {
       if (arc.arrive_us + arc.duration_us > uav.latest_us) continue;
       arc.level = Level(arc.arrive_us, arc.duration_us);
       arc.base = kParts;
-      arc.pair_gain = UavGain(uav, way);
+      arc.pair_gain = UavGain(uav, way) + Jitter(AgentKind::kUav, uav.agent->id, x);
       instance_.uav_arcs.push_back(arc);
     }
     AddPartners(workers_, 0, task.at,
-                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0);
+                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x);
   }
 
   void AddCharge(std::int32_t y) {

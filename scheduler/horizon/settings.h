@@ -47,6 +47,10 @@ struct HorizonSettings {
   /// Way to the next task that is expected when the tasks that a range allows are counted, in mean
   /// distances between open tasks (sqrt(area / tasks)).
   double expected_way = 1.0;
+  /// Up to this much, in tasks, is added to or taken from each pair's worth by chance: one more way
+  /// to weigh, for `rollout`. Draws are a function of decision, UAV, partner, task and `draw`.
+  double jitter = 0;
+  std::uint32_t draw = 0;
 };
 
 }  // namespace muster::scheduler

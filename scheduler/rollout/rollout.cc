@@ -37,66 +37,93 @@ RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(set
   MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0, "work={}", settings_.work);
 }
 
-Decision RolloutPolicy::Decide(const Situation& situation) {
-  const auto start = std::chrono::steady_clock::now();
-  const std::size_t n = settings_.variants.size();
-  std::vector<Decision> decisions(n);
-  std::vector<double> worth(n, 0);
-  std::vector<char> followed(n, 0);
-
-  /// Calls body(i) for every variant, by two threads at once.
+void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
+                           const Plan* known, std::vector<Plan>* plans) const {
+  const std::size_t n = plans->size();
+  /// Calls body(plan) for every plan, by two threads at once.
   const auto for_each = [&](auto body) {
     std::atomic<std::size_t> next{0};
     const auto run = [&] {
-      for (std::size_t i = next++; i < n; i = next++) body(i);
+      for (std::size_t i = next++; i < n; i = next++) body(&(*plans)[i]);
     };
     if (settings_.threads < 2) return run();
     const std::jthread other(run);
     run();
   };
-
-  for_each([&](std::size_t i) {
-    decisions[i] = HorizonPolicy(settings_.variants[i]).Decide(situation);
+  // Without time for anything, the first variant's decision stands.
+  const auto late = [&](const Plan* plan) {
+    return settings_.deadline && (known != nullptr || plan != plans->data()) &&
+           std::chrono::steady_clock::now() - start >= *settings_.deadline;
+  };
+  for_each([&](Plan* plan) {
+    if (late(plan)) return;
+    plan->decision = HorizonPolicy(plan->settings).Decide(situation);
+    plan->decided = true;
   });
-  std::vector<char> same(n, 0);
+
+  const auto same = [](const Plan& a, const Plan& b) {
+    const auto &x = a.decision.actions, &y = b.decision.actions;
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(), [](Action p, Action q) {
+      p.weight = q.weight = 0;
+      return p == q;
+    });
+  };
+  std::vector<char> skip(n, 0);
   std::size_t different = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < i && !same[i]; ++j) {
-      const auto& a = decisions[i].actions;
-      const auto& b = decisions[j].actions;
-      same[i] = std::equal(a.begin(), a.end(), b.begin(), b.end(), [](Action x, Action y) {
-        x.weight = y.weight = 0;
-        return x == y;
-      });
+    const Plan& plan = (*plans)[i];
+    skip[i] = !plan.decided || (known != nullptr && same(plan, *known));
+    for (std::size_t j = 0; j < i && !skip[i]; ++j) {
+      skip[i] = (*plans)[j].decided && same(plan, (*plans)[j]);
     }
-    if (!same[i]) ++different;
+    if (!skip[i]) ++different;
   }
-  if (different == 1) return decisions[0];
-
+  if (different == 0) return;
   const auto depth = std::max<std::size_t>(1, static_cast<std::size_t>(settings_.work) / different);
   const auto limit = static_cast<double>(situation.site->rules.limit_us);
-  for_each([&](std::size_t i) {
-    if (same[i]) return;
-    if (i > 0 && settings_.deadline &&
-        std::chrono::steady_clock::now() - start >= *settings_.deadline) {
-      return;
-    }
-    followed[i] = 1;
+  for_each([&](Plan* plan) {
+    if (skip[static_cast<std::size_t>(plan - plans->data())] || late(plan)) return;
+    plan->followed = true;
     ForwardModel model(situation);
-    HorizonPolicy policy(settings_.variants[i]);
-    model.Step(decisions[i].actions);
+    HorizonPolicy policy(plan->follow);
+    model.Step(plan->decision.actions);
     for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
       model.Step(policy.Decide(model.situation()).actions);
     }
+    plan->done = model.done_us().size();
     for (const TimeUs done : model.done_us()) {
-      worth[i] += 1 + settings_.early * (1 - static_cast<double>(done) / limit);
+      plan->worth += 1 + settings_.early * (1 - static_cast<double>(done) / limit);
     }
   });
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < n; ++i) {
-    if (followed[i] && worth[i] > worth[best] + 1e-9) best = i;
+}
+
+Decision RolloutPolicy::Decide(const Situation& situation) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto best_of = [](const std::vector<Plan>& plans, const Plan* best) {
+    for (const Plan& plan : plans) {
+      if (plan.followed && (best == nullptr || plan.worth > best->worth + 1e-9)) best = &plan;
+    }
+    return best;
+  };
+  std::vector<Plan> variants(settings_.variants.size());
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    variants[i].settings = variants[i].follow = settings_.variants[i];
   }
-  return decisions[best];
+  Follow(situation, start, nullptr, &variants);
+  const Plan* best = best_of(variants, nullptr);
+
+  const auto left = static_cast<std::size_t>(
+      std::count_if(situation.task_status.begin(), situation.task_status.end(),
+                    [](TaskStatus status) { return status != TaskStatus::kDone; }));
+  if (best->done >= left || best->decision.actions.empty()) return best->decision;
+  std::vector<Plan> near(static_cast<std::size_t>(settings_.draws));
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    near[i].settings = near[i].follow = best->follow;
+    near[i].settings.jitter = settings_.jitter;
+    near[i].settings.draw = static_cast<std::uint32_t>(i);
+  }
+  Follow(situation, start, best, &near);
+  return best_of(near, best)->decision;
 }
 
 }  // namespace muster::scheduler

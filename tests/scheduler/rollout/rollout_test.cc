@@ -53,13 +53,17 @@ TEST(Rollout, TakesTheVariantThatGetsMoreDone) {
 }
 
 TEST(Rollout, GetsMoreDoneThanHorizonOnKnownAgents) {
-  std::size_t horizon = 0, rollout = 0;
+  RolloutSettings without_draws;
+  without_draws.draws = 0;
+  std::size_t horizon = 0, variants = 0, rollout = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const Situation situation = RandomSituation(seed, {6, 8, 4, 30, 3, 15});
     horizon += Done(situation, HorizonPolicy());
+    variants += Done(situation, RolloutPolicy(without_draws));
     rollout += Done(situation, RolloutPolicy());
   }
-  EXPECT_GT(rollout, horizon);
+  EXPECT_GT(variants, horizon);
+  EXPECT_GT(rollout, variants);
   EXPECT_GT(horizon, 20u);
 }
 
@@ -77,6 +81,7 @@ TEST(Rollout, APassedDeadlineStillGivesTheFirstVariantsDecision) {
 TEST(Rollout, FollowsAVariantNoFartherThanTheWorkAllows) {
   // With one simulated decision for each variant only what is done within an interval counts.
   RolloutSettings settings;
+  settings.draws = 0;
   settings.work = 1;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Situation situation = RandomSituation(seed, {6, 8, 4, 15, 3, 15});
