@@ -73,6 +73,8 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
   look.site = site;
   look.idle_uavs = weights_.n_uavs();
   look.idle_partners = n_partners;
+  look.busy_uavs = static_cast<int>(situation_.uavs.size()) - look.idle_uavs;
+  look.busy_partners = static_cast<int>(partners.size()) - n_partners;
   const auto lacks = [](const RangeNeed& need) { return need.needs_m() - need.range_m; };
   for (int u = 0; u < weights_.n_uavs(); ++u) {
     if (only_uav != kAny && u != only_uav) continue;

@@ -52,6 +52,7 @@ struct PlaceLook {
   std::int32_t site = -1;  ///< task or charging point
   Obstacle obstacle = Obstacle::kNone;
   int idle_uavs = 0, idle_partners = 0;
+  int busy_uavs = 0, busy_partners = 0;  ///< under way
   int uavs_in_range = 0;
   int pairs = 0;  ///< of a UAV in range and a partner
   int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0;

@@ -61,7 +61,7 @@ int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool
     fmt::print("every decision is the same, bit for bit\n");
     return kExitOk;
   }
-  fmt::print("DIFFERENT: {} schedules, the first ones:\n", divergences.size());
+  fmt::print("DIFFERENT in {} of them, the first ones:\n", divergences.size());
   for (std::size_t i = 0; i < std::min(kListed, divergences.size()); ++i) {
     const Divergence& d = divergences[i];
     fmt::print("  {}  decision {}: {}\n", ClockWords(d.at_us), d.decision, d.what);

@@ -24,6 +24,13 @@ std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& s
   return actions;
 }
 
+/// Whether an event lies between a decision and the next. What happens at a decision's very time
+/// was there before it, but for a match that fails, which is its consequence.
+bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs next_us) {
+  if (event.kind == 10) return at_us <= event.at_us && event.at_us < next_us;
+  return (at_us < event.at_us || decision == 0) && event.at_us <= next_us;
+}
+
 /// Chapters with what `ask(explainer)` answers and the events that `concerns` picks.
 template <class Answer>
 std::vector<Chapter<Answer>> Tell(const DecisionLog& log, const std::string& run,
@@ -46,11 +53,10 @@ std::vector<Chapter<Answer>> Tell(const DecisionLog& log, const std::string& run
     chapter.scheduled = !logged.schedules.empty();
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
     const TimeUs until = logged.at_us + log.scenario.rules.interval_us;
-    const bool last = d + 1 == log.scenario.decisions();
     for (const event_t& event : log.events) {
-      const bool before = event.at_us < logged.at_us && d > 0;
-      if (before || (event.at_us >= until && !last) || !concerns(event)) continue;
-      chapter.events.push_back(event);
+      if (concerns(event) && BelongsTo(event, d, logged.at_us, until)) {
+        chapter.events.push_back(event);
+      }
     }
     const auto situation = SituationOf(logged, log.scenario);
     if (situation) {

@@ -20,7 +20,7 @@ struct Chapter {
   std::string policy;
   scheduler::DecisionQuality quality;
   Answer answer;
-  std::vector<event_t> events;  ///< of the task or agent, from the decision to the next
+  std::vector<event_t> events;  ///< of the task or agent, after the decision, up to the next
 };
 
 /// A task over the mission.

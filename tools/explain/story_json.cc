@@ -57,7 +57,9 @@ Json ToJson(const PairLook& pair, bool charging) {
 Json ToJson(const PlaceLook& look) {
   Json json = {{"obstacle", ToString(look.obstacle)},
                {"idle_uavs", look.idle_uavs},
+               {"busy_uavs", look.busy_uavs},
                {look.charging ? "idle_vehicles" : "idle_workers", look.idle_partners},
+               {look.charging ? "busy_vehicles" : "busy_workers", look.busy_partners},
                {"uavs_in_range", look.uavs_in_range},
                {"pairs_in_range", look.pairs},
                {"pairs_feasible", look.pairs_feasible},

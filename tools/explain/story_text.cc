@@ -67,9 +67,9 @@ std::string ObstacleWords(const PlaceLook& look) {
     case Obstacle::kNone:
       return "possible";
     case Obstacle::kNoUav:
-      return "no UAV is free";
+      return fmt::format("no UAV is free ({} under way)", look.busy_uavs);
     case Obstacle::kNoPartner:
-      return fmt::format("no {} is free", partner);
+      return fmt::format("no {} is free ({} under way)", partner, look.busy_partners);
     case Obstacle::kNoPlace:
       return "the charging point is full";
     case Obstacle::kRange:

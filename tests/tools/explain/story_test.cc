@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
@@ -13,6 +15,7 @@
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
 #include "world/model/check.h"
+#include "world/model/generator.h"
 
 namespace muster::tools {
 namespace {
@@ -81,12 +84,15 @@ TEST(TaskStory, TellsWhatStoodAgainstATask) {
                        "12.00 km of range and needs 12.12 km: 5.00 km to the task, 3.00 km "
                        "to sense, 4.12 km to charge\n"))
       << text;
-  EXPECT_TRUE(Contains(text, "decision   1  0:10:00  infeasible, no UAV is free\n")) << text;
+  EXPECT_TRUE(Contains(text, "decision   1  0:10:00  infeasible, no UAV is free (1 under way)\n"))
+      << text;
   EXPECT_TRUE(Contains(text,
                        "decision   2  0:20:00  infeasible, range (constraint 6): uav:0 has "
                        "6.00 km of range and needs 11.12 km: 4.00 km"))
       << text;
-  EXPECT_TRUE(Contains(text, "decision   3  0:30:00  infeasible, no worker is free\n")) << text;
+  EXPECT_TRUE(
+      Contains(text, "decision   3  0:30:00  infeasible, no worker is free (0 under way)\n"))
+      << text;
   EXPECT_TRUE(Contains(text,
                        "Of 6 decisions: infeasible in 6 (no idle uav 1, no idle worker 3, "
                        "range 2).\n"))
@@ -147,6 +153,90 @@ TEST(AgentStory, TellsWhatAnAgentDidAndWhyNotMore) {
   EXPECT_EQ(json["decisions"][0]["did"]["symbol"], "UiTxWj");
   EXPECT_EQ(json["decisions"][1]["under_way"]["until_s"], 700.0);
   EXPECT_EQ(json["decisions"][2]["blocked"][0]["obstacle"], "range");
+}
+
+TEST(AgentStory, TellsAFailedAgent) {
+  Scenario scenario = TwoTasks();
+  scenario.disturbances.agent_failure = {1, 1};
+  const DecisionLog log = Logged(SimulatedPackets(scenario, "certified"));
+  const AgentStory uav = TellAgent(log, "run", AgentKind::kUav, 0, {});
+  EXPECT_EQ(uav.chapters[0].answer.condition, AgentCondition::kFailed);
+  const std::string text = ToText(uav);
+  EXPECT_TRUE(Contains(text, "decision   0  0:00:00  failed\n")) << text;
+  EXPECT_TRUE(Contains(text, "* 0:00:00 agent failed uav:0\n")) << text;
+}
+
+TEST(TaskStory, SaysOfEachTaskWhatTheLogSays) {
+  GeneratorSettings settings = PresetByName("Random_10");
+  settings.rules.limit_us = 90 * kMinuteUs;
+  settings.disturbances = {{0.1, 0.4}, {100, 500}, {0.05, 0.2}, {0.1, 0.3}};
+  const Scenario scenario = Generate(settings, 2);
+  const DecisionLog log = Logged(SimulatedPackets(scenario, "mpq"));
+  std::map<TaskVerdict, int> verdicts;
+  int aborted = 0, unmatched = 0;
+  for (std::int32_t x = 0; x < static_cast<std::int32_t>(scenario.tasks.size()); ++x) {
+    SCOPED_TRACE(fmt::format("task {}", x));
+    const TaskStory story = TellTask(log, "run", x, {});
+    ASSERT_EQ(story.chapters.size(), 9u);
+    for (std::size_t d = 0; d < 9; ++d) {
+      const auto& logged = log.decisions.at(static_cast<std::int32_t>(d));
+      std::int8_t status = -1;
+      for (const Packet& packet : logged.told) {
+        if (packet.channel != channel::kWorld) continue;
+        status = Decode<world_state_t>(packet.bytes)->task_status[static_cast<std::size_t>(x)];
+      }
+      const auto& actions = logged.schedules.at(0).actions;
+      const bool sent = std::any_of(actions.begin(), actions.end(), [x](const action_t& a) {
+        return a.kind == 7 && a.task_id == x;
+      });
+      const auto& chapter = story.chapters[d];
+      ++verdicts[chapter.answer.verdict];
+      switch (chapter.answer.verdict) {
+        case TaskVerdict::kDone:
+          ASSERT_EQ(status, 3);
+          break;
+        case TaskVerdict::kUnderWay:
+          ASSERT_TRUE(status == 1 || status == 2);
+          ASSERT_TRUE(chapter.answer.activity);
+          break;
+        case TaskVerdict::kChosen:
+          ASSERT_EQ(status, 0);
+          ASSERT_TRUE(sent);
+          break;
+        case TaskVerdict::kLost:
+        case TaskVerdict::kInfeasible:
+          ASSERT_EQ(status, 0);
+          ASSERT_FALSE(sent);
+          break;
+      }
+      if (chapter.answer.forcing) {
+        ASSERT_TRUE(chapter.answer.forcing->exact);
+        ASSERT_GE(chapter.answer.forcing->cost, 0);
+        // Nothing that was commanded outweighs the best decision.
+        ASSERT_LE(chapter.quality.weight, chapter.quality.best.weight + 1e-6);
+      }
+      for (const event_t& event : chapter.events) {
+        ASSERT_EQ(event.task_id, x);
+        if (event.kind != 6 && event.kind != 10) continue;
+        ++(event.kind == 6 ? aborted : unmatched);
+        if (event.kind == 10) {
+          ASSERT_EQ(chapter.answer.verdict, TaskVerdict::kChosen);
+        }
+        if (d + 1 == 9) continue;
+        const TaskVerdict next = story.chapters[d + 1].answer.verdict;
+        ASSERT_NE(next, TaskVerdict::kDone);  // the task is open again
+        ASSERT_NE(next, TaskVerdict::kUnderWay);
+      }
+    }
+    ASSERT_EQ(story.done.has_value(), story.last_status == TaskStatus::kDone);
+  }
+  for (const TaskVerdict verdict :
+       {TaskVerdict::kDone, TaskVerdict::kUnderWay, TaskVerdict::kChosen, TaskVerdict::kLost,
+        TaskVerdict::kInfeasible}) {
+    EXPECT_GT(verdicts[verdict], 0) << ToString(verdict);
+  }
+  EXPECT_GT(aborted, 0);
+  EXPECT_GT(unmatched, 0);
 }
 
 /// A UAV between two tasks with a worker beside each: one interval to task 0, two to task 1.
