@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/protocol/program.h"
-#include "tools/log/log_source.h"
+#include "tools/log/log_files.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page.h"
 #include "tools/report/page_chunk.h"
@@ -26,13 +27,21 @@ std::string NameOf(const std::string& run) {
 }
 
 std::string ReadRun(const std::string& run) {
-  LogSource source(run);
+  const std::vector<std::string> files = LogFilesOf(run);
   MissionFeed feed;
-  while (const auto message = source.Next()) feed.Add(message->packet);
-  if (!feed.ready()) throw InputError(source.files()[0] + ": the log has no scenario");
-  if (source.garbage_bytes() > 0) {
-    feed.record().NoteDamage(fmt::format("{} bytes belong to no event", source.garbage_bytes()));
+  for (const std::string& file : files) {
+    EventLogReader log(file, EventLogReader::Tail::kFinal);
+    while (const auto event = log.Next()) feed.Add(event->packet);
+    if (log.garbage_bytes() == 0) continue;
+    std::string text = fmt::format("{}: {} bytes belong to no event", file, log.garbage_bytes());
+    // A logger that was killed leaves a torn event; all of it is in the next file.
+    if (file == files.back()) {
+      feed.record().NoteDamage(std::move(text));
+    } else {
+      feed.record().NoteTornTail(std::move(text));
+    }
   }
+  if (!feed.ready()) throw InputError(files[0] + ": the log has no scenario");
   feed.Finish();
   PageCursor cursor;
   // Names of processes and faults come from the bus: whatever is not UTF-8 is replaced.

@@ -140,3 +140,18 @@ test("the clock stays within the mission and tells everyone", () => {
   clock.faster(100);
   assert.equal(clock.speed, 3600);
 });
+
+test("what a run derives is derived anew when it learns something", () => {
+  const event = (kind, t) => [kind, t, 0, -1, -1, -1, -1, "", ""];
+  const run = begun({ events: [0, [event("agent_failed", 5)]] });
+  assert.equal(faultBands(run).length, 1);
+  assert.equal(faultBands(run), faultBands(run));
+  run.apply({ now_ms: 9, epoch_ms: 0, ended: false, events: [0, [event("agent_failed", 5), event("agent_failed", 7)]] });
+  assert.equal(faultBands(run).length, 2);
+});
+
+test("at its newest place an agent looks the way it came", () => {
+  const run = begun({ stops: [[0, 0, [0, 0, 0, 9, 10000, 30, 40, 9]]] });
+  const { dx, dy, toX } = placeAt(run.agents[0], 20000);
+  assert.deepEqual([dx, dy, toX], [30, 40, 30]);
+});

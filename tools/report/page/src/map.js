@@ -3,7 +3,8 @@ import { select } from "d3-selection";
 import { zoom, zoomIdentity } from "d3-zoom";
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
-import { FAILED, MOVING, OFFLINE, STATUS, TASK_STATUS, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { FAILED, IDLE, MOVING, OFFLINE, STATUS, TASK_STATUS, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { Sprites } from "./sprites.js";
 import { rowAt } from "./time.js";
 import { theme } from "./theme.js";
 
@@ -19,6 +20,7 @@ export class MapView {
     this.tip = byId("map-tip");
     this.trailMs = 20 * 60000;
     this.transform = zoomIdentity;
+    this.sprites = new Sprites();
     this.draw = oncePerFrame(() => this.#draw());
     this.zoom = zoom()
       .scaleExtent([0.8, 60])
@@ -32,6 +34,7 @@ export class MapView {
     this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
     this.canvas.addEventListener("dblclick", () => this.reset());
     clock.subscribe(this.draw);
+    state.on("theme", () => this.sprites.clear());
     state.on("run data selection classes theme", this.draw);
     new ResizeObserver(this.draw).observe(this.canvas);
   }
@@ -64,7 +67,10 @@ export class MapView {
     this.shown = { x, y, width, height };
     this.#drawGrid(c, x, y, width, height);
     const crowd = run.agents.length + run.tasks.length;
-    const r = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.transform.k ** 0.35));
+    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.transform.k ** 0.35));
+    const r = Math.round(size * 5) / 5;
+    if (r !== this.radius) this.sprites.clear();
+    this.radius = r;
     this.#drawTrails(c, x, y, t);
     this.#drawSites(c, x, y, t, r);
     this.#drawAgents(c, x, y, t, r);
@@ -134,115 +140,59 @@ export class MapView {
 
   #drawSites(c, x, y, t, r) {
     const { run } = this.state;
-    c.lineWidth = 1.4;
-    c.strokeStyle = theme.charging;
-    c.beginPath();
-    for (const point of run.charging) {
-      const px = x(point.x);
-      const py = y(point.y);
-      c.rect(px - r, py - r, 2 * r, 2 * r);
-      c.moveTo(px - r * 0.5, py);
-      c.lineTo(px + r * 0.5, py);
-      c.moveTo(px, py - r * 0.5);
-      c.lineTo(px, py + r * 0.5);
-    }
-    c.stroke();
-    const diamond = (px, py, size) => {
-      c.moveTo(px, py - size);
-      c.lineTo(px + size, py);
-      c.lineTo(px, py + size);
-      c.lineTo(px - size, py);
-      c.closePath();
+    const put = (key, place, draw) => {
+      const px = x(place.x);
+      const py = y(place.y);
+      if (this.#inView(px, py)) this.sprites.stamp(c, `${key} ${r}`, r * 2 + 3, px, py, draw);
     };
-    // open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick
+    for (const point of run.charging) put("charging", point, (s) => chargingPoint(s, r));
     for (let status = 3; status >= 0; --status) {
-      c.beginPath();
       for (const task of run.tasks) {
-        if (taskStatusAt(task, t) !== status) continue;
-        const px = x(task.x);
-        const py = y(task.y);
-        if (status === 3) {
-          c.moveTo(px - r * 0.7, py);
-          c.lineTo(px - r * 0.15, py + r * 0.6);
-          c.lineTo(px + r * 0.8, py - r * 0.7);
-        } else {
-          diamond(px, py, status === 2 ? r * 1.5 : r * 1.15);
-          if (status === 1) c.rect(px - 1, py - 1, 2, 2);
-        }
+        if (taskStatusAt(task, t) === status) put(`task${status}`, task, (s) => taskMark(s, status, r));
       }
-      c.strokeStyle = status === 3 ? theme.done : status === 2 ? theme.sensing : theme.task;
-      c.lineWidth = status === 3 ? 1.6 : 1.4;
-      if (status === 2) {
-        c.fillStyle = theme.sensing;
-        c.fill();
-      }
-      c.stroke();
     }
+  }
+
+  #inView(px, py) {
+    return px > -20 && py > -20 && px < this.shown.width + 20 && py < this.shown.height + 20;
   }
 
   #drawAgents(c, x, y, t, r) {
     const { run } = this.state;
+    const crowded = run.agents.length > 500;
     const shown = [[], [], []];
     for (const agent of run.agents) {
       if (!this.#visible(agent)) continue;
       const status = statusAt(agent, t);
       if (status === OFFLINE) continue;
       const place = placeAt(agent, t);
-      if (place) shown[agent.kind].push({ agent, status, place });
+      if (place) shown[agent.kind].push({ agent, status, place, px: x(place.x), py: y(place.y) });
     }
     // where those who move are going
-    c.setLineDash([3, 4]);
+    if (!crowded) c.setLineDash([3, 4]);
     c.lineWidth = 1;
-    c.globalAlpha = run.agents.length > 500 ? 0.35 : 0.6;
+    c.globalAlpha = crowded ? 0.25 : 0.6;
     for (let kind = 0; kind < 3; ++kind) {
       c.strokeStyle = theme.kinds[kind];
       c.beginPath();
-      for (const { status, place } of shown[kind]) {
+      for (const { status, place, px, py } of shown[kind]) {
         if (status !== MOVING) continue;
-        c.moveTo(x(place.x), y(place.y));
+        c.moveTo(px, py);
         c.lineTo(x(place.toX), y(place.toY));
       }
       c.stroke();
     }
     c.setLineDash([]);
     c.globalAlpha = 1;
-    // vehicles lowest, UAVs on top; idle ones hollow; a ring while sensing or charging
+    // vehicles lowest, UAVs on top
     for (const kind of [2, 1, 0]) {
-      for (const idle of [true, false]) {
-        c.beginPath();
-        for (const { status, place } of shown[kind]) {
-          if (status === FAILED || (status === 1) !== idle) continue;
-          const still = status !== MOVING || (place.dx === 0 && place.dy === 0);
-          const heading = still ? -Math.PI / 2 : Math.atan2(-place.dy, place.dx);
-          agentShape(c, kind, x(place.x), y(place.y), r, heading);
-        }
-        c.lineWidth = idle ? 1.5 : 1;
-        c.fillStyle = idle ? theme.bg : theme.kinds[kind];
-        c.strokeStyle = idle ? theme.kinds[kind] : theme.bg;
-        c.fill();
-        c.stroke();
+      for (const { status, place, px, py } of shown[kind]) {
+        if (!this.#inView(px, py)) continue;
+        const turn = kind === 0 ? turnOf(status, place) : 0;
+        this.sprites.stamp(c, `agent ${kind} ${status} ${turn} ${r}`, r * 2.1 + 3, px, py,
+          (s) => agentMark(s, kind, status, turn, r));
       }
     }
-    for (const status of [3, 4, 5]) {
-      c.beginPath();
-      for (const { status: own, place } of shown.flat()) {
-        if (own !== status) continue;
-        c.moveTo(x(place.x) + r * 2.1, y(place.y));
-        c.arc(x(place.x), y(place.y), r * 2.1, 0, 2 * Math.PI);
-      }
-      c.strokeStyle = theme.status[status];
-      c.lineWidth = 1.8;
-      c.setLineDash(status === 3 ? [2, 3] : []);
-      c.stroke();
-    }
-    c.setLineDash([]);
-    c.beginPath();
-    for (const { status, place } of shown.flat()) {
-      if (status === FAILED) cross(c, x(place.x), y(place.y), r);
-    }
-    c.strokeStyle = theme.failed;
-    c.lineWidth = 2.4;
-    c.stroke();
     if (run.agents.length <= 60 || this.transform.k > 4) this.#drawLabels(c, x, y, shown.flat(), r);
   }
 
@@ -331,6 +281,77 @@ export class MapView {
     const left = Math.min(event.offsetX + 14, this.shown.width - this.tip.offsetWidth - 6);
     this.tip.style.transform = `translate(${Math.max(4, left)}px, ${Math.max(4, event.offsetY - 34)}px)`;
   }
+}
+
+const TURNS = 32;
+
+/** The way that a UAV flies as one of TURNS directions; up when it stands. */
+function turnOf(status, place) {
+  if (status !== MOVING || (place.dx === 0 && place.dy === 0)) return TURNS / 4;
+  return (Math.round((Math.atan2(place.dy, place.dx) / (2 * Math.PI)) * TURNS) + TURNS) % TURNS;
+}
+
+/** Idle ones are hollow, failed ones a cross; a ring while working, a dotted one while waiting. */
+function agentMark(c, kind, status, turn, r) {
+  c.beginPath();
+  if (status === FAILED) {
+    cross(c, 0, 0, r);
+    c.strokeStyle = theme.failed;
+    c.lineWidth = 2.4;
+    c.stroke();
+    return;
+  }
+  const idle = status === IDLE;
+  agentShape(c, kind, 0, 0, r, (-turn * 2 * Math.PI) / TURNS);
+  c.lineWidth = idle ? 1.5 : 1;
+  c.fillStyle = idle ? theme.bg : theme.kinds[kind];
+  c.strokeStyle = idle ? theme.kinds[kind] : theme.bg;
+  c.fill();
+  c.stroke();
+  if (status <= MOVING) return;
+  c.beginPath();
+  c.arc(0, 0, r * 2.1, 0, 2 * Math.PI);
+  c.strokeStyle = theme.status[status];
+  c.lineWidth = 1.8;
+  c.setLineDash(status === WAITING ? [2, 3] : []);
+  c.stroke();
+}
+
+/** open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick */
+function taskMark(c, status, r) {
+  c.beginPath();
+  if (status === 3) {
+    c.moveTo(-r * 0.7, 0);
+    c.lineTo(-r * 0.15, r * 0.6);
+    c.lineTo(r * 0.8, -r * 0.7);
+  } else {
+    const size = status === 2 ? r * 1.5 : r * 1.15;
+    c.moveTo(0, -size);
+    c.lineTo(size, 0);
+    c.lineTo(0, size);
+    c.lineTo(-size, 0);
+    c.closePath();
+    if (status === 1) c.rect(-1, -1, 2, 2);
+  }
+  c.strokeStyle = status === 3 ? theme.done : status === 2 ? theme.sensing : theme.task;
+  c.lineWidth = status === 3 ? 1.6 : 1.4;
+  if (status === 2) {
+    c.fillStyle = theme.sensing;
+    c.fill();
+  }
+  c.stroke();
+}
+
+function chargingPoint(c, r) {
+  c.strokeStyle = theme.charging;
+  c.lineWidth = 1.4;
+  c.beginPath();
+  c.rect(-r, -r, 2 * r, 2 * r);
+  c.moveTo(-r * 0.5, 0);
+  c.lineTo(r * 0.5, 0);
+  c.moveTo(0, -r * 0.5);
+  c.lineTo(0, r * 0.5);
+  c.stroke();
 }
 
 /** One line about an agent, a task or a charging point at t. */

@@ -5,7 +5,7 @@ import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, statusAt, who } from
 import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
 
-const MOST_ROWS = 400;
+const MOST_ROWS = 150;
 const MOST_EVENTS = 3000;
 
 function table(head, rows) {
@@ -65,6 +65,12 @@ export class Panels {
   draw() {
     const { run } = this.state;
     if (!run) return;
+    const now = decisionAt(run, this.clock.t);
+    // A live page learns something four times a second: what would look the same stays as it is.
+    const shown = { run, tab: this.tab, now: this.tab === "decision" && now, events: this.tab === "events" && run.events.length,
+      news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
+    if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return this.#drawSelection();
+    this.shown = shown;
     const draw = { decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run) };
     this.body.replaceChildren(...draw[this.tab]());
     this.#drawSelection();

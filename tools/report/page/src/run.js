@@ -5,7 +5,9 @@ export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
 export const STATUS = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
 export const TASK_STATUS = ["open", "reserved", "sensing", "done"];
 export const OFFLINE = 0;
+export const IDLE = 1;
 export const MOVING = 2;
+export const WAITING = 3;
 export const FAILED = 6;
 
 const STOP = 4; // t_ms, x_m, y_m, range_m
@@ -35,10 +37,18 @@ export class Run {
     this.events = [];
     this.processes = new Map(); // name -> rows of SAMPLE
     this.faults = [];
+    this.derived = new Map();
+  }
+
+  /** What `make` gives, made once for all that is known now. */
+  once(key, make) {
+    if (!this.derived.has(key)) this.derived.set(key, make());
+    return this.derived.get(key);
   }
 
   apply(chunk) {
     if (chunk.scenario) this.#begin(chunk);
+    this.derived.clear();
     this.nowMs = Math.max(this.nowMs, chunk.now_ms);
     this.epochMs = chunk.epoch_ms;
     this.ended = chunk.ended;
@@ -175,6 +185,10 @@ export function sameActions(a, b) {
 
 /** Sums over all processes and their starts, at each time that one of them said something. */
 export function busOverTime(run) {
+  return run.once("bus", () => sumBus(run));
+}
+
+function sumBus(run) {
   const samples = [];
   for (const [name, rows] of run.processes) {
     for (let i = 0; i < rows.length; i += SAMPLE) {
@@ -201,6 +215,10 @@ export function busOverTime(run) {
  * "fault" or "process" touch the whole mission, "agent" one agent.
  */
 export function faultBands(run) {
+  return run.once("faults", () => findBands(run));
+}
+
+function findBands(run) {
   const bands = [];
   const open = new Map();
   const faults = new Map();
