@@ -349,7 +349,7 @@ std::string ToJson(const FaultPlan& plan) {
     if (fault.for_us > 0) row["for_min"] = ToMinutes(fault.for_us);
     if (fault.for_real_us > 0) row["for_s"] = ToSeconds(fault.for_real_us);
     if (fault.probability > 0 && fault.kind == FaultKind::kDelay) {
-      row["delay_ms"] = fault.probability * 1e3;
+      row["delay_ms"] = std::round(fault.probability * 1e6) / 1e3;
     } else if (fault.probability > 0) {
       row["probability"] = fault.probability;
     }

@@ -33,7 +33,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kUsage =
     "Faults on purpose (docs/faults.md)\n\n"
     "Usage: muster faults run SCENARIO PLAN... [OPTION...] [-- OPTION of muster run...]\n"
-    "       muster faults random SCENARIO [OPTION...]\n";
+    "       muster faults random SCENARIO [OPTION...]\n"
+    "       muster faults drop SCENARIO --share P --at-min T [--seed N]\n";
 
 /// Runs `muster run` and waits for it; a signal to us is handed on.
 int RunMuster(std::vector<std::string> arguments, const std::string& output_file,
@@ -167,17 +168,49 @@ int Draw(int argc, const char* const* argv) {
   return kExitOk;
 }
 
+int Drop(int argc, const char* const* argv) {
+  cxxopts::Options parser("muster faults drop",
+                          "Writes a plan by which a share of all agents fails for good at once.");
+  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>())(
+      "share", "Share of each class, 0 to 1", cxxopts::value<double>(), "P")(
+      "at-min", "When, mission minutes", cxxopts::value<double>(), "T")(
+      "seed", "Seed of who fails", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
+  parser.positional_help("SCENARIO");
+  parser.parse_positional("scenario");
+  const auto result = ParseOptions(&parser, argc, argv);
+  if (!result) return kExitOk;
+  for (const char* key : {"scenario", "share", "at-min"}) {
+    if (result->count(key) == 0) throw InputError("command line", key, "nothing", "a value");
+  }
+  const double share = (*result)["share"].as<double>();
+  if (!(share >= 0 && share <= 1)) {
+    throw InputError("command line", "--share", fmt::to_string(share), "a share in [0, 1]");
+  }
+  const Scenario scenario = LoadScenario((*result)["scenario"].as<std::string>());
+  const double at_min = (*result)["at-min"].as<double>();
+  if (!(at_min >= 0 && at_min < ToMinutes(scenario.rules.limit_us))) {
+    throw InputError(
+        "command line", "--at-min", fmt::to_string(at_min),
+        fmt::format("from 0 to below the limit, {} min", ToMinutes(scenario.rules.limit_us)));
+  }
+  fmt::print("{}", ToJson(DropPlan(scenario, share, ToUs(at_min * 60),
+                                   (*result)["seed"].as<std::uint64_t>())));
+  return kExitOk;
+}
+
 }  // namespace
 
 int FaultsCommand(int argc, const char* const* argv) {
   const std::string_view name = argc > 1 ? argv[1] : "";
   if (name == "run") return Run(argc - 1, argv + 1);
   if (name == "random") return Draw(argc - 1, argv + 1);
+  if (name == "drop") return Drop(argc - 1, argv + 1);
   if (name == "--help" || name == "-h") {
     fmt::print("{}", kUsage);
     return kExitOk;
   }
-  throw InputError("command line", "faults", name.empty() ? "nothing" : name, "run or random");
+  throw InputError("command line", "faults", name.empty() ? "nothing" : name,
+                   "run, random or drop");
 }
 
 }  // namespace muster::tools

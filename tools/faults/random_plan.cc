@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "world/model/agent.h"
 #include "world/model/check.h"
@@ -50,7 +51,7 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
     PlannedFault fault;
     fault.id = fmt::format("r{}", plan.size());
     fault.kind = settings.kinds[random.Below(static_cast<std::uint32_t>(settings.kinds.size()))];
-    fault.at_us = ToUs(Rounded(at_us * 1e-6, 1));
+    fault.at_us = ToUs(Rounded(at_us * 1e-6, 6));  // a tenth of a minute
     const TimeUs minutes = static_cast<TimeUs>(1 + random.Below(30)) * kMinuteUs;
     const bool in_mission_time = settings.goes_on && random.Below(2) == 0;
     const std::uint32_t pick = random.Below(in_mission_time ? kReplaceable : kMembers.size());
@@ -95,6 +96,26 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
         break;
     }
     plan.push_back(std::move(fault));
+  }
+  return plan;
+}
+
+FaultPlan DropPlan(const Scenario& scenario, double share, TimeUs at_us, std::uint64_t seed) {
+  FaultPlan plan;
+  for (const AgentKind kind : kAgentKinds) {
+    const std::size_t n = scenario.agents(kind).size();
+    std::vector<std::size_t> ids(n);
+    std::iota(ids.begin(), ids.end(), 0);
+    Random(seed, Stream::kPacketFault, kPlanEntity + 1, static_cast<std::uint64_t>(kind))
+        .Shuffle(ids);
+    ids.resize(static_cast<std::size_t>(std::lround(share * static_cast<double>(n))));
+    for (const std::size_t id : ids) {
+      PlannedFault& fault = plan.emplace_back();
+      fault.target = fmt::format("{}:{}", ToString(kind), id);
+      fault.id = fmt::format("{}-{}", ToString(kind), id);
+      fault.kind = FaultKind::kAgentFails;
+      fault.at_us = at_us;
+    }
   }
   return plan;
 }

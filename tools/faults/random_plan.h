@@ -23,4 +23,8 @@ std::vector<FaultKind> AllSurvivableKinds();
 /// sort: world and agents keep each other's state, and two of them at a time may be lost for good.
 FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings);
 
+/// That share of each agent class, rounded, fails for good at that time; who is drawn from the
+/// seed, the larger share containing the smaller one.
+FaultPlan DropPlan(const Scenario& scenario, double share, TimeUs at_us, std::uint64_t seed);
+
 }  // namespace muster::tools

@@ -1,0 +1,68 @@
+#include "tools/faults/random_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "world/model/generator.h"
+
+namespace muster::tools {
+namespace {
+
+const std::vector<std::string> kProcesses = {"recorder", "world",   "uav",
+                                             "worker",   "vehicle", "scheduler"};
+
+TEST(RandomPlan, IsAFunctionOfItsSeedAndAlwaysAGoodPlan) {
+  const Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  std::set<std::string> texts;
+  std::set<FaultKind> kinds;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    for (const bool goes_on : {false, true}) {
+      RandomPlanSettings settings{
+          .seed = seed, .rate_per_hour = 4, .kinds = AllSurvivableKinds(), .goes_on = goes_on};
+      const FaultPlan plan = DrawPlan(scenario, settings);
+      const std::string text = ToJson(plan);
+      EXPECT_EQ(text, ToJson(DrawPlan(scenario, settings)));
+      texts.insert(text);
+      FaultPlan read = ParseFaultPlan(text, "drawn");
+      ASSERT_NO_THROW(CheckFaultPlan(&read, kProcesses, scenario, goes_on)) << text;
+      EXPECT_EQ(ToJson(read), text);
+      for (const PlannedFault& fault : plan) kinds.insert(fault.kind);
+    }
+  }
+  EXPECT_EQ(kinds.size(), AllSurvivableKinds().size());
+  EXPECT_GT(texts.size(), 190u);
+}
+
+TEST(RandomPlan, DrawsAboutAsManyAsAskedFor) {
+  const Scenario scenario = Generate(PresetByName("Random_1"), 1);  // 3 h
+  std::size_t n = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    n +=
+        DrawPlan(scenario, {.seed = seed, .rate_per_hour = 10, .kinds = {FaultKind::kLoss}}).size();
+  }
+  EXPECT_NEAR(static_cast<double>(n) / 100, 27, 3) << "10 an hour in the first nine tenths of 3 h";
+}
+
+TEST(DropPlan, TakesTheShareOfEachClassAndLargerOnesContainSmallerOnes) {
+  const Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  std::set<std::string> before;
+  for (const double share : {0.0, 0.1, 0.3, 0.5, 1.0}) {
+    std::set<std::string> now;
+    for (const PlannedFault& fault : DropPlan(scenario, share, 90 * kMinuteUs, 7)) {
+      EXPECT_TRUE(now.insert(fault.target).second);
+      EXPECT_EQ(fault.at_us, 90 * kMinuteUs);
+    }
+    const auto of = [&](std::size_t n) {
+      return static_cast<std::size_t>(std::lround(share * static_cast<double>(n)));
+    };
+    EXPECT_EQ(now.size(), of(scenario.uavs.size()) + of(scenario.workers.size()) +
+                              of(scenario.vehicles.size()));
+    EXPECT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end()));
+    before = now;
+  }
+}
+
+}  // namespace
+}  // namespace muster::tools
