@@ -17,6 +17,8 @@
 namespace muster::scheduler {
 namespace {
 
+constexpr int kMostDeadlineMs = 3'600'000;
+
 /// One row a policy: its name, what users read about it, how to make it.
 struct Row {
   PolicyInfo info;
@@ -125,6 +127,22 @@ std::unique_ptr<Policy> MakePolicy(std::string_view name) {
     known += row.info.name;
   }
   throw InputError(fmt::format("policy: found {}, expected one of {}", name, known));
+}
+
+std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms) {
+  auto policy = MakePolicy(name);
+  if (!deadline_ms) return policy;
+  if (!(*deadline_ms > 0 && *deadline_ms <= kMostDeadlineMs)) {
+    throw InputError("options", "--deadline", fmt::to_string(*deadline_ms),
+                     fmt::format("milliseconds above 0, up to {}", kMostDeadlineMs));
+  }
+  const auto deadline = std::chrono::duration<double, std::milli>(*deadline_ms);
+  if (!policy->SetDeadline(
+          std::chrono::duration_cast<std::chrono::steady_clock::duration>(deadline))) {
+    throw InputError("options", "--deadline", fmt::format("policy {}", name),
+                     "one that can be cut short: certified, rollout, rollout-steps");
+  }
+  return policy;
 }
 
 }  // namespace muster::scheduler

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +33,9 @@ class Policy {
  public:
   virtual ~Policy() = default;
   virtual Decision Decide(const Situation& situation) = 0;
+  /// For live use: Decide ends about that long after its start, with the best it has. An answer may
+  /// then depend on the machine's speed. False when the policy has no such limit.
+  virtual bool SetDeadline(std::chrono::steady_clock::duration) { return false; }
 };
 
 struct PolicyInfo {
@@ -46,5 +51,9 @@ const std::vector<PolicyInfo>& Policies();
 
 /// Throws InputError naming the known policies when `name` is none of them.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);
+
+/// The same with a deadline for each decision, in milliseconds; throws InputError (`--deadline`)
+/// when it is not above 0 or the policy has none. No value: without.
+std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms);
 
 }  // namespace muster::scheduler

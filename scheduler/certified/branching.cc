@@ -11,8 +11,22 @@ namespace muster::scheduler {
 
 using Index = std::int32_t;
 
-Branching::Branching(PackingLp* lp, std::int32_t n_uavs, double slack, Hooks hooks)
-    : lp_(*lp), n_uavs_(n_uavs), slack_(slack), hooks_(std::move(hooks)) {}
+namespace {
+constexpr double kClosedCost = 100;  ///< of a column's worth
+constexpr double kLeastClosedCost = 1e4;
+}  // namespace
+
+Branching::Branching(PackingLp* lp, std::int32_t n_uavs, double slack, Hooks hooks,
+                     double closed_cost)
+    : lp_(*lp), n_uavs_(n_uavs), slack_(slack), hooks_(std::move(hooks)) {
+  if (closed_cost <= 0) {
+    closed_cost = kLeastClosedCost;
+    for (Index k = 0; k < lp_.n_columns(); ++k) {
+      closed_cost = std::max(closed_cost, kClosedCost * lp_.cost(k));
+    }
+  }
+  lp_.set_closed_cost(closed_cost);
+}
 
 double Branching::Search(double above, std::int64_t work_limit) {
   end_ = lp_.work() + work_ + work_limit;
@@ -82,7 +96,7 @@ double Branching::Branch(double above) {
     std::erase_if(closed, [&](Index k) { return lp_.closed(k); });
     for (const Index k : closed) lp_.Close(k, true);
     const bool required = with && lp_.Require(pick.agent, true);
-    // Nothing changed: by rounding, columns that cannot be used still have a share.
+    // Nothing changed: columns that cannot be used still have a share. Deeper, nothing would.
     const bool same = closed.empty() && !required;
     highest = std::max(highest, same ? bound : Branch(bound));
     if (required) lp_.Require(pick.agent, false);

@@ -23,8 +23,9 @@ class Branching {
   /// A share this close to 0 or 1 is whole.
   static constexpr double kWhole = 1e-3;
 
-  /// `slack` is added to each bound. The program must outlive this.
-  Branching(PackingLp* lp, std::int32_t n_uavs, double slack, Hooks hooks);
+  /// `slack` is added to each bound. The program must outlive this, none of its columns closed.
+  /// closed_cost: see PackingLp; 0: by what its columns are worth.
+  Branching(PackingLp* lp, std::int32_t n_uavs, double slack, Hooks hooks, double closed_cost = 0);
 
   /// Returns a bound on the objective of every packing of the columns, at most `above`. Columns
   /// and rows are open again afterwards.

@@ -6,8 +6,17 @@
 
 namespace muster::scheduler {
 
-Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
+namespace {
+constexpr std::size_t kWorthThreads = 2000;  ///< agents and tasks
+}
+
+Decision DecideCertified(const Situation& situation, const SolverLimits& given,
                          CertifiedProfile* profile) {
+  // Where there is little to do, a thread takes longer to start than it saves.
+  const std::size_t size = situation.uavs.size() + situation.workers.size() +
+                           situation.vehicles.size() + situation.task_status.size();
+  SolverLimits limits = given;
+  if (size < kWorthThreads) limits.threads = 1;
   const BuiltInstance built = BuildInstance(situation, limits.threads);
   const Solution solution = Solve(built.instance, limits);
   Decision decision = MakeDecision(ActionsOf(built, solution.assignment, situation),
@@ -22,7 +31,9 @@ Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
 }
 
 Decision CertifiedPolicy::Decide(const Situation& situation) {
-  return DecideCertified(situation, limits_, nullptr);
+  SolverLimits limits = limits_;
+  if (deadline_) limits.deadline = std::chrono::steady_clock::now() + *deadline_;
+  return DecideCertified(situation, limits, nullptr);
 }
 
 }  // namespace muster::scheduler

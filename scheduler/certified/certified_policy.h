@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "scheduler/certified/solver.h"
 #include "scheduler/policy.h"
@@ -20,14 +22,22 @@ struct CertifiedProfile {
 Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
                          CertifiedProfile* profile);
 
-/// The policy `certified`: repeatable, as its limit is one of work. It keeps nothing between calls.
+/// The policy `certified`: repeatable, as its limit is one of work unless there is a deadline. It
+/// keeps nothing between calls.
 class CertifiedPolicy : public Policy {
  public:
-  explicit CertifiedPolicy(const SolverLimits& limits = {}) : limits_(limits) {}
+  /// Two threads where they pay, unless the limits say otherwise.
+  CertifiedPolicy() { limits_.threads = 2; }
+  explicit CertifiedPolicy(const SolverLimits& limits) : limits_(limits) {}
   Decision Decide(const Situation& situation) override;
+  bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
+    deadline_ = deadline;
+    return true;
+  }
 
  private:
   SolverLimits limits_;
+  std::optional<std::chrono::steady_clock::duration> deadline_;
 };
 
 }  // namespace muster::scheduler

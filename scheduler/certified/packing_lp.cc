@@ -11,7 +11,6 @@ constexpr double kReducedCost = 1e-9;  ///< below it a column does not enter
 constexpr double kPivot = 1e-7;        ///< below it an entry counts as zero
 constexpr double kZero = 1e-11;        ///< rounding: entries are quotients of small numbers
 constexpr double kRaise = 1e-6;        ///< of right-hand sides, times 1 to 2
-constexpr double kClosed = 1e4;
 constexpr std::size_t kCandidates = 24;
 constexpr std::int32_t kNothing = std::numeric_limits<std::int32_t>::min();
 
@@ -60,7 +59,7 @@ std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows)
 void PackingLp::Close(std::int32_t column, bool close) {
   if ((closed_[At(column)] != 0) == close) return;
   closed_[At(column)] = close;
-  const double change = close ? -kClosed : kClosed;
+  const double change = close ? -closed_cost_ : closed_cost_;
   cost_[At(column)] += change;
   Pool(column);
   ChangeCost(position_of_[At(column)], change);
@@ -68,8 +67,8 @@ void PackingLp::Close(std::int32_t column, bool close) {
 
 bool PackingLp::Require(std::int32_t row, bool require) {
   if ((slack_cost_[At(row)] != 0) == require) return false;
-  slack_cost_[At(row)] = require ? -kClosed : 0;
-  ChangeCost(slack_position_[At(row)], require ? -kClosed : kClosed);
+  slack_cost_[At(row)] = require ? -closed_cost_ : 0;
+  ChangeCost(slack_position_[At(row)], require ? -closed_cost_ : closed_cost_);
   if (slack_position_[At(row)] >= 0) {
     ChangePrice(row, slack_cost_[At(row)] - price_[At(row)]);
     price_[At(row)] = slack_cost_[At(row)];

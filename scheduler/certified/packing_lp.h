@@ -29,7 +29,10 @@ class PackingLp {
   /// asked now and then.
   bool Solve(std::int64_t work_limit, const std::function<bool()>& stop);
 
-  /// A closed column cannot be used: it costs more than all others are worth.
+  /// What a closed column costs, more than others are worth. Before the first is closed.
+  void set_closed_cost(double cost) { closed_cost_ = cost; }
+  double cost(std::int32_t column) const { return cost_[At(column)]; }
+  /// A closed column cannot be used, as it costs too much.
   void Close(std::int32_t column, bool close);
   bool closed(std::int32_t column) const { return closed_[At(column)] != 0; }
   /// Whether a row must be used up. False when it is so already.
@@ -100,6 +103,7 @@ class PackingLp {
   std::vector<std::int32_t> cheaper_;  ///< rows whose price fell since their columns were looked at
   std::vector<char> is_cheaper_;       ///< [m]
   std::vector<std::vector<std::int32_t>> columns_at_;  ///< [m]
+  double closed_cost_ = 1e4;
   std::int64_t work_ = 0, pivots_ = 0;
 };
 

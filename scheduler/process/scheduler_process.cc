@@ -7,10 +7,10 @@
 namespace muster::scheduler {
 
 SchedulerProcess::SchedulerProcess(Identity identity, int window, std::string policy,
-                                   Stopwatch stopwatch)
+                                   Stopwatch stopwatch, std::optional<double> deadline_ms)
     : Process(std::move(identity), window),
       policy_name_(std::move(policy)),
-      policy_(MakePolicy(policy_name_)),
+      policy_(MakePolicy(policy_name_, deadline_ms)),
       stopwatch_(stopwatch) {}
 
 void SchedulerProcess::OnMessage(const Message& message, const Packet&, const Now&) {

@@ -19,7 +19,9 @@ using Stopwatch = TimeUs (*)();
 /// could not make again.
 class SchedulerProcess : public Process {
  public:
-  SchedulerProcess(Identity identity, int window, std::string policy, Stopwatch stopwatch);
+  /// deadline_ms: of each decision, see MakePolicy; none: decisions can be repeated.
+  SchedulerProcess(Identity identity, int window, std::string policy, Stopwatch stopwatch,
+                   std::optional<double> deadline_ms = {});
 
  protected:
   void OnMessage(const Message& message, const Packet& packet, const Now& now) override;

@@ -40,6 +40,10 @@ class RolloutPolicy : public Policy {
  public:
   explicit RolloutPolicy(RolloutSettings settings = {});
   Decision Decide(const Situation& situation) override;
+  bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
+    settings_.deadline = deadline;
+    return true;
+  }
 
  private:
   struct Plan {

@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/protocol/program.h"
+#include "scheduler/policy.h"
 #include "tools/live/live_server.h"
 #include "tools/report/page.h"
 #include "world/model/agent.h"
@@ -70,6 +71,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                           "Runs a whole mission: world, agents and scheduler as processes of "
                           "their own over LCM, recorded by lcm-logger.");
   AddMissionOptions(&parser);
+  parser.add_options()("deadline",
+                       "Milliseconds that a decision may take, the best found until then is taken "
+                       "(default: none, so that a mission can be repeated)",
+                       cxxopts::value<double>(), "MS");
   parser.add_options()("rate", "Mission seconds per wall second, or max",
                        cxxopts::value<std::string>()->default_value("max"), "R");
   parser.add_options()("processes",
@@ -107,6 +112,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   static_cast<MissionOptions&>(options) = ReadMissionOptions(*result);
   options.rate = (*result)["rate"].as<std::string>();
   CheckRate(options.rate);
+  if (result->count("deadline") > 0) options.deadline_ms = (*result)["deadline"].as<double>();
+  scheduler::MakePolicy(options.policy, options.deadline_ms);  // throws where it does not fit
   options.processes = ReadProcesses(result->count("processes") > 0
                                         ? (*result)["processes"].as<std::vector<std::string>>()
                                         : std::vector<std::string>());
@@ -206,8 +213,12 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
           std::move(arguments));
     }
   }
-  add("scheduler", "muster-scheduler",
-      {"--policy", options.policy, "--window", fmt::to_string(kProcessWindow)});
+  std::vector<std::string> scheduler = {"--policy", options.policy, "--window",
+                                        fmt::to_string(kProcessWindow)};
+  if (options.deadline_ms) {
+    scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
+  }
+  add("scheduler", "muster-scheduler", std::move(scheduler));
   return plans;
 }
 

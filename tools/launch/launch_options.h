@@ -15,15 +15,16 @@ namespace muster::tools {
 
 /// What `muster run` was asked for.
 struct LaunchOptions : MissionOptions {
-  std::string rate;              ///< as muster-world takes it
-  double drop = 0;               ///< share of received packets that each process drops
-  int restarts = 5;              ///< how often a process that ended by itself is started again
-  std::string on_loss = "wait";  ///< or continue, as muster-world takes it
+  std::string rate;                   ///< as muster-world takes it
+  std::optional<double> deadline_ms;  ///< of each decision
+  double drop = 0;                    ///< share of received packets that each process drops
+  int restarts = 5;                   ///< how often a process that ended by itself is started again
+  std::string on_loss = "wait";       ///< or continue, as muster-world takes it
   double lost_after_s = 5;
   FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
-  std::string lcm_url;  ///< "": a network of the mission's own, or a free port
+  std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
   HostList hosts;  ///< empty: all processes run here
 };

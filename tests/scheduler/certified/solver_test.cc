@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 
 #include "scheduler/certified/build.h"
@@ -79,6 +80,35 @@ TEST(Solver, BoundHoldsAtAnyWorkLimit) {
     ASSERT_GE(solution.bound, optimum);
     ASSERT_LE(solution.assignment.weight, optimum + kSame);
     ASSERT_NEAR(solution.assignment.weight, WeightOf(instance, solution.assignment), 1e-9);
+  }
+}
+
+TEST(Solver, AnyDeadlineGivesAValidAnswerAndABound) {
+  const auto after = [](int microseconds) {
+    SolverLimits limits;
+    limits.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(microseconds);
+    return limits;
+  };
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Instance instance = RandomInstance(seed, 4, 4, 3);
+    const Solution solution = Solve(instance, after(static_cast<int>(seed % 30)));
+    const double optimum = BruteForce(instance).Best();
+    ASSERT_TRUE(IsValid(instance, solution.assignment));
+    ASSERT_GE(solution.bound, optimum);
+    ASSERT_LE(solution.assignment.weight, optimum + kSame);
+  }
+  const Instance large =
+      BuildInstance(GeneratedSituation(Scaled(PresetByName("Random_29"), 8), 3, 6, 0.5)).instance;
+  const Solution whole = Solve(large);
+  for (const int microseconds : {-1000, 0, 100, 1000, 5000, 20000}) {
+    SCOPED_TRACE(std::to_string(microseconds) + " us");
+    const Solution solution = Solve(large, after(microseconds));
+    EXPECT_TRUE(IsValid(large, solution.assignment));
+    EXPECT_GE(solution.bound, whole.assignment.weight);
+    EXPECT_LE(solution.assignment.weight, whole.bound);
+    // Nobody is left without an action that the first prices already tell of.
+    EXPECT_GE(solution.assignment.weight, 0.5 * whole.assignment.weight);
   }
 }
 

@@ -65,8 +65,24 @@ TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   EXPECT_NE(ErrorOf({"a.json", "--availability", "lax"}), "");
   EXPECT_NE(ErrorOf({"a.json", "--lcm-url", "tcp://x"}), "");
   EXPECT_NE(ErrorOf({"a.json", "b.json"}), "");
+  for (const char* deadline : {"0", "-1", "nan", "1e9", "x"}) {
+    EXPECT_NE(ErrorOf({"a.json", "--deadline", deadline}), "") << deadline;
+  }
+  EXPECT_EQ(ErrorOf({"a.json", "--policy", "mpq", "--deadline", "20"}),
+            "options: --deadline: found policy mpq, expected one that can be cut short: certified, "
+            "rollout, rollout-steps");
   // Nobody could reach the network of the mission's own.
   EXPECT_NE(ErrorOf({"a.json", "--processes", "uav=0"}), "");
+}
+
+TEST(PlanProcesses, TheSchedulerIsToldItsDeadline) {
+  const auto scheduler = [](const LaunchOptions& options) {
+    return PlanProcesses(options, ScenarioWith(3, 3, 1),
+                         {"run/scenario.json", "udpm://239.255.76.67:7000", 42})
+        .back();
+  };
+  EXPECT_EQ(ValueOf(scheduler(Parse({"a.json", "--deadline", "12.5"})), "--deadline"), "12.5");
+  EXPECT_EQ(ValueOf(scheduler(Parse({"a.json"})), "--deadline"), "");
 }
 
 TEST(PlanProcesses, OneProcessAClassByDefault) {
