@@ -5,9 +5,12 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "scheduler/process/scheduler_process.h"
+#include "tests/tools/explain/mission_log.h"
 #include "tests/tools/virtual_network.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
+#include "tools/explain/redecide.h"
+#include "tools/explain/story.h"
 #include "tools/report/digest.h"
 #include "tools/report/report_json.h"
 #include "tools/simulate/simulator.h"
@@ -66,6 +69,8 @@ class Mission {
   bool RunToEnd() { return RunTo(kNever) && ended_; }
 
   const RunRecord& record() const { return record_; }
+  /// After ExpectSound().
+  const DecisionLog& log() const { return log_; }
   int Count(int kind, const std::string& detail = "") const {
     int n = 0;
     for (const event_t& event : record_.events()) {
@@ -87,7 +92,8 @@ class Mission {
     }
     return n;
   }
-  /// Every invariant of the audit, its comparison with the report, and completeness.
+  /// Every invariant of the audit, its comparison with the report, and completeness; and every
+  /// decision, made again from the log, is the same.
   void ExpectSound() {
     const RunRecord::Completeness complete = record_.CheckComplete();
     EXPECT_TRUE(complete.complete) << complete.n_missing << " missing, " << complete.repeated
@@ -95,6 +101,10 @@ class Mission {
                                    << (complete.missing.empty() ? "" : complete.missing[0].owner);
     for (const audit::Violation& violation : auditor_.Finish()) {
       ADD_FAILURE() << violation.at_us << " us: " << violation.invariant << ": " << violation.text;
+    }
+    log_ = Logged(packets_);
+    for (const Divergence& divergence : DivergencesOf(Redecide(log_, ""))) {
+      ADD_FAILURE() << "decision " << divergence.decision << ": " << divergence.what;
     }
     if (!auditor_.facts()) return;
     for (const audit::Violation& violation :
@@ -107,6 +117,7 @@ class Mission {
   void Observe(const Packet& packet) {
     record_.Add(packet);
     auditor_.Add(packet);
+    packets_.push_back(packet);
     if (packet.channel != channel::kClock) return;
     const auto clock = Decode<clock_t>(packet.bytes);
     now_us_ = std::max(now_us_, clock->tick_us);
@@ -119,6 +130,8 @@ class Mission {
   std::map<std::string, std::int64_t> boots_;
   RunRecord record_;
   audit::Auditor auditor_;
+  std::vector<Packet> packets_;
+  DecisionLog log_;
   TimeUs now_us_ = -1;
   bool ended_ = false;
 };
@@ -190,6 +203,18 @@ TEST(OnLoss, WithoutASchedulerDecisionsAreNotInForce) {
   EXPECT_EQ(mission.Count(kProcessBack, "scheduler"), 1);
   EXPECT_EQ(mission.record().schedules().size(), 18u - skipped.size());
   mission.ExpectSound();
+  // The story of an agent says so.
+  const AgentStory story = TellAgent(mission.log(), "run", AgentKind::kUav, 0, {});
+  for (std::int32_t d = 0; d < 18; ++d) {
+    const auto& chapter = story.chapters.at(static_cast<std::size_t>(d));
+    EXPECT_EQ(chapter.in_force, !skipped.contains(d)) << d;
+    EXPECT_EQ(chapter.missing, "") << d;
+    if (chapter.answer.did && !chapter.in_force) {
+      EXPECT_EQ(chapter.answer.did->kind, ActionKind::kUavStays) << d;
+    }
+  }
+  EXPECT_NE(ToText(story).find("no decision was in force: the scheduler was lost"),
+            std::string::npos);
 }
 
 TEST(OnLoss, EverybodyMayBeLostForGood) {

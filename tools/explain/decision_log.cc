@@ -64,6 +64,8 @@ DecisionLog ReadDecisionLog(LogSource* source) {
           if (decision != nullptr && clock.decision == decision->decision) {
             decision->clock = packet;
           }
+          LoggedDecision* before = clock.phase == 1 ? decision_at(clock.tick - 1) : nullptr;
+          if (before != nullptr) before->in_force = clock.required_decision >= before->decision;
         },
         [&](const agent_states_t& states) { told(states.tick, packet); },
         [&](const rulings_t& rulings) { told(rulings.tick, packet); },
@@ -94,7 +96,17 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
   bool world = false, rulings = false;
   for (const Packet& packet : decision.told) {
     world = world || packet.channel == channel::kWorld;
-    rulings = rulings || packet.channel == channel::kRulings;
+    if (packet.channel == channel::kRulings) {
+      rulings = true;
+      // Who is ruled to have failed may say nothing.
+      const auto list = DecodeValid<rulings_t>(packet.bytes);
+      for (const ruling_t& r : list->rulings) {
+        if (r.kind != 0) continue;
+        auto& of_kind = heard[r.agent_kind];
+        const auto id = static_cast<std::size_t>(r.agent_id);
+        if (id < of_kind.size()) of_kind[id] = true;
+      }
+    }
     const auto states = DecodeValid<agent_states_t>(packet.bytes);
     if (!states) continue;
     auto& of_kind = heard[states->kind];

@@ -16,7 +16,7 @@ using scheduler::Explainer;
 
 std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& scenario) {
   std::vector<Action> actions;
-  if (decision.schedules.empty()) return actions;
+  if (decision.schedules.empty() || !decision.in_force) return actions;
   const WireLimits limits(scenario);
   for (const action_t& wire : decision.schedules.front().actions) {
     if (const auto action = FromWire(wire, limits)) actions.push_back(*action);
@@ -51,6 +51,7 @@ std::vector<Chapter<Answer>> Tell(const DecisionLog& log, const std::string& run
     chapter.decision = d;
     chapter.at_us = logged.at_us;
     chapter.scheduled = !logged.schedules.empty();
+    chapter.in_force = logged.in_force;
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
     const TimeUs until = logged.at_us + log.scenario.rules.interval_us;
     for (const event_t& event : log.events) {

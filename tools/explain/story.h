@@ -17,6 +17,7 @@ struct Chapter {
   TimeUs at_us = 0;
   std::string missing;    ///< why nothing can be told; else empty
   bool scheduled = true;  ///< the log holds a schedule for it
+  bool in_force = true;   ///< as LoggedDecision; else nobody was commanded
   std::string policy;
   scheduler::DecisionQuality quality;
   Answer answer;

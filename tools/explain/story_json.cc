@@ -97,6 +97,7 @@ template <class Answer>
 Json HeadOf(const Chapter<Answer>& chapter) {
   Json json = {{"decision", chapter.decision}, {"at_s", ToSeconds(chapter.at_us)}};
   json["policy"] = chapter.scheduled ? Json(chapter.policy) : Json();
+  json["in_force"] = chapter.in_force && chapter.scheduled;
   if (!chapter.missing.empty()) {
     json["missing"] = chapter.missing;
     return json;

@@ -160,9 +160,19 @@ template <class Answer>
 void AddQuality(const Chapter<Answer>& chapter, Lines* lines) {
   const auto& quality = chapter.quality;
   const double loss = quality.best.weight - quality.weight;
-  if (chapter.scheduled && loss > 1e-3) {
+  if (chapter.scheduled && chapter.in_force && loss > 1e-3) {
     lines->Add(fmt::format("the decision itself weighs {:.3f}, the best one {:.3f}", quality.weight,
                            quality.best.weight));
+  }
+}
+
+/// Why nobody was commanded at all.
+template <class Answer>
+void AddForce(const Chapter<Answer>& chapter, Lines* lines) {
+  if (!chapter.in_force) {
+    lines->Add("no decision was in force: the scheduler was lost");
+  } else if (!chapter.scheduled) {
+    lines->Add("the log holds no decision");
   }
 }
 
@@ -171,7 +181,9 @@ void AddNotes(const std::vector<Chapter<Answer>>& chapters, std::string* text) {
   bool own = false;
   std::string policy;
   for (const auto& chapter : chapters) {
-    if (!chapter.missing.empty() || !chapter.scheduled || !chapter.quality.own_weights) continue;
+    if (!chapter.missing.empty() || !chapter.scheduled || !chapter.in_force ||
+        !chapter.quality.own_weights)
+      continue;
     own = true;
     policy = chapter.policy;
   }
@@ -345,6 +357,7 @@ std::string ToText(const TaskStory& story) {
     } else if (chapter.answer.verdict == TaskVerdict::kDone) {
       lines.Add("done");
     } else {
+      AddForce(chapter, &lines);
       AddAnswer(chapter.answer, chapter.quality.best.weight, &lines);
       if (chapter.answer.verdict == TaskVerdict::kLost) AddQuality(chapter, &lines);
     }
@@ -366,6 +379,7 @@ std::string ToText(const AgentStory& story) {
     if (!chapter.missing.empty()) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
     } else {
+      AddForce(chapter, &lines);
       AddAnswer(chapter.answer, story.kind, chapter.quality.best.weight, &lines);
       if (!chapter.answer.options.empty()) AddQuality(chapter, &lines);
     }
