@@ -164,6 +164,13 @@ const std::vector<Mutation>& Mutations() {
          Remove<schedule_t>(log, [](const schedule_t& s) { return s.decision == 1; });
          Renumber(log);
        }},
+      {"a decision is passed over", "lockstep", 10 * kMin,
+       "the clock does not require decision 1, and nobody was lost",
+       [](FakeLog* log) {
+         ForEach<clock_t>(log, [](clock_t& c) {
+           if (c.tick > 10 && c.required_decision == 1) c.required_decision = 0;
+         });
+       }},
       {"a decision is made again, differently", "lockstep", 10 * kMin, "twice and differently",
        [](FakeLog* log) {
          for (const FakeMessage& m : FakeLog(*log)) {
