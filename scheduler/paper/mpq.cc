@@ -12,11 +12,10 @@ namespace {
 /// with a UAV is only in the UAV's.
 class AgentQueues {
  public:
-  explicit AgentQueues(const Candidates& candidates)
-      : nodes_(&candidates.nodes),
-        heaps_(static_cast<std::size_t>(candidates.elements.n_agents())) {
+  AgentQueues(const Elements& elements, const std::vector<Node>& nodes)
+      : nodes_(&nodes), heaps_(static_cast<std::size_t>(elements.n_agents())) {
     for (std::size_t id = 0; id < nodes_->size(); ++id) {
-      const int agent = ElementsOf((*nodes_)[id], candidates.elements).element[0];
+      const int agent = ElementsOf((*nodes_)[id], elements).element[0];
       heaps_[static_cast<std::size_t>(agent)].push_back(static_cast<NodeId>(id));
       ++size_;
     }
@@ -61,14 +60,13 @@ bool AllRepresented(const Solution& solution, const Elements& elements) {
 
 }  // namespace
 
-Solution MultiPriorityQueues(const Candidates& candidates, std::uint64_t seed,
-                             std::int32_t decision, int max_iterations) {
-  AgentQueues queues(candidates);
-  WorkingGraph graph(candidates.elements, candidates.nodes);
-  Solution current(candidates.elements, candidates.nodes);
+Solution MultiPriorityQueues(const Elements& elements, const std::vector<Node>& nodes,
+                             std::uint64_t seed, std::int32_t decision, int max_iterations) {
+  AgentQueues queues(elements, nodes);
+  WorkingGraph graph(elements, nodes);
+  Solution current(elements, nodes);
   std::int64_t k = 1;
-  for (std::uint64_t round = 0; !queues.empty() && !AllRepresented(current, candidates.elements);
-       ++round) {
+  for (std::uint64_t round = 0; !queues.empty() && !AllRepresented(current, elements); ++round) {
     queues.Extract(k, &graph);
     Solution candidate = IteratedLocalSearch(
         graph, current, Random(seed, Stream::kPolicy, round, static_cast<std::uint32_t>(decision)),

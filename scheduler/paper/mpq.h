@@ -12,7 +12,8 @@ namespace muster::scheduler::paper {
 /// more of each agent a round, K doubling after a round without gain, until every idle agent has a
 /// node in the solution or no nodes are left. The draws of round r are those of
 /// Random(seed, Stream::kPolicy, r, decision). Source: Alg. 5.
-Solution MultiPriorityQueues(const Candidates& candidates, std::uint64_t seed,
-                             std::int32_t decision, int max_iterations = kMaxIterations);
+Solution MultiPriorityQueues(const Elements& elements, const std::vector<Node>& nodes,
+                             std::uint64_t seed, std::int32_t decision,
+                             int max_iterations = kMaxIterations);
 
 }  // namespace muster::scheduler::paper

@@ -2,14 +2,14 @@
 
 #include <utility>
 
-#include "scheduler/candidates.h"
+#include "scheduler/certified/nodes.h"
 #include "scheduler/paper/ils.h"
 #include "scheduler/paper/mpq.h"
 
 namespace muster::scheduler {
 namespace {
 
-Decision DecisionOf(const Situation& situation, const Candidates& candidates,
+Decision DecisionOf(const Situation& situation, const ArcNodes& candidates,
                     const Solution& solution) {
   std::vector<Action> actions;
   for (const NodeId node : solution.nodes()) {
@@ -22,7 +22,7 @@ Decision DecisionOf(const Situation& situation, const Candidates& candidates,
 }  // namespace
 
 Decision IlsPolicy::Decide(const Situation& situation) {
-  const Candidates candidates = EnumerateCandidates(situation);
+  const ArcNodes candidates = ListNodes(situation);
   paper::WorkingGraph graph(candidates.elements, candidates.nodes);
   graph.AddAll();
   const Solution solution =
@@ -33,9 +33,9 @@ Decision IlsPolicy::Decide(const Situation& situation) {
 }
 
 Decision MpqPolicy::Decide(const Situation& situation) {
-  const Candidates candidates = EnumerateCandidates(situation, foundation_);
-  const Solution solution =
-      paper::MultiPriorityQueues(candidates, situation.site->seed, situation.decision);
+  const ArcNodes candidates = ListNodes(situation, foundation_);
+  const Solution solution = paper::MultiPriorityQueues(candidates.elements, candidates.nodes,
+                                                       situation.site->seed, situation.decision);
   return DecisionOf(situation, candidates, solution);
 }
 

@@ -9,6 +9,7 @@
 #include "scheduler/candidates.h"
 #include "scheduler/certified/grid_index.h"
 #include "scheduler/certified/levels.h"
+#include "scheduler/certified/nodes.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -89,6 +90,29 @@ TEST(BuildInstance, HasTheNodesAndWeightsOfTheExplicitGraph) {
     total += expected.size();
   }
   EXPECT_GT(total, 5000u);
+}
+
+TEST(ListNodes, IsTheExplicitGraphInTheOrderOfAlgorithm1) {
+  std::size_t total = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Rules rules;
+    if (seed % 3 == 1) rules.availability = Availability::kOverrun;
+    const Situation situation = RandomSituation(seed, {5, 6, 4, 8, 4, 16}, rules);
+    const Foundation foundation = seed % 2 == 0 ? Foundation::kHierarchical : Foundation::kUniform;
+    const Candidates expected = EnumerateCandidates(situation, foundation);
+    const ArcNodes found = ListNodes(situation, foundation);
+    ASSERT_EQ(found.nodes.size(), expected.nodes.size());
+    for (std::size_t i = 0; i < found.nodes.size(); ++i) {
+      const Action a = found.ToAction(situation, found.nodes[i]);
+      const Action b = expected.ToAction(situation, expected.nodes[i]);
+      ASSERT_EQ(KeyOf(a), KeyOf(b)) << i;
+      ASSERT_EQ(a.to, b.to);
+      ASSERT_NEAR(a.weight, b.weight, 1e-9);
+    }
+    total += found.nodes.size();
+  }
+  EXPECT_GT(total, 3000u);
 }
 
 TEST(GridIndex, NearestIsThatOfAPlainScan) {

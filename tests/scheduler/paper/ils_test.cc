@@ -92,15 +92,16 @@ TEST(MultiPriorityQueues, GrowsTheGraphUntilEveryAgentHasANode) {
   candidates.nodes = hand.nodes;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Solution solution = MultiPriorityQueues(candidates, seed, 0);
+    const Solution solution = MultiPriorityQueues(candidates.elements, candidates.nodes, seed, 0);
     EXPECT_EQ(solution.nodes(), (std::vector<NodeId>{2, 4}));
   }
   // Without iterations: {1, 6}, then U1's stay joins and all agents have a node: 101.4.
-  EXPECT_NEAR(MultiPriorityQueues(candidates, 1, 0, 0).weight(), 101.4, 1e-12);
+  EXPECT_NEAR(MultiPriorityQueues(candidates.elements, candidates.nodes, 1, 0, 0).weight(), 101.4,
+              1e-12);
 }
 
 TEST(MultiPriorityQueues, EmptyGraph) {
-  EXPECT_EQ(MultiPriorityQueues(Candidates{}, 1, 0).size(), 0u);
+  EXPECT_EQ(MultiPriorityQueues(Candidates{}.elements, {}, 1, 0).size(), 0u);
 }
 
 TEST(PaperSolvers, AreNearTheBestSetOfSmallInstances) {
@@ -112,7 +113,7 @@ TEST(PaperSolvers, AreNearTheBestSetOfSmallInstances) {
     const Candidates c = EnumerateCandidates(situation);
     const double best = ReferenceGraph(situation).BestWeight();
     const double ils = SolveByIls(c.elements, c.nodes, seed).weight();
-    const double mpq = MultiPriorityQueues(c, seed, situation.decision).weight();
+    const double mpq = MultiPriorityQueues(c.elements, c.nodes, seed, situation.decision).weight();
     ASSERT_LE(ils, best + 1e-9);
     ASSERT_LE(mpq, best + 1e-9);
     // A local optimum of LSOA weighs at least a third of the best: a node of the best weighs no
