@@ -1,0 +1,50 @@
+// Logs of real missions under faults, decided again.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/muster_process.h"
+#include "tests/tools/launch/process_test_util.h"
+#include "world/model/generator.h"
+#include "world/model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+/// A fifth of all packets lost for an hour; the scheduler, the UAVs' process and twice the logger
+/// killed: a log in three parts.
+class RedecideRun : public testing::Test {
+ protected:
+  void SetUp() override { MUSTER_NEEDS_MULTICAST(); }
+  void Check(const std::string& scenario) {
+    const std::string run = folder_.File("run");
+    Muster mission(
+        folder_, "mission",
+        {"run", scenario, "--quiet", "--out", run, "--fault", "loss:*@30+60=0.2", "--fault",
+         "process_killed:scheduler@45", "--fault", "process_killed:lcm-logger@70", "--fault",
+         "process_killed:uav@100", "--fault", "process_killed:lcm-logger@130"});
+    ASSERT_EQ(mission.Wait(), 0) << mission.output();  // audits and redecides, too
+    EXPECT_TRUE(std::filesystem::exists(run + "/mission.lcm.2"));
+    Muster redecide(folder_, "redecide", {"redecide", run});
+    EXPECT_EQ(redecide.Wait(), 0) << redecide.output();
+    EXPECT_NE(redecide.output().find("18 decisions made again"), std::string::npos)
+        << redecide.output();
+    EXPECT_NE(redecide.output().find("every decision is the same, bit for bit"), std::string::npos)
+        << redecide.output();
+  }
+  std::string Generated(const char* preset) const {
+    const std::string file = folder_.File("scenario.json");
+    std::ofstream(file) << ScenarioToJson(Generate(PresetByName(preset), 1));
+    return file;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(RedecideRun, Random1UnderFaults) { Check(Generated("Random_1")); }
+TEST_F(RedecideRun, Random29UnderFaults) { Check(Generated("Random_29")); }
+TEST_F(RedecideRun, HaitiUnderFaults) { Check(MUSTER_SCENARIOS "/haiti.json"); }
+
+}  // namespace
+}  // namespace muster::tools
