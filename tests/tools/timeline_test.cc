@@ -194,5 +194,19 @@ TEST(PageChunk, HasTheNumbersOfTheReport) {
   EXPECT_EQ(chunk["done"][1].back(), 2);
 }
 
+TEST(PageChunk, LeavesOutADecisionThatNeverWasInForce) {
+  FakeLog log = MakeFakeMission();
+  ForEach<clock_t>(&log, [](clock_t& clock) {
+    if (clock.required_decision == 1) clock.required_decision = 0;
+  });
+  const MissionFeed feed = FeedOf(Encoded(log));
+  PageCursor cursor;
+  const nlohmann::json chunk = PageChunk(feed, "name", &cursor, true);
+  ASSERT_EQ(chunk["report"]["skipped_decisions"], nlohmann::json({1}));
+  ASSERT_EQ(chunk["decisions"][1].size(), 2U);
+  EXPECT_EQ(chunk["decisions"][1][0][0], 0);
+  EXPECT_EQ(chunk["decisions"][1][1][0], 2);
+}
+
 }  // namespace
 }  // namespace muster::tools

@@ -142,7 +142,13 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
        [](const Timeline::Done& d, ordered_json* list) {
          list->insert(list->end(), {d.t_ms, d.tasks});
        });
-  Flat("decisions", timeline.schedules(), &cursor->schedules, &chunk, WriteSchedule);
+  Flat("decisions", timeline.schedules(), &cursor->schedules, &chunk,
+       [&](const schedule_t& s, ordered_json* list) {
+         // The record knows which schedule holds when there are several, and which decisions never
+         // were in force.
+         const auto held = feed.record().schedules().find(s.decision);
+         if (held != feed.record().schedules().end()) WriteSchedule(held->second, list);
+       });
   Flat("activities", timeline.activities(), &cursor->activities, &chunk,
        [](const activity_t& a, ordered_json* list) {
          list->insert(list->end(),

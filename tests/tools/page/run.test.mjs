@@ -84,6 +84,13 @@ test("decisions are in order however they come, each once", () => {
   assert.deepEqual([action.symbol, action.uav, action.worker, action.task, action.weight], ["UiTxWj", 0, 0, 1, 1]);
 });
 
+test("a decision that never was in force goes when that is known", () => {
+  const row = (index) => [index, index * 600000, 1, null, 9, 1500, "mpq", []];
+  const run = begun({ decisions: [0, [row(0), row(1), row(2)]] });
+  run.apply({ now_ms: 0, epoch_ms: 0, ended: true, report: { skipped_decisions: [1] } });
+  assert.deepEqual(run.decisions.map((d) => d.index), [0, 2]);
+});
+
 test("bus counters are summed over processes and their starts", () => {
   const sample = (t, start, lost, resent) => [t, 0, start, 0, lost, 0, resent, 0, 0, 2];
   const run = begun({ processes: [["uav", 0, [...sample(0, 0, 0, 0), ...sample(10, 0, 5, 2), ...sample(30, 1, 1, 0)]],

@@ -52,7 +52,11 @@ export class Run {
     this.nowMs = Math.max(this.nowMs, chunk.now_ms);
     this.epochMs = chunk.epoch_ms;
     this.ended = chunk.ended;
-    if (chunk.report) this.report = chunk.report;
+    if (chunk.report) {
+      this.report = chunk.report;
+      const skipped = new Set(chunk.report.skipped_decisions ?? []);
+      this.decisions = this.decisions.filter((decision) => !skipped.has(decision.index));
+    }
     for (const [i, from, rows] of chunk.stops ?? []) splice(this.agents[i].stops, from * STOP, rows);
     for (const [i, from, rows] of chunk.spans ?? []) splice(this.agents[i].spans, from * 2, rows);
     for (const [i, from, rows] of chunk.tasks ?? []) splice(this.tasks[i].changes, from * 2, rows);
