@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "lcmtypes/protocol/program.h"
 #include "tools/explain/redecide.h"
 #include "tools/explain/words.h"
+#include "tools/launch/build_info.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -32,6 +35,15 @@ Json ToJson(const schedule_t& schedule) {
           {"actions", std::move(actions)}};
 }
 
+/// The commit that made the run, from its manifest.json; "" when that does not say.
+std::string CommitOf(const std::string& run) {
+  std::ifstream file(std::filesystem::path(run) / "manifest.json");
+  const auto manifest = nlohmann::json::parse(file, nullptr, false);
+  if (!manifest.is_object() || !manifest.contains("commit")) return "";
+  const auto& commit = manifest["commit"];
+  return commit.is_string() ? commit.get<std::string>() : "";
+}
+
 int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool json) {
   const std::vector<Divergence> divergences = DivergencesOf(decisions);
   std::size_t schedules = 0, unlogged = 0;
@@ -40,6 +52,7 @@ int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool
     unlogged += d.logged.empty() ? 1 : 0;
   }
   if (schedules == 0) throw InputError(fmt::format("{}: the log holds no schedule", run));
+  const std::string made_by = CommitOf(run);
   if (json) {
     Json list = Json::array();
     for (const Divergence& d : divergences) {
@@ -50,6 +63,8 @@ int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool
                             {"decisions", decisions.size()},
                             {"schedules", schedules},
                             {"without_schedule", unlogged},
+                            {"log_commit", made_by.empty() ? Json() : Json(made_by)},
+                            {"commit", kCommit},
                             {"divergences", std::move(list)}}
                            .dump(2));
     return divergences.empty() ? kExitOk : kExitCheckFailed;
@@ -65,6 +80,10 @@ int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool
   for (std::size_t i = 0; i < std::min(kListed, divergences.size()); ++i) {
     const Divergence& d = divergences[i];
     fmt::print("  {}  decision {}: {}\n", ClockWords(d.at_us), d.decision, d.what);
+  }
+  if (!made_by.empty() && made_by != kCommit) {
+    fmt::print("The log was made by commit {}, this is {}: only the same build must agree.\n",
+               made_by, kCommit);
   }
   return kExitCheckFailed;
 }
