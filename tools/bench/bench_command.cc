@@ -46,10 +46,14 @@ int BenchCommand(int argc, const char* const* argv) {
       "FILE")("plot", "gnuplot script that draws time against size from the CSV file",
               cxxopts::value<std::string>(), "FILE");
   AddPaperOptions(&options);
+  options.parse_positional({"merge"});
   const auto flags = ParseOptions(&options, argc, argv);
   if (!flags) return kExitOk;
   const auto suite = (*flags)["suite"].as<std::string>();
   if (suite == "paper" || suite == "paper-long") return PaperCommand(*flags);
+  if (flags->count("merge") > 0) {
+    throw InputError("options", "--merge", "suite " + suite, "--suite paper");
+  }
   if (suite != "decisions" && suite != "scale") {
     throw InputError("options", "--suite", suite, "decisions, scale, paper or paper-long");
   }

@@ -44,7 +44,7 @@ void AddPaperOptions(cxxopts::Options* options) {
       "list-jobs", "Print the runs as commands, one a line, for GNU parallel or a Slurm array")(
       "merge", "Put the rows of such jobs' folders together",
       cxxopts::value<std::vector<std::string>>(),
-      "DIR[,DIR...]")("q,quiet", "No progress on stderr, only errors");
+      "DIR...")("q,quiet", "No progress on stderr, only errors");
 }
 
 int PaperCommand(const cxxopts::ParseResult& flags) {

@@ -59,7 +59,7 @@ std::string HtmlTable(const PaperTable& table) {
 enum class Plot { kCompletion, kDecisionTime };
 
 /// A gnuplot script: the policies side by side at each line of the table, with their standard
-/// deviation, the paper's figures as crosses.
+/// deviation, the paper's figures as crosses. "" when there is nothing to draw.
 std::string PlotScript(const PaperTable& table, Plot plot, const std::string& svg_file) {
   const bool completion = plot == Plot::kCompletion;
   std::string data, curves, labels;
@@ -89,6 +89,7 @@ std::string PlotScript(const PaperTable& table, Plot plot, const std::string& sv
     data += fmt::format("$published << EOD\n{}EOD\n", published);
     curves += ", $published using 1:2 with points pt 2 ps 0.8 lc 'black' title 'the paper'";
   }
+  if (curves.empty()) return "";
   return fmt::format(
       "reset\nset terminal svg size {},440 noenhanced font 'sans-serif,11' background 'white'\n"
       "set output '{}'\nset xtics ({}) rotate by -35\nset xrange [-0.6:{}]\n"
@@ -115,11 +116,13 @@ std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plo
   std::vector<std::string> svgs;
   for (const std::string& file : files) {
     std::ifstream in(file, std::ios::binary);
-    std::string svg(std::istreambuf_iterator<char>(in), {});
+    const std::string svg(std::istreambuf_iterator<char>(in), {});
     const std::size_t start = svg.find("<svg");
-    svgs.push_back(start == std::string::npos || svg.find("</svg>") == std::string::npos
-                       ? ""
-                       : svg.substr(start));
+    if (start == std::string::npos || svg.find("</svg>") == std::string::npos) {
+      svgs.clear();
+      break;
+    }
+    svgs.push_back(svg.substr(start));
   }
   std::filesystem::remove_all(folder);
   return svgs;
@@ -153,12 +156,12 @@ std::vector<std::string> WritePaperPage(const PaperRows& rows, const std::string
 
   std::vector<std::pair<const PaperTable*, Plot>> plots;
   for (const PaperTable& table : tables) {
-    plots.emplace_back(&table, Plot::kCompletion);
-    plots.emplace_back(&table, Plot::kDecisionTime);
+    for (const Plot plot : {Plot::kCompletion, Plot::kDecisionTime}) {
+      if (!PlotScript(table, plot, "").empty()) plots.emplace_back(&table, plot);
+    }
   }
   const std::vector<std::string> svgs = Draw(plots);
-  if (svgs.empty() ||
-      std::any_of(svgs.begin(), svgs.end(), [](const auto& s) { return s.empty(); })) {
+  if (svgs.size() < plots.size()) {
     notes.emplace_back(
         "gnuplot: not there or without its SVG terminal: the page lacks plots "
         "(Debian: gnuplot-nox)");
@@ -172,7 +175,9 @@ std::vector<std::string> WritePaperPage(const PaperRows& rows, const std::string
   for (std::size_t t = 0; t < tables.size(); ++t) {
     page += fmt::format("<h2>{}, {}</h2><p>{}\n", Escaped(tables[t].title),
                         NameOf(tables[t].availability), Escaped(tables[t].note));
-    for (std::size_t i = 2 * t; i < 2 * t + 2 && i < svgs.size(); ++i) page += svgs[i];
+    for (std::size_t i = 0; i < svgs.size(); ++i) {
+      if (plots[i].first == &tables[t]) page += svgs[i];
+    }
     page += HtmlTable(tables[t]);
   }
   WriteFile(html_file, page);
