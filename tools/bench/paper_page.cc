@@ -56,6 +56,10 @@ std::string HtmlTable(const PaperTable& table) {
   return text + "</table>\n";
 }
 
+constexpr const char* kColours[] = {"#999999", "#0072b2", "#56b4e9", "#332288", "#e69f00",
+                                    "#ddcc77", "#999933", "#000000", "#cc3311", "#009e73",
+                                    "#cc79a7", "#882255", "#44aa99", "#aa4499", "#661100"};
+
 enum class Plot { kCompletion, kDecisionTime };
 
 /// A gnuplot script: the policies side by side at each line of the table, with their standard
@@ -82,8 +86,9 @@ std::string PlotScript(const PaperTable& table, Plot plot, const std::string& sv
     }
     if (points.empty()) continue;
     data += fmt::format("$p{} << EOD\n{}EOD\n", p, points);
-    curves += fmt::format("{}$p{} using 1:2:3 with yerrorbars pt 7 ps 0.5 title '{}'",
-                          curves.empty() ? "plot " : ", ", p, table.policies[p]);
+    curves += fmt::format("{}$p{} using 1:2:3 with yerrorbars pt 7 ps 0.5 lc '{}' title '{}'",
+                          curves.empty() ? "plot " : ", ", p, kColours[p % std::size(kColours)],
+                          table.policies[p]);
   }
   if (!published.empty()) {
     data += fmt::format("$published << EOD\n{}EOD\n", published);
