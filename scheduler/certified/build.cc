@@ -30,6 +30,10 @@ double Softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::
 /// is slow to reach.
 constexpr std::size_t kNeighboursFirst = 4096;
 
+/// Partners of a site that are listed, where not all are; and level from which none is sought.
+constexpr std::size_t kNearest = 24;
+constexpr std::int32_t kFarthest = 1 << 12;
+
 /// Number of a cell along the Z-order curve.
 std::uint32_t ZOrder(double x, double y) {
   const auto spread = [](double v) {
@@ -88,12 +92,14 @@ void Append(std::vector<T>* to, const std::vector<T>& from) {
 
 class Builder {
  public:
-  Builder(const Situation& situation, int threads, std::size_t exact_up_to)
+  Builder(const Situation& situation, int threads, std::size_t exact_up_to,
+          std::size_t all_pairs_up_to)
       : situation_(situation),
         site_(*situation.site),
         rules_(situation.site->rules),
         threads_(threads),
         exact_up_to_(exact_up_to),
+        all_pairs_up_to_(all_pairs_up_to),
         neighbours_first_(situation.uavs.size() + situation.workers.size() +
                               situation.vehicles.size() + site_.tasks.size() >
                           kNeighboursFirst),
@@ -213,6 +219,11 @@ class Builder {
     const auto find = [&](const std::vector<const AgentState*>& agents,
                           const std::vector<Point>& at, const SpeedClasses& speeds,
                           const GridIndex& index, bool charging) {
+      const std::size_t n_places = charging ? charge_at_.size() : task_at_.size();
+      if (rules_.availability == Availability::kOverrun &&
+          agents.size() * n_places > all_pairs_up_to_) {
+        return NearWays(at, speeds, charging);
+      }
       return FindWays(agents.size(), [&](std::size_t i, std::vector<Way>* ways) {
         const LevelOf& level = speeds.levels[At(speeds.of_agent[i])];
         const TimeUs left = TimeLeft(*agents[i]);
@@ -227,6 +238,32 @@ class Builder {
     };
     worker_to_task_ = find(workers_, worker_at_, worker_speeds_, task_index, false);
     vehicle_to_charge_ = find(vehicles_, vehicle_at_, vehicle_speeds_, charge_index, true);
+  }
+
+  /// The nearest partners of each place, by whole levels, where time limits nothing.
+  std::vector<Way> NearWays(const std::vector<Point>& at, const SpeedClasses& speeds,
+                            bool charging) {
+    const std::vector<Point>& places = charging ? charge_at_ : task_at_;
+    const GridIndex index(at);
+    double reach_m = 0;
+    for (const LevelOf& level : speeds.levels) reach_m = std::max(reach_m, level.reach_m());
+    if (rest_level_.empty()) rest_level_.assign(tasks_.size() + charges_.size(), 0);
+    return FindWays(places.size(), [&](std::size_t k, std::vector<Way>* ways) {
+      const Index site = charging ? site_of_charge_[k] : static_cast<Index>(k);
+      if (site < 0) return;
+      const std::size_t before = ways->size();
+      for (std::int32_t most = 2;; most *= 2) {
+        ways->resize(before);
+        index.Within(places[k], reach_m * most * (1 + 1e-9) + 1, [&](Index i, double metres) {
+          const std::int32_t level = speeds.levels[At(speeds.of_agent[At(i)])](metres);
+          if (level > most) return;
+          ways->push_back({i, static_cast<Index>(k), metres, level});
+        });
+        const bool all = ways->size() - before == at.size();
+        rest_level_[At(site)] = all ? 0 : most + 1;
+        if (all || ways->size() - before >= kNearest || most >= kFarthest) return;
+      }
+    });
   }
 
   TimeUs TimeLeft(const AgentState& agent) const {
@@ -372,6 +409,7 @@ class Builder {
     for (const ChargeId charge : charges_) {
       instance.capacity.push_back(situation_.free_places(charge));
     }
+    instance.rest_level = rest_level_;
     AddUavArcs(&instance);
     AddPartnerArcs(&instance);
 
@@ -491,7 +529,7 @@ class Builder {
   const Site& site_;
   const Rules& rules_;
   int threads_;
-  std::size_t exact_up_to_;
+  std::size_t exact_up_to_, all_pairs_up_to_;
   bool neighbours_first_;  ///< elements are numbered by neighbourhood, else by id
   double cell_m_;
   std::vector<const AgentState*> uavs_, workers_, vehicles_;
@@ -503,6 +541,7 @@ class Builder {
   std::vector<Point> task_at_, charge_at_;  ///< open tasks; all charging points
   std::vector<Index> site_of_charge_;       ///< -1: no free place
 
+  std::vector<std::int32_t> rest_level_;  ///< Instance::rest_level
   std::vector<Way> uav_to_task_, uav_to_charge_, worker_to_task_, vehicle_to_charge_;
   std::vector<double> task_by_uav_, charge_by_uav_, task_by_worker_, charge_by_vehicle_;
   MeanAt uav_tasks_, uav_charges_, worker_tasks_, vehicle_charges_;
@@ -510,8 +549,9 @@ class Builder {
 
 }  // namespace
 
-BuiltInstance BuildInstance(const Situation& situation, int threads, std::size_t exact_up_to) {
-  return Builder(situation, threads, exact_up_to).Build();
+BuiltInstance BuildInstance(const Situation& situation, int threads, std::size_t exact_up_to,
+                            std::size_t all_pairs_up_to) {
+  return Builder(situation, threads, exact_up_to, all_pairs_up_to).Build();
 }
 
 std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,

@@ -23,13 +23,18 @@ struct BuiltInstance {
   std::int32_t n_tasks() const { return static_cast<std::int32_t>(tasks.size()); }
 };
 
+/// In mode overrun any partner may go to any site. Beyond that many (partner, site), only those of
+/// each site's nearest levels are listed; the bound counts the others.
+inline constexpr std::size_t kAllPairs = 1'000'000;
+
 /// The candidate actions of a situation with their weights: idle agents, open tasks, charging
 /// points with a free place, constraints (5) and (6), availability. Moves of one agent that weigh
 /// no more than its staying are left out, as staying is always possible; so are sites that nobody
 /// can use. The decision's weight is not changed by either. `threads` may be 1 or 2; the result
 /// does not depend on it.
 BuiltInstance BuildInstance(const Situation& situation, int threads = 1,
-                            std::size_t exact_up_to = kExactPlaces);
+                            std::size_t exact_up_to = kExactPlaces,
+                            std::size_t all_pairs_up_to = kAllPairs);
 
 /// The actions of an assignment, in the order of Decision::actions, with their weights.
 std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,

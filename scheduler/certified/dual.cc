@@ -43,6 +43,7 @@ Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads
     }
     places_[s].end = static_cast<std::int32_t>(groups_.size());
     places_[s].least = 1;
+    places_[s].rest = instance.rest_level.empty() ? 0 : instance.rest_level[s];
     if (places_[s].begin < places_[s].end) places_[s].least = groups_[At(places_[s].begin)].level;
   }
 
@@ -105,6 +106,7 @@ Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads
   }
   value_.resize(instance.partners.size());
   best_value_.resize(instance.uavs.size());
+  bound_value_.resize(instance.uavs.size());
   best_column_.resize(instance.uavs.size());
 }
 
@@ -126,6 +128,7 @@ double Dual::Evaluate() {
     value_[p] = std::max(own, prices_.partner[p]);
     sum.Add(value_[p]);
   }
+  least_value_ = value_.empty() ? 0 : *std::min_element(value_.begin(), value_.end());
   const auto arcs = ways_.size() + gain_of_.size();
   const int threads = arcs > 100000 ? threads_ : 1;
   ParallelFor(places_.size(), threads, 2, [&](std::size_t begin, std::size_t end) {
@@ -134,7 +137,7 @@ double Dual::Evaluate() {
   ParallelFor(best_value_.size(), threads, 2, [&](std::size_t begin, std::size_t end) {
     PriceUavs(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
   });
-  for (const double value : best_value_) sum.Add(value);
+  for (const double value : bound_value_) sum.Add(value);
   work_ += static_cast<std::int64_t>(arcs + solos_.size() + prices_.site.size());
   // The sum is good to two roundings; each term is made of at most a dozen operations.
   slack_ = 32 * std::numeric_limits<double>::epsilon() * sum.magnitude();
@@ -166,11 +169,16 @@ void Dual::PriceSites(std::int32_t begin, std::int32_t end) {
 /// Best column of each UAV; of equal ones the first: staying, pairs by site and level, moves alone.
 void Dual::PriceUavs(std::int32_t begin, std::int32_t end) {
   for (std::int32_t u = begin; u < end; ++u) {
-    double best = instance_.uavs[At(u)].stay;
+    double best = instance_.uavs[At(u)].stay, rest_best = best;
     Column column;
     for (const Way& way : ways(u)) {
       const Place& place = places_[At(way.site)];
       const double own = way.gain - place.price;
+      if (place.rest > 0) {
+        const double inverse = InverseLevel(way.level, place.rest);
+        rest_best = std::max(
+            rest_best, own + way.base * inverse + Instance::kMostGain / place.rest - least_value_);
+      }
       if (own + way.base * InverseLevel(way.level, place.least) + place.most <= best) continue;
       const Instance::UavArc& whole = instance_.uav_arcs[At(way.arc)];
       for (std::int32_t g = place.begin; g < place.end; ++g) {
@@ -199,6 +207,7 @@ void Dual::PriceUavs(std::int32_t begin, std::int32_t end) {
       }
     }
     best_value_[At(u)] = best;
+    bound_value_[At(u)] = std::max(best, rest_best);
     best_column_[At(u)] = column;
   }
 }

@@ -100,6 +100,7 @@ class Dual {
     double price;
     double most;                     ///< no partner there adds more
     std::int32_t least, begin, end;  ///< groups, and the lowest of their levels
+    std::int32_t rest;               ///< level of partners that are not listed, or 0
   };
   std::span<const Way> ways(std::int32_t uav) const {
     return {ways_.data() + arc_begin_[At(uav)], At(arc_begin_[At(uav) + 1] - arc_begin_[At(uav)])};
@@ -135,6 +136,8 @@ class Dual {
   Prices prices_;
   std::vector<double> value_;  ///< [n_partners]
   std::vector<double> best_value_;
+  std::vector<double> bound_value_;  ///< [n_uavs] the same with partners that are not listed
+  double least_value_ = 0;           ///< of a partner
   std::vector<Column> best_column_;
   std::int64_t work_ = 0;
   double slack_ = 0;

@@ -63,6 +63,12 @@ struct Instance {
   std::vector<UavArc> uav_arcs;
   std::vector<PartnerArc> partner_arcs;
 
+  /// [n_sites] where partners beyond some level are not listed: the lowest level that one of them
+  /// may have; 0: all are listed. Empty: all are everywhere. Bounds take them into account.
+  std::vector<std::int32_t> rest_level;
+  /// No partner's gain is above this / level.
+  static constexpr double kMostGain = 1.3132616875182228;  // softplus(1)
+
   std::int32_t n_uavs() const { return static_cast<std::int32_t>(uavs.size()); }
   std::int32_t n_partners() const { return static_cast<std::int32_t>(partners.size()); }
   std::int32_t n_sites() const { return static_cast<std::int32_t>(capacity.size()); }

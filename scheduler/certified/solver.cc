@@ -136,6 +136,8 @@ class Search {
   /// short of the bound is a sum that each of its columns' regrets is part of.
   void Prove(const std::function<bool()>& stop) {
     BranchOverKnown(stop);
+    // A search over what is listed proves nothing about what is not.
+    if (!instance_.rest_level.empty()) return;
     if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProofColumns)) return;
     proven_bound_ = std::max(best_.weight, BranchOverKnown(stop));
     proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;

@@ -77,6 +77,14 @@ int BenchCommand(int argc, const char* const* argv) {
   if (flags->count("seeds") > 0) bench.seeds = PositiveOption(*flags, "seeds", 10000);
   bench.first_seed = PositiveOption(*flags, "first-seed", 1000000);
   bench.repetitions = PositiveOption(*flags, "repetitions", 10000);
+  if (flags->count("availability") > 0) {
+    const auto modes = (*flags)["availability"].as<std::vector<std::string>>();
+    if (modes.size() != 1 || (modes[0] != "strict" && modes[0] != "overrun")) {
+      throw InputError("options", "--availability", fmt::format("{}", fmt::join(modes, ",")),
+                       "strict or overrun");
+    }
+    if (modes[0] == "overrun") bench.availability = Availability::kOverrun;
+  }
   bench.threads = PositiveOption(*flags, "threads", 2);
   if (flags->count("plot") > 0 && flags->count("out") == 0) {
     throw InputError("options", "--out", "nothing", "the CSV file that --plot draws");

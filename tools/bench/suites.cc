@@ -109,7 +109,8 @@ void RunScale(const BenchOptions& options, const std::function<void(const BenchR
       row.instance = fmt::format("Random_29 x{:g}", scale);
       row.seed = static_cast<std::uint64_t>(seed);
       row.fuse_s = kNone;
-      const Situation situation = MidMission(Scaled(PresetByName("Random_29"), scale), row.seed);
+      const Situation situation =
+          MidMission(Scaled(PresetByName("Random_29"), scale), row.seed, options.availability);
       row.decision = situation.decision;
       // Written-out nodes of a tenth of the largest size take a gigabyte already.
       if (scale <= 3) row.edges = CountEdges(situation);
@@ -118,8 +119,10 @@ void RunScale(const BenchOptions& options, const std::function<void(const BenchR
   }
 }
 
-Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed) {
-  const Scenario scenario = Generate(settings, seed);
+Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed,
+                     Availability availability) {
+  Scenario scenario = Generate(settings, seed);
+  scenario.rules.availability = availability;
   Situation situation;
   situation.site = std::make_shared<const scheduler::Site>(scenario);
   situation.decision = static_cast<std::int32_t>(60 * kMinuteUs / scenario.rules.interval_us);

@@ -37,6 +37,7 @@ struct BenchOptions {
   int first_seed = 1;
   int repetitions = 1;
   int threads = 1;
+  Availability availability = Availability::kStrict;  ///< of the scale suite
 };
 
 /// Every decision of missions on the presets named by `instances`, decided by `certified` on the
@@ -48,7 +49,8 @@ void RunScale(const BenchOptions& options, const std::function<void(const BenchR
 
 /// A situation in the middle of a mission that is not simulated: agents that are online after an
 /// hour where the scenario puts them, UAVs with 0.3 to all of their range, 30 % of the tasks done.
-scheduler::Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed);
+scheduler::Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed,
+                                Availability availability = Availability::kStrict);
 
 /// Pairs of nodes that share an element with one free place.
 std::int64_t CountEdges(const scheduler::Situation& situation);

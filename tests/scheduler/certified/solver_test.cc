@@ -157,6 +157,33 @@ TEST(Solver, EqualsCbcOnDenseRandomInstances) {
   }
 }
 
+TEST(Solver, BoundsCountPartnersThatAreNotListed) {
+  int tight = 0, fewer = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Situation situation = GeneratedSituation(
+        Scaled(PresetByName("Random_29"), 1 + static_cast<double>(seed % 2)), seed, 3, 0.4);
+    auto site = std::make_shared<Site>(*situation.site);
+    site->rules.availability = Availability::kOverrun;
+    situation.site = site;
+    if (seed % 4 == 0) {
+      // All workers in a corner, so that those far away count.
+      double y_m = 0;
+      for (AgentState& worker : situation.workers) worker.from = worker.to = {0, y_m += 1};
+    }
+    const Instance all = BuildInstance(situation).instance;
+    const Instance near = BuildInstance(situation, 1, kExactPlaces, 0).instance;
+    const Solution optimum = Solve(all), solution = Solve(near);
+    EXPECT_TRUE(IsValid(near, solution.assignment));
+    EXPECT_GE(solution.bound, optimum.assignment.weight - kSame);
+    EXPECT_LE(solution.assignment.weight, optimum.bound + kSame);
+    tight += solution.bound <= optimum.assignment.weight * (1 + 1e-3);
+    fewer += near.partner_arcs.size() < all.partner_arcs.size();
+  }
+  EXPECT_GE(fewer, 8);
+  EXPECT_GE(tight, 6);
+}
+
 TEST(Solver, TwoThreadsGiveTheAnswerOfOne) {
   const Situation situation = GeneratedSituation(Scaled(PresetByName("Random_29"), 12), 3, 6, 0.5);
   const BuiltInstance one = BuildInstance(situation, 1), two = BuildInstance(situation, 2);
