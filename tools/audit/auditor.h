@@ -180,6 +180,7 @@ class Auditor {
   std::vector<std::pair<Place, std::int64_t>> was_[3];  // where it truly was, and when
   std::map<AgentKey, Command> commands_;
   std::map<AgentKey, Failure> failed_;
+  std::set<int> failing_;  // UAVs that fail at this tick
   std::map<AgentKey, std::int64_t> released_;
   std::vector<Tracked> activities_;
   std::vector<std::int8_t> task_status_;

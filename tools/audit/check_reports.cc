@@ -10,6 +10,10 @@
 namespace muster::tools::audit {
 
 void Auditor::CheckReports(const TickData& data) {
+  failing_.clear();
+  for (const ruling_t& r : data.rulings->rulings) {
+    if (r.agent_kind == kUav && r.kind == 0 && r.at_us > before_us_) failing_.insert(r.agent_id);
+  }
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (AgentModel& model : models_[kind]) {
       const auto id = static_cast<std::size_t>(model.id);
@@ -47,11 +51,14 @@ void Auditor::CheckReport(AgentModel* model, const Report& report) {
   }
   was = here;
   was_us = now_us_;
-  std::optional<Place>& seen = last_seen_[kind][id];
-  if (seen && model->kind == kUav) flown_m_[id] += Way(*seen, here);
-  seen = here;
   if (model->kind == kUav) {
-    final_range_m_[id] = a.range_left_m;
+    // The report of the tick at which it is ruled to have failed runs ahead of its failure.
+    if (!failing_.contains(model->id)) {
+      std::optional<Place>& seen = last_seen_[kind][id];
+      if (seen) flown_m_[id] += Way(*seen, here);
+      seen = here;
+      final_range_m_[id] = a.range_left_m;
+    }
     if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {
       Violate(now_us_, "range",
               fmt::format("{} has {:.6g} m of range left, full is {:.6g} m", model->name(),

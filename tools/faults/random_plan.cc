@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "world/model/agent.h"
 #include "world/model/check.h"
@@ -43,6 +44,7 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
   Random random(settings.seed, Stream::kPacketFault, kPlanEntity);
   const double mean_gap_us = 3600e6 / settings.rate_per_hour;
   TimeUs hold_over_us = 0;
+  std::set<std::string> felled;
   double at_us = 0;
   while (true) {
     at_us += -std::log(1 - random.Uniform()) * mean_gap_us;
@@ -52,10 +54,10 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
     fault.id = fmt::format("r{}", plan.size());
     fault.kind = settings.kinds[random.Below(static_cast<std::uint32_t>(settings.kinds.size()))];
     fault.at_us = ToUs(Rounded(at_us * 1e-6, 6));  // a tenth of a minute
-    const TimeUs minutes = static_cast<TimeUs>(1 + random.Below(30)) * kMinuteUs;
+    const TimeUs minutes = static_cast<TimeUs>(5 + random.Below(26)) * kMinuteUs;
     const bool in_mission_time = settings.goes_on && random.Below(2) == 0;
     const std::uint32_t pick = random.Below(in_mission_time ? kReplaceable : kMembers.size());
-    const double share = Rounded(random.Uniform(0.05, 0.4), 0.01);
+    const double share = Rounded(random.Uniform(0.1, 0.4), 0.01);
     const TimeUs real_us = ToUs(Rounded(random.Uniform(0.05, 0.5), 0.01));
     if (HoldsAProcess(fault.kind)) {
       if (fault.at_us < hold_over_us) continue;
@@ -69,6 +71,8 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
         if (n == 0) continue;
         fault.target =
             fmt::format("{}:{}", ToString(kind), random.Below(static_cast<std::uint32_t>(n)));
+        // Who has failed, or is lost with its process, cannot fail again.
+        if (!felled.insert(fault.target).second || fault.at_us < hold_over_us) continue;
         if (fault.kind == FaultKind::kAgentSilent) fault.for_us = minutes;
         break;
       }
@@ -90,7 +94,9 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
         fault.for_us = minutes;
         break;
       default:
-        fault.target = random.Below(2) == 0 ? "*" : kMembers[random.Below(5)];
+        // One that is held may hear nothing that could be hit.
+        fault.target =
+            random.Below(2) == 0 || fault.at_us < hold_over_us ? "*" : kMembers[random.Below(5)];
         fault.for_us = minutes;
         fault.probability = fault.kind == FaultKind::kDelay ? share * 1e-2 : share;
         break;

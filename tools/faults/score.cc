@@ -38,12 +38,6 @@ Agent AgentOf(const event_t& event) {
   return {AgentKind::kVehicle, event.vehicle_id};
 }
 
-bool Commands(const action_t& action, Agent agent) {
-  return agent.second == (agent.first == AgentKind::kUav      ? action.uav_id
-                          : agent.first == AgentKind::kWorker ? action.worker_id
-                                                              : action.vehicle_id);
-}
-
 /// What the log says of one fault.
 class Case {
  public:
@@ -117,7 +111,7 @@ class Case {
   }
 
   /// Of the felled agents' partners that were online at the next decision: the most decisions until
-  /// one was in a schedule again. None: there was no such partner; -1: one never was.
+  /// one could be commanded again. None: there was no such partner; -1: one never could.
   std::optional<std::int64_t> ReleasedDecisions() const {
     std::optional<std::int64_t> most;
     const TimeUs interval_us = record_.scenario()->rules.interval_us;
@@ -130,13 +124,15 @@ class Case {
         continue;
       }
       std::int64_t n = -1;
-      for (const auto& [d, schedule] : record_.schedules()) {
-        if (d < first) continue;
-        if (std::any_of(schedule.actions.begin(), schedule.actions.end(),
-                        [&](const action_t& action) { return Commands(action, partner); })) {
-          n = d - first + 1;
-          break;
-        }
+      const auto words = evidence_.words.find(partner);
+      for (auto d = first; words != evidence_.words.end() && d < record_.scenario()->decisions();
+           ++d) {
+        // What it says after the decision: it obeys, or it was free to and got no command.
+        const auto word = words->second.upper_bound(d * interval_us);
+        if (word == words->second.end()) break;
+        if (!word->second.idle && word->second.decision != d) continue;
+        n = d - first + 1;
+        break;
       }
       if (n < 0) return -1;
       most = std::max(most.value_or(0), n);
@@ -213,6 +209,15 @@ class Case {
 
 void FaultEvidence::Add(const Packet& packet) {
   record.Add(packet);
+  if (packet.channel == channel::kUavs || packet.channel == channel::kWorkers ||
+      packet.channel == channel::kVehicles) {
+    const auto states = DecodeValid<agent_states_t>(packet.bytes);
+    if (!states) return;
+    for (const agent_t& agent : states->agents) {
+      words[{static_cast<AgentKind>(states->kind), agent.id}][states->header.sim_us] = {
+          static_cast<AgentStatus>(agent.status) == AgentStatus::kIdle, agent.decision};
+    }
+  }
   if (packet.channel != channel::kClock) return;
   const auto clock = DecodeValid<clock_t>(packet.bytes);
   if (clock && clock->phase == 1) clock_wall_us.try_emplace(clock->tick_us, clock->header.wall_us);

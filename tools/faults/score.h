@@ -6,6 +6,7 @@
 
 #include "tools/faults/fault_plan.h"
 #include "tools/report/run_record.h"
+#include "world/model/agent.h"
 
 namespace muster::tools {
 
@@ -14,6 +15,12 @@ struct FaultEvidence {
   RunRecord record;
   /// Wall time of the first clock_t of each mission time, microseconds.
   std::map<TimeUs, std::int64_t> clock_wall_us;
+  /// What an agent reported: whether it was free, and which decision it last obeyed.
+  struct Word {
+    bool idle = false;
+    std::int32_t decision = -1;
+  };
+  std::map<std::pair<AgentKind, std::int32_t>, std::map<TimeUs, Word>> words;  ///< by agent, time
   std::string undisturbed_digest;  ///< "": not asked for
 
   void Add(const Packet& packet);

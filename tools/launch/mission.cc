@@ -139,7 +139,7 @@ Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals
       stop_(stop),
       progress_(progress),
       recorder_({plan.run_id, "recorder", 0}),
-      stall_watch_(NamesOf(plan.processes), plan.tick_wall_us),
+      stall_watch_(NamesOf(plan.processes), plan.tick_us, plan.rate),
       injector_(plan.faults, NamesOf(plan.processes)),
       own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {

@@ -35,8 +35,9 @@ struct MissionPlan {
   FaultPlan faults;
   /// Called with every event of the log, as it is read; it must return soon.
   std::function<void(const Packet&)> on_logged = {};
-  bool goes_on = false;     ///< without agent processes and scheduler when they are lost
-  TimeUs tick_wall_us = 0;  ///< by --rate; 0: as fast as it goes
+  bool goes_on = false;  ///< without agent processes and scheduler when they are lost
+  TimeUs tick_us = 0;
+  double rate = 0;  ///< mission seconds per wall second; 0: as fast as it goes
 };
 
 enum class MissionEnd {

@@ -101,9 +101,8 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   plan.faults = options.faults;
   plan.hosts = options.hosts;
   plan.goes_on = options.on_loss == "continue";
-  if (options.rate != "max") {
-    plan.tick_wall_us = ToUs(ToSeconds(tick_us) / std::stod(options.rate));
-  }
+  plan.tick_us = tick_us;
+  if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
   plan.logger = {"lcm-logger",
@@ -196,9 +195,8 @@ int RunCommand(int argc, const char* const* argv) {
     PrintWhatToStart(*options, mission);
   }
 
-  MissionPlan plan =
-      PlanMission(*options, PlanProcesses(*options, scenario, mission), logger, mission, directory,
-                  scenario.rules.tick_us);
+  MissionPlan plan = PlanMission(*options, PlanProcesses(*options, scenario, mission), logger,
+                                 mission, directory, scenario.rules.tick_us);
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());

@@ -11,11 +11,14 @@ namespace muster::tools {
 namespace {
 
 constexpr TimeUs kPatienceUs = 3 * kSecondUs;
+constexpr TimeUs kLateUs = 5 * kSecondUs;
 
 }  // namespace
 
-StallWatch::StallWatch(std::vector<std::string> processes, TimeUs tick_wall_us)
-    : processes_(std::move(processes)), patience_us_(kPatienceUs + tick_wall_us) {}
+StallWatch::StallWatch(std::vector<std::string> processes, TimeUs tick_us, double rate)
+    : processes_(std::move(processes)),
+      rate_(rate),
+      patience_us_(kPatienceUs + (rate > 0 ? ToUs(ToSeconds(tick_us) / rate) : 0)) {}
 
 void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
   const std::optional<header_t> header = DecodeHeader(packet);
@@ -38,6 +41,10 @@ void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
     clock_us_ = clock->tick_us;
     decision_due_ = clock->decision >= 0;
     moved_us_ = now_us;
+    if (begin_wall_us_ < 0) {
+      begin_wall_us_ = now_us;
+      begin_clock_us_ = clock_us_;
+    }
   }
 }
 
@@ -55,11 +62,21 @@ std::vector<std::string> StallWatch::Missing() const {
   return agents.empty() ? schedulers : agents;  // a decision needs all agents
 }
 
+std::optional<std::string> StallWatch::LateLine() {
+  if (rate_ <= 0) return {};
+  const TimeUs late_us =
+      moved_us_ - begin_wall_us_ - ToUs(ToSeconds(clock_us_ - begin_clock_us_) / rate_);
+  if (late_us < std::max(kLateUs, 2 * said_late_us_)) return {};
+  said_late_us_ = late_us;
+  return fmt::format("the mission is {:.0f} s behind its rate at {:.1f} min: this host is too slow",
+                     ToSeconds(late_us), ToMinutes(clock_us_));
+}
+
 std::optional<std::string> StallWatch::Line(TimeUs now_us) {
   if (moved_us_ < 0 || ended_) return {};
   const TimeUs stands_us = now_us - moved_us_;
   if (stands_us < patience_us_) {
-    if (said_after_us_ == 0) return {};
+    if (said_after_us_ == 0) return LateLine();
     said_after_us_ = 0;
     return fmt::format("the mission goes on at {:.1f} min", ToMinutes(clock_us_));
   }

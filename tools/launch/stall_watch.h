@@ -10,21 +10,24 @@
 
 namespace muster::tools {
 
-/// Notices, from what is heard on the bus, that the mission's clock stands, and for whom.
+/// Notices, from what is heard on the bus, that the mission's clock stands, and for whom, and that
+/// it falls behind its rate.
 class StallWatch {
  public:
-  /// `processes`: the mission's, by name; they are looked for in that order. `tick_wall_us`: how
-  /// long a tick lasts by --rate, 0 at full speed.
-  StallWatch(std::vector<std::string> processes, TimeUs tick_wall_us);
+  /// `processes`: the mission's, by name; they are looked for in that order. `rate`: mission
+  /// seconds per wall second, 0 at full speed.
+  StallWatch(std::vector<std::string> processes, TimeUs tick_us, double rate);
 
   void OnHeard(const Packet& packet, TimeUs now_us);
   /// A line to say now: that the mission stands (after 3 s, 6 s, 12 s ...), and for whom it waits,
-  /// or that it goes on.
+  /// or that it goes on, or that it is late (by 5 s, 10 s, 20 s ...).
   std::optional<std::string> Line(TimeUs now_us);
   /// Whose word on the newest tick has not been heard.
   std::vector<std::string> Missing() const;
 
  private:
+  std::optional<std::string> LateLine();
+
   enum class Role { kUnknown, kAgents, kScheduler, kOther };
   struct Peer {
     Role role = Role::kUnknown;
@@ -33,6 +36,7 @@ class StallWatch {
   };
 
   std::vector<std::string> processes_;
+  double rate_;
   TimeUs patience_us_;
   std::map<std::string, Peer> peers_;
   TimeUs clock_us_ = -1;  ///< mission time of the newest clock
@@ -40,6 +44,8 @@ class StallWatch {
   bool ended_ = false;
   TimeUs moved_us_ = -1;  ///< monotonic
   TimeUs said_after_us_ = 0;
+  TimeUs begin_wall_us_ = -1, begin_clock_us_ = 0;
+  TimeUs said_late_us_ = 0;
 };
 
 }  // namespace muster::tools

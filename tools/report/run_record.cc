@@ -28,33 +28,34 @@ auto Rank(const header_t& header) { return std::tie(header.boot_id, header.seq, 
 }  // namespace
 
 void Track::Add(std::int64_t tick, Point at, double range_left_m) {
-  if (tick > final_tick_) {
-    final_tick_ = tick;
-    final_range_m_ = range_left_m;
-  }
-  if (base_ && tick <= base_->first) return;
+  if ((base_ && tick <= base_->tick) || excluded_.contains(tick)) return;
   const auto place =
       std::lower_bound(pending_.begin(), pending_.end(), tick,
-                       [](const auto& entry, std::int64_t t) { return entry.first < t; });
-  if (place != pending_.end() && place->first == tick) return;
-  pending_.insert(place, {tick, at});
+                       [](const Mark& mark, std::int64_t t) { return mark.tick < t; });
+  if (place != pending_.end() && place->tick == tick) return;
+  pending_.insert(place, {tick, at, range_left_m});
   if (pending_.size() <= kWindow) return;
   // Half at a time, so that each position moves a bounded number of times.
   const auto end = pending_.begin() + kWindow / 2;
   for (auto it = pending_.begin(); it != end; ++it) {
-    if (base_) length_m_ += Distance(base_->second, it->second);
+    if (base_) length_m_ += Distance(base_->at, it->at);
     base_ = *it;
   }
   pending_.erase(pending_.begin(), end);
 }
 
+void Track::Exclude(std::int64_t tick) {
+  excluded_.insert(tick);
+  std::erase_if(pending_, [&](const Mark& mark) { return mark.tick == tick; });
+}
+
 double Track::length_m() const {
   double length = length_m_;
   std::optional<Point> at;
-  if (base_) at = base_->second;
-  for (const auto& [tick, next] : pending_) {
-    if (at) length += Distance(*at, next);
-    at = next;
+  if (base_) at = base_->at;
+  for (const Mark& mark : pending_) {
+    if (at) length += Distance(*at, mark.at);
+    at = mark.at;
   }
   return length;
 }
@@ -179,13 +180,18 @@ void RunRecord::Collapse(std::int64_t tick) {
   open_ticks_.erase(cover);
 }
 
-void RunRecord::Excuse(const rulings_t& message, TickCover* cover) const {
+void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
+  const Rules& rules = scenario_->rules;
+  const TimeUs before_us =
+      message.tick == 0 ? -1 : std::min((message.tick - 1) * rules.tick_us, rules.limit_us);
   const std::size_t n_uavs = scenario_->uavs.size();
   const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario_->workers.size(), said_.size()};
   for (const ruling_t& ruling : message.rulings) {
     if (ruling.kind != 0 || ruling.agent_kind > 2 || ruling.agent_id < 0) continue;
     const std::size_t i = offsets[ruling.agent_kind] + static_cast<std::size_t>(ruling.agent_id);
-    if (i < offsets[ruling.agent_kind + 1]) cover->excused.push_back(i);
+    if (i >= offsets[ruling.agent_kind + 1]) continue;
+    cover->excused.push_back(i);
+    if (ruling.agent_kind == 0 && ruling.at_us > before_us) tracks_[i].Exclude(message.tick);
   }
 }
 

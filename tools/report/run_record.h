@@ -34,17 +34,25 @@ class Track {
   /// Position at a tick. Ticks may come in any order within a window of 64; a tick that comes
   /// later than that is left out.
   void Add(std::int64_t tick, Point at, double range_left_m);
+  /// What is said of that tick does not count: the UAV is ruled to have failed before it.
+  void Exclude(std::int64_t tick);
   double length_m() const;
   /// Range left at the last tick heard of; metres.
-  double final_range_m() const { return final_range_m_; }
-  std::int64_t final_tick() const { return final_tick_; }
+  double final_range_m() const { return last().range_left_m; }
+  std::int64_t final_tick() const { return last().tick; }
 
  private:
-  std::vector<std::pair<std::int64_t, Point>> pending_;  // ascending by tick
-  std::optional<std::pair<std::int64_t, Point>> base_;   // last tick that is summed up
+  struct Mark {
+    std::int64_t tick = -1;
+    Point at;
+    double range_left_m = 0;
+  };
+  Mark last() const { return pending_.empty() ? base_.value_or(Mark()) : pending_.back(); }
+
+  std::vector<Mark> pending_;  // ascending by tick
+  std::optional<Mark> base_;   // last tick that is summed up
   double length_m_ = 0;
-  double final_range_m_ = 0;
-  std::int64_t final_tick_ = -1;
+  std::set<std::int64_t> excluded_;
 };
 
 /// What a mission left on the bus, gathered from its packets in any order: from a log, a live
@@ -159,7 +167,7 @@ class RunRecord {
   /// Forgets the cover of a tick that is complete.
   void Collapse(std::int64_t tick);
   TickCover* Cover(std::int64_t tick);
-  void Excuse(const rulings_t& message, TickCover* cover) const;
+  void Excuse(const rulings_t& message, TickCover* cover);
   std::int64_t last_tick() const;
 
   std::optional<std::int64_t> run_id_;

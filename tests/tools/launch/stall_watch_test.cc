@@ -34,7 +34,7 @@ Packet Schedule(TimeUs mission_us) {
 using Names = std::vector<std::string>;
 
 TEST(StallWatch, NamesWhoIsMissingAndSaysWhenItGoesOn) {
-  StallWatch watch({"world", "uav", "worker", "scheduler"}, 0);
+  StallWatch watch({"world", "uav", "worker", "scheduler"}, kMinuteUs, 0);
   EXPECT_FALSE(watch.Line(100 * kSecondUs)) << "it has not begun";
   TimeUs now_us = 0;
   for (TimeUs t : {TimeUs{0}, kMinuteUs}) {
@@ -61,12 +61,26 @@ TEST(StallWatch, NamesWhoIsMissingAndSaysWhenItGoesOn) {
 }
 
 TEST(StallWatch, GivesAPacedMissionItsTicks) {
-  StallWatch watch({"world", "uav"}, 30 * kSecondUs);
+  StallWatch watch({"world", "uav"}, 30 * kSecondUs, 1);
   watch.OnHeard(Clock(0, -1), 0);
   watch.OnHeard(States("uav", 0), 0);
   EXPECT_FALSE(watch.Line(32 * kSecondUs));
   EXPECT_EQ(watch.Line(33 * kSecondUs),
             "the mission has stood at 0.0 min for 33 s: it waits for the world or the log");
+}
+
+TEST(StallWatch, SaysHowLateAPacedMissionIs) {
+  StallWatch watch({"world"}, 30 * kSecondUs, 30);
+  const auto line = [&](TimeUs ticks, TimeUs now_us) {
+    watch.OnHeard(Clock(ticks * 30 * kSecondUs, -1), now_us);
+    return watch.Line(now_us);
+  };
+  EXPECT_FALSE(line(0, 0));
+  EXPECT_FALSE(line(10, 14 * kSecondUs)) << "4 s late";
+  EXPECT_EQ(line(20, 26 * kSecondUs),
+            "the mission is 6 s behind its rate at 10.0 min: this host is too slow");
+  EXPECT_FALSE(line(30, 38 * kSecondUs)) << "8 s, said at 6";
+  EXPECT_TRUE(line(40, 53 * kSecondUs));
 }
 
 }  // namespace
