@@ -109,6 +109,15 @@ test("a fault is one band, from the first who felt it to the last", () => {
   assert.equal(faultBands(run)[0].label, "f: loss *");
 });
 
+test("a process that launcher and world miss is one band, until the last has it back", () => {
+  const event = (kind, t, detail) => [kind, t, -1, -1, -1, -1, -1, "", detail];
+  const run = begun({ now_ms: 1000, events: [0, [
+    event("process_lost", 55, "scheduler was killed by signal 9"), event("process_lost", 60, "scheduler"),
+    event("process_back", 78, "scheduler, start 1"), event("process_back", 80, "scheduler"),
+    event("process_lost", 90, "scheduler"), event("process_lost", 95, "uav exited")]] });
+  assert.deepEqual(faultBands(run).map((b) => [b.from, b.to]), [[55, 80], [90, 1000], [95, 1000]]);
+});
+
 test("busy is moving, waiting, sensing, charging", () => {
   const run = begun({ spans: [[0, 0, [0, 1, 100, 2, 200, 4, 300, 1, 400, 5, 500, 6]]] });
   assert.equal(busyMs(run.agents[0], 1000), 300);

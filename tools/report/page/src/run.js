@@ -224,14 +224,9 @@ export function faultBands(run) {
 
 function findBands(run) {
   const bands = [];
-  const open = new Map();
+  const lost = new Map(); // by process, its latest
   const faults = new Map();
   const end = Math.max(run.nowMs, 1);
-  const close = (key, t) => {
-    if (!open.has(key)) return;
-    open.get(key).to = t;
-    open.delete(key);
-  };
   for (const event of run.events) {
     const process = event.detail.split(/[ ,]/)[0];
     if (event.kind === "fault_applied") {
@@ -243,11 +238,14 @@ function findBands(run) {
       const band = faults.get(event.fault);
       if (band) band.to = band.to === end ? event.t : Math.max(band.to, event.t);
     } else if (event.kind === "process_lost") {
-      const band = { from: event.t, to: end, label: `lost: ${event.detail}`, kind: "process" };
-      open.set(process, band);
+      // The launcher and the world both say so, each when it notices.
+      if (lost.get(process)?.open) continue;
+      const band = { from: event.t, to: end, label: `lost: ${event.detail}`, kind: "process", open: true };
+      lost.set(process, band);
       bands.push(band);
     } else if (event.kind === "process_back") {
-      close(process, event.t);
+      const band = lost.get(process);
+      if (band) Object.assign(band, { to: event.t, open: false });
     } else if (event.kind === "agent_failed") {
       bands.push({ from: event.t, to: event.t, label: `${who(event)} failed`, kind: "agent" });
     }
