@@ -161,6 +161,26 @@ TEST_F(KillTest, Logger) { KillAll({"lcm-logger"}, 6); }
 TEST_F(KillTest, EachOnceInOneMission) {
   KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
 }
+TEST_F(KillTest, WhoEndsForGoodIsDoneWithout) {
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600",
+                 "--on-loss", "continue", "--lost-after", "0.5", "--restarts", "0"});
+  LiveLog log(folder_.File("run"));
+  ASSERT_TRUE(Eventually([&] {
+    log.Read();
+    return log.tick() >= 60 && log.pid("vehicle") > 0;
+  }));
+  ASSERT_EQ(kill(log.pid("vehicle"), SIGKILL), 0);
+  EXPECT_EQ(muster.Wait(), 0) << muster.output();
+  EXPECT_NE(muster.output().find("the mission goes on without it"), std::string::npos)
+      << muster.output();
+  const Json report = Report("run");
+  EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
+  EXPECT_EQ(report["events"]["agent_back"], 0);
+  EXPECT_GT(report["events"]["agent_failed"], 0);
+  EXPECT_GT(report["tasks_done"], 0);
+}
+
 TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }
 TEST_F(KillTest, SchedulerUavsAndLoggerOverABadNetwork) {
   KillAll({"scheduler", "uav", "lcm-logger"}, 9, {"--drop", "0.1"});
