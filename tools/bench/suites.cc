@@ -237,13 +237,19 @@ std::string SummaryOf(const std::vector<BenchRow>& rows) {
 std::string PlotScript(const std::string& csv_file, const std::string& svg_file) {
   return fmt::format(
       "# gnuplot: time of a decision against the size of its graph\n"
-      "set terminal svg size 800,500\nset output '{}'\nset datafile separator ','\n"
+      "set terminal svg size 800,500 background 'white'\nset output '{}'\nset datafile separator "
+      "','\n"
       "set logscale xy\nset xlabel 'nodes'\nset ylabel 'seconds'\nset key left top\n"
-      "plot '{}' using (column('n')):(column('total_s')) every ::1 title 'total', \\\n"
-      "     '' using (column('n')):(column('weights_s')) every ::1 title 'weights', \\\n"
-      "     '' using (column('n')):(column('candidates_s')) every ::1 title 'candidates', \\\n"
-      "     '' using (column('n')):(column('bound_s')) every ::1 title 'bound', \\\n"
-      "     '' using (column('n')):(column('search_s')) every ::1 title 'search'\n",
+      "plot '{}' using (column('n')):(column('total_s')) every ::1 smooth unique with linespoints "
+      "title 'total', \\\n"
+      "     '' using (column('n')):(column('weights_s')) every ::1 smooth unique with linespoints "
+      "title 'weights', \\\n"
+      "     '' using (column('n')):(column('candidates_s')) every ::1 smooth unique with "
+      "linespoints title 'candidates', \\\n"
+      "     '' using (column('n')):(column('bound_s')) every ::1 smooth unique with linespoints "
+      "title 'bound', \\\n"
+      "     '' using (column('n')):(column('search_s')) every ::1 smooth unique with linespoints "
+      "title 'search'\n",
       svg_file, csv_file);
 }
 
