@@ -91,7 +91,7 @@ void AgentProcess::Take(const restore_t& restore) {
     inbox().Reject();
     return;
   }
-  if (states->tick < tick_) return;
+  if (states->tick < std::max(tick_, restore_from_)) return;
   if (states->tick > tick_) {
     tick_ = states->tick;
     restored_states_.clear();
@@ -164,6 +164,7 @@ void AgentProcess::Take(const world_state_t& world) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
     // came from an earlier start of it. Go on from them.
     restored_ = false;
+    restore_from_ = world.tick;
     for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
     return;
   }

@@ -52,6 +52,7 @@ class AgentProcess : public Process {
   TimeUs tick_us_ = 0;
   std::int32_t applied_decision_ = -1;
   bool restored_ = false;                 ///< has a state to go on from
+  std::int64_t restore_from_ = 0;         ///< an older tick's state is not enough
   std::set<std::int32_t> still_unknown_;  ///< ids not restored yet
   std::vector<agent_t> restored_states_;  ///< to be published again
 

@@ -145,7 +145,8 @@ std::vector<std::string> FaultInjector::WithoutEffect() const {
       add("its time did not come");
     } else if (injection.applied.empty()) {
       add("nobody has confirmed it");
-    } else if (IsPacketFault(fault.kind) && injection.hits == 0) {
+    } else if (IsPacketFault(fault.kind) && injection.hits == 0 &&
+               injection.applied == injection.ended) {  // else a start died with its count
       add("it hit no packet");
     }
   }
