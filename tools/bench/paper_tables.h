@@ -68,7 +68,8 @@ struct PairedDifference {
 std::vector<PairedDifference> PairedDifferences(const PaperRows& rows, const std::string& policy,
                                                 const std::string& base);
 
-/// "0.659 ± 0.006 (0.728)": mean, standard error, the paper's figure; "" when there is nothing.
+/// "0.659 ± 0.006 (0.728)": mean, standard error (not of one seed), the paper's figure; "" when
+/// there is nothing.
 std::string CompletionText(const PaperCell& cell);
 /// "0.44 ms (180 ms)"
 std::string DecisionTimeText(const PaperCell& cell);
