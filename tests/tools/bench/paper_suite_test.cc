@@ -37,7 +37,7 @@ class PaperSuite : public ::testing::Test {
   PaperOptions Small(const std::string& out, int jobs = 2) const {
     PaperOptions options;
     options.filter.settings = {"Random_4", "Random_10"};
-    options.filter.policies = {std::string(kUpperBound), "kwta", "rollout"};
+    options.filter.policies = {std::string(kUpperBound), "kwta", "horizon"};
     options.filter.seeds = 2;
     options.out = (folder_ / out).string();
     options.jobs = jobs;
