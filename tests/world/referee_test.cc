@@ -296,6 +296,27 @@ TEST(Referee, ContinuesFromItsOwnVerdictAfterARestart) {
   EXPECT_EQ(restarted.done(), 1);
 }
 
+TEST(Referee, ARestartDoesNotReviveWhatAFailureAborted) {
+  const Scenario scenario = SmallScenario();
+  Mission mission(scenario);
+  mission.Judge(0, 0);
+  mission.Command(Sense());
+  mission.referee().Add({AgentKind::kWorker, 0, 40 * kSecondUs, kNever, "test"});
+  mission.Judge(30 * kSecondUs);
+  mission.Judge(60 * kSecondUs);
+  Referee restarted(scenario);
+  restarted.Restore(60 * kSecondUs, mission.referee().task_status(), mission.referee().verdict());
+  Agents agents = mission.agents();
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentState& agent : agents.of(kind)) {
+      Settle(&agent, mission.referee().verdict(), 60 * kSecondUs, scenario.tasks);
+    }
+  }
+  restarted.Judge(90 * kSecondUs, -1, &agents);
+  EXPECT_TRUE(restarted.verdict().activities().empty());
+  EXPECT_EQ(restarted.task_status()[0], TaskStatus::kOpen);
+}
+
 TEST(Referee, FailedMatchIsTold) {
   Scenario scenario = SmallScenario();
   scenario.disturbances.match_failure = {1, 1};

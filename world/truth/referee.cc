@@ -40,14 +40,22 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   task_status_ = std::move(task_status);
   verdict_ = verdict;
   std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
-  activities_.clear();
-  for (const Activity& activity : verdict.activities())
-    activities_.push_back({activity, false, false});
   failed_.clear();
   for (const Ruling& ruling : verdict.rulings()) {
     if (ruling.kind == Ruling::Kind::kFailed) {
       failed_[{ruling.agent_kind, ruling.agent}] = ruling.at_us;
     }
+  }
+  activities_.clear();
+  for (const Activity& activity : verdict.activities()) {
+    // One that a failure aborted is listed once more.
+    const auto aborted_by = [&](const AgentKey& agent) {
+      const auto failed = failed_.find(agent);
+      return failed != failed_.end() && failed->second < activity.end_us;
+    };
+    const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
+                            aborted_by({PartnerKind(activity.kind), activity.partner});
+    activities_.push_back({activity, false, is_aborted});
   }
 }
 
