@@ -12,9 +12,12 @@ if(MUSTER_WERROR)
   target_compile_options(muster_options INTERFACE -Werror)
 endif()
 if(MUSTER_SANITIZE)
-  # GCC's sanitizers make it see uninitialised members inside std::regex that are not there.
   target_compile_options(muster_options INTERFACE -fsanitize=${MUSTER_SANITIZE}
-                                                  -fno-omit-frame-pointer -Wno-maybe-uninitialized)
+                                                  -fno-omit-frame-pointer)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # Its sanitizers make it see uninitialised members inside std::regex that are not there.
+    target_compile_options(muster_options INTERFACE -Wno-maybe-uninitialized)
+  endif()
   target_link_options(muster_options INTERFACE -fsanitize=${MUSTER_SANITIZE})
 endif()
 if(MUSTER_FUZZ)

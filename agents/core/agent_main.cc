@@ -16,15 +16,12 @@ IdRange ReadIds(const std::string& text) {
   std::int32_t first = 0;
   std::int32_t last = 0;
   const char* end = text.data() + text.size();
-  auto [next, error] = std::from_chars(text.data(), end, first);
+  std::from_chars_result read = std::from_chars(text.data(), end, first);
   last = first;
-  if (error == std::errc() && next != end && *next == '-') {
-    std::tie(next, error) = [&] {
-      const auto result = std::from_chars(next + 1, end, last);
-      return std::pair(result.ptr, result.ec);
-    }();
+  if (read.ec == std::errc() && read.ptr != end && *read.ptr == '-') {
+    read = std::from_chars(read.ptr + 1, end, last);
   }
-  if (error != std::errc() || next != end || first < 0 || last < first) {
+  if (read.ec != std::errc() || read.ptr != end || first < 0 || last < first) {
     throw InputError("command line", "--ids", text, "an id or a range, 0-9");
   }
   return std::pair(first, last);

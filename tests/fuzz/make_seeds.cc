@@ -1,5 +1,4 @@
-// make_seeds DIR: writes the fuzzers' first inputs, one message of each type into DIR/codec and a
-// log of them into DIR/event_log.
+// make_seeds DIR: writes the fuzzers' first inputs, a folder a fuzzer.
 
 #include <cstdio>
 #include <exception>
@@ -9,28 +8,65 @@
 #include <tuple>
 
 #include "lcmtypes/bus/event_log.h"
+#include "tests/fuzz/fuzz_mission.h"
 #include "tests/lcmtypes/sample_messages.h"
+#include "tools/simulate/simulator.h"
 
-int main(int argc, char** argv) try {
+namespace {
+
+void Write(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+void WriteAll(const std::filesystem::path& folder) {
   using namespace muster;
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: make_seeds DIR\n");
-    return 2;
-  }
-  const std::filesystem::path folder = argv[1];
-  std::filesystem::create_directories(folder / "codec");
   std::filesystem::create_directories(folder / "event_log");
   std::filesystem::remove(folder / "event_log" / "all");
   EventLogWriter log((folder / "event_log" / "all").string());
   const auto write = [&](const auto& message) {
     const std::vector<std::uint8_t> bytes = Encode(message);
-    std::ofstream(folder / "codec" / message.getTypeName(), std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+    Write(folder / "codec" / message.getTypeName(), std::string(bytes.begin(), bytes.end()));
     log.Write(1, {"MUSTER_CLOCK", bytes});
   };
   std::apply([&](const auto&... messages) { (write(messages), ...); }, SampleMessages());
   log.Flush();
+
+  const std::string json = fuzz::SmallMission();
+  Write(folder / "scenario" / "small", json);
+
+  std::string packets;
+  int tick = 0;
+  tools::Simulate(json, "greedy-nearest", [&](const Packet& packet) {
+    fuzz::AppendPacket(packet, &packets);
+    if (packet.channel != channel::kClock) return;
+    Write(folder / "mission" / std::to_string(++tick), packets);
+    packets.clear();
+  });
+
+  Write(folder / "fault_plan" / "file", R"({"version": 1, "faults": [
+    {"kind": "loss", "target": "*", "at_min": 3, "for_min": 10, "probability": 0.3},
+    {"kind": "partition", "target": "uav|world", "at_min": 20, "for_s": 2, "id": "cut"},
+    {"kind": "delay", "target": "uav", "at_min": 0.5, "delay_ms": 20},
+    {"kind": "agent_silent", "target": "uav:1", "at_min": 5, "for_min": 10}]})");
+  Write(folder / "fault_plan" / "flag", "loss:uav@3+10=0.3");
+  Write(folder / "table" / "comma",
+        "lat,lon,when\n1.5,2.5,2010-01-12 08:30:05\n\"1\",2,\"9:05 PM\"");
+  Write(folder / "table" / "semicolon", "\xef\xbb\xbflatitude;longitude\n1;2\n");
+  Write(folder / "table" / "geojson", R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "a", "n": 1, "ok": true, "none": null},
+     "geometry": {"type": "Point", "coordinates": [2.5, 1.5]}},
+    {"type": "Feature", "properties": null, "geometry": {"type": "Polygon", "coordinates": []}}]})");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: make_seeds DIR\n");
+    return 2;
+  }
+  WriteAll(argv[1]);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "make_seeds: %s\n", error.what());
