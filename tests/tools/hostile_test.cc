@@ -10,6 +10,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "scheduler/process/scheduler_process.h"
+#include "tests/tools/audited.h"
 #include "tests/tools/virtual_network.h"
 #include "tools/report/digest.h"
 #include "tools/simulate/simulator.h"
@@ -198,12 +199,14 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
     }
     Liar liar(seed);
     RunRecord record;
+    Audited audited;
     bool ended = false;
     network.set_intruder([&](const Packet& packet) { return liar.Lie(packet); });
     network.Run(
         3600 * kSecondUs, [&] { return ended; },
         [&](const Packet& packet) {
           record.Add(packet);
+          audited.Add(packet);
           if (packet.channel == channel::kClock) {
             ended |= Decode<muster::clock_t>(packet.bytes)->phase == 2;
           }

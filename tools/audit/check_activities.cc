@@ -66,8 +66,12 @@ bool Auditor::CheckNewActivity(const Activity& activity) {
     Violate(now_us_, "task-twice", fmt::format("{}: the task is done", Name(activity)));
     return false;
   }
+  // A pair that is over may not have been settled yet.
+  const auto is_free = [this](const AgentModel& agent) {
+    return !agent.pair() || (agent.activity && agent.activity->end_us <= now_us_);
+  };
   const bool meeting = scenario_->start_on_meeting && due_ >= 0 && activity.start_us == now_us_ &&
-                       !uav.pair() && !partner.pair();
+                       is_free(uav) && is_free(partner);
   if (meeting) return true;  // checked when the agents are settled
   if (uav.action != activity.action() || partner.action != activity.action() ||
       uav.partner != partner.id || partner.partner != uav.id || uav.target != activity.site ||

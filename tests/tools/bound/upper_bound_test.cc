@@ -6,6 +6,7 @@
 
 #include "scheduler/candidates.h"
 #include "scheduler/rollout/forward_model.h"
+#include "tests/tools/audited.h"
 #include "tools/bound/max_flow.h"
 #include "tools/report/run_record.h"
 #include "tools/simulate/simulator.h"
@@ -139,7 +140,11 @@ TEST(UpperBound, HoldsAgainstEveryListOfCommands) {
 
 std::int64_t Done(const Scenario& scenario, const std::string& policy) {
   RunRecord record;
-  Simulate(ScenarioToJson(scenario), policy, [&](const Packet& packet) { record.Add(packet); });
+  Audited audited;
+  Simulate(ScenarioToJson(scenario), policy, [&](const Packet& packet) {
+    record.Add(packet);
+    audited.Add(packet);
+  });
   const auto& status = record.final_world()->task_status;
   return std::count(status.begin(), status.end(), static_cast<std::int8_t>(TaskStatus::kDone));
 }

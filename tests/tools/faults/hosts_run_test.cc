@@ -12,6 +12,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
 #include "tools/launch/child.h"
 #include "tools/report/digest.h"
@@ -125,6 +126,7 @@ class HostsRunTest : public ::testing::Test {
     const Json report = Json::parse(TextOf(folder_.File("run/report.json")));
     EXPECT_EQ(report["digest"], Digest(expected));
     EXPECT_TRUE(report["log"]["complete"].get<bool>());
+    CheckRun(folder_.File("run"), folder_.File("output"));
   }
 
   Lan lan_{{"base", "field", "road", "room"}};

@@ -13,6 +13,22 @@
 
 namespace muster::tools {
 
+inline std::vector<std::string> MusterArgv(const std::vector<std::string>& arguments) {
+  std::vector<std::string> argv = {MUSTER_PROGRAM};
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  return argv;
+}
+
+/// Audits that run and makes its decisions again; what they say goes to `output` and an ending.
+inline void CheckRun(const std::string& run, const std::string& output) {
+  for (const std::string check : {"audit", "redecide"}) {
+    const std::string said = output + "." + check;
+    Child child({check, MusterArgv({check, run}), said});
+    ASSERT_TRUE(Eventually([&child] { return child.Poll().has_value(); })) << check;
+    EXPECT_TRUE(child.Poll()->clean()) << check << ": " << TextOf(said);
+  }
+}
+
 /// A `muster` process and what it said. A mission that it has ended well, with a log, is audited,
 /// and its decisions are made again: no test has to ask for that.
 class Muster {
@@ -21,7 +37,7 @@ class Muster {
          const std::vector<std::string>& arguments)
       : arguments_(arguments),
         output_(folder.File(name + ".output")),
-        child_({name, Argv(arguments), output_}) {}
+        child_({name, MusterArgv(arguments), output_}) {}
 
   /// Its exit code once it has ended; -1 when it was killed or does not end.
   int Wait() {
@@ -42,17 +58,7 @@ class Muster {
     if (out == arguments_.end() || out + 1 == arguments_.end()) return;
     const std::string run = *(out + 1);
     if (!std::filesystem::exists(run + "/mission.lcm")) return;
-    for (const std::string check : {"audit", "redecide"}) {
-      const std::string said = output_ + "." + check;
-      Child child({check, Argv({check, run}), said});
-      ASSERT_TRUE(Eventually([&child] { return child.Poll().has_value(); })) << check;
-      EXPECT_TRUE(child.Poll()->clean()) << check << ": " << TextOf(said);
-    }
-  }
-  static std::vector<std::string> Argv(const std::vector<std::string>& arguments) {
-    std::vector<std::string> argv = {MUSTER_PROGRAM};
-    argv.insert(argv.end(), arguments.begin(), arguments.end());
-    return argv;
+    CheckRun(run, output_);
   }
   std::vector<std::string> arguments_;
   std::string output_;
