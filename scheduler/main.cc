@@ -26,7 +26,7 @@ int Main(int argc, char** argv) {
   AddProcessOptions(&options, "scheduler");
   const auto result = ParseOptions(&options, argc, argv);
   if (!result) return kExitOk;
-  const ProcessFlags flags = ReadProcessFlags(*result);
+  const ProcessFlags flags = ReadProcessFlags(*result, "scheduler");
   std::optional<double> deadline_ms;
   if (result->count("deadline") > 0) deadline_ms = (*result)["deadline"].as<double>();
   SchedulerProcess process(flags.identity, flags.window, (*result)["policy"].as<std::string>(),

@@ -78,7 +78,7 @@ int Main(int argc, char** argv) {
   if (result->count("scenario") == 0) {
     throw InputError("command line", "SCENARIO", "nothing", "a scenario file");
   }
-  ProcessFlags flags = ReadProcessFlags(*result);
+  ProcessFlags flags = ReadProcessFlags(*result, "world");
   WorldOptions world;
   world.rate = ReadRate((*result)["rate"].as<std::string>());
   world.recorded = result->count("recorder") > 0;

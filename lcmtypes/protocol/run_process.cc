@@ -85,7 +85,7 @@ void AddProcessOptions(cxxopts::Options* options, const std::string& default_nam
       "q,quiet", "Say nothing but errors");
 }
 
-ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result) {
+ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result, std::string_view only_name) {
   ProcessFlags flags;
   flags.identity.run_id = result["run-id"].as<std::int64_t>();
   flags.identity.name = result["name"].as<std::string>();
@@ -105,6 +105,10 @@ ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result) {
   require(flags.identity.boot_id >= 0, "--boot-id", fmt::to_string(flags.identity.boot_id),
           "0 or more");
   require(!flags.identity.name.empty(), "--name", "nothing", "a name");
+  if (!only_name.empty() && flags.identity.name != only_name) {
+    throw InputError("command line", "--name", flags.identity.name,
+                     fmt::format("{}: nobody listens to another", only_name));
+  }
   return flags;
 }
 

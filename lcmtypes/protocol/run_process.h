@@ -3,6 +3,7 @@
 #include <cxxopts.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "lcmtypes/bus/lossy_bus.h"
 #include "lcmtypes/protocol/process.h"
@@ -27,8 +28,9 @@ struct ProcessFlags {
 };
 
 void AddProcessOptions(cxxopts::Options* options, const std::string& default_name);
-/// Throws InputError on a value that cannot be.
-ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result);
+/// Throws InputError on a value that cannot be. `only_name`: what the process must be called, since
+/// nobody listens to another on its channels (channels.h); "": any name.
+ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result, std::string_view only_name = "");
 
 /// The bus of these flags: LCM, lossy as --drop says.
 std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);

@@ -242,6 +242,20 @@ TEST_F(RunTest, BadRequestsAreRefusedBeforeAnythingIsWritten) {
   }
 }
 
+TEST_F(RunTest, WorldAndSchedulerMustBeCalledSo) {
+  const fs::path programs = fs::path(MUSTER_PROGRAM).parent_path();
+  for (const std::string program : {"muster-world", "muster-scheduler"}) {
+    std::vector<std::string> argv = {(programs / program).string(), "--name", "mars"};
+    if (program == "muster-world") argv.push_back(scenario_);
+    Child child({program, argv, folder_.File("output")});
+    ASSERT_TRUE(Eventually([&] { return child.Poll().has_value(); })) << program;
+    EXPECT_TRUE(child.Poll()->usage_error()) << program;
+    EXPECT_NE(TextOf(folder_.File("output")).find("--name: found mars, expected "),
+              std::string::npos)
+        << TextOf(folder_.File("output"));
+  }
+}
+
 TEST_F(RunTest, NeverWritesOverAnotherRun) {
   fs::create_directory(Out());
   std::ofstream(Out() + "/report.json") << "mine";
