@@ -16,7 +16,8 @@ if(MUSTER_SANITIZE)
                                                   -fno-omit-frame-pointer)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # Its sanitizers make it see uninitialised members inside std::regex that are not there.
-    target_compile_options(muster_options INTERFACE -Wno-maybe-uninitialized)
+    target_compile_options(muster_options INTERFACE -fno-sanitize-recover=all
+                                                    -Wno-maybe-uninitialized)
   endif()
   target_link_options(muster_options INTERFACE -fsanitize=${MUSTER_SANITIZE})
 endif()

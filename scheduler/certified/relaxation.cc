@@ -93,7 +93,7 @@ std::vector<Relaxation::Offer> Relaxation::Offers() {
   std::vector<std::int32_t> at_site(instance_.capacity.size(), 0);
   for (const Offer& offer : offers) ++at_site[At(offer.column.site)];
   const auto most = [&](Index site) {
-    return kOffersPerPlace * (instance_.capacity[At(site)] + 1);
+    return kOffersPerPlace * (std::int64_t{instance_.capacity[At(site)]} + 1);
   };
   std::vector<std::size_t> crowded;
   for (std::size_t k = 0; k < offers.size(); ++k) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -122,6 +123,20 @@ TEST(CertifiedPolicy, EqualWeightsAndNothingToSpare) {
   // The relaxation has no end of equal solutions here, so the work limit ends it: a valid answer
   // with an honest gap.
   Sound(AtOneSpot(60, 60, 30), 0.05);
+}
+
+TEST(CertifiedPolicy, ManyAtOneUnlimitedChargingPoint) {
+  SituationBuilder builder;
+  builder.Charge({15e3, 15e3}, std::nullopt);
+  for (int i = 0; i < 60; ++i) {
+    builder.Uav({10e3 + 170.0 * i, 12e3 + 90.0 * i}, 9e3 + 100.0 * i);
+    builder.Vehicle({20e3 - 160.0 * i, 18e3 - 80.0 * i});
+  }
+  const Decision decision = Sound(builder.Build());
+  EXPECT_EQ(std::count_if(decision.actions.begin(), decision.actions.end(),
+                          [](const Action& a) { return a.kind == ActionKind::kCharge; }),
+            60);
+  EXPECT_NEAR(decision.weight, decision.bound, 1e-9 * decision.bound);
 }
 
 TEST(CertifiedPolicy, TenThousandAgentsInOneCell) {
