@@ -190,6 +190,8 @@ FaultPlan ParseFaultPlan(const std::string& text, const std::string& file) {
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     throw InputError(fmt::format("{}: not JSON (byte {})", file, error.byte));
+  } catch (const Json::out_of_range&) {
+    throw InputError(fmt::format("{}: a number is too large", file));
   }
   const auto refuse = [&](const char* key, const std::string& found, const char* expected) {
     throw InputError(file, key, found, expected);

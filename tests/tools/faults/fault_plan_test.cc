@@ -25,6 +25,11 @@ std::string ErrorOf(const std::string& faults) {
   return "";
 }
 
+TEST(FaultPlan, RefusesANumberThatNoDoubleHolds) {
+  EXPECT_EQ(ErrorOf(R"({"kind": "loss", "target": "*", "at_min": 2e2232, "probability": 1})"),
+            "plan.json: a number is too large");
+}
+
 TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {
   FaultPlan plan = ParseFaultPlan(R"({"version": 1, "faults": [
       {"kind": "loss", "target": "*", "at_min": 30, "for_min": 10, "probability": 0.3},
