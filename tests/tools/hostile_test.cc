@@ -6,21 +6,19 @@
 #include <limits>
 #include <map>
 
-#include "agents/core/agent_process.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "scheduler/process/scheduler_process.h"
 #include "tests/tools/audited.h"
 #include "tests/tools/virtual_network.h"
 #include "tools/report/digest.h"
 #include "tools/simulate/simulator.h"
 #include "world/model/generator.h"
 #include "world/model/scenario_json.h"
-#include "world/truth/world_process.h"
 
 namespace muster::tools {
 namespace {
 
+using testing::StartProcess;
 using testing::VirtualNetwork;
 
 constexpr std::int64_t kRun = 1;
@@ -166,23 +164,6 @@ class Liar {
   std::map<int, int> told_;
 };
 
-std::unique_ptr<Process> Start(const std::string& name, const std::string& json) {
-  const Identity identity{kRun, name, 0};
-  if (name == "world") {
-    return std::make_unique<world::WorldProcess>(identity, 0, json, world::WorldOptions());
-  }
-  if (name == "scheduler") {
-    return std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
-                                                         [] { return TimeUs{0}; });
-  }
-  for (const AgentKind kind : kAgentKinds) {
-    if (name == ToString(kind)) {
-      return std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange());
-    }
-  }
-  return nullptr;
-}
-
 TEST(Hostile, LiesAreCountedAndChangeNothing) {
   const std::string json = ScenarioToJson(Generate(PresetByName("Random_10"), 5));
   RunRecord expected;
@@ -193,7 +174,7 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
     VirtualNetwork network({.loss = 0.05}, seed);
     std::map<std::string, Process*> processes;
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-      auto process = Start(name, json);
+      auto process = StartProcess(name, 0, json);
       processes[name] = process.get();
       network.Add(std::move(process));
     }

@@ -16,6 +16,7 @@ namespace muster::tools {
 namespace {
 
 using testing::NetworkFaults;
+using testing::StartProcess;
 using testing::VirtualNetwork;
 
 Scenario SmallScenario() { return Generate(PresetByName("Random_10"), 5); }
@@ -28,24 +29,6 @@ std::string SimulatedDigest(const std::string& json) {
     audited.Add(packet);
   });
   return Digest(record);
-}
-
-std::unique_ptr<Process> Start(const std::string& name, std::int64_t boot_id,
-                               const std::string& json) {
-  const Identity identity{1, name, boot_id};
-  if (name == "world") {
-    return std::make_unique<world::WorldProcess>(identity, 0, json, world::WorldOptions());
-  }
-  if (name == "scheduler") {
-    return std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
-                                                         [] { return TimeUs{0}; });
-  }
-  for (const AgentKind kind : kAgentKinds) {
-    if (name == ToString(kind)) {
-      return std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange());
-    }
-  }
-  return nullptr;
 }
 
 struct Outcome {
@@ -64,7 +47,7 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
                 const std::optional<Kill>& kill = {}) {
   VirtualNetwork network(faults, seed);
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-    network.Add(Start(name, 0, json));
+    network.Add(StartProcess(name, 0, json));
   }
   RunRecord record;
   Audited audited;
@@ -80,7 +63,7 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
     network.Run(
         3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
     network.Kill(kill->victim);
-    network.Add(Start(kill->victim, 1, json));
+    network.Add(StartProcess(kill->victim, 1, json));
   }
   outcome.ended = network.Run(
       3600 * kSecondUs, [&] { return ended; }, observe);
@@ -137,7 +120,7 @@ TEST(Lockstep, AClassMayBeSplitOverProcesses) {
   const std::string json = ScenarioToJson(SmallScenario());
   VirtualNetwork network({.loss = 0.1}, 1);
   for (const char* name : {"world", "worker", "vehicle", "scheduler"}) {
-    network.Add(Start(name, 0, json));
+    network.Add(StartProcess(name, 0, json));
   }
   const agents::IdRange halves[] = {std::pair(0, 7), std::pair(8, 19)};
   for (int i = 0; i < 2; ++i) {
@@ -162,7 +145,7 @@ TEST(Lockstep, AClassMayBeSplitOverProcesses) {
 TEST(Lockstep, TwoProcessesForOneAgentAreAnError) {
   const std::string json = ScenarioToJson(SmallScenario());
   VirtualNetwork network({}, 1);
-  network.Add(Start("world", 0, json));
+  network.Add(StartProcess("world", 0, json));
   for (const char* name : {"a", "b"}) {
     network.Add(std::make_unique<agents::AgentProcess>(Identity{1, name, 0}, 0, AgentKind::kUav,
                                                        agents::IdRange()));

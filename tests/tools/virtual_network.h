@@ -7,10 +7,34 @@
 #include <string>
 #include <vector>
 
+#include "agents/core/agent_process.h"
 #include "lcmtypes/protocol/process.h"
+#include "scheduler/process/scheduler_process.h"
+#include "world/model/check.h"
 #include "world/model/random.h"
+#include "world/truth/world_process.h"
 
 namespace muster::tools::testing {
+
+/// A process of run 1: "world", "scheduler" (policy mpq), or an agent class with all its agents.
+inline std::unique_ptr<Process> StartProcess(const std::string& name, std::int64_t boot_id,
+                                             const std::string& json) {
+  const Identity identity{1, name, boot_id};
+  if (name == "world") {
+    return std::make_unique<world::WorldProcess>(identity, 0, json, world::WorldOptions());
+  }
+  if (name == "scheduler") {
+    return std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
+                                                         [] { return TimeUs{0}; });
+  }
+  for (const AgentKind kind : kAgentKinds) {
+    if (name == ToString(kind)) {
+      return std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange());
+    }
+  }
+  MUSTER_CHECK(false, "{}", name);
+  return nullptr;
+}
 
 /// What a virtual network does to each packet at each receiver.
 struct NetworkFaults {
