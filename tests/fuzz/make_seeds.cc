@@ -21,8 +21,10 @@ void Write(const std::filesystem::path& file, const std::string& text) {
 
 void WriteAll(const std::filesystem::path& folder) {
   using namespace muster;
+  for (const char* name : {"codec", "event_log", "fault_plan", "mission", "scenario", "table"}) {
+    std::filesystem::remove_all(folder / name);  // an older version's
+  }
   std::filesystem::create_directories(folder / "event_log");
-  std::filesystem::remove(folder / "event_log" / "all");
   EventLogWriter log((folder / "event_log" / "all").string());
   const auto write = [&](const auto& message) {
     const std::vector<std::uint8_t> bytes = Encode(message);
