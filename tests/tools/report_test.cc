@@ -4,10 +4,7 @@
 
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "tests/tools/fake_mission.h"
 #include "tools/report/digest.h"
@@ -268,19 +265,6 @@ TEST(Summary, SaysWhatPeopleAskFirst) {
         "median 2.0 ms, max 3.0 ms\n", "log            complete, "}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << "in\n" << text;
   }
-}
-
-TEST(WriteFile, ReplacesAWholeFileOrNothing) {
-  const std::string path = testing::TempDir() + "write_file_test.json";
-  WriteFile(path, "old");
-  WriteFile(path, "new");
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  EXPECT_EQ(text.str(), "new");
-  EXPECT_FALSE(std::ifstream(path + ".part").good());
-  std::remove(path.c_str());
-  EXPECT_THROW(WriteFile(testing::TempDir() + "no/such/folder/x", ""), SystemError);
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <filesystem>
+#include <cerrno>
 #include <fstream>
 #include <string>
 
 #include "lcmtypes/protocol/program.h"
 #include "scheduler/certified/certified_policy.h"
+#include "tools/files/pending_file.h"
 #include "tools/graph/conflict_graph.h"
 #include "tools/graph/situations.h"
 #include "world/model/check.h"
@@ -62,20 +62,15 @@ int ExportGraphCommand(int argc, const char* const* argv) {
 
   const scheduler::Situation situation = ReadSituation(*flags);
   const ConflictGraph graph(situation);
-  const std::string part = out_file + ".part";
-  std::ofstream out(part);
-  if (!out) throw SystemError(fmt::format("{}: cannot be written", part));
-  try {
-    if (format == "metis") graph.WriteMetis(out, scale);
-    if (format == "mps") graph.WriteMps(out);
-    if (format == "json") graph.WriteJson(out);
-    out.close();
-    if (!out) throw SystemError(fmt::format("{}: cannot be written", part));
-    std::filesystem::rename(part, out_file);
-  } catch (...) {
-    std::remove(part.c_str());
-    throw;
-  }
+  PendingFile pending(out_file);
+  std::ofstream out(pending.temporary());
+  if (!out) FailToWrite(out_file, errno);
+  if (format == "metis") graph.WriteMetis(out, scale);
+  if (format == "mps") graph.WriteMps(out);
+  if (format == "json") graph.WriteJson(out);
+  out.close();
+  if (!out) FailToWrite(out_file, errno);
+  pending.Commit();
   fmt::print("{}: decision {}, {} nodes\n", out_file, situation.decision, graph.n_nodes());
   return kExitOk;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lcmtypes/channels.h"
+#include "tools/files/pending_file.h"
 #include "tools/log/export.h"
 #include "tools/log/mcap_writer.h"
 #include "tools/log/message_json.h"
@@ -129,13 +130,13 @@ class Scene {
 }  // namespace
 
 void ExportMcap(LogSource* source, const std::string& out) {
-  namespace fs = std::filesystem;
-  if (fs::exists(out)) throw InputError("command line", "--out", out, "a file that does not exist");
+  if (std::filesystem::exists(out)) {
+    throw InputError("command line", "--out", out, "a file that does not exist");
+  }
   const MissionHead head = ReadMissionHead(source);
-  const std::string temporary = out + ".part";
-  std::error_code error;
-  try {
-    McapWriter writer(temporary);
+  PendingFile pending(out);
+  {
+    McapWriter writer(pending.temporary());
     const std::uint16_t scene_channel =
         writer.AddChannel("/scene", "foxglove.SceneUpdate", SceneSchema().dump());
     std::map<std::string, std::uint16_t> channels;
@@ -162,12 +163,8 @@ void ExportMcap(LogSource* source, const std::string& out) {
       if (!update["entities"].empty()) writer.Write(scene_channel, time_ns, update.dump());
     });
     writer.Close();
-  } catch (...) {
-    fs::remove(temporary, error);
-    throw;
   }
-  fs::rename(temporary, out, error);
-  if (error) throw SystemError(out + ": cannot write: " + error.message());
+  pending.Commit();
 }
 
 }  // namespace muster::tools

@@ -7,22 +7,21 @@
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/protocol/interval_set.h"
+#include "tools/files/pending_file.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
 namespace {
 
-namespace fs = std::filesystem;
-
 EditResult Copy(LogSource* source, const std::string& out,
                 const std::function<bool(const LoggedMessage&)>& keeps) {
-  if (fs::exists(out)) throw InputError("command line", "--out", out, "a file that does not exist");
-  const std::string temporary = out + ".part";
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
+  if (std::filesystem::exists(out)) {
+    throw InputError("command line", "--out", out, "a file that does not exist");
+  }
+  PendingFile pending(out);
   EditResult result;
-  try {
-    EventLogWriter writer(temporary);
+  {
+    EventLogWriter writer(pending.temporary());
     while (const auto message = source->Next()) {
       ++result.read;
       if (!keeps(*message)) continue;
@@ -30,16 +29,8 @@ EditResult Copy(LogSource* source, const std::string& out,
       ++result.written;
     }
     writer.Flush();
-  } catch (...) {
-    fs::remove(temporary, ignored);
-    throw;
   }
-  std::error_code error;
-  fs::rename(temporary, out, error);
-  if (error) {
-    fs::remove(temporary, ignored);
-    throw SystemError(out + ": cannot write: " + error.message());
-  }
+  pending.Commit();
   return result;
 }
 

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/files/pending_file.h"
+
 namespace muster::tools {
 
 /// Files that appear together: they are written into a folder beside `path`, which takes that name
@@ -13,7 +15,7 @@ namespace muster::tools {
 /// writing fails.
 class NewFolder {
  public:
-  explicit NewFolder(std::string path);
+  explicit NewFolder(const std::string& path);
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
@@ -35,7 +37,7 @@ class NewFolder {
   void Commit();
 
  private:
-  std::string path_, temporary_;
+  PendingFile pending_;
   std::vector<std::unique_ptr<File>> files_;
 };
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <iterator>
 #include <map>
@@ -274,19 +272,6 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["log"] = Log(record);
   report["digest"] = Digest(record);
   return report;
-}
-
-void WriteFile(const std::string& path, std::string_view text) {
-  const std::string temporary = path + ".part";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  const bool written =
-      file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool closed = file != nullptr && std::fclose(file) == 0;
-  if (!written || !closed || std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    if (file != nullptr) std::remove(temporary.c_str());
-    throw SystemError(fmt::format("{}: cannot write: {}", path, std::strerror(error)));
-  }
 }
 
 }  // namespace muster::tools

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
+#include "tools/files/pending_file.h"
 #include "tools/report/run_record.h"
 
 namespace muster::tools {
@@ -25,8 +25,5 @@ struct DecisionTime {
   double max_s = 0;
 };
 DecisionTime DecisionTimeOf(const RunRecord& record);
-
-/// Writes the text to a temporary file beside `path`, then renames it. Throws SystemError.
-void WriteFile(const std::string& path, std::string_view text);
 
 }  // namespace muster::tools

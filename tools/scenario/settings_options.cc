@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "tools/files/pending_file.h"
 #include "world/model/check.h"
 #include "world/model/scenario_json.h"
 
@@ -242,17 +243,7 @@ void WriteScenario(const Scenario& scenario, const cxxopts::ParseResult& flags) 
     }
     return;
   }
-  const std::string path = flags["out"].as<std::string>();
-  const std::string temporary = path + ".part";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  const bool is_written =
-      file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool is_closed = file != nullptr && std::fclose(file) == 0;
-  if (!is_written || !is_closed || std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    if (file != nullptr) std::remove(temporary.c_str());
-    throw SystemError(fmt::format("cannot write {}: {}", path, std::strerror(error)));
-  }
+  WriteFile(flags["out"].as<std::string>(), text);
 }
 
 }  // namespace muster::tools
