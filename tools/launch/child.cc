@@ -151,11 +151,19 @@ const std::optional<ChildEnd>& Child::Poll() {
 }
 
 void Child::Signal(int signal) {
+  if (!Poll()) kill(pid_, signal);
+}
+
+void Child::AskToEnd() {
   if (Poll()) return;
-  if (signal == SIGTERM && stdin_fd_ >= 0) {
+  // A SIGCONT takes back every stop that is on its way to the process, that of PTRACE_ATTACH too:
+  // after the SIGTERM it could meet LeakSanitizer, which looks at a process that exits, or a
+  // debugger, and these would wait for that stop for ever.
+  kill(pid_, SIGCONT);
+  if (stdin_fd_ >= 0) {
     close(std::exchange(stdin_fd_, -1));
   } else {
-    kill(pid_, signal);
+    kill(pid_, SIGTERM);
   }
 }
 

@@ -43,8 +43,10 @@ class Child {
 
   /// Reaps it if it has ended; never waits. Its end, once known, stays known.
   const std::optional<ChildEnd>& Poll();
-  /// SIGTERM to one whose stdin is held closes that instead: what it stands for ends, then itself.
   void Signal(int signal);
+  /// Continues it if a signal holds it, then sends SIGTERM. One whose stdin is held gets that
+  /// closed instead: what it stands for ends, then itself.
+  void AskToEnd();
   /// Whether a signal holds it now.
   bool Stopped() const;
 

@@ -395,8 +395,7 @@ void Supervisor::Stop(const std::vector<Member*>& members) {
   std::vector<Member*> alive;
   for (Member* member : members) {
     if (!member->child || member->child->Poll()) continue;
-    member->child->Signal(SIGTERM);
-    member->child->Signal(SIGCONT);  // one that a fault has stopped
+    member->child->AskToEnd();
     alive.push_back(member);
   }
   TurnUntil(

@@ -1,6 +1,7 @@
 #include "tools/launch/child.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -8,6 +9,7 @@
 
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "tests/tools/launch/process_test_util.h"
 #include "world/model/check.h"
@@ -49,6 +51,47 @@ TEST_F(ChildTest, AProgramThatIsNotThereIsAnErrorThatNamesIt) {
     FAIL();
   } catch (const SystemError& error) {
     EXPECT_STREQ(error.what(), "cannot start /nowhere/muster-uav: No such file or directory");
+  }
+}
+
+TEST_F(ChildTest, AStoppedOneThatIsAskedToEndEnds) {
+  Child child(Shell("trap 'exit 7' TERM; echo ready; while :; do sleep 0.01; done"));
+  ASSERT_TRUE(Eventually([&] { return TextOf(output_) == "ready\n"; }));
+  child.Signal(SIGSTOP);
+  ASSERT_TRUE(Eventually([&] { return child.Stopped(); }));
+  child.AskToEnd();
+  ASSERT_TRUE(Ended(&child));
+  EXPECT_EQ(child.Poll()->Text(), "exited with code 7");
+}
+
+// Else the check for leaks at a process's exit may hang: it attaches to its threads, and a SIGCONT
+// takes back the stop that it waits for.
+TEST_F(ChildTest, NothingContinuesItAfterItWasAskedToEnd) {
+  // On one processor, before a thread that has time for everybody, a child mostly acts on a signal
+  // at once.
+  cpu_set_t processors;
+  ASSERT_EQ(sched_getaffinity(0, sizeof processors, &processors), 0);
+  int first = 0;
+  while (!CPU_ISSET(first, &processors)) ++first;
+  CPU_ZERO(&processors);
+  CPU_SET(first, &processors);
+  for (int i = 0; i < 8; ++i) {
+    Child child({"child", {MUSTER_SIGNAL_TAKER}, output_});
+    const auto says = [this](const char* words) {
+      return Eventually([&] { return TextOf(output_) == words; });
+    };
+    ASSERT_TRUE(says("ready\n")) << TextOf(output_);
+    ASSERT_EQ(sched_setaffinity(child.pid(), sizeof processors, &processors), 0);
+    std::thread([&] {
+      const sched_param lowest = {};
+      EXPECT_EQ(sched_setaffinity(0, sizeof processors, &processors), 0);
+      EXPECT_EQ(sched_setscheduler(0, SCHED_IDLE, &lowest), 0);
+      child.AskToEnd();
+    }).join();
+    ASSERT_TRUE(says("ready\ntold to end\n")) << TextOf(output_);
+    child.Signal(SIGUSR1);
+    ASSERT_TRUE(Ended(&child));
+    ASSERT_TRUE(child.Poll()->clean()) << child.Poll()->Text();
   }
 }
 
