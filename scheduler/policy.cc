@@ -56,6 +56,11 @@ std::unique_ptr<Policy> RolloutWithoutDraws() {
   settings.draws = 0;
   return std::make_unique<RolloutPolicy>(std::move(settings));
 }
+std::unique_ptr<Policy> RolloutWithoutChains() {
+  RolloutSettings settings;
+  for (HorizonSettings& variant : settings.variants) variant.chains = false;
+  return std::make_unique<RolloutPolicy>(std::move(settings));
+}
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 const Row kPolicies[] = {
@@ -67,6 +72,7 @@ const Row kPolicies[] = {
      &Rollout<false>},
     {{"rollout-steps", "rollout over variants of horizon-steps"}, &Rollout<true>},
     {{"rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
+    {{"rollout-without-chains", "rollout that values no next task"}, &RolloutWithoutChains},
     {{"horizon-without-true-duration", "horizon that counts ways only"},
      &HorizonVariant<&HorizonSettings::true_duration>},
     {{"horizon-without-soon-idle", "horizon with idle agents only"},
@@ -77,6 +83,8 @@ const Row kPolicies[] = {
      &HorizonVariant<&HorizonSettings::send_ahead>},
     {{"horizon-without-charge-by-use", "horizon with a fixed worth of charging"},
      &HorizonVariant<&HorizonSettings::charge_by_use>},
+    {{"horizon-without-chains", "horizon that values no next task"},
+     &HorizonVariant<&HorizonSettings::chains>},
     {{"horizon-without-ties", "horizon that sees whole decisions only"},
      &HorizonVariant<&HorizonSettings::ties>},
     {{"certified", "the heaviest decision, or one within a proven gap (ours)"}, &Certified},

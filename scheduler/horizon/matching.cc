@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "scheduler/certified/grid_index.h"
 #include "scheduler/certified/solver.h"
 #include "world/model/feasibility.h"
 #include "world/model/random.h"
@@ -41,6 +43,7 @@ class Builder {
       fastest_charge_m_s_ = std::max(fastest_charge_m_s_, vehicle.agent->charge_rate_m_s);
     }
     ChargeWorths();
+    if (settings_.chains) NextTasks();
     for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
       if (open_.task[x]) AddTask(static_cast<std::int32_t>(x));
     }
@@ -55,20 +58,61 @@ class Builder {
   std::int32_t n_tasks() const { return n_tasks_; }
 
  private:
+  double Worth(std::int64_t decisions) const {
+    return std::pow(static_cast<double>(decisions), -settings_.patience);
+  }
+
   /// Level of a pair whose last member arrives at `arrive` and that then takes `duration`.
   std::int32_t Level(TimeUs arrive, TimeUs duration) const {
     const TimeUs interval = site_.rules.interval_us;
     const TimeUs took =
         arrive - situation_.now_us + (settings_.true_duration ? duration : TimeUs{0});
     const std::int64_t decisions = Intervals(took, interval);
-    double worth = std::pow(static_cast<double>(decisions), -settings_.patience);
+    double worth = Worth(decisions);
     if (settings_.ties) {
       const double into =
           static_cast<double>(took - (decisions - 1) * interval) / static_cast<double>(interval);
-      const double next = std::pow(static_cast<double>(decisions + 1), -settings_.patience);
+      const double next = Worth(decisions + 1);
       worth -= settings_.finish_weight * std::max(0.0, into) * (worth - next);
     }
     return std::max(1, static_cast<std::int32_t>(std::lround(kParts / worth)));
+  }
+
+  /// For each open task the others within the way that is expected to a next one.
+  void NextTasks() {
+    std::vector<Point> places;
+    std::vector<std::int32_t> ids;
+    for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
+      if (!open_.task[x]) continue;
+      places.push_back(site_.tasks[x].at);
+      ids.push_back(static_cast<std::int32_t>(x));
+    }
+    const GridIndex index(places);
+    const double radius_m =
+        std::sqrt(site_.width_m * site_.height_m / std::max(1.0, static_cast<double>(ids.size())));
+    next_tasks_.resize(site_.tasks.size());
+    for (const std::int32_t x : ids) {
+      index.Within(site_.tasks[At(x)].at, radius_m, [&](std::int32_t i, double way_m) {
+        if (ids[At(i)] != x) next_tasks_[At(x)].push_back({ids[At(i)], way_m});
+      });
+    }
+  }
+
+  /// What it is worth to be at a task at `end` with that range: the best task that the UAV can do
+  /// next, if any.
+  double ChainGain(const Participant& uav, double range_m, TimeUs end, std::int32_t task) const {
+    const TimeUs interval = site_.rules.interval_us;
+    const TimeUs ready = DecisionAfter(end, interval);
+    double best = 0;
+    for (const auto& [y, way_m] : next_tasks_[At(task)]) {
+      const Task& next = site_.tasks[At(y)];
+      if (!CanSense(range_m, way_m, next.cost_m, site_.task_to_charge_m[At(y)])) continue;
+      const TimeUs next_end = ready + TravelUs(way_m, uav.agent->speed_m_s) +
+                              SensingUs(next.cost_m, uav.agent->speed_m_s);
+      if (next_end > uav.latest_us) continue;
+      best = std::max(best, Worth(Intervals(next_end - situation_.now_us, interval)));
+    }
+    return settings_.chain_worth * best;
   }
 
   /// Tasks that each UAV can still do, without and with charging first.
@@ -171,6 +215,10 @@ class Builder {
       arc.level = Level(arc.arrive_us, arc.duration_us);
       arc.base = kParts;
       arc.pair_gain = UavGain(uav, way) + Jitter(AgentKind::kUav, uav.agent->id, x);
+      if (settings_.chains) {
+        arc.pair_gain +=
+            ChainGain(uav, uav.range_m - way - task.cost_m, arc.arrive_us + arc.duration_us, x);
+      }
       instance_.uav_arcs.push_back(arc);
     }
     AddPartners(workers_, 0, task.at,
@@ -209,7 +257,8 @@ class Builder {
   const HorizonSettings& settings_;
   Instance instance_;
   std::vector<std::int32_t> site_ids_;
-  std::vector<double> charge_worth_;  ///< [n_uavs]
+  std::vector<double> charge_worth_;                                      ///< [n_uavs]
+  std::vector<std::vector<std::pair<std::int32_t, double>>> next_tasks_;  ///< [n_tasks] id, way_m
   std::int32_t n_tasks_ = 0;
   double fastest_uav_m_s_ = 0, fastest_charge_m_s_ = 0;
 };

@@ -20,6 +20,8 @@ struct HorizonSettings {
   bool charge_by_use = true;
   /// Among equal numbers of decisions the earlier end and the shorter way win.
   bool ties = true;
+  /// A pair is worth more where its UAV can do another task close by afterwards.
+  bool chains = true;
   /// A pair with an idle member and one that is not sends the idle one on its way.
   bool meet_ahead = true;
 
@@ -38,6 +40,8 @@ struct HorizonSettings {
   double uav_way = 0.35;
   /// What an interval of a partner's way costs, in tasks.
   double partner_way = 0.01;
+  /// What a pair gains by the best next task, per worth of that one at its own end.
+  double chain_worth = 0.3;
   /// Worth of a pair of which a member is not idle yet.
   double tentative = 0.95;
   /// Decisions ahead within which an agent must be free to take part.

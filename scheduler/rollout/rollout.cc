@@ -30,6 +30,7 @@ std::vector<HorizonSettings> RolloutSettings::DefaultVariants() {
   add([](HorizonSettings* s) { s->soon_idle = false; });
   add([](HorizonSettings* s) { s->partner_way = 0.04; });
   add([](HorizonSettings* s) { s->soon_decisions = 4; });
+  add([](HorizonSettings* s) { s->chains = false; });
   return variants;
 }
 

@@ -46,6 +46,7 @@ TEST(Horizon, SensingCountsAsTime) {
                                   .Charge({1000, 1000})
                                   .Build();
   HorizonSettings settings;
+  settings.chains = false;
   settings.send_ahead = false;
   EXPECT_EQ(Decide(situation, settings), Actions{"UiTxWj uav:0 worker:1 task:1"});
   settings.true_duration = false;
@@ -133,6 +134,50 @@ TEST(Horizon, TheNearerTaskWinsAmongEqualNumbersOfDecisions) {
   EXPECT_EQ(Decide(situation), Actions{"UiTxWj uav:0 worker:0 task:1"});
 }
 
+TEST(Horizon, ATaskWithAnotherOneCloseByWinsAgainstANearerOne) {
+  // The pairs differ by 100 m of way. From task 0 the next task ends after three decisions, from
+  // task 1 after two.
+  const Situation situation = SituationBuilder()
+                                  .Uav({10000, 10000})
+                                  .Worker({7100, 10000})
+                                  .Worker({13000, 10000})
+                                  .Task({7100, 10000}, 500)
+                                  .Task({13000, 10000}, 500)
+                                  .Task({13500, 10000}, 500)
+                                  .Charge({10000, 10000})
+                                  .Build();
+  HorizonSettings settings;
+  settings.send_ahead = false;
+  EXPECT_EQ(Decide(situation, settings), Actions{"UiTxWj uav:0 worker:1 task:1"});
+  settings.chains = false;
+  EXPECT_EQ(Decide(situation, settings), Actions{"UiTxWj uav:0 worker:0 task:0"});
+}
+
+TEST(Horizon, ANextTaskCountsOnlyWithinRangeAndTime) {
+  const auto build = [](double range_m, TimeUs until_us) {
+    Situation situation = SituationBuilder()
+                              .Uav({10000, 10000}, range_m)
+                              .Worker({7100, 10000})
+                              .Worker({13000, 10000})
+                              .Task({7100, 10000}, 500)
+                              .Task({13000, 10000}, 500)
+                              .Task({13500, 10000}, 500)
+                              .Charge({10000, 10000})
+                              .Build();
+    situation.uavs[0].online_until_us = until_us;
+    return situation;
+  };
+  HorizonSettings settings;
+  settings.send_ahead = false;
+  const Actions near{"UiTxWj uav:0 worker:0 task:0"}, chained{"UiTxWj uav:0 worker:1 task:1"};
+  // Task 1, 500 m on to task 2, its sensing, 3500 m to charge: 3000 + 500 + 500 + 500 + 3500.
+  EXPECT_EQ(Decide(build(8000, 9000 * kSecondUs), settings), chained);
+  EXPECT_EQ(Decide(build(7999, 9000 * kSecondUs), settings), near);
+  // Sensing task 2 would end at 600 + 50 + 50 s.
+  EXPECT_EQ(Decide(build(8000, 700 * kSecondUs), settings), chained);
+  EXPECT_EQ(Decide(build(8000, 700 * kSecondUs - 1), settings), near);
+}
+
 TEST(Horizon, StepsBringFarPairsNearerWithoutBindingThem) {
   const Situation situation = SituationBuilder()
                                   .Uav({1000, 1000})
@@ -156,6 +201,33 @@ TEST(Horizon, StepsBringFarPairsNearerWithoutBindingThem) {
   }
 }
 
+/// Worth of the best next task close by, as docs/scheduling.md defines it; 0 when there is none.
+double WorthOfNext(const Situation& situation, const Participant& uav, std::size_t task,
+                   const HorizonSettings& settings) {
+  const Site& site = *situation.site;
+  const Task& here = site.tasks[task];
+  const double way = Distance(uav.at, here.at), speed = uav.agent->speed_m_s;
+  const double range = uav.range_m - way - here.cost_m;
+  const double interval = static_cast<double>(site.rules.interval_us);
+  const double free =
+      static_cast<double>(uav.ready_us + TravelUs(way, speed) + TravelUs(here.cost_m, speed));
+  const auto open =
+      std::count(situation.task_status.begin(), situation.task_status.end(), TaskStatus::kOpen);
+  double fewest = 1e9;
+  for (std::size_t y = 0; y < site.tasks.size(); ++y) {
+    const double on = Distance(here.at, site.tasks[y].at);
+    if (y == task || situation.task_status[y] != TaskStatus::kOpen) continue;
+    if (on > std::sqrt(site.width_m * site.height_m / static_cast<double>(open))) continue;
+    if (on + site.tasks[y].cost_m + site.task_to_charge_m[y] > range) continue;
+    const double end =
+        std::ceil(free / interval) * interval +
+        static_cast<double>(TravelUs(on, speed) + TravelUs(site.tasks[y].cost_m, speed));
+    if (end > static_cast<double>(uav.latest_us)) continue;
+    fewest = std::min(fewest, std::ceil((end - static_cast<double>(situation.now_us)) / interval));
+  }
+  return settings.chain_worth / fewest;
+}
+
 /// Worth of sensing as docs/scheduling.md defines it; negative when it cannot be.
 double WorthOfSensing(const Situation& situation, const Participant& uav, const Participant& worker,
                       std::size_t task, const HorizonSettings& settings) {
@@ -171,7 +243,8 @@ double WorthOfSensing(const Situation& situation, const Participant& uav, const 
   const double interval = static_cast<double>(site.rules.interval_us);
   const double took = static_cast<double>(end - situation.now_us) / interval;
   const double n = std::max(1.0, std::ceil(took));
-  return 1 / n - settings.finish_weight * (took - (n - 1)) * (1 / n - 1 / (n + 1)) -
+  return 1 / n + WorthOfNext(situation, uav, task, settings) -
+         settings.finish_weight * (took - (n - 1)) * (1 / n - 1 / (n + 1)) -
          settings.uav_way * way / uav.agent->range_full_m -
          settings.partner_way * static_cast<double>(worker_travel) / interval -
          (1 - settings.tentative) * ((uav.idle ? 0 : 1) + (worker.idle ? 0 : 1));
