@@ -6,7 +6,6 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::agents {
 namespace {
@@ -35,13 +34,9 @@ bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
 }  // namespace
 
 AgentProcess::AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids)
-    : Process(std::move(identity), window), kind_(kind), ids_(ids) {}
+    : Follower(std::move(identity), window), kind_(kind), ids_(ids) {}
 
-void AgentProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
-  if (!scenario_) {
-    if (const auto* scenario = std::get_if<scenario_t>(&message)) Take(*scenario);
-    return;
-  }
+void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet, const Now& now) {
   Handle(
       message, [&](const restore_t& restore) { Take(restore); },
       [&](const request_t& request) { Answer(request, now); },
@@ -57,14 +52,8 @@ void AgentProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const schedule_t& schedule) { Take(schedule); });
 }
 
-void AgentProcess::Take(const scenario_t& message) {
-  try {
-    scenario_ = ParseScenario(message.json, "scenario");
-  } catch (const InputError&) {
-    inbox().Reject();
-    return;
-  }
-  const auto& specs = scenario_->agents(kind_);
+void AgentProcess::OnScenario() {
+  const auto& specs = scenario()->agents(kind_);
   const auto n = static_cast<std::int32_t>(specs.size());
   const auto [first, last] = ids_.value_or(std::pair(0, n - 1));
   if (first < 0 || last >= n || first > last) {
@@ -102,7 +91,7 @@ void AgentProcess::Take(const restore_t& restore) {
   applied_decision_ = states->applied_decision;
   for (const agent_t& wire : states->agents) {
     if (still_unknown_.count(wire.id) == 0) continue;
-    const auto agent = FromWire(wire, kind_, tick_us_, WireLimits(*scenario_));
+    const auto agent = FromWire(wire, kind_, tick_us_, WireLimits(*scenario()));
     if (!agent) {
       inbox().Reject();
       continue;
@@ -139,19 +128,10 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
   if (request.channel == channel::kRulings) answer(consumed_.tick, consumed_.rulings);
 }
 
-void AgentProcess::Ask(std::string_view name, const Now& now) {
-  if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
-  if (!request_.Fire(now.monotonic_us)) return;
-  request_t request{};
-  request.channel = name;
-  sender().Send(channel::kRequest, std::move(request), tick_us_, now);
-}
-
 void AgentProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, scenario_->rules)) return inbox().Reject();
+  if (!Possible(clock, scenario()->rules)) return inbox().Reject();
   if (!restored_) return;
-  if (clock.phase == 2) set_state(ProcessState::kEnded);
-  if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
+  Follow(clock);
   if (clock.phase < 2 && (clock.tick == tick_ || clock.tick == tick_ - 1)) {
     repeat_tick_ = clock.tick;
   }
@@ -159,7 +139,7 @@ void AgentProcess::Take(const clock_t& clock) {
 }
 
 void AgentProcess::Take(const world_state_t& world) {
-  if (!Possible(world, scenario_->rules)) return inbox().Reject();
+  if (!Possible(world, scenario()->rules)) return inbox().Reject();
   if (world.tick > tick_ && restored_) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
     // came from an earlier start of it. Go on from them.
@@ -170,7 +150,7 @@ void AgentProcess::Take(const world_state_t& world) {
   }
   if (world.tick != tick_ || activities_) return;
   std::vector<Activity> activities;
-  if (FromWireAll(world.activities, WireLimits(*scenario_), &activities)) {
+  if (FromWireAll(world.activities, WireLimits(*scenario()), &activities)) {
     activities_ = std::move(activities);
   } else {
     inbox().Reject();
@@ -180,7 +160,7 @@ void AgentProcess::Take(const world_state_t& world) {
 void AgentProcess::Take(const rulings_t& rulings) {
   if (rulings.tick != tick_ || rulings_) return;
   std::vector<Ruling> list;
-  if (FromWireAll(rulings.rulings, WireLimits(*scenario_), &list)) {
+  if (FromWireAll(rulings.rulings, WireLimits(*scenario()), &list)) {
     rulings_ = std::move(list);
   } else {
     inbox().Reject();
@@ -190,7 +170,7 @@ void AgentProcess::Take(const rulings_t& rulings) {
 void AgentProcess::Take(const schedule_t& schedule) {
   if (schedule.tick != tick_ || schedule.decision <= applied_decision_ || schedule_) return;
   std::vector<Action> actions;
-  if (FromWireAll(schedule.actions, WireLimits(*scenario_), &actions)) {
+  if (FromWireAll(schedule.actions, WireLimits(*scenario()), &actions)) {
     schedule_ = std::move(actions);
     schedule_decision_ = schedule.decision;
   } else {
@@ -206,10 +186,9 @@ bool AgentProcess::CanAdvance() const {
           (schedule_ && schedule_decision_ == clock_->required_decision));
 }
 
-void AgentProcess::OnStep(const Now& now) {
-  if (!scenario_) return Ask(channel::kScenario, now);
-  if (!restored_) return Ask(ChannelOf(kind_), now);
-  request_.Stop();
+void AgentProcess::OnMissionStep(const Now& now) {
+  if (!restored_) return Ask(ChannelOf(kind_), tick_us_, now);
+  StopAsking();
   if (!restored_states_.empty()) {
     // As they were: what these agents know beyond the wire only comes with the next verdict.
     PublishStates(std::exchange(restored_states_, {}), now);
@@ -227,7 +206,7 @@ void AgentProcess::Advance(const Now& now) {
   if (tick_ >= 0) {
     consumed_ = {tick_, std::move(world_packet_), std::move(rulings_packet_)};
     const Verdict verdict(std::move(*activities_), std::move(*rulings_));
-    for (AgentState& agent : agents_) Settle(&agent, verdict, tick_us_, scenario_->tasks);
+    for (AgentState& agent : agents_) Settle(&agent, verdict, tick_us_, scenario()->tasks);
     if (clock_->required_decision > applied_decision_) {
       Apply(*schedule_, schedule_decision_, tick_us_);
       applied_decision_ = schedule_decision_;
@@ -242,7 +221,7 @@ void AgentProcess::Advance(const Now& now) {
   set_sim_us(tick_us_);
   std::vector<agent_t> wires;
   for (const AgentState& agent : agents_)
-    wires.push_back(ToWire(agent, tick_us_, scenario_->tasks));
+    wires.push_back(ToWire(agent, tick_us_, scenario()->tasks));
   PublishStates(wires, now);
 }
 
@@ -253,10 +232,10 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
     AgentState& agent = agents_[static_cast<std::size_t>(id - agents_.front().id)];
     if (!agent.idle(t)) continue;  // a command for a busy agent is refused: its partner is released
     if (IsPair(action.kind) &&
-        MatchFails(action, decision, scenario_->disturbances, scenario_->seed)) {
+        MatchFails(action, decision, scenario()->disturbances, scenario()->seed)) {
       continue;
     }
-    Begin(&agent, action, decision, t, scenario_->disturbances, scenario_->seed);
+    Begin(&agent, action, decision, t, scenario()->disturbances, scenario()->seed);
   }
 }
 

@@ -3,12 +3,11 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "lcmtypes/protocol/convert.h"
-#include "lcmtypes/protocol/process.h"
+#include "lcmtypes/protocol/follower.h"
 #include "world/model/scenario.h"
 
 namespace muster::agents {
@@ -19,25 +18,23 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 /// Some or all agents of one class in lockstep (docs/mission.md). It advances when it holds the
 /// clock, the world's verdict on its present tick and the decision that must be in force, publishes
 /// its states, and publishes them again when the clock is repeated.
-class AgentProcess : public Process {
+class AgentProcess : public Follower {
  public:
   AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids);
 
  protected:
-  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
-  void OnStep(const Now& now) override;
-  TimeUs OwnWakeUs() const override { return request_.due_us(); }
+  void OnScenario() override;
+  void OnMissionMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnMissionStep(const Now& now) override;
   std::int64_t tick() const override { return tick_; }
 
  private:
-  void Take(const scenario_t& message);
   void Take(const clock_t& clock);
   void Take(const world_state_t& world);
   void Take(const rulings_t& rulings);
   void Take(const schedule_t& schedule);
   void Take(const restore_t& restore);
   void Answer(const request_t& request, const Now& now);
-  void Ask(std::string_view channel, const Now& now);
   bool CanAdvance() const;
   void Advance(const Now& now);
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
@@ -45,7 +42,6 @@ class AgentProcess : public Process {
 
   const AgentKind kind_;
   const IdRange ids_;
-  std::optional<Scenario> scenario_;
   std::vector<AgentState> agents_;
 
   std::int64_t tick_ = -1;  ///< of the published states
@@ -76,7 +72,6 @@ class AgentProcess : public Process {
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
   std::optional<std::vector<Action>> schedule_;      ///< of the decision made at tick_
   std::int32_t schedule_decision_ = -1;
-  BackOff request_{5'000, 200'000};
 };
 
 }  // namespace muster::agents

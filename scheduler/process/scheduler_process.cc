@@ -1,23 +1,22 @@
 #include "scheduler/process/scheduler_process.h"
 
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::scheduler {
 
 SchedulerProcess::SchedulerProcess(Identity identity, int window, std::string policy,
                                    Stopwatch stopwatch, std::optional<double> deadline_ms)
-    : Process(std::move(identity), window),
+    : Follower(std::move(identity), window),
       policy_name_(std::move(policy)),
       policy_(MakePolicy(policy_name_, deadline_ms)),
       stopwatch_(stopwatch) {}
 
-void SchedulerProcess::OnMessage(const Message& message, const Packet&, const Now&) {
-  if (!scenario_) {
-    if (const auto* scenario = std::get_if<scenario_t>(&message)) Take(*scenario);
-    return;
-  }
+void SchedulerProcess::OnScenario() {
+  fusion_.emplace(*scenario());
+  set_state(ProcessState::kReady);
+}
+
+void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, const Now&) {
   const auto take = [&](const auto& m) {
     if (due_ >= 0 && !fusion_->Take(m)) inbox().Reject();
   };
@@ -28,21 +27,9 @@ void SchedulerProcess::OnMessage(const Message& message, const Packet&, const No
       [&](const rulings_t& rulings) { take(rulings); });
 }
 
-void SchedulerProcess::Take(const scenario_t& message) {
-  try {
-    scenario_ = ParseScenario(message.json, "scenario");
-  } catch (const InputError&) {
-    inbox().Reject();
-    return;
-  }
-  fusion_.emplace(*scenario_);
-  set_state(ProcessState::kReady);
-}
-
 void SchedulerProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, scenario_->rules)) return inbox().Reject();
-  if (clock.phase == 2) set_state(ProcessState::kEnded);
-  if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
+  if (!Possible(clock, scenario()->rules)) return inbox().Reject();
+  Follow(clock);
   if (clock.phase < 2 && clock.tick <= tick_) repeat_tick_ = clock.tick;
   if (clock.tick <= tick_) return;
   tick_ = clock.tick;
@@ -52,17 +39,8 @@ void SchedulerProcess::Take(const clock_t& clock) {
   if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
 }
 
-void SchedulerProcess::OnStep(const Now& now) {
-  if (!scenario_) {
-    if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
-    if (request_.Fire(now.monotonic_us)) {
-      request_t request{};
-      request.channel = channel::kScenario;
-      sender().Send(channel::kRequest, std::move(request), 0, now);
-    }
-    return;
-  }
-  request_.Stop();
+void SchedulerProcess::OnMissionStep(const Now& now) {
+  StopAsking();
   if (due_ >= 0 && fusion_->complete()) {
     Decide(now);
   } else if (schedule_packet_ && repeat_tick_ == schedule_tick_) {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "lcmtypes/protocol/process.h"
+#include "lcmtypes/protocol/follower.h"
 #include "scheduler/policy.h"
 #include "scheduler/process/fusion.h"
 
@@ -17,27 +17,25 @@ using Stopwatch = TimeUs (*)();
 /// The scheduler in lockstep (docs/mission.md): on a decision tick it fuses what it heard, decides
 /// and publishes; when the clock is repeated it publishes the same again. It keeps nothing that it
 /// could not make again.
-class SchedulerProcess : public Process {
+class SchedulerProcess : public Follower {
  public:
   /// deadline_ms: of each decision, see MakePolicy; none: decisions can be repeated.
   SchedulerProcess(Identity identity, int window, std::string policy, Stopwatch stopwatch,
                    std::optional<double> deadline_ms = {});
 
  protected:
-  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
-  void OnStep(const Now& now) override;
-  TimeUs OwnWakeUs() const override { return request_.due_us(); }
+  void OnScenario() override;
+  void OnMissionMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnMissionStep(const Now& now) override;
   std::int64_t tick() const override { return tick_; }
 
  private:
-  void Take(const scenario_t& message);
   void Take(const clock_t& clock);
   void Decide(const Now& now);
 
   const std::string policy_name_;
   const std::unique_ptr<Policy> policy_;
   const Stopwatch stopwatch_;
-  std::optional<Scenario> scenario_;
   std::optional<Fusion> fusion_;
   std::int64_t tick_ = -1;  ///< of the newest clock
   TimeUs tick_us_ = 0;
@@ -45,7 +43,6 @@ class SchedulerProcess : public Process {
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
   SentPacket schedule_packet_;     ///< the newest
   std::int64_t schedule_tick_ = -1;
-  BackOff request_{5'000, 200'000};
 };
 
 }  // namespace muster::scheduler
