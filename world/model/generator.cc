@@ -8,6 +8,7 @@
 #include "world/model/check.h"
 #include "world/model/random.h"
 #include "world/model/scenario_json.h"
+#include "world/model/scenario_units.h"
 
 namespace muster {
 namespace {
@@ -218,7 +219,6 @@ std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::
 
 Scenario Generate(const GeneratorSettings& settings, std::uint64_t seed) {
   constexpr double kMaxSideKm = 100'000;  // twice round the Earth
-  constexpr double kMaxMinutes = 1e9;     // as in the file
   for (const double side_km : {settings.width_km, settings.height_km}) {
     if (!(side_km > 0 && side_km <= kMaxSideKm)) {
       throw InputError("generator settings", "area", fmt::format("a side of {} km", side_km),
