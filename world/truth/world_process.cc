@@ -44,7 +44,8 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
       scenario_(ParseScenario(json_, "scenario")),
       limits_(scenario_),
       options_(options),
-      referee_(scenario_) {
+      referee_(scenario_),
+      restoring_(scenario_, this->identity().run_id) {
   last_tick_ = scenario_.rules.last_tick();
   for (const AgentKind kind : kAgentKinds) {
     const std::size_t n = scenario_.agents(kind).size();
@@ -52,7 +53,6 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
     owners_[static_cast<int>(kind)].resize(n);
     heard_[static_cast<int>(kind)].assign(n, Heard::kNot);
     missing_ += n;
-    restoring_.ticks[static_cast<int>(kind)].assign(n, -1);
   }
   recorder_ready_ = !options.recorded;
   for (const Outage& outage : options.outages) {
@@ -74,7 +74,9 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       message, [&](const agent_states_t& states) { Take(states, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
-      [&](const restore_t& restore) { Take(restore); },
+      [&](const restore_t& restore) {
+        if (wait_ == Wait::kRestore && !restoring_.Take(restore)) inbox().Reject();
+      },
       [&](const log_status_t&) { recorder_ready_ = true; },
       [&](const process_status_t& status) {
         if (static_cast<ProcessState>(status.state) != ProcessState::kEnded) return;
@@ -178,73 +180,19 @@ void WorldProcess::AskForState(const Now& now) {
   }
 }
 
-void WorldProcess::Take(const restore_t& restore) {
-  if (wait_ != Wait::kRestore) return;
-  for (const AgentKind kind : kAgentKinds) {
-    if (restore.channel != ChannelOf(kind)) continue;
-    if (restore.data.empty()) {
-      restoring_.not_begun = true;
-      return;
-    }
-    const auto states = DecodeValid<agent_states_t>(restore.data);
-    if (!states || states->header.run_id != identity().run_id) return inbox().Reject();
-    restoring_.applied[states->tick] = states->applied_decision;
-    auto& ticks = restoring_.ticks[static_cast<int>(kind)];
-    for (const agent_t& wire : states->agents) {
-      if (wire.id < 0 || static_cast<std::size_t>(wire.id) >= ticks.size()) return inbox().Reject();
-      auto& tick = ticks[static_cast<std::size_t>(wire.id)];
-      tick = std::max(tick, states->tick);
-    }
-  }
-  if (restore.data.empty()) return;
-  if (restore.channel == channel::kWorld) {
-    auto world = DecodeValid<world_state_t>(restore.data);
-    if (!world || world->header.run_id != identity().run_id) return inbox().Reject();
-    restoring_.worlds.emplace(world->tick, std::move(*world));
-  }
-  if (restore.channel == channel::kRulings) {
-    auto rulings = DecodeValid<rulings_t>(restore.data);
-    if (!rulings || rulings->header.run_id != identity().run_id) return inbox().Reject();
-    restoring_.rulings.emplace(rulings->tick, std::move(*rulings));
-  }
-}
-
 bool WorldProcess::RestoreState(const Now& now) {
-  std::int64_t tick = last_tick_;
-  for (const auto& ticks : restoring_.ticks) {
-    for (const std::int64_t t : ticks) tick = std::min(tick, t);
+  const std::optional<Restoring::State> state = restoring_.Newest();
+  if (!state) return false;
+  tick_ = state->tick;
+  if (tick_ == 0) return true;
+  referee_.Restore(tick_us(tick_ - 1), state->task_status,
+                   Verdict(state->activities, state->rulings));
+  phase_ = Phase::kRunning;
+  set_state(ProcessState::kRunning);
+  required_decision_ = state->applied_decision;
+  if (options_.rate > 0) {
+    started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick_)) / options_.rate);
   }
-  if (restoring_.not_begun) tick = 0;
-  if (tick < 0) return false;
-  if (tick > 0) {
-    const auto world = restoring_.worlds.find(tick - 1);
-    const auto rulings = restoring_.rulings.find(tick - 1);
-    if (world == restoring_.worlds.end() || rulings == restoring_.rulings.end() ||
-        world->second.task_status.size() != scenario_.tasks.size()) {
-      return false;
-    }
-    std::vector<TaskStatus> task_status;
-    for (const std::int8_t status : world->second.task_status) {
-      task_status.push_back(static_cast<TaskStatus>(status));
-    }
-    std::vector<Activity> activities;
-    for (const activity_t& wire : world->second.activities) {
-      if (const auto activity = FromWire(wire, limits_)) activities.push_back(*activity);
-    }
-    std::vector<Ruling> list;
-    for (const ruling_t& wire : rulings->second.rulings) {
-      if (const auto ruling = FromWire(wire, limits_)) list.push_back(*ruling);
-    }
-    referee_.Restore(tick_us(tick - 1), std::move(task_status),
-                     Verdict(std::move(activities), std::move(list)));
-    phase_ = Phase::kRunning;
-    set_state(ProcessState::kRunning);
-    required_decision_ = restoring_.applied.at(tick);
-    if (options_.rate > 0) {
-      started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick)) / options_.rate);
-    }
-  }
-  tick_ = tick;
   return true;
 }
 

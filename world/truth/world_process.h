@@ -9,6 +9,7 @@
 #include "lcmtypes/protocol/process.h"
 #include "world/model/scenario.h"
 #include "world/truth/referee.h"
+#include "world/truth/restoring.h"
 
 namespace muster::world {
 
@@ -52,7 +53,6 @@ class WorldProcess : public Process {
   };
   void Take(const agent_states_t& states, const Packet& packet);
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
-  void Take(const restore_t& restore);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
   bool RestoreState(const Now& now);
@@ -112,15 +112,7 @@ class WorldProcess : public Process {
   TimeUs stepped_us_ = 0, awake_since_us_ = 0, look_us_ = 0;
   std::int32_t judged_applied_ = -1;  ///< decision in force at judged_tick_
 
-  /// What the others still hold, while this process starts again.
-  struct Restoring {
-    bool not_begun = false;
-    std::vector<std::int64_t> ticks[3];  ///< [n_agents] tick of the newest states; -1: not heard
-    std::map<std::int64_t, std::int32_t> applied;  ///< by tick: the decision in force
-    std::map<std::int64_t, world_state_t> worlds;
-    std::map<std::int64_t, rulings_t> rulings;
-  };
-  Restoring restoring_;
+  Restoring restoring_;  ///< while this process starts again
 };
 
 }  // namespace muster::world
