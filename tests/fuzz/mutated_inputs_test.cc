@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -10,6 +9,8 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+
+#include "tests/temporary_folder.h"
 
 namespace muster::fuzz {
 namespace {
@@ -58,18 +59,12 @@ TEST(MutatedInputs, ReachWhatBreaksParsers) {
 
 class FuzzReplay : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "muster_replay_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    fs::create_directory(folder_ / "seeds");
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { fs::create_directory(folder_ / "seeds"); }
 
   /// Exit code; what it said is in said_.
   int Run(const std::string& arguments) {
     const std::string command =
-        "cd '" + folder_.string() + "' && '" MUSTER_PLANTED "' " + arguments + " 2>&1";
+        "cd '" + folder_.path().string() + "' && '" MUSTER_PLANTED "' " + arguments + " 2>&1";
     FILE* const pipe = popen(command.c_str(), "r");
     if (pipe == nullptr) return -1;
     said_.clear();
@@ -82,7 +77,7 @@ class FuzzReplay : public ::testing::Test {
   }
   void Seed(const std::string& text) { std::ofstream(folder_ / "seeds" / "seed") << text; }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
   std::string said_;
 };
 

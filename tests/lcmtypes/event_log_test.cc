@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/temporary_folder.h"
 #include "world/model/check.h"
 #include "world/model/random.h"
 
@@ -27,16 +28,10 @@ using Tail = EventLogReader::Tail;
 
 class EventLog : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "muster_event_log_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string Path(const char* name = "log") const { return (folder_ / name).string(); }
+  std::string Path(const char* name = "log") const { return folder_.File(name); }
 
  private:
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 std::vector<LogEvent> Events(int count) {

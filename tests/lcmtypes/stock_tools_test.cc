@@ -18,6 +18,7 @@
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/test_network.h"
+#include "tests/temporary_folder.h"
 
 namespace muster {
 namespace {
@@ -66,21 +67,15 @@ class StockTools : public ::testing::Test {
         GTEST_SKIP() << program << " is not in PATH";
       }
     }
-    std::string name = (fs::temp_directory_path() / "muster_stock_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
   }
-  void TearDown() override {
-    if (!folder_.empty()) fs::remove_all(folder_);
-  }
-  std::string log() const { return (folder_ / "log").string(); }
+  std::string log() const { return folder_.File("log"); }
   /// Of this process, should the tests have to share the host's network with others.
   std::string url() const {
     return MissionUrl(static_cast<std::uint16_t>(20000 + getpid() % 4000 * 10 + 9));
   }
 
  private:
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 Packet Numbered(std::uint32_t number) {

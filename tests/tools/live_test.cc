@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
@@ -20,7 +19,6 @@ namespace muster::tools {
 namespace {
 
 using std::chrono::milliseconds;
-namespace fs = std::filesystem;
 
 constexpr milliseconds kLong{60'000};  // far beyond what anything here takes
 
@@ -36,20 +34,6 @@ std::vector<nlohmann::json> ReadToEnd(LiveFeed* feed, LiveFeed::Reader* reader) 
     if (chunks.back()["ended"] == true) return chunks;
   }
 }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("muster-live-{}", getpid())) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~TemporaryFolder() { fs::remove_all(path_); }
-  std::string File(const char* name) const { return (path_ / name).string(); }
-  std::string path() const { return path_.string(); }
-
- private:
-  fs::path path_;
-};
 
 TEST(LiveFeed, TellsEveryReaderAllOfItWheneverHeComes) {
   const std::vector<Packet> packets = Mission();
@@ -168,7 +152,7 @@ TEST(LiveServer, ATakenPortIsSaid) {
 TEST(FollowedRun, ReadsFilesAsTheyGrowAndAsTheyCome) {
   const TemporaryFolder folder;
   const std::vector<Packet> packets = Mission();
-  const auto source = OpenPacketSource(folder.path());
+  const auto source = OpenPacketSource(folder.path().string());
   EXPECT_TRUE(source->is_log());
   EXPECT_TRUE(source->Read(0).empty());
   std::vector<Packet> read;

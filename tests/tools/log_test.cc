@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/audit/auditor.h"
 #include "tools/log/export.h"
@@ -24,13 +25,7 @@ namespace fs = std::filesystem;
 
 class LogTest : public testing::Test {
  protected:
-  LogTest() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~LogTest() override { fs::remove_all(folder_); }
-
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Path(const std::string& name) const { return folder_.File(name); }
   void WriteLog(const std::string& name, const std::vector<Packet>& packets) const {
     EventLogWriter writer(Path(name));
     for (std::size_t i = 0; i < packets.size(); ++i) {
@@ -57,17 +52,15 @@ class LogTest : public testing::Test {
     return lines;
   }
 
-  const fs::path folder_ =
-      fs::path(testing::TempDir()) /
-      (std::string("log_test_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const TemporaryFolder folder_;
   const std::vector<Packet> packets_ = Encoded(MakeFakeMission());
 };
 
 TEST_F(LogTest, ReadsTheFilesOfARunInOrderAndAgain) {
   WriteLog("mission.lcm", {packets_.begin(), packets_.begin() + 50});
   WriteLog("mission.lcm.1", {packets_.begin() + 50, packets_.end()});
-  EXPECT_EQ(ReadLog(folder_.string()), packets_);
-  LogSource source(folder_.string());
+  EXPECT_EQ(ReadLog(folder_.path().string()), packets_);
+  LogSource source(folder_.path().string());
   while (source.Next()) {
   }
   EXPECT_EQ(source.file(), 1u);
@@ -86,7 +79,7 @@ TEST_F(LogTest, InfoCountsRepeatsGapsAndGarbage) {
   std::erase(packets, packets_[20]);
   WriteLog("mission.lcm", packets);
   std::ofstream(Path("mission.lcm"), std::ios::app) << "torn";
-  const LogInfo info = ReadLogInfo(folder_.string());
+  const LogInfo info = ReadLogInfo(folder_.path().string());
   EXPECT_EQ(info.messages, static_cast<std::int64_t>(packets.size()));
   EXPECT_EQ(info.garbage_bytes, 4);
   EXPECT_EQ(info.channels.at("CAMERA").bytes, 3);
@@ -113,7 +106,7 @@ TEST_F(LogTest, RepairMakesADamagedLogPassTheAudit) {
   std::vector<Packet> rest(packets_.begin() + 80, packets_.end());
   rest.push_back({std::string(channel::kClock), {1, 2}});
   WriteLog("mission.lcm.1", rest);
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   const EditResult result = RepairLog(&source, Path("repaired.lcm"));
   EXPECT_EQ(result.written, static_cast<std::int64_t>(packets_.size()));
   EXPECT_GT(source.garbage_bytes(), 0);
@@ -127,7 +120,7 @@ TEST_F(LogTest, RepairMakesADamagedLogPassTheAudit) {
 
 TEST_F(LogTest, CutKeepsTheTimeSpanAndTheScenario) {
   WriteLog("mission.lcm", packets_);
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   CutLog(&source, 10 * kMinuteUs, 11 * kMinuteUs, Path("cut.lcm"));
   const std::vector<Packet> cut = ReadLog(Path("cut.lcm"));
   std::vector<Packet> expected;
@@ -149,7 +142,7 @@ TEST_F(LogTest, CsvHasEveryRowOnce) {
   std::vector<Packet> packets = Encoded(log);
   packets.insert(packets.end(), packets.begin(), packets.end());  // everything twice
   WriteLog("mission.lcm", packets);
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   ExportCsv(&source, Path("csv"));
   EXPECT_EQ(Lines("csv/agents.csv").size(), 1u + 31 * 5);
   EXPECT_EQ(Lines("csv/decisions.csv").size(), 1u + 3);
@@ -166,7 +159,7 @@ TEST_F(LogTest, CsvHasEveryRowOnce) {
 
 TEST_F(LogTest, GeoJsonHasPlacesAndTimes) {
   WriteLog("mission.lcm", packets_);
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   EXPECT_THROW(ExportGeoJson(&source, Path("geo"), {}), InputError);  // no origin
   ExportGeoJson(&source, Path("geo"), Origin{18.5, -72.3});
   const auto positions = nlohmann::json::parse(Text("geo/positions.geojson"));
@@ -264,7 +257,7 @@ std::vector<Record> Records(const std::string& bytes, std::size_t at, std::size_
 
 TEST_F(LogTest, McapIsIndexedAndHoldsEveryMessage) {
   WriteLog("mission.lcm", packets_);
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   ExportMcap(&source, Path("run.mcap"));
   const std::string bytes = Text("run.mcap");
   const std::string magic = "\x89MCAP0\r\n";
@@ -335,7 +328,7 @@ TEST_F(LogTest, McapIsIndexedAndHoldsEveryMessage) {
 
 TEST_F(LogTest, ExportsNeedAScenario) {
   WriteLog("mission.lcm", {packets_.begin() + 1, packets_.end()});
-  LogSource source(folder_.string());
+  LogSource source(folder_.path().string());
   EXPECT_THROW(ExportCsv(&source, Path("csv")), InputError);
   EXPECT_THROW(ExportMcap(&source, Path("run.mcap")), InputError);
   EXPECT_FALSE(fs::exists(Path("csv")));

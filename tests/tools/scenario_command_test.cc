@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lcmtypes/protocol/program.h"
+#include "tests/temporary_folder.h"
 #include "tools/scenario/import_command.h"
 #include "world/model/check.h"
 #include "world/model/generator.h"
@@ -21,15 +22,7 @@ namespace fs = std::filesystem;
 
 class ScenarioCommandTest : public ::testing::Test {
  protected:
-  ScenarioCommandTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ScenarioCommandTest() override { fs::remove_all(folder_); }
-
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+  std::string File(const std::string& name) const { return folder_.File(name); }
 
   Scenario Made(std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--out", File("s.json")});
@@ -53,7 +46,7 @@ class ScenarioCommandTest : public ::testing::Test {
     return "no error";
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(ScenarioCommandTest, WritesThePresetOfTheSeed) {

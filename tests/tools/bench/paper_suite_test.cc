@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scheduler/policy.h"
+#include "tests/temporary_folder.h"
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_tables.h"
@@ -26,13 +27,6 @@ namespace fs = std::filesystem;
 
 class PaperSuite : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "muster_paper_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   /// Two settings, both modes, two seeds: 24 runs of a few hundredths of a second.
   PaperOptions Small(const std::string& out, int jobs = 2) const {
     PaperOptions options;
@@ -66,7 +60,7 @@ class PaperSuite : public ::testing::Test {
     return text;
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(PaperSuite, RowsDoNotDependOnJobsOrderOrInterruption) {

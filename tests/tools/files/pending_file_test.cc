@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/temporary_folder.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
@@ -18,13 +19,6 @@ namespace fs = std::filesystem;
 
 class PendingFileTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "muster_files_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string Path(const std::string& name) const { return folder_ / name; }
   std::string Text(const std::string& name) const {
     std::stringstream text;
@@ -32,17 +26,17 @@ class PendingFileTest : public ::testing::Test {
     return text.str();
   }
   std::size_t Entries() const {
-    const fs::directory_iterator entries(folder_);
+    const fs::directory_iterator entries(folder_.path());
     return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(PendingFileTest, KeepsTheOldFileUntilTheNewOneIsWhole) {
   std::ofstream(Path("a")) << "old";
   PendingFile pending(Path("a"));
-  EXPECT_EQ(fs::path(pending.temporary()).parent_path(), folder_);
+  EXPECT_EQ(fs::path(pending.temporary()).parent_path(), folder_.path());
   std::ofstream(pending.temporary()) << "new";
   EXPECT_EQ(Text("a"), "old");
   pending.Commit();

@@ -1,25 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <string>
 #include <thread>
 
+#include "tests/temporary_folder.h"
+
 namespace muster::tools {
-
-/// A new folder for one test, removed with all that it holds.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string File(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Looks again and again until `holds()` or a minute is over; returns what it held last.
 template <class Condition>

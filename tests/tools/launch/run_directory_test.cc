@@ -1,30 +1,21 @@
 #include "tools/launch/run_directory.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/temporary_folder.h"
 #include "tools/launch/manifest.h"
 #include "world/model/check.h"
 
 namespace muster::tools {
 namespace {
 
-namespace fs = std::filesystem;
-
 class RunDirectoryTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "muster_run_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    root_ = name;
-  }
-  void TearDown() override { fs::remove_all(root_); }
-  fs::path root_;
+  const TemporaryFolder root_;
 };
 
 TEST_F(RunDirectoryTest, NewFoldersDoNotCollide) {
