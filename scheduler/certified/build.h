@@ -36,8 +36,4 @@ BuiltInstance BuildInstance(const Situation& situation, int threads = 1,
                             std::size_t exact_up_to = kExactPlaces,
                             std::size_t all_pairs_up_to = kAllPairs);
 
-/// The actions of an assignment, in the order of Decision::actions, with their weights.
-std::vector<Action> ActionsOf(const BuiltInstance& built, const Assignment& assignment,
-                              const Situation& situation);
-
 }  // namespace muster::scheduler

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scheduler/certified/build.h"
+#include "scheduler/certified/actions.h"
 
 namespace muster::scheduler {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scheduler/certified/actions.h"
 #include "scheduler/certified/solver.h"
 
 namespace muster::scheduler {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "scheduler/candidates.h"
+#include "scheduler/certified/actions.h"
 #include "scheduler/certified/grid_index.h"
 #include "scheduler/certified/levels.h"
 #include "scheduler/certified/nodes.h"
