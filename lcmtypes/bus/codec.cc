@@ -1,5 +1,7 @@
 #include "lcmtypes/bus/codec.h"
 
+#include <glib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -188,7 +190,12 @@ template <class... Doubles>
 bool Finite(Doubles... values) {
   return (std::isfinite(values) && ...);
 }
-bool IsName(const std::string& text) { return text.size() <= kMaxName; }
+/// Reports, pages and exports are UTF-8.
+bool IsText(const std::string& text, std::size_t longest) {
+  return text.size() <= longest &&
+         g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) != 0;
+}
+bool IsName(const std::string& text) { return IsText(text, kMaxName); }
 
 bool ValidAgent(const agent_t& a) {
   return a.id >= 0 &&
@@ -252,7 +259,7 @@ bool Valid(const clock_t& m) {
 bool Valid(const event_t& m) {
   return Valid(m.header) && In(m.kind, 0, 14) && m.at_us >= 0 &&
          AreIds(m.uav_id, m.worker_id, m.vehicle_id, m.task_id, m.charge_id) &&
-         IsName(m.fault_id) && m.detail.size() <= kMaxDetail;
+         IsName(m.fault_id) && IsText(m.detail, kMaxDetail);
 }
 bool Valid(const fault_t& m) {
   return Valid(m.header) && IsName(m.fault_id) && In(m.kind, 0, 11) && IsName(m.target) &&
