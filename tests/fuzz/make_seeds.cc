@@ -21,7 +21,8 @@ void Write(const std::filesystem::path& file, const std::string& text) {
 
 void WriteAll(const std::filesystem::path& folder) {
   using namespace muster;
-  for (const char* name : {"codec", "event_log", "fault_plan", "mission", "scenario", "table"}) {
+  for (const char* name : {"codec", "event_log", "fault_plan", "hosts", "mission", "run",
+                           "scenario", "solution", "table"}) {
     std::filesystem::remove_all(folder / name);  // an older version's
   }
   std::filesystem::create_directories(folder / "event_log");
@@ -37,15 +38,25 @@ void WriteAll(const std::filesystem::path& folder) {
   const std::string json = fuzz::SmallMission();
   Write(folder / "scenario" / "small", json);
 
-  std::string packets;
+  std::string packets, all_packets;
   int tick = 0;
   tools::Simulate(json, "greedy-nearest", [&](const Packet& packet) {
     fuzz::AppendPacket(packet, &packets);
+    fuzz::AppendPacket(packet, &all_packets);
     if (packet.channel != channel::kClock) return;
     Write(folder / "mission" / std::to_string(++tick), packets);
     packets.clear();
   });
 
+  Write(folder / "run" / "all", all_packets);
+
+  Write(folder / "hosts" / "two", R"({"version": 1,
+    "lcm_url": "udpm://239.255.76.67:7667?ttl=1&recv_buf_size=2097152", "hosts": [
+    {"name": "field", "ssh": "a@field", "folder": "/opt/bin", "processes": ["uav", "worker"]},
+    {"name": "room", "netns": "room", "processes": ["scheduler"]}]})");
+  Write(folder / "solution" / "indicator", "0\n1\n0\n0\n1\n0\n0\n0\n0\n0\n0\n1\n");
+  Write(folder / "solution" / "nodes", "1 4\n11\n");
+  Write(folder / "solution" / "mps", "# optimal\nn1 1\nn2 0\nn11 0.99999\n");
   Write(folder / "fault_plan" / "file", R"({"version": 1, "faults": [
     {"kind": "loss", "target": "*", "at_min": 3, "for_min": 10, "probability": 0.3},
     {"kind": "partition", "target": "uav|world", "at_min": 20, "for_s": 2, "id": "cut"},
