@@ -177,7 +177,10 @@ TEST(Referee, OverlappingOutagesAreOne) {
   mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 900 * kSecondUs, "second"});
   mission.Judge(0, 0);
   for (TimeUs t = 30; t <= 1200; t += 30) mission.Judge(t * kSecondUs);
-  EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 100}, {Kind::kAgentBack, 900}}));
+  EXPECT_EQ(mission.Happened(),
+            (Happened{{Kind::kAgentFailed, 100},
+                      {Kind::kFaultApplied, 300},  // the second: nothing else tells of its begin
+                      {Kind::kAgentBack, 900}}));
 }
 
 TEST(Referee, FailureWhileSensingSpendsProRataWhateverTheTick) {

@@ -173,8 +173,11 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   }
   for (const Outage& outage : outages_) {
     if (outage.from_us > t) continue;
-    failures.push_back(
-        {std::max(outage.from_us, previous_us_ + 1), {outage.kind, outage.agent}, outage.detail});
+    failures.push_back({std::max(outage.from_us, previous_us_ + 1),
+                        {outage.kind, outage.agent},
+                        outage.detail,
+                        false,
+                        outage.from_us > previous_us_});
   }
   if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
     for (const AgentKind kind : kAgentKinds) {
@@ -198,8 +201,22 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   }
 }
 
+bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
+  const TimeUs since_us = failed_.at(failure.agent);
+  return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
+    return AgentKey(other.kind, other.agent) == failure.agent && other.detail != failure.detail &&
+           other.from_us <= since_us && other.until_us > failure.at_us;
+  });
+}
+
 void Referee::Fail(const Failure& failure, Agents* agents) {
-  if (!failed_.emplace(failure.agent, failure.at_us).second) return;
+  if (!failed_.emplace(failure.agent, failure.at_us).second) {
+    // It fails no more than it has, but stays so when the other outage ends.
+    if (failure.begins && IsOutBecauseOfAnother(failure)) {
+      Emit(Event::Kind::kFaultApplied, failure.at_us, failure.agent, failure.detail);
+    }
+    return;
+  }
   Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.detail);
   const auto [kind, id] = failure.agent;
   const AgentState& agent = agents->at(kind, id);

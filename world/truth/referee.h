@@ -95,7 +95,8 @@ class Referee {
     TimeUs at_us = 0;
     AgentKey agent;
     std::string detail;
-    bool dry = false;  ///< only if nothing released the UAV before
+    bool dry = false;     ///< only if nothing released the UAV before
+    bool begins = false;  ///< an outage that was not in force before
     auto operator<=>(const Failure&) const = default;
   };
   struct Known {
@@ -109,6 +110,7 @@ class Referee {
   void Return(TimeUs t);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
   void Fail(const Failure& failure, Agents* agents);
+  bool IsOutBecauseOfAnother(const Failure& failure) const;
   void Meet(TimeUs t, Agents* agents);
   void EmitPresence(TimeUs t, Agents* agents);
   void EmitProgress(TimeUs t);

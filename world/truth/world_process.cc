@@ -250,8 +250,9 @@ void WorldProcess::Judge(const Now& now) {
 
 void WorldProcess::PublishEvents(const Now& now) {
   for (const Event& event : referee_.TakeEvents()) {
-    sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
-    const bool failed = event.kind == Event::Kind::kAgentFailed;
+    const bool applied = event.kind == Event::Kind::kFaultApplied;
+    if (!applied) sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+    const bool failed = applied || event.kind == Event::Kind::kAgentFailed;
     if (!failed && event.kind != Event::Kind::kAgentBack) continue;
     const bool ordered =
         std::any_of(options_.outages.begin(), options_.outages.end(),

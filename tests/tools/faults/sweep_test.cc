@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +21,9 @@ namespace muster::tools {
 namespace {
 
 using Json = nlohmann::json;
+
+/// A mission of seconds may take minutes under a sanitizer on a busy machine.
+constexpr std::chrono::minutes kLongest{15};
 
 int Missions(int usual) {
   const char* text = std::getenv("MUSTER_MISSIONS");
@@ -60,7 +64,7 @@ TEST_F(SweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
     }
     SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
     Muster muster(folder_, "run", arguments);
-    ASSERT_EQ(muster.Wait(), 0) << muster.output();
+    ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
     const Json report = Report("run");
     ASSERT_EQ(report["digest"], expected);
     ASSERT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
@@ -86,7 +90,7 @@ TEST_F(SweepTest, RandomPlansBreakNoInvariant) {
     Muster run(folder_, "run",
                {"run", scenario_, "--quiet", "--policy", "mpq", "--out", folder_.File("run"),
                 "--faults", plan, "--on-loss", on_loss, "--lost-after", "0.5"});
-    ASSERT_EQ(run.Wait(), 0) << run.output() << draw.output();
+    ASSERT_EQ(run.Wait(kLongest), 0) << run.output() << draw.output();
     std::filesystem::remove_all(folder_.File("run"));
   }
 }

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -40,8 +41,8 @@ class Muster {
         child_({name, MusterArgv(arguments), output_}) {}
 
   /// Its exit code once it has ended; -1 when it was killed or does not end.
-  int Wait() {
-    if (!Eventually([this] { return child_.Poll().has_value(); })) return -1;
+  int Wait(std::chrono::minutes longest = std::chrono::minutes(1)) {
+    if (!Eventually([this] { return child_.Poll().has_value(); }, longest)) return -1;
     const int status = child_.Poll()->wait_status;
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     if (code == 0 && !checked_) CheckLog();

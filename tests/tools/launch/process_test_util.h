@@ -8,10 +8,10 @@
 
 namespace muster::tools {
 
-/// Looks again and again until `holds()` or a minute is over; returns what it held last.
+/// Looks again and again until `holds()` or the time is over; returns what it held last.
 template <class Condition>
-bool Eventually(Condition holds) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+bool Eventually(Condition holds, std::chrono::minutes longest = std::chrono::minutes(1)) {
+  const auto deadline = std::chrono::steady_clock::now() + longest;
   while (!holds()) {
     if (std::chrono::steady_clock::now() >= deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
