@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "agents/core/agent_process.h"
@@ -5,6 +6,7 @@
 #include "scheduler/process/scheduler_process.h"
 #include "tests/tools/audited.h"
 #include "tests/tools/virtual_network.h"
+#include "tools/launch/archive.h"
 #include "tools/report/digest.h"
 #include "tools/simulate/simulator.h"
 #include "world/model/check.h"
@@ -37,10 +39,32 @@ struct Outcome {
   int sent = 0;
 };
 
-/// Kills `victim` when `kill_at` packets have been sent, and starts it again.
+/// Kills `victims` when `kill_at` packets have been sent, and starts them again.
 struct Kill {
-  std::string victim;
+  std::vector<std::string> victims;
   int kill_at = 0;
+};
+
+/// The recorder as far as it tells those that start again what it has heard.
+class Archivist : public Process {
+ public:
+  explicit Archivist(const Scenario& scenario)
+      : Process({1, "recorder", 0}, 0), archive_(scenario, 1) {}
+
+ private:
+  void OnMessage(const Message& message, const Packet& packet, const Now& now) override {
+    archive_.Add(packet);
+    const auto* const request = std::get_if<request_t>(&message);
+    if (request == nullptr) return;
+    for (restore_t& answer : archive_.Answer(*request, now.monotonic_us)) {
+      sender().Send("MUSTER_RESTORE", std::move(answer), 0, now);
+    }
+  }
+  void OnStep(const Now&) override {}
+  TimeUs OwnWakeUs() const override { return kNever; }
+  std::int64_t tick() const override { return 0; }
+
+  Archive archive_;
 };
 
 Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::string& json,
@@ -49,6 +73,8 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
     network.Add(StartProcess(name, 0, json));
   }
+  const Scenario scenario = ParseScenario(json, "scenario");
+  if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario));
   RunRecord record;
   Audited audited;
   Outcome outcome;
@@ -62,8 +88,8 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
   if (kill) {
     network.Run(
         3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
-    network.Kill(kill->victim);
-    network.Add(StartProcess(kill->victim, 1, json));
+    for (const std::string& victim : kill->victims) network.Kill(victim);
+    for (const std::string& victim : kill->victims) network.Add(StartProcess(victim, 1, json));
   }
   outcome.ended = network.Run(
       3600 * kSecondUs, [&] { return ended; }, observe);
@@ -94,7 +120,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
     for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
       for (int i = 0; i < 20; ++i) {
         const int kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
-        const Outcome outcome = RunOver(faults, 1, json, Kill{victim, kill_at});
+        const Outcome outcome = RunOver(faults, 1, json, Kill{{victim}, kill_at});
         ASSERT_TRUE(outcome.ended)
             << victim << " killed after packet " << kill_at << ", loss " << loss;
         ASSERT_EQ(outcome.digest, expected)
@@ -109,10 +135,31 @@ TEST(Lockstep, AnyOneProcessMayBeKilledBeforeTheMissionBegins) {
   const std::string expected = SimulatedDigest(json);
   for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
     for (int kill_at = 0; kill_at < 20; ++kill_at) {
-      const Outcome outcome = RunOver({}, 1, json, Kill{victim, kill_at});
+      const Outcome outcome = RunOver({}, 1, json, Kill{{victim}, kill_at});
       ASSERT_TRUE(outcome.ended) << victim << " killed after packet " << kill_at;
       ASSERT_EQ(outcome.digest, expected) << victim << " killed after packet " << kill_at;
     }
+  }
+}
+
+TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  const NetworkFaults faults{.longest_delay_us = 200};
+  const int sent = RunOver(faults, 1, json).sent;
+  Random random(2, Stream::kTest);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<std::string> victims = {"world", "uav", "worker", "vehicle", "scheduler"};
+    random.Shuffle(victims);
+    victims.resize(2 + random.Below(4));
+    // Some before the first tick.
+    const auto kill_at =
+        static_cast<int>(random.Below(i % 4 == 0 ? 20 : static_cast<std::uint32_t>(sent)));
+    const Outcome outcome = RunOver(faults, 1, json, Kill{victims, kill_at});
+    ASSERT_TRUE(outcome.ended) << fmt::format("{} killed after packet {}", fmt::join(victims, ", "),
+                                              kill_at);
+    ASSERT_EQ(outcome.digest, expected)
+        << fmt::format("{} killed after packet {}", fmt::join(victims, ", "), kill_at);
   }
 }
 

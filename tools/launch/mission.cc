@@ -18,6 +18,7 @@
 #include "lcmtypes/protocol/run_process.h"
 #include "tools/faults/fault_injector.h"
 #include "tools/faults/foreign_packets.h"
+#include "tools/launch/archive.h"
 #include "tools/launch/mission_view.h"
 #include "tools/launch/recorder.h"
 #include "tools/launch/stall_watch.h"
@@ -77,6 +78,7 @@ class Supervisor : private FaultActions {
   template <class Condition>
   bool TurnUntil(Condition done, TimeUs longest_us);
   void ReadLog(const Now& now);
+  void AnswerFromArchive(const Packet& request, const Now& now);
   void ShowProgress(TimeUs now_us);
   bool is_logger(const Member& member) const { return &member == &members_.front(); }
   void Start(Member* member);
@@ -109,6 +111,7 @@ class Supervisor : private FaultActions {
   ProgressPrinter* progress_;
 
   Recorder recorder_;
+  Archive archive_;
   StallWatch stall_watch_;
   FaultInjector injector_;
   FaultSwitch own_faults_;
@@ -139,7 +142,8 @@ Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals
       stop_(stop),
       progress_(progress),
       recorder_({plan.run_id, "recorder", 0}),
-      stall_watch_(NamesOf(plan.processes), plan.tick_us, plan.rate),
+      archive_(plan.scenario, plan.run_id),
+      stall_watch_(NamesOf(plan.processes), plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, NamesOf(plan.processes)),
       own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
@@ -166,6 +170,7 @@ void Supervisor::ReadLog(const Now& now) {
       if (plan_.on_logged) plan_.on_logged(event->packet);
       if (&file == &log_files_.back()) NoteBack(&members_.front(), now);
       if (!recorder_.OnLogged(event->packet, now)) continue;
+      archive_.Add(event->packet);
       logged_.Add(event->packet);
       if (event->packet.channel == channel::kEvent) {
         if (const auto happened = DecodeValid<event_t>(event->packet.bytes)) {
@@ -218,6 +223,8 @@ void Supervisor::Turn() {
   for (const Packet& packet : heard) {
     recorder_.OnHeard(packet, now);
     stall_watch_.OnHeard(packet, now.monotonic_us);
+    archive_.Add(packet);
+    if (packet.channel == channel::kRequest) AnswerFromArchive(packet, now);
     if (packet.channel != channel::kClock) continue;
     const auto clock = DecodeValid<clock_t>(packet.bytes);
     if (clock && clock->header.run_id == plan_.run_id) {
@@ -225,6 +232,16 @@ void Supervisor::Turn() {
       heard_us_ = std::max(heard_us_, clock->tick_us);
     }
   }
+}
+
+void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
+  const auto request = DecodeValid<request_t>(packet.bytes);
+  if (!request || request->header.run_id != plan_.run_id) return;
+  std::vector<restore_t> answers = archive_.Answer(*request, now.monotonic_us);
+  if (answers.empty()) return;
+  Say(fmt::format("nobody told {} how things stand on {}: told it what was last heard",
+                  request->header.sender, request->channel));
+  for (restore_t& answer : answers) recorder_.Answer(std::move(answer), now);
 }
 
 template <class Condition>

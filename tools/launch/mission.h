@@ -12,7 +12,7 @@
 #include "tools/launch/progress.h"
 #include "tools/launch/stop_signals.h"
 #include "tools/report/run_record.h"
-#include "world/model/units.h"
+#include "world/model/scenario.h"
 
 namespace muster::tools {
 
@@ -27,6 +27,7 @@ struct RestartPolicy {
 /// What a mission needs to run.
 struct MissionPlan {
   std::int64_t run_id = 0;
+  Scenario scenario;
   std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
   HostList hosts;                    ///< who runs elsewhere
   ChildSpec logger;                  ///< a stock lcm-logger; its file is added
@@ -36,8 +37,7 @@ struct MissionPlan {
   /// Called with every event of the log, as it is read; it must return soon.
   std::function<void(const Packet&)> on_logged = {};
   bool goes_on = false;  ///< without agent processes and scheduler when they are lost
-  TimeUs tick_us = 0;
-  double rate = 0;  ///< mission seconds per wall second; 0: as fast as it goes
+  double rate = 0;       ///< mission seconds per wall second; 0: as fast as it goes
 };
 
 enum class MissionEnd {

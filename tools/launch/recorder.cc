@@ -55,6 +55,11 @@ SentPacket Recorder::Publish(fault_t fault, const Now& now) {
   return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
 }
 
+void Recorder::Answer(restore_t restore, const Now& now) {
+  sender_.Send(channel::kRestore, std::move(restore), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
 void Recorder::Announce(event_t event, const Now& now) {
   sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
   poke_.Start(now.monotonic_us);

@@ -95,13 +95,13 @@ std::string FindLogger() {
 
 MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessPlan>& processes,
                         const std::string& logger, const MissionIdentity& mission,
-                        const RunDirectory& directory, TimeUs tick_us) {
+                        const RunDirectory& directory, const Scenario& scenario) {
   MissionPlan plan;
   plan.restarts.most = options.restarts;
   plan.faults = options.faults;
   plan.hosts = options.hosts;
   plan.goes_on = options.on_loss == "continue";
-  plan.tick_us = tick_us;
+  plan.scenario = scenario;
   if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;
   plan.log_file = directory.File("mission.lcm");
@@ -196,7 +196,7 @@ int RunCommand(int argc, const char* const* argv) {
   }
 
   MissionPlan plan = PlanMission(*options, PlanProcesses(*options, scenario, mission), logger,
-                                 mission, directory, scenario.rules.tick_us);
+                                 mission, directory, scenario);
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());

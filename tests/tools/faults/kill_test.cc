@@ -161,6 +161,22 @@ TEST_F(KillTest, Logger) { KillAll({"lcm-logger"}, 6); }
 TEST_F(KillTest, EachOnceInOneMission) {
   KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
 }
+TEST_F(KillTest, AllAtOnce) {
+  const std::vector<std::string> victims = {"world",   "uav",       "worker",
+                                            "vehicle", "scheduler", "lcm-logger"};
+  std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File("run")};
+  for (const std::string& victim : victims) {
+    arguments.insert(arguments.end(), {"--fault", fmt::format("process_killed:{}@80.5", victim)});
+  }
+  Muster muster(folder_, "run", arguments);
+  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  EXPECT_NE(muster.output().find("nobody told world how things stand"), std::string::npos)
+      << muster.output();
+  const Json report = Report("run");
+  EXPECT_EQ(report["digest"], expected_);
+  EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
+  EXPECT_EQ(report["events"]["process_lost"], victims.size());
+}
 TEST_F(KillTest, WhoEndsForGoodIsDoneWithout) {
   Muster muster(folder_, "run",
                 {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600",
