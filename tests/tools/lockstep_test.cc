@@ -39,10 +39,12 @@ struct Outcome {
   int sent = 0;
 };
 
-/// Kills `victims` when `kill_at` packets have been sent, and starts them again.
+/// Kills `victims` when `kill_at` packets have been sent, and starts them again, one after the
+/// other.
 struct Kill {
   std::vector<std::string> victims;
   int kill_at = 0;
+  TimeUs apart_us = 0;
 };
 
 /// The recorder as far as it tells those that start again what it has heard.
@@ -89,7 +91,11 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
     network.Run(
         3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
     for (const std::string& victim : kill->victims) network.Kill(victim);
-    for (const std::string& victim : kill->victims) network.Add(StartProcess(victim, 1, json));
+    for (const std::string& victim : kill->victims) {
+      network.Add(StartProcess(victim, 1, json));
+      network.Run(
+          network.now_us() + kill->apart_us, [&] { return ended; }, observe);
+    }
   }
   outcome.ended = network.Run(
       3600 * kSecondUs, [&] { return ended; }, observe);
@@ -155,11 +161,12 @@ TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
     // Some before the first tick.
     const auto kill_at =
         static_cast<int>(random.Below(i % 4 == 0 ? 20 : static_cast<std::uint32_t>(sent)));
-    const Outcome outcome = RunOver(faults, 1, json, Kill{victims, kill_at});
-    ASSERT_TRUE(outcome.ended) << fmt::format("{} killed after packet {}", fmt::join(victims, ", "),
-                                              kill_at);
-    ASSERT_EQ(outcome.digest, expected)
-        << fmt::format("{} killed after packet {}", fmt::join(victims, ", "), kill_at);
+    const TimeUs apart_us = i % 3 == 0 ? 0 : random.Below(3'000'000);
+    SCOPED_TRACE(fmt::format("{} killed after packet {}, {} us apart", fmt::join(victims, ", "),
+                             kill_at, apart_us));
+    const Outcome outcome = RunOver(faults, 1, json, Kill{victims, kill_at, apart_us});
+    ASSERT_TRUE(outcome.ended);
+    ASSERT_EQ(outcome.digest, expected);
   }
 }
 

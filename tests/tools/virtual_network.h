@@ -57,6 +57,7 @@ class VirtualNetwork {
     arrivals_[{now_us_, serial_++}] = {name, std::nullopt};
   }
   void Kill(const std::string& name) { processes_.erase(name); }
+  TimeUs now_us() const { return now_us_; }
   /// Somebody who answers each packet with one of his own, which everybody receives.
   void set_intruder(std::function<Packet(const Packet&)> intruder) {
     intruder_ = std::move(intruder);

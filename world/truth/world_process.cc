@@ -165,7 +165,7 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
       restore.n = static_cast<std::int32_t>(restore.data.size());
       sender().Send(channel::kRestore, std::move(restore), tick_us(tick_), now);
     };
-    if (judged_tick_ < 0) answer({});
+    if (judged_tick_ < 0 && tick_ == 0) answer({});
     for (const Packet& packet : packets) answer(packet.bytes);
     for (std::vector<std::uint8_t>& bytes : StatesOfLost(kind, now)) answer(std::move(bytes));
   }

@@ -180,7 +180,7 @@ TEST_F(KillTest, AllAtOnce) {
 TEST_F(KillTest, WhoEndsForGoodIsDoneWithout) {
   Muster muster(folder_, "run",
                 {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600",
-                 "--on-loss", "continue", "--lost-after", "0.5", "--restarts", "0"});
+                 "--on-loss", "continue", "--lost-after", "3", "--restarts", "0"});
   LiveLog log(folder_.File("run"));
   ASSERT_TRUE(Eventually([&] {
     log.Read();
