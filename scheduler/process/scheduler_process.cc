@@ -30,11 +30,16 @@ void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, c
 void SchedulerProcess::Take(const clock_t& clock) {
   if (!Possible(clock, scenario()->rules)) return inbox().Reject();
   Follow(clock);
+  // A world that starts again may go back to an earlier tick, and what an earlier start of it said
+  // may still be sent again for the log.
+  if (clock.header.boot_id < world_boot_) return;
+  const bool is_new_start = clock.header.boot_id > world_boot_;
   if (clock.phase < 2 && clock.tick <= tick_) repeat_tick_ = clock.tick;
-  if (clock.tick <= tick_) return;
+  if (clock.tick <= tick_ && !is_new_start) return;
+  world_boot_ = clock.header.boot_id;
   tick_ = clock.tick;
   tick_us_ = clock.tick_us;
-  due_ = clock.decision;
+  due_ = clock.tick == schedule_tick_ ? -1 : clock.decision;
   set_sim_us(tick_us_);
   if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
 }

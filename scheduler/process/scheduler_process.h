@@ -37,7 +37,8 @@ class SchedulerProcess : public Follower {
   const std::unique_ptr<Policy> policy_;
   const Stopwatch stopwatch_;
   std::optional<Fusion> fusion_;
-  std::int64_t tick_ = -1;  ///< of the newest clock
+  std::int64_t world_boot_ = 0;  ///< start of the world that goes on
+  std::int64_t tick_ = -1;       ///< of its newest clock
   TimeUs tick_us_ = 0;
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none

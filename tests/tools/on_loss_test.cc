@@ -67,6 +67,13 @@ class Mission {
         [&](const Packet& packet) { Observe(packet); });
   }
   bool RunToEnd() { return RunTo(kNever) && ended_; }
+  /// What is still said after the end.
+  void RunOn(TimeUs network_us) {
+    network_.Run(
+        network_.now_us() + network_us, [] { return false; },
+        [&](const Packet& packet) { Observe(packet); });
+  }
+  TimeUs limit_us() const { return scenario_.rules.limit_us; }
 
   const RunRecord& record() const { return record_; }
   /// After ExpectSound().
@@ -141,6 +148,20 @@ std::string UndisturbedDigest() {
   Simulate(ScenarioToJson(Generate(PresetByName("Random_10"), 5)), "mpq",
            [&](const Packet& packet) { record.Add(packet); });
   return Digest(record);
+}
+
+TEST(OnLoss, WhoIsBackAfterTheLastVerdictStandsWhereItSays) {
+  for (const TimeUs since : {620, 1250, 1910, 2530, 3150}) {
+    SCOPED_TRACE(since);
+    Mission mission;
+    ASSERT_TRUE(mission.RunTo(since * kSecondUs));
+    mission.Isolate("uav", true);
+    ASSERT_TRUE(mission.RunTo(mission.limit_us()));
+    mission.Isolate("uav", false);
+    ASSERT_TRUE(mission.RunToEnd());
+    mission.RunOn(10 * kSecondUs);
+    mission.ExpectSound();
+  }
 }
 
 TEST(OnLoss, NothingChangesWhereNobodyIsLost) {

@@ -194,6 +194,7 @@ void Auditor::TakeScenario(const scenario_t& message) {
   task_status_.assign(scenario_->tasks.size(), 0);
   flown_m_.assign(models_[kUav].size(), 0);
   final_range_m_.assign(models_[kUav].size(), 0);
+  final_range_tick_.assign(models_[kUav].size(), -1);
   for (const Packet& packet : std::exchange(held_back_, {})) Take(packet);
 }
 
@@ -218,12 +219,18 @@ void Auditor::TakeReports(const agent_states_t& message, int kind) {
     return;
   }
   TickData* data = DataOf(message.tick);
-  if (data == nullptr) return;
+  const bool is_late = message.tick >= 0 && message.tick < next_tick_;
+  if (data == nullptr && !is_late) return;
   for (const agent_t& agent : message.agents) {
     if (agent.id < 0 || static_cast<std::size_t>(agent.id) >= models_[kind].size()) {
       Violate(t, "lockstep",
               fmt::format("{} reports {}:{}, which the scenario does not have",
                           message.header.sender, kClassNames[kind], agent.id));
+      continue;
+    }
+    if (data == nullptr) {
+      // A lost process that is back says where it stands at a tick that went by without it.
+      if (kind == kUav) NoteUav(message.tick, agent);
       continue;
     }
     auto& report = data->reports[kind][static_cast<std::size_t>(agent.id)];

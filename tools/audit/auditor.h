@@ -123,6 +123,7 @@ class Auditor {
   void CheckTick(std::int64_t tick, const TickData& data);
   void CheckClock(const clock_t& clock);
   void CheckReports(const TickData& data);
+  void NoteUav(std::int64_t tick, const agent_t& a);
   void CheckReport(AgentModel* model, const Report& report);
   void CheckSpec(const AgentModel& model, const agent_t& report);
   void CheckMotion(const AgentModel& model, const agent_t& report);
@@ -180,12 +181,13 @@ class Auditor {
   std::vector<std::pair<Place, std::int64_t>> was_[3];  // where it truly was, and when
   std::map<AgentKey, Command> commands_;
   std::map<AgentKey, Failure> failed_;
-  std::set<int> failing_;  // UAVs that fail at this tick
+  std::set<std::pair<std::int64_t, int>> failing_;  // by tick: UAVs that fail at it
   std::map<AgentKey, std::int64_t> released_;
   std::vector<Tracked> activities_;
   std::vector<std::int8_t> task_status_;
   std::vector<double> flown_m_;
-  std::vector<double> final_range_m_;  // as last reported
+  std::vector<double> final_range_m_;           // as last reported
+  std::vector<std::int64_t> final_range_tick_;  // and when
   std::set<EventKey> expected_;
   std::vector<std::tuple<AgentKey, std::int64_t, std::int64_t>> expected_back_;
   std::optional<Facts> facts_;

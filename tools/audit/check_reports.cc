@@ -10,9 +10,10 @@
 namespace muster::tools::audit {
 
 void Auditor::CheckReports(const TickData& data) {
-  failing_.clear();
   for (const ruling_t& r : data.rulings->rulings) {
-    if (r.agent_kind == kUav && r.kind == 0 && r.at_us > before_us_) failing_.insert(r.agent_id);
+    if (r.agent_kind == kUav && r.kind == 0 && r.at_us > before_us_) {
+      failing_.insert({next_tick_, r.agent_id});
+    }
   }
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (AgentModel& model : models_[kind]) {
@@ -52,13 +53,7 @@ void Auditor::CheckReport(AgentModel* model, const Report& report) {
   was = here;
   was_us = now_us_;
   if (model->kind == kUav) {
-    // The report of the tick at which it is ruled to have failed runs ahead of its failure.
-    if (!failing_.contains(model->id)) {
-      std::optional<Place>& seen = last_seen_[kind][id];
-      if (seen) flown_m_[id] += Way(*seen, here);
-      seen = here;
-      final_range_m_[id] = a.range_left_m;
-    }
+    NoteUav(next_tick_, a);
     if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {
       Violate(now_us_, "range",
               fmt::format("{} has {:.6g} m of range left, full is {:.6g} m", model->name(),
@@ -70,6 +65,18 @@ void Auditor::CheckReport(AgentModel* model, const Report& report) {
   ResolveCommand(model, a);
   SeeWay(model, a);
   if (n_violations_ == before) CheckMotion(*model, a);
+}
+
+void Auditor::NoteUav(std::int64_t tick, const agent_t& a) {
+  const auto id = static_cast<std::size_t>(a.id);
+  // The report of the tick at which it is ruled to have failed runs ahead of its failure.
+  if (failing_.contains({tick, a.id}) || tick <= final_range_tick_[id]) return;
+  const Place here{a.x_m, a.y_m};
+  std::optional<Place>& seen = last_seen_[kUav][id];
+  if (seen) flown_m_[id] += Way(*seen, here);
+  seen = here;
+  final_range_m_[id] = a.range_left_m;
+  final_range_tick_[id] = tick;
 }
 
 void Auditor::CheckSpec(const AgentModel& model, const agent_t& a) {
