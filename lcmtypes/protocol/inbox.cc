@@ -54,7 +54,7 @@ std::optional<Message> Inbox::Open(const Packet& packet) {
   const header_t& header = HeaderOf(*message);
   if (header.sender == own_name_) return std::nullopt;
   if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
-      !Count(header)) {
+      !Count(*message)) {
     ++counters_.rejected;
     return std::nullopt;
   }
@@ -62,17 +62,14 @@ std::optional<Message> Inbox::Open(const Packet& packet) {
   return message;
 }
 
-bool Inbox::Count(const header_t& header) {
+bool Inbox::Count(const Message& message) {
+  const header_t& header = HeaderOf(message);
   const std::pair key(header.sender, header.boot_id);
-  const auto found = starts_.find(key);
-  if (found == starts_.end()) {
-    if (starts_.size() == kMostStarts) return false;
-    starts_[key].seqs.Add(header.seq);
-    starts_[key].newest_sim_us = header.sim_us;
-    return true;
-  }
-  Start& start = found->second;
-  if (header.seq > start.seqs.max()) {
+  if (starts_.size() == kMostStarts && !starts_.contains(key)) return false;
+  Start& start = starts_[key];
+  // A heartbeat bears the time of the last clock heard, and a world that starts again may go back
+  // behind that; what its sender does was not undone.
+  if (header.seq > start.seqs.max() && !std::holds_alternative<process_status_t>(message)) {
     if (header.sim_us < start.newest_sim_us) return false;
     start.newest_sim_us = header.sim_us;
   }

@@ -52,14 +52,14 @@ class Inbox {
 
  private:
   /// Notes the message's number; false when it cannot be.
-  bool Count(const header_t& header);
+  bool Count(const Message& message);
 
   std::int64_t run_id_;
   std::string own_name_;
   Counters counters_;
   struct Start {
     IntervalSet seqs;
-    std::int64_t newest_sim_us = 0;  ///< of the highest seq
+    std::int64_t newest_sim_us = 0;  ///< of the highest seq that is no heartbeat's
   };
   std::map<std::pair<std::string, std::int64_t>, Start> starts_;  ///< by sender, boot_id
 };

@@ -55,6 +55,26 @@ TEST(Inbox, CountsAndDropsWhatIsNumberedAsIfTimeRanBackwards) {
   EXPECT_EQ(inbox.counters().rejected, 1);
 }
 
+TEST(Inbox, AHeartbeatMayHaveHeardMoreThanAWorldThatStartsAgainKnows) {
+  process_status_t heartbeat{};
+  heartbeat.header.run_id = 1;
+  heartbeat.header.sender = heartbeat.name = "scheduler";
+  heartbeat.header.seq = 3;
+  heartbeat.header.sim_us = 90;
+  heartbeat.host = "host";
+  schedule_t schedule{};
+  schedule.header = heartbeat.header;
+  schedule.header.seq = 4;
+  schedule.header.sim_us = 60;
+  schedule.policy = "mpq";
+  Inbox inbox(1, "world");
+  EXPECT_TRUE(inbox.Open({"MUSTER_PROCESS", Encode(heartbeat)}));
+  EXPECT_TRUE(inbox.Open({"MUSTER_SCHEDULE", Encode(schedule)}));
+  schedule.header.seq = 5;
+  schedule.header.sim_us = 59;
+  EXPECT_FALSE(inbox.Open({"MUSTER_SCHEDULE", Encode(schedule)}));
+}
+
 TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
   Inbox inbox(1, "world");
   EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));
