@@ -121,7 +121,7 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
     sender().Send(channel::kRestore, std::move(restore), tick_us_, now);
   };
   if (request.channel == ChannelOf(kind_)) {
-    if (published_.packets.empty()) answer(-1, {});
+    if (tick_ < 0) answer(-1, {});
     for (const SentPacket& packet : published_.packets) answer(published_.tick, *packet);
   }
   if (request.channel == channel::kWorld) answer(consumed_.tick, consumed_.world);

@@ -174,6 +174,37 @@ TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
   }
 }
 
+TEST(Lockstep, WhoHasJustBeenToldItsStateDoesNotSayThatNothingHasBegun) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  Packet scenario, states;
+  Simulate(json, "mpq", [&](const Packet& packet) {
+    if (packet.channel == "MUSTER_SCENARIO") scenario = packet;
+    if (packet.channel == "MUSTER_UAVS") states = packet;
+  });
+  const std::int64_t run_id = DecodeHeader(states)->run_id;
+  agents::AgentProcess uav({run_id, "uav", 1}, 0, AgentKind::kUav, agents::IdRange());
+  std::vector<Packet> out;
+  uav.Step({scenario}, {1, 0}, &out);
+  restore_t restore{};
+  restore.header.run_id = run_id;
+  restore.header.sender = "recorder";
+  restore.channel = "MUSTER_UAVS";
+  restore.data = states.bytes;
+  restore.n = static_cast<std::int32_t>(restore.data.size());
+  request_t request{};
+  request.header.run_id = run_id;
+  request.header.sender = "world";
+  request.channel = "MUSTER_UAVS";
+  out.clear();
+  uav.Step({{"MUSTER_RESTORE", Encode(restore)}, {"MUSTER_REQUEST", Encode(request)}}, {2, 0},
+           &out);
+  ASSERT_FALSE(out.empty());  // its states, again
+  for (const Packet& packet : out) {
+    if (packet.channel != "MUSTER_RESTORE") continue;
+    EXPECT_FALSE(Decode<restore_t>(packet.bytes)->data.empty());
+  }
+}
+
 TEST(Lockstep, AClassMayBeSplitOverProcesses) {
   const std::string json = ScenarioToJson(SmallScenario());
   VirtualNetwork network({.loss = 0.1}, 1);
