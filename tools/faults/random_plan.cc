@@ -101,6 +101,13 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
         fault.probability = fault.kind == FaultKind::kDelay ? share * 1e-2 : share;
         break;
     }
+    // Whoever is held just when its packets begin to suffer cannot confirm that they do.
+    const bool has_just_begun =
+        std::any_of(plan.begin(), plan.end(), [&](const PlannedFault& other) {
+          return IsPacketFault(other.kind) && other.at_us + kBetweenHoldsUs > fault.at_us &&
+                 fault.target.find(other.target) != std::string::npos;
+        });
+    if (HoldsAProcess(fault.kind) && has_just_begun) continue;
     plan.push_back(std::move(fault));
   }
   return plan;

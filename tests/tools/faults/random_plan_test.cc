@@ -35,6 +35,23 @@ TEST(RandomPlan, IsAFunctionOfItsSeedAndAlwaysAGoodPlan) {
   EXPECT_GT(texts.size(), 190u);
 }
 
+TEST(RandomPlan, HoldsNobodyWhosePacketsHaveJustBegunToSuffer) {
+  const Scenario scenario = Generate(PresetByName("Random_10"), 1);
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(seed);
+    const FaultPlan plan = DrawPlan(
+        scenario,
+        {.seed = seed, .rate_per_hour = 6, .kinds = AllSurvivableKinds(), .goes_on = true});
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      if (plan[i].kind != FaultKind::kProcessKilled) continue;
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!IsPacketFault(plan[j].kind) || plan[j].target != plan[i].target) continue;
+        EXPECT_GE(plan[i].at_us - plan[j].at_us, 3 * kMinuteUs);
+      }
+    }
+  }
+}
+
 TEST(RandomPlan, DrawsAboutAsManyAsAskedFor) {
   const Scenario scenario = Generate(PresetByName("Random_1"), 1);  // 3 h
   std::size_t n = 0;
