@@ -138,6 +138,19 @@ TEST(Agent, TakesAMeetingThatBeginsAfterItsWayInTheSameTick) {
   EXPECT_TRUE(worker.idle(150 * kSecondUs));
 }
 
+TEST(Agent, AnActivityOfNoLengthIsReleasedFromBeforeItBegins) {
+  AgentState uav = UavAtOrigin();
+  Begin(&uav, Sense(), 0, 0, {}, 1);  // arrives at 500 s
+  const Activity activity{Activity::Kind::kSensing, UavId(0),       0, 0,
+                          700 * kSecondUs,          700 * kSecondUs};
+  Settle(&uav, Verdict({activity}, {}), 600 * kSecondUs, kTasks);
+  EXPECT_EQ(uav.busy_until_us, 700 * kSecondUs);
+  const Ruling release{AgentKind::kUav, 0, Ruling::Kind::kReleased, 650 * kSecondUs};
+  Settle(&uav, Verdict({activity}, {release}), 720 * kSecondUs, kTasks);
+  EXPECT_EQ(uav.busy_until_us, 650 * kSecondUs);
+  EXPECT_EQ(uav.action, ActionKind::kNone);
+}
+
 TEST(Agent, RunsDryWhereItsRangeEnds) {
   AgentState uav = UavAtOrigin();
   uav.range_at_departure_m = 2500;

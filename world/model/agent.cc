@@ -224,8 +224,9 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
   if (agent->failed && std::any_of(rulings.begin(), rulings.end(), is_failure)) return;
   verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
     // What ended before a meeting began is over, though the agent may learn of both at once.
+    // Its own activity may be of no length: a full UAV's charging.
     if (agent->action != ActionKind::kNone && agent->busy_until_us <= activity.start_us &&
-        activity.start_us <= t) {
+        agent->busy_until_us < activity.end_us && activity.start_us <= t) {
       StopAt(agent, agent->busy_until_us, tasks);
     }
     if (!Takes(*agent, activity)) return;
