@@ -10,9 +10,6 @@
 namespace muster::agents {
 namespace {
 
-/// Agents a message: keeps it near one datagram's 64 kB, so that little is lost with a fragment.
-constexpr std::size_t kAgentsPerMessage = 256;
-
 std::int32_t MemberOf(const Action& action, AgentKind kind) {
   return kind == AgentKind::kUav      ? action.uav.value
          : kind == AgentKind::kWorker ? action.worker.value
@@ -124,8 +121,15 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
     if (tick_ < 0) answer(-1, {});
     for (const SentPacket& packet : published_.packets) answer(published_.tick, *packet);
   }
-  if (request.channel == channel::kWorld) answer(consumed_.tick, consumed_.world);
-  if (request.channel == channel::kRulings) answer(consumed_.tick, consumed_.rulings);
+  // The newest verdict, too: it may have been given without a process that is lost.
+  if (request.channel == channel::kWorld) {
+    if (activities_) answer(tick_, world_packet_);
+    answer(consumed_.tick, consumed_.world);
+  }
+  if (request.channel == channel::kRulings) {
+    if (rulings_) answer(tick_, rulings_packet_);
+    answer(consumed_.tick, consumed_.rulings);
+  }
 }
 
 void AgentProcess::Take(const clock_t& clock) {
@@ -242,15 +246,7 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
 void AgentProcess::PublishStates(const std::vector<agent_t>& wires, const Now& now) {
   published_before_ = std::move(published_);
   published_ = {tick_, {}};
-  for (std::size_t first = 0; first < wires.size(); first += kAgentsPerMessage) {
-    const std::size_t last = std::min(wires.size(), first + kAgentsPerMessage);
-    agent_states_t states{};
-    states.kind = static_cast<std::int8_t>(kind_);
-    states.tick = tick_;
-    states.applied_decision = applied_decision_;
-    states.n = static_cast<std::int32_t>(last - first);
-    states.agents.assign(wires.begin() + static_cast<std::ptrdiff_t>(first),
-                         wires.begin() + static_cast<std::ptrdiff_t>(last));
+  for (agent_states_t& states : StatesMessages(kind_, tick_, applied_decision_, wires)) {
     published_.packets.push_back(sender().Send(ChannelOf(kind_), std::move(states), tick_us_, now));
   }
 }

@@ -1,5 +1,6 @@
 #include "lcmtypes/protocol/convert.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lcmtypes/channels.h"
@@ -104,6 +105,23 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   wire.partner_id = agent.partner;
   wire.decision = agent.decision;
   return wire;
+}
+
+std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
+                                           std::int32_t applied_decision,
+                                           std::span<const agent_t> agents) {
+  constexpr std::size_t kAgentsPerMessage = 256;
+  std::vector<agent_states_t> messages;
+  for (std::size_t first = 0; first < agents.size(); first += kAgentsPerMessage) {
+    const auto part = agents.subspan(first, std::min(kAgentsPerMessage, agents.size() - first));
+    agent_states_t& states = messages.emplace_back();
+    states.kind = static_cast<std::int8_t>(kind);
+    states.tick = tick;
+    states.applied_decision = applied_decision;
+    states.agents.assign(part.begin(), part.end());
+    states.n = static_cast<std::int32_t>(part.size());
+  }
+  return messages;
 }
 
 std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,

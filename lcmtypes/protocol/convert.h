@@ -2,12 +2,15 @@
 
 #include <muster/action_t.hpp>
 #include <muster/activity_t.hpp>
+#include <muster/agent_states_t.hpp>
 #include <muster/agent_t.hpp>
 #include <muster/clock_t.hpp>
 #include <muster/ruling_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "world/model/agent.h"
 
@@ -44,6 +47,11 @@ std::string_view ChannelOf(AgentKind kind);
 
 /// The state at time t, as its agent process reports it.
 agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
+/// Messages with these agents, headers not filled: each near one datagram's 64 kB, so that little
+/// is lost with a fragment.
+std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
+                                           std::int32_t applied_decision,
+                                           std::span<const agent_t> agents);
 
 /// The inverse, for a report of time t; nothing when an id, time or number is impossible. The wire
 /// does not carry the activity (Settle() attaches it) nor the wind on the leg under way, which is

@@ -11,6 +11,7 @@
 
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/audit/audit_command.h"
 #include "tools/audit/auditor.h"
@@ -557,7 +558,6 @@ TEST(Audit, SharesNoCodeWithWorldAndScheduler) {
 
 class AuditCommandTest : public testing::Test {
  protected:
-  ~AuditCommandTest() override { std::filesystem::remove(file_); }
   int Run(const FakeLog& log, std::vector<const char*> more = {}) {
     std::filesystem::remove(file_);
     {
@@ -573,7 +573,8 @@ class AuditCommandTest : public testing::Test {
     out_ = testing::internal::GetCapturedStdout();
     return code;
   }
-  const std::string file_ = testing::TempDir() + "audit_command_test.lcm";
+  const TemporaryFolder folder_;
+  const std::string file_ = folder_.File("mission.lcm");
   std::string out_;
 };
 

@@ -4,9 +4,9 @@
 #include "agents/core/agent_process.h"
 #include "lcmtypes/bus/codec.h"
 #include "scheduler/process/scheduler_process.h"
+#include "tests/tools/archivist.h"
 #include "tests/tools/audited.h"
 #include "tests/tools/virtual_network.h"
-#include "tools/launch/archive.h"
 #include "tools/report/digest.h"
 #include "tools/simulate/simulator.h"
 #include "world/model/check.h"
@@ -17,6 +17,7 @@
 namespace muster::tools {
 namespace {
 
+using testing::Archivist;
 using testing::NetworkFaults;
 using testing::StartProcess;
 using testing::VirtualNetwork;
@@ -47,32 +48,6 @@ struct Kill {
   TimeUs apart_us = 0;
 };
 
-/// The recorder as far as it tells those that start again what it has heard, and says again, for
-/// the log, the last clock of a world that has died.
-class Archivist : public Process {
- public:
-  explicit Archivist(const Scenario& scenario)
-      : Process({1, "recorder", 0}, 0), archive_(scenario, 1) {}
-
- private:
-  void OnMessage(const Message& message, const Packet& packet, const Now& now) override {
-    archive_.Add(packet);
-    if (packet.channel == "MUSTER_CLOCK") clock_ = std::make_shared<const Packet>(packet);
-    const auto* const request = std::get_if<request_t>(&message);
-    if (request == nullptr) return;
-    if (request->header.sender == "world" && clock_) sender().Resend(std::exchange(clock_, {}));
-    for (restore_t& answer : archive_.Answer(*request, now.monotonic_us)) {
-      sender().Send("MUSTER_RESTORE", std::move(answer), 0, now);
-    }
-  }
-  void OnStep(const Now&) override {}
-  TimeUs OwnWakeUs() const override { return kNever; }
-  std::int64_t tick() const override { return 0; }
-
-  Archive archive_;
-  SentPacket clock_;
-};
-
 Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::string& json,
                 const std::optional<Kill>& kill = {}) {
   VirtualNetwork network(faults, seed);
@@ -80,7 +55,7 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
     network.Add(StartProcess(name, 0, json));
   }
   const Scenario scenario = ParseScenario(json, "scenario");
-  if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario));
+  if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario, false));
   RunRecord record;
   Audited audited;
   Outcome outcome;

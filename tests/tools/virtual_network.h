@@ -62,6 +62,8 @@ class VirtualNetwork {
   void set_intruder(std::function<Packet(const Packet&)> intruder) {
     intruder_ = std::move(intruder);
   }
+  /// It hears everything, as the recorder does in the end: its senders repeat what the log lacks.
+  void Spare(const std::string& name) { spared_.insert(name); }
   /// It neither hears nor is heard from now on, or again.
   void Isolate(const std::string& name, bool isolated) {
     isolated ? void(isolated_.insert(name)) : void(isolated_.erase(name));
@@ -105,7 +107,8 @@ class VirtualNetwork {
   void Send(const std::string& sender, const Packet& packet) {
     for (const auto& [name, process] : processes_) {
       if (isolated_.contains(sender) || isolated_.contains(name)) continue;
-      if (name == sender || random_.Uniform() < faults_.loss) continue;
+      if (name == sender) continue;
+      if (!spared_.contains(name) && random_.Uniform() < faults_.loss) continue;
       const int copies = random_.Uniform() < faults_.duplication ? 2 : 1;
       for (int i = 0; i < copies; ++i) {
         const auto delay =
@@ -120,7 +123,7 @@ class VirtualNetwork {
   Random random_;
   TimeUs now_us_ = 0;
   std::int64_t serial_ = 0;
-  std::set<std::string> isolated_;
+  std::set<std::string> isolated_, spared_;
   std::map<std::string, std::unique_ptr<Process>> processes_;
   std::map<std::pair<TimeUs, std::int64_t>, std::pair<std::string, std::optional<Packet>>>
       arrivals_;

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <muster/agent_states_t.hpp>
+#include <muster/clock_t.hpp>
 #include <vector>
 
 #include "lcmtypes/bus/codec.h"
@@ -28,7 +29,8 @@ class RestoringTest : public ::testing::Test {
  protected:
   /// Another process' answer.
   template <class T>
-  bool Take(std::string_view channel, const T& message) {
+  bool Take(std::string_view channel, T message) {
+    message.header.seq = seq_++;
     restore_t restore{};
     restore.channel = channel;
     restore.data = Encode(message);
@@ -43,9 +45,14 @@ class RestoringTest : public ::testing::Test {
   }
   agent_states_t States(AgentKind kind, std::vector<std::int32_t> ids, std::int64_t tick) {
     auto states = Message<agent_states_t>(tick);
+    states.header.sender = ToString(kind);
     states.kind = static_cast<std::int8_t>(kind);
     states.applied_decision = static_cast<std::int32_t>(tick + 100);
-    for (const std::int32_t id : ids) states.agents.emplace_back().id = id;
+    for (const std::int32_t id : ids) {
+      const AgentSpec& spec = scenario_.agents(kind)[static_cast<std::size_t>(id)];
+      states.agents.push_back(
+          ToWire(StartOf(kind, id, spec), scenario_.rules.TimeOf(tick), scenario_.tasks));
+    }
     states.n = static_cast<std::int32_t>(ids.size());
     return states;
   }
@@ -59,13 +66,19 @@ class RestoringTest : public ::testing::Test {
     world.n_tasks = static_cast<std::int32_t>(n_tasks);
     return Take(channel::kWorld, world);
   }
-  bool TakeRulings(std::int64_t tick) {
+  /// Of these agents, if any, it says that they failed at that time.
+  bool TakeRulings(std::int64_t tick, AgentKind kind = AgentKind::kWorker,
+                   std::vector<std::int32_t> ids = {}, TimeUs failed_us = 0) {
     auto rulings = Message<rulings_t>(tick);
-    ruling_t& ruling = rulings.rulings.emplace_back();
-    ruling.agent_kind = static_cast<std::int8_t>(AgentKind::kWorker);
-    ruling.at_us = tick;
-    rulings.n = 1;
+    for (const std::int32_t id : ids) {
+      rulings.rulings.push_back(ToWire(Ruling{kind, id, Ruling::Kind::kFailed, failed_us}));
+    }
+    rulings.n = static_cast<std::int32_t>(ids.size());
     return Take(channel::kRulings, rulings);
+  }
+  bool TakeVerdict(std::int64_t tick, AgentKind kind, std::vector<std::int32_t> ids,
+                   TimeUs failed_us) {
+    return TakeWorld(tick) && TakeRulings(tick, kind, std::move(ids), failed_us);
   }
   void TakeAllStates(std::int64_t tick) {
     EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, tick));
@@ -85,6 +98,7 @@ class RestoringTest : public ::testing::Test {
     return scenario;
   }();
   Restoring restoring_{scenario_, kRun};
+  std::int64_t seq_ = 0;
 };
 
 TEST_F(RestoringTest, GoesOnWithTheOldestOfTheAgentsNewestTicks) {
@@ -100,15 +114,16 @@ TEST_F(RestoringTest, GoesOnWithTheOldestOfTheAgentsNewestTicks) {
   }
   EXPECT_TRUE(TakeRulings(4));
   EXPECT_FALSE(restoring_.Newest()) << "the rulings on tick 3 lack";
-  EXPECT_TRUE(TakeRulings(3));
+  EXPECT_TRUE(TakeRulings(3, AgentKind::kWorker, {0}, 3));
   const auto state = restoring_.Newest();
   ASSERT_TRUE(state);
   EXPECT_EQ(state->tick, 4);
   EXPECT_EQ(state->applied_decision, 104);
+  EXPECT_EQ(state->next_decision, 105);
   ASSERT_EQ(state->task_status.size(), 3u);
   EXPECT_EQ(state->task_status[1], static_cast<TaskStatus>(3));
-  ASSERT_EQ(state->rulings.size(), 1u);
-  EXPECT_EQ(state->rulings[0].at_us, 3);
+  ASSERT_EQ(state->verdict.rulings().size(), 1u);
+  EXPECT_EQ(state->verdict.rulings()[0].at_us, 3);
 }
 
 TEST_F(RestoringTest, WaitsForEveryAgent) {
@@ -146,11 +161,121 @@ TEST_F(RestoringTest, RefusesWhatCannotBe) {
   refuse("another run", [](agent_states_t* m) { m->header.run_id = 6; });
   refuse("another class", [](agent_states_t* m) { m->kind = 1; });
   refuse("an agent that is not", [](agent_states_t* m) { m->agents[1].id = 2; });
+  refuse("an impossible state", [](agent_states_t* m) { m->agents[1].speed_m_s = 0; });
   refuse("after the last tick", [](agent_states_t* m) { m->tick = 10; });
   EXPECT_FALSE(Take(channel::kUavs, Message<rulings_t>(4))) << "another type";
   EXPECT_FALSE(Take(channel::kWorld, Message<rulings_t>(4))) << "another type";
   EXPECT_TRUE(TakeWorld(3, 2));
   EXPECT_FALSE(restoring_.Newest()) << "a verdict on two of three tasks";
+}
+
+constexpr TimeUs kLostAfterTick2 = 2 * kMinuteUs + 1;
+
+TEST_F(RestoringTest, GoesOnWithoutThoseThatWereLost) {
+  EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, 7));
+  EXPECT_TRUE(TakeStates(AgentKind::kVehicle, {0, 1}, 6));
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {1}, 7));
+  EXPECT_TRUE(TakeVerdict(2, AgentKind::kWorker, {}, 0));
+  for (const std::int64_t tick : {5, 6}) {
+    EXPECT_TRUE(TakeVerdict(tick, AgentKind::kWorker, {0}, kLostAfterTick2));
+  }
+  EXPECT_FALSE(restoring_.NewestWithoutLost()) << "where worker 0 is nobody knows";
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0}, 1));
+  EXPECT_FALSE(restoring_.NewestWithoutLost()) << "that was not its last report";
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0}, 3));
+  EXPECT_FALSE(restoring_.NewestWithoutLost()) << "cut off it went on, and nobody heard that";
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0}, 2));
+  EXPECT_FALSE(restoring_.NewestWithoutLost()) << "the verdict that says that it failed lacks";
+  EXPECT_TRUE(TakeVerdict(3, AgentKind::kWorker, {0}, kLostAfterTick2));
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 6);
+  EXPECT_EQ(state->applied_decision, 106);
+  EXPECT_EQ(state->reports.size(), 1u) << "the vehicles'";
+  ASSERT_EQ(state->lost.size(), 1u);
+  EXPECT_EQ(state->lost[0].agent.kind, AgentKind::kWorker);
+  EXPECT_EQ(state->lost[0].agent.id, 0);
+  EXPECT_TRUE(state->lost[0].agent.failed);
+  EXPECT_EQ(state->lost[0].from_us, kLostAfterTick2);
+  EXPECT_EQ(restoring_.OwnerOf(AgentKind::kWorker, 0), "worker");
+}
+
+TEST_F(RestoringTest, WhoFailedBeforeItWasLostDoesNotReturnWithItsProcess) {
+  const TimeUs dry_us = kMinuteUs + 5;
+  for (const std::int64_t tick : {1, 2}) EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, tick));
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0, 1}, 5));
+  EXPECT_TRUE(TakeStates(AgentKind::kVehicle, {0, 1}, 5));
+  for (const std::int64_t tick : {1, 2, 3, 4}) {
+    auto rulings = Message<rulings_t>(tick);
+    rulings.rulings.push_back(ToWire(Ruling{AgentKind::kUav, 0, Ruling::Kind::kFailed, dry_us}));
+    rulings.rulings.push_back(
+        ToWire(Ruling{AgentKind::kUav, 1, Ruling::Kind::kFailed, kLostAfterTick2}));
+    rulings.n = 2;
+    EXPECT_TRUE(TakeWorld(tick));
+    EXPECT_TRUE(Take(channel::kRulings, rulings));
+  }
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  ASSERT_EQ(state->lost.size(), 2u);
+  EXPECT_GT(state->lost[0].from_us, dry_us);
+  EXPECT_EQ(state->lost[1].from_us, kLostAfterTick2);
+}
+
+TEST_F(RestoringTest, NobodyIsLostWhoIsOneTickBehind) {
+  EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, 7));
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0, 1}, 6));
+  EXPECT_TRUE(TakeStates(AgentKind::kVehicle, {0, 1}, 7));
+  EXPECT_TRUE(TakeVerdict(5, AgentKind::kWorker, {}, 0));
+  ASSERT_TRUE(restoring_.NewestWithoutLost());
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 6);
+  EXPECT_TRUE(restoring_.NewestWithoutLost()->lost.empty());
+  // Unless the next tick was judged without it: then it was not awaited.
+  for (const std::int64_t tick : {6, 7}) {
+    EXPECT_TRUE(TakeVerdict(tick, AgentKind::kWorker, {0, 1}, 6 * kMinuteUs + 1));
+  }
+  ASSERT_TRUE(restoring_.NewestWithoutLost());
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 7);
+  EXPECT_EQ(restoring_.NewestWithoutLost()->lost.size(), 2u);
+}
+
+TEST_F(RestoringTest, AVerdictThatWasGivenWithoutAnAgentIsGivenWithoutItAgain) {
+  for (const std::int64_t tick : {6, 7}) TakeAllStates(tick);
+  EXPECT_TRUE(TakeVerdict(6, AgentKind::kUav, {}, 0));
+  ASSERT_TRUE(restoring_.NewestWithoutLost());
+  EXPECT_TRUE(restoring_.NewestWithoutLost()->lost.empty());
+  // What the UAVs said of tick 7 came too late.
+  EXPECT_TRUE(TakeVerdict(7, AgentKind::kUav, {0, 1}, 6 * kMinuteUs + 1));
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 7);
+  EXPECT_EQ(state->lost.size(), 2u);
+  EXPECT_EQ(state->reports.size(), 2u) << "the others'";
+}
+
+TEST_F(RestoringTest, WhereAllAreLostTheNewestVerdictCounts) {
+  TakeAllStates(2);
+  for (const std::int64_t tick : {2, 3, 6}) {
+    auto rulings = Message<rulings_t>(tick);
+    for (const AgentKind kind : kAgentKinds) {
+      for (const std::int32_t id : {0, 1}) {
+        rulings.rulings.push_back(ToWire(Ruling{kind, id, Ruling::Kind::kFailed, kLostAfterTick2}));
+      }
+    }
+    rulings.n = 6;
+    EXPECT_TRUE(TakeWorld(tick));
+    EXPECT_TRUE(Take(channel::kRulings, rulings));
+  }
+  auto clock = Message<clock_t>(6);
+  clock.tick_us = scenario_.rules.TimeOf(6);
+  clock.limit_us = scenario_.rules.limit_us;
+  clock.decision = scenario_.rules.DecisionAt(6);
+  clock.required_decision = 5;
+  EXPECT_TRUE(Take(channel::kClock, clock));
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 7);
+  EXPECT_EQ(state->lost.size(), 6u);
+  EXPECT_EQ(state->applied_decision, 5) << "of the newest tick that it is known of";
 }
 
 /// A liar whose states are all of a tick after the last leaves nothing to go on with.

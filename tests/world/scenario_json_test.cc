@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/temporary_folder.h"
 #include "world/model/check.h"
 #include "world/model/generator.h"
 #include "world/model/random.h"
@@ -439,14 +440,15 @@ TEST(ScenarioJson, ValidatesScenariosBuiltInMemory) {
 }
 
 TEST(ScenarioJson, LoadsFilesAndSaysWhyItCannot) {
-  const std::string path = ::testing::TempDir() + "scenario_json_test.json";
+  const TemporaryFolder folder;
+  const std::string path = folder.File("scenario.json");
   std::ofstream(path) << kSmall;
   EXPECT_EQ(LoadScenario(path).name, "small");
   std::ofstream(path, std::ios::trunc).close();
   EXPECT_THROW(LoadScenario(path), InputError);
   std::remove(path.c_str());
   EXPECT_THROW(LoadScenario(path), SystemError);
-  EXPECT_THROW(LoadScenario(::testing::TempDir()), SystemError);
+  EXPECT_THROW(LoadScenario(folder.path()), SystemError);
 }
 
 std::string ReadAll(const std::string& path) {

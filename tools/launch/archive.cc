@@ -1,5 +1,6 @@
 #include "tools/launch/archive.h"
 
+#include <algorithm>
 #include <set>
 
 #include "lcmtypes/bus/codec.h"
@@ -12,11 +13,13 @@ namespace {
 
 /// Ticks kept. The newest may have been told in part, and it takes the verdict on the one before.
 constexpr std::size_t kTicks = 4;
+/// A damaged name makes a sender that is none.
+constexpr std::size_t kMostSources = 1000;
 constexpr TimeUs kPatienceUs = 2 * kSecondUs;
 constexpr TimeUs kAgainUs = kSecondUs / 2;
 
-bool IsVerdict(std::string_view name) {
-  return name == channel::kWorld || name == channel::kRulings;
+bool IsOfWorld(std::string_view name) {
+  return name == channel::kWorld || name == channel::kRulings || name == channel::kClock;
 }
 bool IsStates(std::string_view name) {
   return name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles;
@@ -32,43 +35,77 @@ restore_t Restore(std::string_view name, const std::vector<std::uint8_t>& bytes)
 
 }  // namespace
 
-Archive::Archive(const Scenario& scenario, std::int64_t run_id)
-    : scenario_(scenario), run_id_(run_id) {}
+Archive::Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on)
+    : scenario_(scenario), run_id_(run_id), goes_on_(goes_on) {}
 
 void Archive::Add(const Packet& packet) {
-  if (!IsStates(packet.channel) && !IsVerdict(packet.channel)) return;
+  if (!IsStates(packet.channel) && !IsOfWorld(packet.channel)) return;
   const std::optional<header_t> header = DecodeHeader(packet);
-  if (!header || header->run_id != run_id_) return;
-  Told& told = told_[packet.channel];
-  told[header->sim_us].try_emplace({header->sender, header->boot_id, header->seq}, packet);
-  while (told.size() > kTicks) told.erase(told.begin());
+  if (!header || header->run_id != run_id_ || header->sim_us < 0 ||
+      header->sim_us > scenario_.rules.limit_us) {
+    return;
+  }
+  const Source source{packet.channel, header->sender};
+  if (told_.size() >= kMostSources && !told_.contains(source)) return;
+  const TimeUs tick_us = scenario_.rules.tick_us;
+  Told& told = told_[source];
+  told[(header->sim_us + tick_us - 1) / tick_us].try_emplace({header->boot_id, header->seq},
+                                                             packet);
+  Forget(source, &told);
 }
 
-std::optional<TimeUs> Archive::Consistent() const {
-  std::set<TimeUs, std::greater<>> times;
-  for (const auto& [name, told] : told_) {
-    if (!IsStates(name)) continue;
-    for (const auto& [t, packets] : told) times.insert(t);
+void Archive::Forget(const Source& source, Told* told) const {
+  // What became of lost agents is in the verdicts about their last report. That may be in part one
+  // tick newer than what counted.
+  const auto is_of_lost = [&](std::int64_t tick) {
+    return IsOfWorld(source.channel) &&
+           std::any_of(told_.begin(), told_.end(), [&](const auto& other) {
+             if (!IsStates(other.first.channel)) return false;
+             const std::int64_t last = other.second.rbegin()->first;
+             return last - 1 <= tick && tick <= last + 1;
+           });
+  };
+  auto oldest = told->begin();
+  for (std::size_t n = told->size(); n > kTicks; --n) {
+    oldest = is_of_lost(oldest->first) ? std::next(oldest) : told->erase(oldest);
   }
-  for (const TimeUs t : times) {
+}
+
+template <class Visit>
+void Archive::ForEachReport(const Told& told, std::int64_t tick, Visit visit) const {
+  for (const auto& [t, messages] : told) {
+    if (t == tick || (goes_on_ && t < tick)) visit(t, messages);
+  }
+}
+
+std::optional<std::int64_t> Archive::Consistent() const {
+  std::set<std::int64_t, std::greater<>> ticks;
+  for (const auto& [source, told] : told_) {
+    for (const auto& [tick, messages] : told) ticks.insert(tick + IsOfWorld(source.channel));
+  }
+  for (const std::int64_t tick : ticks) {
     world::Restoring restoring(scenario_, run_id_);
-    for (const auto& [name, told] : told_) {
-      for (const auto& [told_us, packets] : told) {
-        if (!IsVerdict(name) && told_us != t) continue;
-        for (const auto& [message, packet] : packets) {
+    for (const auto& [source, told] : told_) {
+      const auto take = [&](std::int64_t, const Messages& messages) {
+        for (const auto& [id, packet] : messages) {
           // One that is impossible lacks below.
-          static_cast<void>(restoring.Take(Restore(name, packet.bytes)));
+          static_cast<void>(restoring.Take(Restore(source.channel, packet.bytes)));
         }
+      };
+      if (IsOfWorld(source.channel)) {
+        for (const auto& [t, messages] : told) take(t, messages);
+      } else {
+        ForEachReport(told, tick, take);
       }
     }
-    const auto state = restoring.Newest();
-    if (state && scenario_.rules.TimeOf(state->tick) == t) return t;
+    const auto state = goes_on_ ? restoring.NewestWithoutLost() : restoring.Newest();
+    if (state && state->tick == tick) return tick;
   }
   return {};
 }
 
 std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) {
-  if (!IsStates(request.channel) && !IsVerdict(request.channel)) return {};
+  if (!IsStates(request.channel) && !IsOfWorld(request.channel)) return {};
   Question& question = questions_[{request.header.sender, request.header.boot_id, request.channel}];
   if (question.asked_us == kNever || now_us - question.asked_us > kPatienceUs) {
     question.since_us = now_us;
@@ -79,8 +116,11 @@ std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) 
   }
   question.answered_us = now_us;
 
-  const std::optional<TimeUs> consistent = Consistent();
-  if (!consistent && told_.find(channel::kWorld) != told_.end()) return {};
+  const std::optional<std::int64_t> consistent = Consistent();
+  const bool has_begun = std::any_of(told_.begin(), told_.end(), [](const auto& source) {
+    return source.first.channel == channel::kWorld;
+  });
+  if (!consistent && has_begun) return {};
   std::vector<restore_t> answers;
   if (!consistent) {  // the mission has not begun
     if (!IsStates(request.channel)) return {};
@@ -88,13 +128,19 @@ std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) 
     answers.back().tick = -1;
     return answers;
   }
-  const auto told = told_.find(request.channel);
-  if (told == told_.end()) return {};
-  for (const auto& [t, packets] : told->second) {
-    if (IsStates(request.channel) && t != *consistent) continue;
-    for (const auto& [message, packet] : packets) {
+  const auto answer = [&](std::int64_t tick, const Messages& messages) {
+    for (const auto& [id, packet] : messages) {
       answers.push_back(Restore(request.channel, packet.bytes));
-      answers.back().tick = (t + scenario_.rules.tick_us - 1) / scenario_.rules.tick_us;
+      answers.back().tick = tick;
+    }
+  };
+  for (const auto& [source, told] : told_) {
+    if (source.channel != request.channel) continue;
+    if (IsOfWorld(source.channel)) {
+      for (const auto& [tick, messages] : told) answer(tick, messages);
+    } else if (told.contains(*consistent) || request.header.sender != source.sender) {
+      // Where its agents stand now is for the world to tell a lost process itself.
+      ForEachReport(told, *consistent, answer);
     }
   }
   return answers;

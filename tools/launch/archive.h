@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
@@ -19,8 +20,8 @@ namespace muster::tools {
 /// has listened.
 class Archive {
  public:
-  /// `scenario` must outlive this object.
-  Archive(const Scenario& scenario, std::int64_t run_id);
+  /// `scenario` must outlive this object. `goes_on`: the mission may go on without lost processes.
+  Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on);
 
   /// A packet of the mission, from the bus or the log.
   void Add(const Packet& packet);
@@ -30,15 +31,24 @@ class Archive {
   std::vector<restore_t> Answer(const request_t& request, TimeUs now_us);
 
  private:
-  using Message = std::tuple<std::string, std::int64_t, std::int64_t>;  // sender, boot_id, seq
-  using Told = std::map<TimeUs, std::map<Message, Packet>>;             ///< by mission time
+  using Messages = std::map<std::pair<std::int64_t, std::int64_t>, Packet>;  ///< by boot_id, seq
+  using Told = std::map<std::int64_t, Messages>;                             ///< by tick
+  struct Source {
+    std::string channel, sender;
+    auto operator<=>(const Source&) const = default;
+  };
 
-  /// The newest time from which the mission can go on: everybody's states, the verdict before.
-  std::optional<TimeUs> Consistent() const;
+  void Forget(const Source& source, Told* told) const;
+  /// The newest tick from which the mission can go on: everybody's states, the verdict before.
+  std::optional<std::int64_t> Consistent() const;
+  /// Visits (tick, messages): a sender's states of that tick, and those before if it may be lost.
+  template <class Visit>
+  void ForEachReport(const Told& told, std::int64_t tick, Visit visit) const;
 
   const Scenario& scenario_;
   const std::int64_t run_id_;
-  std::map<std::string, Told, std::less<>> told_;  ///< by channel
+  const bool goes_on_;
+  std::map<Source, Told> told_;
   struct Question {
     TimeUs since_us = 0, asked_us = kNever, answered_us = 0;
   };

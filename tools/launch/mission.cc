@@ -142,7 +142,7 @@ Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals
       stop_(stop),
       progress_(progress),
       recorder_({plan.run_id, "recorder", 0}),
-      archive_(plan.scenario, plan.run_id),
+      archive_(plan.scenario, plan.run_id, plan.goes_on),
       stall_watch_(NamesOf(plan.processes), plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, NamesOf(plan.processes)),
       own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),

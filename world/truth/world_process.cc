@@ -14,11 +14,11 @@
 namespace muster::world {
 namespace {
 
-/// So many limits without an answer make a process lost though it is heard: it may be deaf.
-constexpr int kDeaf = 3;
 constexpr TimeUs kLookUs = 20'000;
-/// Keeps a message near one datagram's 64 kB, as agent processes do.
-constexpr std::size_t kAgentsPerMessage = 256;
+/// So long a restarted world listens, where a verdict may have been given without somebody.
+constexpr TimeUs kHearAllUs = 100'000;
+/// So long it waits for a report that must have been made, and that perhaps nobody has any more.
+constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
 
 std::string LostDetail(const std::string& process) { return process + " is lost"; }
 
@@ -45,6 +45,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
       limits_(scenario_),
       options_(options),
       referee_(scenario_),
+      peers_(options.lost_after_us, this->identity().boot_id == 0),
       restoring_(scenario_, this->identity().run_id) {
   last_tick_ = scenario_.rules.last_tick();
   for (const AgentKind kind : kAgentKinds) {
@@ -67,9 +68,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
 }
 
 void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
-  Peer& peer = peers_[HeaderOf(message).sender];
-  peer.heard_us = now.monotonic_us;
-  if (peer.presence == Peer::Presence::kLost) peer.presence = Peer::Presence::kReturning;
+  peers_.Hear(HeaderOf(message).sender, now.monotonic_us);
   Handle(
       message, [&](const agent_states_t& states) { Take(states, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
@@ -109,8 +108,9 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     }
     owners_[k][id] = sender;
     members_.insert(sender);
-    if (heard_[k][id] == Heard::kYes) continue;
-    if (heard_[k][id] == Heard::kNot) --missing_;
+    // One that is lost is awaited from the next tick on.
+    if (heard_[k][id] != Heard::kNot) continue;
+    --missing_;
     heard_[k][id] = Heard::kYes;
     news = true;
     agents_.of(kind)[id] = agent;
@@ -135,9 +135,8 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const 
   referee_.Take(schedule.decision, actions);
   members_.insert(schedule.header.sender);
   scheduler_name_ = schedule.header.sender;
-  Peer& peer = peers_[scheduler_name_];
-  if (peer.presence != Peer::Presence::kThere) {
-    peer.presence = Peer::Presence::kThere;
+  if (peers_.presence(scheduler_name_) != Peers::Presence::kThere) {
+    peers_.set_presence(scheduler_name_, Peers::Presence::kThere);
     SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
   }
   schedule_packet_ = std::make_shared<const Packet>(packet);
@@ -173,7 +172,7 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
 
 void WorldProcess::AskForState(const Now& now) {
   for (const std::string_view name : {channel::kUavs, channel::kWorkers, channel::kVehicles,
-                                      channel::kWorld, channel::kRulings}) {
+                                      channel::kWorld, channel::kRulings, channel::kClock}) {
     request_t request{};
     request.channel = name;
     sender().Send(channel::kRequest, std::move(request), 0, now);
@@ -181,19 +180,57 @@ void WorldProcess::AskForState(const Now& now) {
 }
 
 bool WorldProcess::RestoreState(const Now& now) {
-  const std::optional<Restoring::State> state = restoring_.Newest();
+  const std::optional<Restoring::State> state =
+      options_.goes_on ? restoring_.NewestWithoutLost() : restoring_.Newest();
   if (!state) return false;
+  // Whoever is there has answered by then.
+  const TimeUs enough_us = !state->is_certain     ? std::max(kGiveUpUs, options_.lost_after_us)
+                           : !state->lost.empty() ? options_.lost_after_us
+                           : options_.goes_on     ? kHearAllUs
+                                                  : 0;
+  if (peers_.AwaitedUs(now.monotonic_us) < enough_us) return false;
   tick_ = state->tick;
-  if (tick_ == 0) return true;
-  referee_.Restore(tick_us(tick_ - 1), state->task_status,
-                   Verdict(state->activities, state->rulings));
-  phase_ = Phase::kRunning;
-  set_state(ProcessState::kRunning);
-  required_decision_ = state->applied_decision;
-  if (options_.rate > 0) {
-    started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick_)) / options_.rate);
+  if (tick_ > 0) {
+    referee_.Restore(tick_us(tick_ - 1), state->task_status, state->verdict);
+    phase_ = Phase::kRunning;
+    set_state(ProcessState::kRunning);
+    required_decision_ = state->applied_decision;
+    if (state->next_decision && *state->next_decision < DecisionAt(tick_)) {
+      passed_over_ = DecisionAt(tick_);
+    }
+    if (options_.rate > 0) {
+      started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick_)) / options_.rate);
+    }
   }
+  for (const AgentKind kind : kAgentKinds) {
+    auto& owners = owners_[static_cast<int>(kind)];
+    for (std::size_t id = 0; id < owners.size(); ++id) {
+      owners[id] = restoring_.OwnerOf(kind, static_cast<std::int32_t>(id));
+    }
+  }
+  Begin(now);
+  // This tick may have been judged before, with what its reporters can no longer repeat.
+  for (const Packet& packet : state->reports) {
+    if (const auto states = DecodeValid<agent_states_t>(packet.bytes)) Take(*states, packet);
+  }
+  for (const Restoring::Lost& lost : state->lost) RestoreLost(lost);
   return true;
+}
+
+void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
+  const AgentKind kind = lost.agent.kind;
+  const auto k = static_cast<std::size_t>(kind);
+  const auto id = static_cast<std::size_t>(lost.agent.id);
+  const std::string& owner = owners_[k][id];
+  if (!lost.returns) {
+    agents_.of(kind)[id] = lost.agent;
+    heard_[k][id] = Heard::kNotAwaited;
+    --missing_;
+  }
+  using Presence = Peers::Presence;
+  peers_.set_presence(owner,
+                      lost.returns || peers_.heard(owner) ? Presence::kReturning : Presence::kLost);
+  referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LostDetail(owner)});
 }
 
 void WorldProcess::PublishClock(const Now& now) {
@@ -270,7 +307,8 @@ void WorldProcess::PublishEvents(const Now& now) {
 void WorldProcess::WaitFor(Wait wait, const Now& now) {
   wait_ = wait;
   repeat_.Start(now.monotonic_us);
-  waits_since_us_ = look_us_ = now.monotonic_us;
+  peers_.AwaitFrom(now.monotonic_us);
+  look_us_ = now.monotonic_us;
 }
 
 template <class Visit>
@@ -291,22 +329,7 @@ void WorldProcess::SayOfProcess(Event::Kind kind, const std::string& name, const
   sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
 }
 
-bool WorldProcess::Unheard(const std::string& name, const Now& now) const {
-  const auto peer = peers_.find(name);
-  if (peer == peers_.end()) return false;
-  if (peer->second.presence == Peer::Presence::kLost) return true;
-  const TimeUs heard_us = std::max(peer->second.heard_us, awake_since_us_);
-  const TimeUs asked_us = std::max(waits_since_us_, awake_since_us_);
-  return now.monotonic_us - heard_us >= options_.lost_after_us ||
-         now.monotonic_us - asked_us >= kDeaf * options_.lost_after_us;
-}
-
 void WorldProcess::FindLost(const Now& now) {
-  // Whoever was held up itself has heard nobody meanwhile.
-  if (now.monotonic_us - stepped_us_ > options_.lost_after_us / 4) {
-    awake_since_us_ = now.monotonic_us;
-  }
-  stepped_us_ = now.monotonic_us;
   if (!options_.goes_on || phase_ != Phase::kRunning || now.monotonic_us < look_us_) return;
   look_us_ = now.monotonic_us + kLookUs;
   if (wait_ == Wait::kStates) {
@@ -318,15 +341,14 @@ void WorldProcess::FindLost(const Now& now) {
       }
     }
     for (const std::string& name : owing) {
-      if (Unheard(name, now)) Lose(name, now);
+      if (peers_.Overdue(name, now.monotonic_us)) Lose(name, now);
     }
   }
-  if (wait_ == Wait::kSchedule && Unheard(scheduler_name_, now)) {
-    Peer& peer = peers_[scheduler_name_];
-    if (peer.presence == Peer::Presence::kThere) {
+  if (wait_ == Wait::kSchedule && peers_.Overdue(scheduler_name_, now.monotonic_us)) {
+    if (peers_.presence(scheduler_name_) == Peers::Presence::kThere) {
       SayOfProcess(Event::Kind::kProcessLost, scheduler_name_, now);
     }
-    peer.presence = Peer::Presence::kLost;
+    peers_.set_presence(scheduler_name_, Peers::Presence::kLost);
     // This decision will not be in force: no clock names it.
     wait_ = Wait::kClock;
     repeat_.Stop();
@@ -334,9 +356,8 @@ void WorldProcess::FindLost(const Now& now) {
 }
 
 void WorldProcess::Lose(const std::string& name, const Now& now) {
-  Peer& peer = peers_[name];
-  const bool is_new = peer.presence == Peer::Presence::kThere;
-  peer.presence = Peer::Presence::kLost;
+  const bool is_new = peers_.presence(name) == Peers::Presence::kThere;
+  peers_.set_presence(name, Peers::Presence::kLost);
   if (is_new) SayOfProcess(Event::Kind::kProcessLost, name, now);
   ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
     Heard& heard = heard_[static_cast<int>(kind)][id];
@@ -353,14 +374,14 @@ void WorldProcess::Lose(const std::string& name, const Now& now) {
 }
 
 void WorldProcess::TakeBack(const Now& now) {
-  for (auto& [name, peer] : peers_) {
-    if (peer.presence != Peer::Presence::kReturning || name == scheduler_name_) continue;
+  for (const std::string& name : peers_.NamesOf(Peers::Presence::kReturning)) {
+    if (name == scheduler_name_) continue;
     bool complete = true;
     ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
       complete &= heard_[static_cast<int>(kind)][id] == Heard::kYes;
     });
     if (!complete) continue;
-    peer.presence = Peer::Presence::kThere;
+    peers_.set_presence(name, Peers::Presence::kThere);
     referee_.EndOutages(LostDetail(name), tick_us(tick_));
     SayOfProcess(Event::Kind::kProcessBack, name, now);
   }
@@ -370,27 +391,15 @@ std::vector<std::vector<std::uint8_t>> WorldProcess::StatesOfLost(AgentKind kind
                                                                   const Now& now) const {
   std::vector<std::vector<std::uint8_t>> messages;
   if (judged_tick_ < 0) return messages;
-  const TimeUs t = tick_us(judged_tick_);
-  agent_states_t states{};
-  states.header = {};
-  states.header.run_id = identity().run_id;
-  states.header.sender = identity().name;
-  states.header.boot_id = identity().boot_id;
-  states.header.sim_us = t;
-  states.header.wall_us = now.wall_us;
-  states.kind = static_cast<std::int8_t>(kind);
-  states.tick = judged_tick_;
-  states.applied_decision = judged_applied_;
-  const auto finish = [&] {
-    states.n = static_cast<std::int32_t>(states.agents.size());
-    if (states.n > 0) messages.push_back(Encode(states));
-    states.agents.clear();
-  };
-  for (const agent_t& agent : unreported_[static_cast<int>(kind)]) {
-    states.agents.push_back(agent);
-    if (states.agents.size() == kAgentsPerMessage) finish();
+  for (agent_states_t& states :
+       StatesMessages(kind, judged_tick_, judged_applied_, unreported_[static_cast<int>(kind)])) {
+    states.header.run_id = identity().run_id;
+    states.header.sender = identity().name;
+    states.header.boot_id = identity().boot_id;
+    states.header.sim_us = tick_us(judged_tick_);
+    states.header.wall_us = now.wall_us;
+    messages.push_back(Encode(states));
   }
-  finish();
   return messages;
 }
 
@@ -401,6 +410,7 @@ void WorldProcess::Begin(const Now& now) {
 }
 
 void WorldProcess::OnStep(const Now& now) {
+  peers_.NoteAwake(now.monotonic_us);
   if (!scenario_packet_) {
     scenario_t scenario{};
     scenario.sha256 = Sha256(json_);
@@ -414,12 +424,8 @@ void WorldProcess::OnStep(const Now& now) {
     }
   }
   if (wait_ == Wait::kRestore) {
-    if (RestoreState(now)) {
-      Begin(now);
-    } else {
-      if (repeat_.Fire(now.monotonic_us)) AskForState(now);
-      return;
-    }
+    if (!repeat_.Fire(now.monotonic_us)) return;
+    if (!RestoreState(now)) return AskForState(now);
   }
   FindLost(now);
   // Each turn of the loop is one step of the lockstep that needs no further input.
@@ -432,7 +438,7 @@ void WorldProcess::OnStep(const Now& now) {
         PublishClock(now);
       }
       Judge(now);
-      if (DecisionAt(tick_) >= 0) {
+      if (DecisionAt(tick_) > passed_over_) {
         WaitFor(Wait::kSchedule, now);
         return;
       }
@@ -470,8 +476,7 @@ void WorldProcess::StartTick(const Now& now) {
     std::fill(heard.begin(), heard.end(), Heard::kNot);
     missing_ += heard.size();
   }
-  for (const auto& [name, peer] : peers_) {
-    if (peer.presence != Peer::Presence::kLost) continue;
+  for (const std::string& name : peers_.NamesOf(Peers::Presence::kLost)) {
     ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
       heard_[static_cast<int>(kind)][id] = Heard::kNotAwaited;
       --missing_;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "lcmtypes/protocol/convert.h"
 #include "lcmtypes/protocol/process.h"
 #include "world/model/scenario.h"
+#include "world/truth/peers.h"
 #include "world/truth/referee.h"
 #include "world/truth/restoring.h"
 
@@ -45,17 +45,13 @@ class WorldProcess : public Process {
   enum class Phase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
   enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
   enum class Heard : char { kNot, kYes, kNotAwaited };
-  /// Another process, as far as it has been heard.
-  struct Peer {
-    enum class Presence { kThere, kLost, kReturning };
-    Presence presence = Presence::kThere;
-    TimeUs heard_us = 0;  ///< monotonic
-  };
   void Take(const agent_states_t& states, const Packet& packet);
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
   bool RestoreState(const Now& now);
+  /// An agent whose process was lost before this one started again.
+  void RestoreLost(const Restoring::Lost& lost);
   void Begin(const Now& now);
   void PublishClock(const Now& now);
   void Judge(const Now& now);
@@ -64,7 +60,6 @@ class WorldProcess : public Process {
   void StartTick(const Now& now);
   /// Gives up those whose answer has been due for too long.
   void FindLost(const Now& now);
-  bool Unheard(const std::string& name, const Now& now) const;
   void Lose(const std::string& name, const Now& now);
   /// Takes back those returning processes whose agents have all been heard for this tick.
   void TakeBack(const Now& now);
@@ -92,6 +87,7 @@ class WorldProcess : public Process {
   std::int64_t last_tick_ = 0;
   std::int64_t judged_tick_ = -1;
   std::int32_t required_decision_ = -1;
+  std::int32_t passed_over_ = -1;  ///< a decision that an earlier start did without
   bool recorder_ready_ = false;
   TimeUs started_us_ = 0;
 
@@ -106,10 +102,9 @@ class WorldProcess : public Process {
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
   BackOff repeat_{2'000, 40'000};
-  std::map<std::string, Peer> peers_;
+  Peers peers_;
   std::string scheduler_name_ = "scheduler";
-  TimeUs waits_since_us_ = 0;  ///< monotonic
-  TimeUs stepped_us_ = 0, awake_since_us_ = 0, look_us_ = 0;
+  TimeUs look_us_ = 0;
   std::int32_t judged_applied_ = -1;  ///< decision in force at judged_tick_
 
   Restoring restoring_;  ///< while this process starts again

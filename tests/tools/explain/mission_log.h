@@ -1,12 +1,10 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "lcmtypes/bus/event_log.h"
+#include "tests/temporary_folder.h"
 #include "tools/explain/decision_log.h"
 #include "tools/simulate/simulator.h"
 #include "world/model/scenario_json.h"
@@ -23,19 +21,15 @@ inline std::vector<Packet> SimulatedPackets(const Scenario& scenario, const std:
 
 /// What the decisions' reader makes of these packets, written as a log file.
 inline DecisionLog Logged(const std::vector<Packet>& packets) {
-  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::string path =
-      ::testing::TempDir() + "explain_" + test->test_suite_name() + "_" + test->name() + ".lcm";
-  std::filesystem::remove(path);
+  const TemporaryFolder folder;
+  const std::string path = folder.File("mission.lcm");
   {
     EventLogWriter writer(path);
     for (const Packet& packet : packets) writer.Write(1, packet);
     writer.Flush();
   }
   LogSource source(path);
-  DecisionLog log = ReadDecisionLog(&source);
-  std::filesystem::remove(path);
-  return log;
+  return ReadDecisionLog(&source);
 }
 
 }  // namespace muster::tools

@@ -11,6 +11,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/protocol/program.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/explain/mission_log.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
@@ -304,14 +305,12 @@ TEST(TaskStory, ALogWithHolesIsToldAsFarAsItGoes) {
 class Commands : public testing::Test {
  protected:
   Commands() {
-    std::filesystem::remove(file_);
     EventLogWriter writer(file_);
     for (const Packet& packet : SimulatedPackets(NearAndFar(), "certified")) {
       writer.Write(1, packet);
     }
     writer.Flush();
   }
-  ~Commands() override { std::filesystem::remove(file_); }
 
   /// Exit code; what it prints goes to out_.
   template <class Command>
@@ -331,7 +330,8 @@ class Commands : public testing::Test {
     return code;
   }
 
-  const std::string file_ = testing::TempDir() + "explain_commands.lcm";
+  const TemporaryFolder folder_;
+  const std::string file_ = folder_.File("mission.lcm");
   std::string out_;
 };
 

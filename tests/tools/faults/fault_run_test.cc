@@ -128,6 +128,16 @@ TEST_F(FaultRunTest, TheMissionGoesOnWithoutUavsForHalfAnHour) {
   EXPECT_GT(uavs_after, 0);
 }
 
+TEST_F(FaultRunTest, AWorldThatDiesMeanwhileGoesOnWithoutThoseThatAreLost) {
+  const Json report = Run(
+      {"process_killed:uav@60+30", "process_stopped:scheduler@65+30", "process_killed:world@75"},
+      "killed", {"--on-loss", "continue", "--lost-after", "0.5"});
+  EXPECT_EQ(report["events"]["agent_failed"], report["events"]["agent_back"]);
+  EXPECT_GT(report["events"]["agent_back"], 0);
+  EXPECT_GE(report["skipped_decisions"].size(), 2u);
+  EXPECT_GT(report["decisions"].back()["index"], 10);
+}
+
 TEST_F(FaultRunTest, TheMissionGoesOnWithoutAScheduler) {
   const Json report = Run({"process_stopped:scheduler@65+30"}, "stopped",
                           {"--on-loss", "continue", "--lost-after", "0.5"});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <muster/agent_states_t.hpp>
 #include <muster/rulings_t.hpp>
 #include <muster/world_state_t.hpp>
@@ -30,14 +31,15 @@ class ArchiveTest : public ::testing::Test {
     message.header.sim_us = scenario_.rules.TimeOf(tick);
     message.header.wall_us = 0;
     message.tick = tick;
-    archive_.Add({std::string(channel), Encode(message)});
+    archive_->Add({std::string(channel), Encode(message)});
   }
   void AddStates(AgentKind kind, std::int64_t tick) {
     agent_states_t states{};
     states.kind = static_cast<std::int8_t>(kind);
     states.applied_decision = -1;
     for (std::size_t id = 0; id < scenario_.agents(kind).size(); ++id) {
-      states.agents.emplace_back().id = static_cast<std::int32_t>(id);
+      const auto agent = StartOf(kind, static_cast<std::int32_t>(id), scenario_.agents(kind)[id]);
+      states.agents.push_back(ToWire(agent, scenario_.rules.TimeOf(tick), scenario_.tasks));
     }
     states.n = static_cast<std::int32_t>(states.agents.size());
     Add(ChannelOf(kind), std::string(ToString(kind)), tick, states);
@@ -55,21 +57,23 @@ class ArchiveTest : public ::testing::Test {
   }
 
   /// Asks every 0.1 s from `from_us` on, and returns the first answer within 10 s.
-  std::vector<restore_t> Ask(std::string_view channel, TimeUs from_us = 0,
-                             std::int64_t boot_id = 1) {
+  std::vector<restore_t> Ask(std::string_view channel, TimeUs from_us = 0, std::int64_t boot_id = 1,
+                             const std::string& who = "world") {
     request_t request{};
-    request.header.sender = "world";
+    request.header.sender = who;
     request.header.boot_id = boot_id;
     request.channel = channel;
     for (now_us_ = from_us; now_us_ < from_us + 10 * kSecondUs; now_us_ += kSecondUs / 10) {
-      std::vector<restore_t> answers = archive_.Answer(request, now_us_);
+      std::vector<restore_t> answers = archive_->Answer(request, now_us_);
       if (!answers.empty()) return answers;
     }
     return {};
   }
 
   Scenario scenario_ = Generate(PresetByName("Random_10"), 1);
-  Archive archive_{scenario_, kRun};
+  void GoOn() { archive_ = std::make_unique<Archive>(scenario_, kRun, true); }
+
+  std::unique_ptr<Archive> archive_ = std::make_unique<Archive>(scenario_, kRun, false);
   std::int64_t run_ = kRun;
   std::int64_t seq_ = 0;
   TimeUs now_us_ = 0;
@@ -130,6 +134,55 @@ TEST_F(ArchiveTest, SaysNothingOfAMissionThatItHasNotHeardWhole) {
   run_ = kRun;
   AddStates(AgentKind::kVehicle, 4);
   EXPECT_FALSE(Ask(channel::kUavs, 200 * kSecondUs).empty());
+}
+
+TEST_F(ArchiveTest, KeepsWhereLostAgentsWereAndWhatBecameOfThem) {
+  GoOn();
+  for (const std::int64_t tick : {3, 4, 5}) AddTick(tick);
+  for (std::int64_t tick = 6; tick <= 20; ++tick) {
+    AddStates(AgentKind::kWorker, tick);
+    AddStates(AgentKind::kVehicle, tick);
+    AddVerdict(tick);
+  }
+  EXPECT_EQ(TicksOf(Ask(channel::kWorkers)), (std::vector<std::int64_t>{17, 18, 19, 20}));
+  EXPECT_EQ(TicksOf(Ask(channel::kUavs)), (std::vector<std::int64_t>{3, 4, 5}));
+  const std::vector<std::int64_t> verdicts{4, 5, 6, 17, 18, 19, 20};
+  EXPECT_EQ(TicksOf(Ask(channel::kWorld)), verdicts);
+  EXPECT_EQ(TicksOf(Ask(channel::kRulings)), verdicts);
+  EXPECT_TRUE(Ask(channel::kUavs, 0, 1, "uav").empty()) << "the world knows where they are now";
+}
+
+TEST_F(ArchiveTest, TakesNobodyForLostWhereTheMissionWaits) {
+  for (const std::int64_t tick : {3, 4, 5}) AddTick(tick);
+  AddStates(AgentKind::kWorker, 6);
+  AddStates(AgentKind::kVehicle, 6);
+  AddVerdict(6);
+  AddStates(AgentKind::kWorker, 7);
+  AddStates(AgentKind::kVehicle, 7);
+  EXPECT_EQ(TicksOf(Ask(channel::kUavs)), std::vector<std::int64_t>{5});
+}
+
+TEST_F(ArchiveTest, GoesOnWithTheNewestVerdictWhereAllAreLost) {
+  GoOn();
+  for (const std::int64_t tick : {3, 4, 5}) AddTick(tick);
+  for (std::int64_t tick = 6; tick <= 20; ++tick) AddVerdict(tick);
+  for (const AgentKind kind : kAgentKinds) {
+    EXPECT_EQ(TicksOf(Ask(ChannelOf(kind))), (std::vector<std::int64_t>{3, 4, 5}));
+  }
+}
+
+TEST_F(ArchiveTest, BelievesNoTimeOutsideTheMission) {
+  AddTick(6);
+  AddTick(7);
+  AddStates(AgentKind::kUav, 8);
+  agent_states_t late{};
+  late.header.run_id = kRun;
+  late.header.sender = "uav";
+  late.header.sim_us = kNever;
+  archive_->Add({std::string(channel::kUavs), Encode(late)});
+  late.header.sim_us = -1;
+  archive_->Add({std::string(channel::kUavs), Encode(late)});
+  EXPECT_EQ(TicksOf(Ask(channel::kUavs)), std::vector<std::int64_t>{7});
 }
 
 }  // namespace
