@@ -165,6 +165,8 @@ TEST_F(RestoringTest, RefusesWhatCannotBe) {
   refuse("after the last tick", [](agent_states_t* m) { m->tick = 10; });
   EXPECT_FALSE(Take(channel::kUavs, Message<rulings_t>(4))) << "another type";
   EXPECT_FALSE(Take(channel::kWorld, Message<rulings_t>(4))) << "another type";
+  EXPECT_FALSE(TakeWorld(10)) << "after the last tick";
+  EXPECT_FALSE(TakeRulings(10)) << "after the last tick";
   EXPECT_TRUE(TakeWorld(3, 2));
   EXPECT_FALSE(restoring_.Newest()) << "a verdict on two of three tasks";
 }

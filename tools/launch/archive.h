@@ -29,6 +29,9 @@ class Archive {
   /// What to answer, headers not filled. Nothing until the same start of the same process has asked
   /// for two seconds: whoever is alive knows better.
   std::vector<restore_t> Answer(const request_t& request, TimeUs now_us);
+  /// All that is known, and without delay: only who has listened knows of all verdicts which were
+  /// given without whom.
+  bool AnswersAtOnce(const request_t& request) const;
 
  private:
   using Messages = std::map<std::pair<std::int64_t, std::int64_t>, Packet>;  ///< by boot_id, seq
@@ -50,7 +53,7 @@ class Archive {
   const bool goes_on_;
   std::map<Source, Told> told_;
   struct Question {
-    TimeUs since_us = 0, asked_us = kNever, answered_us = 0;
+    TimeUs since_us = 0, asked_us = kNever, answered_us = -kNever / 2;
   };
   std::map<std::tuple<std::string, std::int64_t, std::string>, Question> questions_;
 };

@@ -238,9 +238,10 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
   const auto request = DecodeValid<request_t>(packet.bytes);
   if (!request || request->header.run_id != plan_.run_id) return;
   std::vector<restore_t> answers = archive_.Answer(*request, now.monotonic_us);
-  if (answers.empty()) return;
-  Say(fmt::format("nobody told {} how things stand on {}: told it what was last heard",
-                  request->header.sender, request->channel));
+  if (!answers.empty() && !archive_.AnswersAtOnce(*request)) {
+    Say(fmt::format("nobody told {} how things stand on {}: told it what was last heard",
+                    request->header.sender, request->channel));
+  }
   for (restore_t& answer : answers) recorder_.Answer(std::move(answer), now);
 }
 

@@ -30,8 +30,7 @@ bool Restoring::Take(const restore_t& restore) {
     }
     const auto states = DecodeValid<agent_states_t>(restore.data);
     if (!states || states->header.run_id != run_id_ ||
-        static_cast<AgentKind>(states->kind) != kind ||
-        states->tick > scenario_.rules.last_tick()) {
+        static_cast<AgentKind>(states->kind) != kind || !IsTick(states->tick)) {
       return false;
     }
     // An earlier start's word on lost agents, meant for their process.
@@ -55,7 +54,7 @@ bool Restoring::Take(const restore_t& restore) {
   if (restore.data.empty()) return true;
   if (restore.channel == channel::kWorld) {
     auto world = DecodeValid<world_state_t>(restore.data);
-    if (!world || world->header.run_id != run_id_) return false;
+    if (!world || world->header.run_id != run_id_ || !IsTick(world->tick)) return false;
     worlds_.emplace(world->tick, std::move(*world));
   }
   if (restore.channel == channel::kClock) {
@@ -68,7 +67,7 @@ bool Restoring::Take(const restore_t& restore) {
   }
   if (restore.channel == channel::kRulings) {
     auto rulings = DecodeValid<rulings_t>(restore.data);
-    if (!rulings || rulings->header.run_id != run_id_) return false;
+    if (!rulings || rulings->header.run_id != run_id_ || !IsTick(rulings->tick)) return false;
     rulings_.emplace(rulings->tick, std::move(*rulings));
   }
   return true;

@@ -62,6 +62,7 @@ class Restoring {
   };
   using Verdicts = std::map<std::int64_t, Verdict>;  ///< by tick
 
+  bool IsTick(std::int64_t tick) const { return tick >= 0 && tick <= scenario_.rules.last_tick(); }
   std::optional<State> At(std::int64_t tick) const;
   Verdict VerdictOn(std::int64_t tick) const;
   Verdicts AllVerdicts() const;

@@ -15,8 +15,9 @@ namespace muster::world {
 namespace {
 
 constexpr TimeUs kLookUs = 20'000;
-/// So long a restarted world listens, where a verdict may have been given without somebody.
-constexpr TimeUs kHearAllUs = 100'000;
+/// So long a restarted world listens, where a verdict may have been given without somebody: who
+/// has listened answers twice in this time.
+constexpr TimeUs kHearAllUs = 600'000;
 /// So long it waits for a report that must have been made, and that perhaps nobody has any more.
 constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
 
@@ -185,7 +186,7 @@ bool WorldProcess::RestoreState(const Now& now) {
   if (!state) return false;
   // Whoever is there has answered by then.
   const TimeUs enough_us = !state->is_certain     ? std::max(kGiveUpUs, options_.lost_after_us)
-                           : !state->lost.empty() ? options_.lost_after_us
+                           : !state->lost.empty() ? std::max(kHearAllUs, options_.lost_after_us)
                            : options_.goes_on     ? kHearAllUs
                                                   : 0;
   if (peers_.AwaitedUs(now.monotonic_us) < enough_us) return false;

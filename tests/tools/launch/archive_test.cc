@@ -152,6 +152,18 @@ TEST_F(ArchiveTest, KeepsWhereLostAgentsWereAndWhatBecameOfThem) {
   EXPECT_TRUE(Ask(channel::kUavs, 0, 1, "uav").empty()) << "the world knows where they are now";
 }
 
+TEST_F(ArchiveTest, TellsAWorldAtOnceWhatWasDecidedWithoutTheLost) {
+  GoOn();
+  for (const std::int64_t tick : {3, 4}) AddTick(tick);
+  AddStates(AgentKind::kUav, 5);
+  EXPECT_EQ(TicksOf(Ask(channel::kUavs, 100)), (std::vector<std::int64_t>{3, 4, 5}));
+  EXPECT_EQ(now_us_, 100);
+  EXPECT_EQ(TicksOf(Ask(channel::kWorld, 200)), (std::vector<std::int64_t>{3, 4}));
+  EXPECT_EQ(now_us_, 200);
+  EXPECT_EQ(TicksOf(Ask(channel::kUavs, 300, 1, "uav")), (std::vector<std::int64_t>{3, 4}));
+  EXPECT_EQ(now_us_, 300 + kPatienceUs) << "others ask the living";
+}
+
 TEST_F(ArchiveTest, TakesNobodyForLostWhereTheMissionWaits) {
   for (const std::int64_t tick : {3, 4, 5}) AddTick(tick);
   AddStates(AgentKind::kWorker, 6);
