@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page_chunk.h"
@@ -145,6 +147,26 @@ void Apply(nlohmann::json* lists, const nlohmann::json& chunk, const char* key, 
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(from * width), list.end());
     for (const auto& value : rows) list.push_back(value);
   }
+}
+
+TEST(Timeline, ATickAfterTheLastIsNone) {
+  std::vector<Packet> packets = Encoded(MakeFakeMission());
+  PageCursor cursor;
+  const std::string expected = PageChunk(FeedOf(packets), "run", &cursor, true)["stops"].dump();
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    auto states = DecodeValid<agent_states_t>(packets[i].bytes);
+    if (packets[i].channel != channel::kUavs || !states) continue;
+    for (const std::int64_t tick : {std::int64_t{1} << 55, states->tick + 1000}) {
+      states->tick = tick;
+      states->header.seq += 1000;
+      for (agent_t& agent : states->agents) agent.x_m += 1;
+      packets.insert(packets.begin() + static_cast<std::ptrdiff_t>(i),
+                     {packets[i].channel, Encode(*states)});
+    }
+    break;
+  }
+  PageCursor again;
+  EXPECT_EQ(PageChunk(FeedOf(packets), "run", &again, true)["stops"].dump(), expected);
 }
 
 TEST(PageChunk, PartsAddUpToTheWhole) {

@@ -38,10 +38,11 @@ void SituationRecorder::Add(const Packet& packet) {
 
 void SituationRecorder::Take(const Packet& packet) {
   const auto take = [&](const auto& message) {
-    if (!message) return;
-    const TimeUs t = message->tick * scenario_->rules.tick_us;
-    if (message->tick < 0 || t % scenario_->rules.interval_us != 0) return;
-    const auto d = static_cast<std::size_t>(t / scenario_->rules.interval_us);
+    const Rules& rules = scenario_->rules;
+    if (!message || message->tick < 0 || message->tick > rules.last_tick()) return;
+    const TimeUs t = rules.TimeOf(message->tick);
+    if (t % rules.interval_us != 0) return;
+    const auto d = static_cast<std::size_t>(t / rules.interval_us);
     // What cannot be is left out, as the scheduler leaves it out.
     if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(*message));
   };

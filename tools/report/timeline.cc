@@ -120,7 +120,7 @@ void Timeline::Finish() {
     for (std::size_t id = 0; id < scenario_.agents(kind).size(); ++id) {
       const std::size_t index = IndexOf(kind, id);
       agent_order_[index].Finish([&](std::int64_t tick, const agent_t& agent) {
-        TakeAgent(kind, index, agent, tick * scenario_.rules.tick_us);
+        TakeAgent(kind, index, agent, scenario_.rules.TimeOf(tick));
       });
     }
   }
@@ -129,16 +129,14 @@ void Timeline::Finish() {
 }
 
 void Timeline::TakeAgents(const agent_states_t& message) {
-  if (message.kind < 0 || message.kind > 2) return;
+  if (message.kind < 0 || message.kind > 2 || message.tick > scenario_.rules.last_tick()) return;
   const auto kind = static_cast<AgentKind>(message.kind);
   const std::size_t n = scenario_.agents(kind).size();
   for (const agent_t& agent : message.agents) {
     if (agent.id < 0 || static_cast<std::size_t>(agent.id) >= n) continue;
     const std::size_t index = IndexOf(kind, static_cast<std::size_t>(agent.id));
     agent_order_[index].Add(message.tick, agent, [&](std::int64_t tick, const agent_t& state) {
-      const std::int64_t us =
-          std::min<std::int64_t>(tick * scenario_.rules.tick_us, scenario_.rules.limit_us);
-      TakeAgent(kind, index, state, us);
+      TakeAgent(kind, index, state, scenario_.rules.TimeOf(tick));
     });
   }
 }

@@ -60,7 +60,7 @@ struct Rules {
 
   /// Ticks are 0 to last_tick(), whose time is the limit.
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
-  TimeUs TimeOf(std::int64_t tick) const { return std::min(tick * tick_us, limit_us); }
+  TimeUs TimeOf(std::int64_t tick) const { return tick < last_tick() ? tick * tick_us : limit_us; }
   /// The decision of that tick; -1: none.
   std::int32_t DecisionAt(std::int64_t tick) const {
     const TimeUs t = TimeOf(tick);
