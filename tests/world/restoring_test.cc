@@ -223,6 +223,20 @@ TEST_F(RestoringTest, WhoFailedBeforeItWasLostDoesNotReturnWithItsProcess) {
   EXPECT_EQ(state->lost[1].from_us, kLostAfterTick2);
 }
 
+TEST_F(RestoringTest, WhoWasLostAndHasReportedAgainReturns) {
+  TakeAllStates(6);
+  EXPECT_TRUE(TakeVerdict(5, AgentKind::kUav, {0, 1}, kLostAfterTick2));
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 6);
+  EXPECT_EQ(state->reports.size(), 3u);
+  ASSERT_EQ(state->lost.size(), 2u);
+  for (const Restoring::Lost& lost : state->lost) {
+    EXPECT_TRUE(lost.returns);
+    EXPECT_EQ(lost.from_us, kLostAfterTick2);
+  }
+}
+
 TEST_F(RestoringTest, NobodyIsLostWhoIsOneTickBehind) {
   EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, 7));
   EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0, 1}, 6));

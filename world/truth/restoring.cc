@@ -218,10 +218,8 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told, TimeUs fai
     Settle(&agent, next->second, rules.TimeOf(next->first), scenario_.tasks);
   }
   if (failed_us == kNever) return Lost{agent, rules.TimeOf(tick - 1) + 1};
-  // One that is lost fails right after a tick; whoever had failed for another reason before does
-  // not return with its process.
-  const bool failed_by_loss = failed_us % rules.tick_us == 1;
-  return Lost{agent, failed_by_loss ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
+  // Whoever had failed for another reason before does not return with its process.
+  return Lost{agent, IsLoss(failed_us) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
 }
 
 }  // namespace muster::world

@@ -32,7 +32,7 @@ class Restoring {
     bool returns = false;  ///< its process has reported it again, for `tick`
   };
   struct State {
-    std::int64_t tick = 0;  ///< to go on with; 0: the mission has not begun, all else is empty
+    std::int64_t tick = 0;  ///< to go on with; 0: from the beginning, there is no verdict yet
     std::int32_t applied_decision = -1;
     /// In force one tick later, if that has been told: the decision due at `tick` may have been
     /// passed over.

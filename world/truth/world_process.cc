@@ -225,8 +225,8 @@ void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
   const std::string& owner = owners_[k][id];
   if (!lost.returns) {
     agents_.of(kind)[id] = lost.agent;
+    missing_ -= heard_[k][id] == Heard::kNot;
     heard_[k][id] = Heard::kNotAwaited;
-    --missing_;
   }
   using Presence = Peers::Presence;
   peers_.set_presence(owner,
