@@ -1,5 +1,5 @@
 # Run by each build: cmake -DOUT=FILE -DSOURCE=DIR -DVERSION=... -P WriteBuildInfo.cmake
-# Writes OUT (implementation of tools/launch/build_info.h) when it would change.
+# Writes OUT (implementation of tools/host/build_info.h) when it would change.
 execute_process(
   COMMAND git -C "${SOURCE}" describe --always --dirty --abbrev=40 --exclude=*
   OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
@@ -7,7 +7,7 @@ if(failed OR NOT commit)
   set(commit unknown)
 endif()
 file(CONFIGURE OUTPUT "${OUT}" @ONLY CONTENT [=[
-#include "tools/launch/build_info.h"
+#include "tools/host/build_info.h"
 
 namespace muster::tools {
 

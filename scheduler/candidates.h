@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/action.h"
 #include "scheduler/situation.h"
 #include "scheduler/weights.h"
-#include "world/model/action.h"
 
 namespace muster::scheduler {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "world/model/agent.h"
-#include "world/model/feasibility.h"
+#include "model/agent.h"
+#include "model/feasibility.h"
 
 namespace muster::scheduler {
 namespace {

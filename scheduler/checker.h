@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "model/action.h"
 #include "scheduler/situation.h"
-#include "world/model/action.h"
 
 namespace muster::scheduler {
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
+#include "base/program.h"
+#include "protocol/run_process.h"
 #include "scheduler/process/scheduler_process.h"
 
 namespace muster::scheduler {

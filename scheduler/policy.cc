@@ -1,109 +1,10 @@
 #include "scheduler/policy.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <tuple>
 #include <utility>
 
-#include "scheduler/baselines/greedy.h"
-#include "scheduler/baselines/kwta.h"
-#include "scheduler/certified/certified_policy.h"
-#include "scheduler/horizon/horizon.h"
-#include "scheduler/policies/paper_policies.h"
-#include "scheduler/rollout/rollout.h"
-#include "world/model/check.h"
-
 namespace muster::scheduler {
-namespace {
-
-constexpr int kMostDeadlineMs = 3'600'000;
-
-/// One row a policy: its name, what users read about it, how to make it.
-struct Row {
-  PolicyInfo info;
-  std::unique_ptr<Policy> (*make)();
-};
-
-template <int kWinners>
-std::unique_ptr<Policy> Kwta() {
-  return std::make_unique<KwtaPolicy>(kWinners);
-}
-template <GreedyPolicy::Aim kAim>
-std::unique_ptr<Policy> Greedy() {
-  return std::make_unique<GreedyPolicy>(kAim);
-}
-template <Foundation kFoundation>
-std::unique_ptr<Policy> Mpq() {
-  return std::make_unique<MpqPolicy>(kFoundation);
-}
-std::unique_ptr<Policy> Certified() { return std::make_unique<CertifiedPolicy>(); }
-std::unique_ptr<Policy> Horizon() { return std::make_unique<HorizonPolicy>(); }
-template <bool HorizonSettings::*kIngredient, bool kOn = false>
-std::unique_ptr<Policy> HorizonVariant() {
-  HorizonSettings settings;
-  settings.*kIngredient = kOn;
-  return std::make_unique<HorizonPolicy>(settings);
-}
-template <bool kSteps>
-std::unique_ptr<Policy> Rollout() {
-  RolloutSettings settings;
-  for (HorizonSettings& variant : settings.variants) variant.steps = kSteps;
-  return std::make_unique<RolloutPolicy>(std::move(settings));
-}
-std::unique_ptr<Policy> RolloutWithoutDraws() {
-  RolloutSettings settings;
-  settings.draws = 0;
-  return std::make_unique<RolloutPolicy>(std::move(settings));
-}
-std::unique_ptr<Policy> RolloutWithoutChains() {
-  RolloutSettings settings;
-  for (HorizonSettings& variant : settings.variants) variant.chains = false;
-  return std::make_unique<RolloutPolicy>(std::move(settings));
-}
-std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
-
-const Row kPolicies[] = {
-    {{"horizon", "ours: value per true duration, soon-idle agents, the others sent ahead"},
-     &Horizon},
-    {{"horizon-steps", "horizon with free moves of one interval towards far places"},
-     &HorizonVariant<&HorizonSettings::steps, true>},
-    {{"rollout", "ours: the variant of horizon that gets most done when simulated forward"},
-     &Rollout<false>},
-    {{"rollout-steps", "rollout over variants of horizon-steps"}, &Rollout<true>},
-    {{"rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
-    {{"rollout-without-chains", "rollout that values no next task"}, &RolloutWithoutChains},
-    {{"horizon-without-true-duration", "horizon that counts ways only"},
-     &HorizonVariant<&HorizonSettings::true_duration>},
-    {{"horizon-without-soon-idle", "horizon with idle agents only"},
-     &HorizonVariant<&HorizonSettings::soon_idle>},
-    {{"horizon-without-meet-ahead", "horizon whose idle agents wait for a partner to be free"},
-     &HorizonVariant<&HorizonSettings::meet_ahead>},
-    {{"horizon-without-send-ahead", "horizon whose unmatched agents stay"},
-     &HorizonVariant<&HorizonSettings::send_ahead>},
-    {{"horizon-without-charge-by-use", "horizon with a fixed worth of charging"},
-     &HorizonVariant<&HorizonSettings::charge_by_use>},
-    {{"horizon-without-chains", "horizon that values no next task"},
-     &HorizonVariant<&HorizonSettings::chains>},
-    {{"horizon-without-ties", "horizon that sees whole decisions only"},
-     &HorizonVariant<&HorizonSettings::ties>},
-    {{"certified", "the heaviest decision, or one within a proven gap (ours)"}, &Certified},
-    {{"mpq", "HoCs-MPQ: iterated local search on a growing subgraph (paper, Alg. 5)"},
-     &Mpq<Foundation::kHierarchical>},
-    {{"mpq-uniform", "HoCs-MPQ with uniform foundational weights (paper, section 5.3.3)"},
-     &Mpq<Foundation::kUniform>},
-    {{"ils", "HoCs-ILS: iterated local search on the whole graph (paper, Alg. 2)"}, &Ils},
-    {{"kwta", "HoCs-KWTA: K-winners-take-all with K = 3 (paper, appendix B)"}, &Kwta<3>},
-    {{"kwta-1", "HoCs-KWTA with K = 1"}, &Kwta<1>},
-    {{"kwta-5", "HoCs-KWTA with K = 5"}, &Kwta<5>},
-    {{"kwta-10", "HoCs-KWTA with K = 10"}, &Kwta<10>},
-    {{"greedy-sum", "HoCs-GREEDY as the text says: least sum of distances (paper, appendix B)"},
-     &Greedy<GreedyPolicy::Aim::kSum>},
-    {{"greedy-nearest", "HoCs-GREEDY towards the nearest task, as the paper's figures suggest"},
-     &Greedy<GreedyPolicy::Aim::kNearest>},
-};
-
-}  // namespace
 
 Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates) {
   Decision decision;
@@ -116,41 +17,6 @@ Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates) {
             [&key](const Action& a, const Action& b) { return key(a) < key(b); });
   for (const Action& action : decision.actions) decision.weight += action.weight;
   return decision;
-}
-
-const std::vector<PolicyInfo>& Policies() {
-  static const std::vector<PolicyInfo> policies = [] {
-    std::vector<PolicyInfo> list;
-    for (const Row& row : kPolicies) list.push_back(row.info);
-    return list;
-  }();
-  return policies;
-}
-
-std::unique_ptr<Policy> MakePolicy(std::string_view name) {
-  std::string known;
-  for (const Row& row : kPolicies) {
-    if (row.info.name == name) return row.make();
-    if (!known.empty()) known += ", ";
-    known += row.info.name;
-  }
-  throw InputError(fmt::format("policy: found {}, expected one of {}", name, known));
-}
-
-std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms) {
-  auto policy = MakePolicy(name);
-  if (!deadline_ms) return policy;
-  if (!(*deadline_ms > 0 && *deadline_ms <= kMostDeadlineMs)) {
-    throw InputError("options", "--deadline", fmt::to_string(*deadline_ms),
-                     fmt::format("milliseconds above 0, up to {}", kMostDeadlineMs));
-  }
-  const auto deadline = std::chrono::duration<double, std::milli>(*deadline_ms);
-  if (!policy->SetDeadline(
-          std::chrono::duration_cast<std::chrono::steady_clock::duration>(deadline))) {
-    throw InputError("options", "--deadline", fmt::format("policy {}", name),
-                     "one that can be cut short: certified, rollout, rollout-steps");
-  }
-  return policy;
 }
 
 }  // namespace muster::scheduler

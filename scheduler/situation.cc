@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "scheduler/certified/grid_index.h"
+#include "base/grid_index.h"
 
 namespace muster::scheduler {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "world/model/agent.h"
-#include "world/model/scenario.h"
+#include "model/agent.h"
+#include "model/scenario.h"
 
 namespace muster::scheduler {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::scheduler {
 namespace {

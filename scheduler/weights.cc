@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "world/model/check.h"
-#include "world/model/feasibility.h"
+#include "base/check.h"
+#include "model/feasibility.h"
 
 namespace muster::scheduler {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/ids.h"
 #include "scheduler/situation.h"
-#include "world/model/ids.h"
 
 namespace muster::scheduler {
 

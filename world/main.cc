@@ -5,12 +5,12 @@
 #include <limits>
 #include <sstream>
 
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
-#include "world/truth/world_process.h"
+#include "base/check.h"
+#include "base/program.h"
+#include "model/agent.h"
+#include "model/scenario_json.h"
+#include "protocol/run_process.h"
+#include "world/world_process.h"
 
 namespace muster::world {
 namespace {

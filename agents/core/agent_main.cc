@@ -5,9 +5,9 @@
 #include <charconv>
 
 #include "agents/core/agent_process.h"
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "world/model/check.h"
+#include "base/check.h"
+#include "base/program.h"
+#include "protocol/run_process.h"
 
 namespace muster::agents {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world/model/scenario.h"
+#include "model/scenario.h"
 
 namespace muster::agents {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <muster/agent_states_t.hpp>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster::agents {
 namespace {

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "lcmtypes/protocol/convert.h"
-#include "lcmtypes/protocol/follower.h"
-#include "world/model/scenario.h"
+#include "model/scenario.h"
+#include "protocol/convert.h"
+#include "protocol/follower.h"
 
 namespace muster::agents {
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster {
 namespace {

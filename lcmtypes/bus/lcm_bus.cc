@@ -13,9 +13,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/check.h"
 #include "lcmtypes/bus/limits.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster {
 namespace {

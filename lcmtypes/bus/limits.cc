@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "base/check.h"
+#include "base/random.h"
 #include "lcmtypes/bus/codec.h"
-#include "world/model/check.h"
-#include "world/model/random.h"
 
 namespace muster {
 namespace {

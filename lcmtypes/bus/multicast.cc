@@ -15,7 +15,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster {
 namespace {

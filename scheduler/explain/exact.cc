@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "scheduler/certified/actions.h"
-#include "scheduler/certified/solver.h"
+#include "scheduler/solver/actions.h"
+#include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
 namespace {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "scheduler/certified/build.h"
 #include "scheduler/situation.h"
+#include "scheduler/solver/build.h"
 
 namespace muster::scheduler {
 

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "model/action.h"
 #include "scheduler/explain/exact.h"
 #include "scheduler/explain/look.h"
-#include "world/model/action.h"
 
 namespace muster::scheduler {
 

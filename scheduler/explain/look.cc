@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "world/model/feasibility.h"
+#include "model/feasibility.h"
 
 namespace muster::scheduler {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::scheduler {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "lcmtypes/protocol/convert.h"
+#include "protocol/convert.h"
 #include "scheduler/situation.h"
 
 namespace muster::scheduler {

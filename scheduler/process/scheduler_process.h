@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "lcmtypes/protocol/follower.h"
-#include "scheduler/policy.h"
+#include "protocol/follower.h"
+#include "scheduler/policies/registry.h"
 #include "scheduler/process/fusion.h"
 
 namespace muster::scheduler {

@@ -1,11 +1,11 @@
 // Micro-benchmarks of a decision's parts. Not a test: times are for docs/benchmarks.md.
 #include <benchmark/benchmark.h>
 
-#include "scheduler/certified/build.h"
-#include "scheduler/certified/dual.h"
-#include "scheduler/certified/solver.h"
+#include "base/random.h"
+#include "scheduler/solver/build.h"
+#include "scheduler/solver/dual.h"
+#include "scheduler/solver/solver.h"
 #include "tools/bench/suites.h"
-#include "world/model/random.h"
 
 namespace muster {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/check.h"
 #include "lcmtypes/bus/event_log.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

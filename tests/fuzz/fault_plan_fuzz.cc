@@ -1,10 +1,10 @@
 // Arbitrary text as a fault plan and as a --fault flag: refused with InputError, or a plan whose
 // faults can be published.
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "tests/fuzz/fuzz_mission.h"
 #include "tools/faults/fault_plan.h"
-#include "world/model/check.h"
 
 namespace {
 

@@ -6,10 +6,10 @@
 
 #include "agents/core/agent_process.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
 #include "scheduler/process/scheduler_process.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
-#include "world/truth/world_process.h"
+#include "world/world_process.h"
 
 namespace muster::fuzz {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "base/check.h"
 #include "tools/launch/hosts.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

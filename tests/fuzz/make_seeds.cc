@@ -8,9 +8,9 @@
 #include <tuple>
 
 #include "lcmtypes/bus/event_log.h"
+#include "simulation/simulator.h"
 #include "tests/fuzz/fuzz_mission.h"
 #include "tests/lcmtypes/sample_messages.h"
-#include "tools/simulate/simulator.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // Arbitrary packets to every process of a mission that is under way, half-way to a world that
 // starts again: no crash, no broken invariant, and whoever stops says why.
 
+#include "base/check.h"
 #include "tests/fuzz/fuzz_mission.h"
-#include "tests/tools/archivist.h"
-#include "world/model/check.h"
+#include "tests/simulation/archivist.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

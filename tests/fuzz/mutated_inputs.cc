@@ -5,8 +5,8 @@
 #include <limits>
 #include <string_view>
 
-#include "world/model/check.h"
-#include "world/model/random.h"
+#include "base/check.h"
+#include "base/random.h"
 
 namespace muster::fuzz {
 namespace {

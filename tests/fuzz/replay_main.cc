@@ -19,8 +19,8 @@
 #include <new>
 #include <sstream>
 
+#include "base/check.h"
 #include "tests/fuzz/mutated_inputs.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -3,14 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/check.h"
 #include "tests/fuzz/fuzz_mission.h"
 #include "tools/audit/auditor.h"
-#include "tools/report/digest.h"
+#include "tools/record/digest.h"
+#include "tools/record/report_json.h"
+#include "tools/record/summary.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page_chunk.h"
-#include "tools/report/report_json.h"
-#include "tools/report/summary.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

@@ -1,8 +1,8 @@
 // Arbitrary text as a scenario: refused with InputError, or the same scenario when it is written
 // and read again.
 
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
+#include "base/check.h"
+#include "model/scenario_json.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string>
 
+#include "base/check.h"
 #include "tools/graph/conflict_graph.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

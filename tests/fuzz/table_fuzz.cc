@@ -1,9 +1,9 @@
 // Arbitrary text as a table to import, CSV and GeoJSON: refused with InputError, or every row has a
 // field for every column; and every field as a time of day.
 
+#include "base/check.h"
 #include "tools/scenario/import.h"
 #include "tools/scenario/table.h"
-#include "world/model/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;

@@ -13,9 +13,9 @@
 #include <tuple>
 #include <vector>
 
+#include "base/random.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/sample_messages.h"
-#include "world/model/random.h"
 
 namespace muster {
 namespace {

@@ -16,9 +16,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/check.h"
+#include "base/random.h"
 #include "tests/temporary_folder.h"
-#include "world/model/check.h"
-#include "world/model/random.h"
 
 namespace muster {
 namespace {

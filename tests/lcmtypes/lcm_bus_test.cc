@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/test_network.h"
-#include "world/model/check.h"
 
 namespace muster {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
-#include "world/model/check.h"
 
 namespace muster {
 namespace {

@@ -1,13 +1,13 @@
-#include "scheduler/policy.h"
+#include "scheduler/policies/registry.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
+#include "base/check.h"
 #include "scheduler/checker.h"
 #include "tests/scheduler/situation_builder.h"
-#include "world/model/check.h"
 
 namespace muster::scheduler {
 namespace {

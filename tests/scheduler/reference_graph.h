@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "model/action.h"
+#include "model/feasibility.h"
 #include "scheduler/situation.h"
-#include "world/model/action.h"
-#include "world/model/feasibility.h"
 
 namespace muster::scheduler::testing {
 

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/random.h"
 #include "scheduler/situation.h"
-#include "world/model/random.h"
 
 namespace muster::scheduler::testing {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "base/geometry.h"
 #include "tests/scheduler/situation_builder.h"
-#include "world/model/geometry.h"
 
 namespace muster::scheduler {
 namespace {

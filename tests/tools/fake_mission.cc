@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/sha256.h"
 #include "lcmtypes/channels.h"
-#include "world/model/sha256.h"
 
 namespace muster::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "world/truth/peers.h"
+#include "world/peers.h"
 
 #include <gtest/gtest.h>
 

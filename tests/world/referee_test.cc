@@ -1,4 +1,4 @@
-#include "world/truth/referee.h"
+#include "world/referee.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "world/truth/restoring.h"
+#include "world/restoring.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "world/model/generator.h"
+#include "model/generator.h"
 
 namespace muster::world {
 namespace {

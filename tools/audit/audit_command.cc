@@ -7,12 +7,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/event_log.h"
-#include "lcmtypes/protocol/program.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
-#include "tools/log/log_files.h"
-#include "world/model/check.h"
+#include "tools/files/log_files.h"
 
 namespace muster::tools {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/interval_set.h"
 #include "lcmtypes/bus/bus.h"
 #include "lcmtypes/bus/codec.h"
-#include "lcmtypes/protocol/interval_set.h"
 #include "tools/audit/agent_model.h"
 #include "tools/audit/audit_scenario.h"
 

@@ -21,7 +21,7 @@ void Put(std::string* bytes, T value) {
   bytes->append(raw, sizeof value);
 }
 
-/// As tools/report/digest.h describes it.
+/// As tools/record/digest.h describes it.
 std::string DigestOf(const Facts& facts, const std::vector<std::int64_t>& done_us) {
   std::string bytes = "muster digest 1\n";
   for (const auto& [index, schedule] : facts.schedules) {

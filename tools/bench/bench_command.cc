@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/protocol/program.h"
-#include "scheduler/policy.h"
+#include "base/check.h"
+#include "base/program.h"
+#include "scheduler/policies/registry.h"
 #include "tools/bench/paper_command.h"
 #include "tools/bench/suites.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -7,10 +7,10 @@
 #include <thread>
 #include <vector>
 
-#include "lcmtypes/protocol/program.h"
-#include "scheduler/policy.h"
+#include "base/check.h"
+#include "base/program.h"
+#include "scheduler/policies/registry.h"
 #include "tools/bench/paper_suite.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -11,9 +11,9 @@
 #include <iterator>
 #include <set>
 
+#include "base/check.h"
 #include "tools/bench/paper_tables.h"
-#include "tools/report/report_json.h"
-#include "world/model/check.h"
+#include "tools/record/report_json.h"
 
 namespace muster::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "world/model/scenario.h"
+#include "model/scenario.h"
 
 namespace muster::tools {
 

@@ -9,14 +9,14 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/check.h"
+#include "base/sha256.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
 #include "tools/bound/upper_bound.h"
-#include "tools/launch/build_info.h"
-#include "tools/report/report_json.h"
+#include "tools/host/build_info.h"
+#include "tools/record/report_json.h"
 #include "tools/scenario/table.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
-#include "world/model/sha256.h"
 
 namespace muster::tools {
 namespace {

@@ -17,7 +17,7 @@ struct PaperRow {
   std::int64_t done = 0;  ///< of kUpperBound: the bound on it
   std::int64_t charges = 0;
   double flown_km = 0;
-  std::string digest;  ///< of decisions and outcomes (tools/report/digest.h)
+  std::string digest;  ///< of decisions and outcomes (tools/record/digest.h)
   /// Measured: everything above is a function of run, build and places, these are not. Seconds;
   /// the first three of one decision.
   double decision_median_s = 0, decision_mean_s = 0, decision_max_s = 0;

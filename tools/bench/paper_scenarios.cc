@@ -7,10 +7,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/check.h"
+#include "base/sha256.h"
+#include "model/generator.h"
 #include "tools/scenario/import.h"
-#include "world/model/check.h"
-#include "world/model/generator.h"
-#include "world/model/sha256.h"
 
 namespace muster::tools {
 namespace {

@@ -7,13 +7,13 @@
 #include <filesystem>
 #include <set>
 
+#include "base/check.h"
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_scenarios.h"
 #include "tools/bench/worker_pool.h"
-#include "tools/launch/progress.h"
-#include "tools/report/report_json.h"
-#include "world/model/check.h"
+#include "tools/host/progress.h"
+#include "tools/record/report_json.h"
 
 namespace muster::tools {
 namespace {

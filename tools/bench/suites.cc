@@ -10,14 +10,14 @@
 #include <map>
 #include <tuple>
 
+#include "base/random.h"
 #include "lcmtypes/bus/bus.h"
+#include "model/scenario_json.h"
 #include "scheduler/candidates.h"
-#include "scheduler/certified/certified_policy.h"
-#include "scheduler/policy.h"
+#include "scheduler/policies/certified/certified_policy.h"
+#include "scheduler/policies/registry.h"
+#include "simulation/simulator.h"
 #include "tools/graph/situations.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/random.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "model/generator.h"
 #include "scheduler/situation.h"
-#include "world/model/generator.h"
 
 namespace muster::tools {
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

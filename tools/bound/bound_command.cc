@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/program.h"
 #include "tools/bound/upper_bound.h"
-#include "tools/launch/mission_options.h"
+#include "tools/scenario/mission_options.h"
 
 namespace muster::tools {
 

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
+#include "model/feasibility.h"
 #include "tools/bound/max_flow.h"
-#include "world/model/feasibility.h"
 
 namespace muster::tools {
 namespace {

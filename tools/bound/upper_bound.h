@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "world/model/scenario.h"
+#include "model/scenario.h"
 
 namespace muster::tools {
 

@@ -5,14 +5,14 @@
 #include <string_view>
 #include <vector>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/check.h"
+#include "base/program.h"
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
 #include "tools/bound/bound_command.h"
 #include "tools/cli/command.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
-#include "tools/faults/faults_command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
 #include "tools/launch/run_command.h"
@@ -24,7 +24,7 @@
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
 #include "tools/top/top_command.h"
-#include "world/model/check.h"
+#include "tools/trials/faults_command.h"
 
 namespace muster::tools {
 namespace {

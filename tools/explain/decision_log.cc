@@ -6,13 +6,13 @@
 #include <tuple>
 #include <utility>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/process.h"
+#include "model/scenario_json.h"
+#include "protocol/process.h"
 #include "scheduler/process/fusion.h"
 #include "tools/log/mission_stream.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
 #include "scheduler/situation.h"
 #include "tools/log/log_source.h"
-#include "world/model/scenario.h"
 
 namespace muster::tools {
 

@@ -4,9 +4,9 @@
 
 #include <charconv>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/check.h"
+#include "base/program.h"
 #include "tools/explain/story.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -8,11 +8,11 @@
 #include <fstream>
 #include <set>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/check.h"
+#include "base/program.h"
 #include "tools/explain/redecide.h"
 #include "tools/explain/words.h"
-#include "tools/launch/build_info.h"
-#include "world/model/check.h"
+#include "tools/host/build_info.h"
 
 namespace muster::tools {
 namespace {

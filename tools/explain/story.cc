@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <functional>
 
-#include "lcmtypes/protocol/convert.h"
-#include "world/model/check.h"
-#include "world/model/feasibility.h"
+#include "base/check.h"
+#include "model/feasibility.h"
+#include "protocol/convert.h"
 
 namespace muster::tools {
 namespace {

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "lcmtypes/protocol/convert.h"
+#include "protocol/convert.h"
 #include "tools/explain/story.h"
 #include "tools/explain/words.h"
 

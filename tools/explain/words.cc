@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "world/model/agent.h"
+#include "model/agent.h"
 
 namespace muster::tools {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "world/model/action.h"
-#include "world/model/scenario.h"
-#include "world/model/units.h"
+#include "base/units.h"
+#include "model/action.h"
+#include "model/scenario.h"
 
 namespace muster::tools {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lcmtypes/protocol/sender.h"
+#include "protocol/sender.h"
 #include "tools/faults/fault_plan.h"
 
 namespace muster::tools {

@@ -12,8 +12,8 @@
 #include <set>
 #include <sstream>
 
-#include "world/model/agent.h"
-#include "world/model/check.h"
+#include "base/check.h"
+#include "model/agent.h"
 
 namespace muster::tools {
 namespace {

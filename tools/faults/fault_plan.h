@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/protocol/fault_switch.h"
-#include "world/model/scenario.h"
+#include "model/scenario.h"
+#include "protocol/fault_switch.h"
 
 namespace muster::tools {
 

@@ -1,8 +1,8 @@
 #include "tools/faults/foreign_packets.h"
 
+#include "base/random.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "world/model/random.h"
 
 namespace muster::tools {
 

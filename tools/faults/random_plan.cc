@@ -8,9 +8,9 @@
 #include <numeric>
 #include <set>
 
-#include "world/model/agent.h"
-#include "world/model/check.h"
-#include "world/model/random.h"
+#include "base/check.h"
+#include "base/random.h"
+#include "model/agent.h"
 
 namespace muster::tools {
 namespace {

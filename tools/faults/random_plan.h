@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "model/scenario.h"
 #include "tools/faults/fault_plan.h"
-#include "world/model/scenario.h"
 
 namespace muster::tools {
 

@@ -6,11 +6,11 @@
 #include <set>
 #include <tuple>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "tools/report/digest.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
+#include "model/agent.h"
+#include "tools/record/digest.h"
 
 namespace muster::tools {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "model/agent.h"
 #include "tools/faults/fault_plan.h"
-#include "tools/report/run_record.h"
-#include "world/model/agent.h"
+#include "tools/record/run_record.h"
 
 namespace muster::tools {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include <ostream>
 #include <sstream>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 

@@ -6,12 +6,13 @@
 #include <fstream>
 #include <string>
 
-#include "lcmtypes/protocol/program.h"
-#include "scheduler/certified/certified_policy.h"
+#include "base/check.h"
+#include "base/program.h"
+#include "scheduler/policies/certified/certified_policy.h"
+#include "scheduler/policies/registry.h"
 #include "tools/files/pending_file.h"
 #include "tools/graph/conflict_graph.h"
 #include "tools/graph/situations.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <filesystem>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
-#include "tools/log/log_files.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tools/files/log_files.h"
 
 namespace muster::tools {
 

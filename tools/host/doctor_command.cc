@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/program.h"
 #include "tools/host/host_checks.h"
 
 namespace muster::tools {

@@ -16,10 +16,10 @@
 #include <set>
 #include <string_view>
 
+#include "base/check.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
 #include "tools/host/network_namespace.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

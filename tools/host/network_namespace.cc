@@ -18,8 +18,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/check.h"
 #include "lcmtypes/bus/multicast.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -8,9 +8,9 @@
 #include <iterator>
 #include <map>
 
+#include "base/check.h"
+#include "base/json_tree.h"
 #include "lcmtypes/bus/multicast.h"
-#include "world/model/check.h"
-#include "world/model/json_tree.h"
 
 namespace muster::tools {
 namespace {

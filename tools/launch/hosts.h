@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/faults/fault_plan.h"
-#include "tools/launch/child.h"
+#include "tools/host/child.h"
 
 namespace muster::tools {
 

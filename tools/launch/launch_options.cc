@@ -6,14 +6,14 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
-#include "lcmtypes/protocol/program.h"
-#include "scheduler/policy.h"
+#include "model/agent.h"
+#include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tools/live/live_server.h"
 #include "tools/report/page.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

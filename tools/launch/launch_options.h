@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "model/scenario.h"
 #include "tools/faults/fault_plan.h"
 #include "tools/launch/hosts.h"
-#include "tools/launch/mission_options.h"
-#include "world/model/scenario.h"
+#include "tools/scenario/mission_options.h"
 
 namespace muster::tools {
 

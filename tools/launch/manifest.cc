@@ -5,10 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "tools/launch/build_info.h"
-#include "world/model/sha256.h"
+#include "tools/host/build_info.h"
 
 namespace muster::tools {
 namespace {

@@ -11,18 +11,18 @@
 #include <memory>
 #include <optional>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/fault_switch.h"
-#include "lcmtypes/protocol/run_process.h"
+#include "protocol/fault_switch.h"
+#include "protocol/run_process.h"
+#include "recorder/archive.h"
+#include "recorder/recorder.h"
 #include "tools/faults/fault_injector.h"
 #include "tools/faults/foreign_packets.h"
-#include "tools/launch/archive.h"
 #include "tools/launch/mission_view.h"
-#include "tools/launch/recorder.h"
 #include "tools/launch/stall_watch.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

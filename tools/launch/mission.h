@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "lcmtypes/bus/lossy_bus.h"
+#include "model/scenario.h"
 #include "tools/faults/fault_plan.h"
-#include "tools/launch/child.h"
+#include "tools/host/child.h"
+#include "tools/host/progress.h"
+#include "tools/host/stop_signals.h"
 #include "tools/launch/hosts.h"
-#include "tools/launch/progress.h"
-#include "tools/launch/stop_signals.h"
-#include "tools/report/run_record.h"
-#include "world/model/scenario.h"
+#include "tools/record/run_record.h"
 
 namespace muster::tools {
 

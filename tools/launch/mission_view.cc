@@ -1,9 +1,12 @@
 #include "tools/launch/mission_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 
@@ -36,6 +39,15 @@ void MissionView::Add(const Packet& packet) {
 ProcessState MissionView::StateOf(const std::string& name) const {
   const auto state = states_.find(name);
   return state == states_.end() ? ProcessState::kStarting : state->second;
+}
+
+std::string ProgressLine(const MissionView& mission, std::int64_t log_lag_ticks, TimeUs wall_us) {
+  if (!mission.started()) return "waiting for all processes";
+  return fmt::format(
+      "{} of {}  tick {}  tasks {}/{}  decisions {}  log lag {}  speed {:.0f}x",
+      ClockText(mission.tick_us()), ClockText(mission.limit_us()), mission.tick(), mission.done(),
+      mission.tasks(), mission.decisions(), log_lag_ticks,
+      static_cast<double>(mission.tick_us()) / static_cast<double>(std::max<TimeUs>(wall_us, 1)));
 }
 
 }  // namespace muster::tools

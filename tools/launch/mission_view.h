@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
+#include "base/units.h"
 #include "lcmtypes/bus/bus.h"
-#include "lcmtypes/protocol/process.h"
-#include "world/model/units.h"
+#include "protocol/process.h"
 
 namespace muster::tools {
 
@@ -39,5 +39,9 @@ class MissionView {
   bool end_announced_ = false;
   std::map<std::string, ProcessState> states_;
 };
+
+/// The mission in one line: time, tick, tasks, decisions, ticks that the log lags, speed.
+/// `wall_us`: how long the mission has been running.
+std::string ProgressLine(const MissionView& mission, std::int64_t log_lag_ticks, TimeUs wall_us);
 
 }  // namespace muster::tools

@@ -16,23 +16,23 @@
 #include <system_error>
 #include <vector>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "scheduler/policy.h"
+#include "model/agent.h"
+#include "model/scenario_json.h"
+#include "protocol/run_process.h"
+#include "scheduler/policies/registry.h"
+#include "tools/files/run_directory.h"
 #include "tools/host/network_namespace.h"
+#include "tools/host/progress.h"
+#include "tools/host/stop_signals.h"
 #include "tools/launch/launch_options.h"
 #include "tools/launch/manifest.h"
 #include "tools/launch/mission.h"
-#include "tools/launch/progress.h"
-#include "tools/launch/run_directory.h"
-#include "tools/launch/stop_signals.h"
 #include "tools/live/live_server.h"
-#include "tools/report/report_json.h"
-#include "tools/report/summary.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
+#include "tools/record/report_json.h"
+#include "tools/record/summary.h"
 
 namespace muster::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "lcmtypes/bus/bus.h"
-#include "world/model/units.h"
 
 namespace muster::tools {
 

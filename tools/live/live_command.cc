@@ -4,9 +4,9 @@
 
 #include <cstdio>
 
+#include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
-#include "lcmtypes/protocol/program.h"
-#include "tools/launch/stop_signals.h"
+#include "tools/host/stop_signals.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
 #include "tools/report/page.h"

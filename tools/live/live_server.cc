@@ -8,8 +8,8 @@
 #include <charconv>
 #include <chrono>
 
+#include "base/check.h"
 #include "tools/report/page.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "world/model/check.h"
+#include "protocol/run_process.h"
 
 namespace muster::tools {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "lcmtypes/bus/bus.h"
 #include "lcmtypes/bus/event_log.h"
 #include "tools/report/mission_feed.h"
-#include "world/model/units.h"
 
 namespace muster::tools {
 

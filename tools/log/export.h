@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "model/scenario.h"
 #include "tools/log/log_source.h"
-#include "world/model/scenario.h"
 
 namespace muster::tools {
 

@@ -3,10 +3,10 @@
 #include <map>
 #include <type_traits>
 
+#include "model/agent.h"
+#include "tools/files/new_folder.h"
 #include "tools/log/export.h"
 #include "tools/log/mission_stream.h"
-#include "tools/log/new_folder.h"
-#include "world/model/agent.h"
 
 namespace muster::tools {
 namespace {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/check.h"
+#include "model/agent.h"
+#include "tools/files/new_folder.h"
 #include "tools/log/export.h"
 #include "tools/log/mission_stream.h"
-#include "tools/log/new_folder.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -7,14 +7,14 @@
 #include <tuple>
 #include <utility>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
+#include "model/agent.h"
 #include "tools/files/pending_file.h"
 #include "tools/log/export.h"
 #include "tools/log/mcap_writer.h"
 #include "tools/log/message_json.h"
 #include "tools/log/mission_stream.h"
-#include "world/model/agent.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

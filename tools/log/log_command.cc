@@ -7,11 +7,11 @@
 #include <limits>
 #include <string_view>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/check.h"
+#include "base/program.h"
 #include "tools/log/export.h"
 #include "tools/log/log_edit.h"
 #include "tools/log/log_info.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

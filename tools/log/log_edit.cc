@@ -4,11 +4,11 @@
 #include <map>
 #include <tuple>
 
+#include "base/check.h"
+#include "base/interval_set.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/interval_set.h"
 #include "tools/files/pending_file.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lcmtypes/protocol/interval_set.h"
+#include "base/interval_set.h"
 #include "tools/log/log_source.h"
 
 namespace muster::tools {

@@ -1,7 +1,7 @@
 #include "tools/log/log_source.h"
 
 #include "lcmtypes/bus/codec.h"
-#include "tools/log/log_files.h"
+#include "tools/files/log_files.h"
 
 namespace muster::tools {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

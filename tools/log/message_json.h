@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "lcmtypes/protocol/inbox.h"
+#include "protocol/inbox.h"
 
 namespace muster::tools {
 

@@ -7,11 +7,11 @@
 #include <map>
 #include <utility>
 
+#include "base/check.h"
+#include "base/interval_set.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/interval_set.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
+#include "model/scenario_json.h"
 
 namespace muster::tools {
 

@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "lcmtypes/protocol/inbox.h"
+#include "model/scenario.h"
+#include "protocol/inbox.h"
 #include "tools/log/log_source.h"
-#include "world/model/scenario.h"
 
 namespace muster::tools {
 

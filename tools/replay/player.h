@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "tools/log/log_source.h"
-#include "world/model/units.h"
 
 namespace muster::tools {
 

@@ -6,17 +6,17 @@
 #include <cmath>
 #include <regex>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "tools/launch/progress.h"
-#include "tools/launch/stop_signals.h"
+#include "protocol/run_process.h"
+#include "tools/host/progress.h"
+#include "tools/host/stop_signals.h"
 #include "tools/log/log_source.h"
 #include "tools/replay/player.h"
 #include "tools/replay/terminal_keys.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "lcmtypes/protocol/inbox.h"
-#include "lcmtypes/protocol/interval_set.h"
-#include "tools/report/run_record.h"
+#include "base/interval_set.h"
+#include "protocol/inbox.h"
+#include "tools/record/run_record.h"
 #include "tools/report/timeline.h"
 
 namespace muster::tools {

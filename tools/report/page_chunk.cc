@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tools/report/report_json.h"
+#include "tools/record/report_json.h"
 
 namespace muster::tools {
 namespace {

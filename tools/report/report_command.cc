@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/event_log.h"
-#include "lcmtypes/protocol/program.h"
-#include "tools/log/log_files.h"
+#include "tools/files/log_files.h"
+#include "tools/record/report_json.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page.h"
 #include "tools/report/page_chunk.h"
-#include "tools/report/report_json.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

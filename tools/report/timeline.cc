@@ -4,7 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "lcmtypes/protocol/process.h"
+#include "protocol/process.h"
 
 namespace muster::tools {
 namespace {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "lcmtypes/protocol/inbox.h"
-#include "world/model/agent.h"
+#include "model/agent.h"
+#include "protocol/inbox.h"
 
 namespace muster::tools {
 

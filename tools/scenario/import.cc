@@ -8,10 +8,10 @@
 #include <cmath>
 #include <map>
 
+#include "base/check.h"
+#include "model/scenario_json.h"
 #include "tools/scenario/settings_options.h"
 #include "tools/scenario/window.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

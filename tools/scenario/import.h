@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/generator.h"
 #include "tools/scenario/table.h"
-#include "world/model/generator.h"
 
 namespace muster::tools {
 

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/check.h"
+#include "base/program.h"
 #include "tools/scenario/import.h"
 #include "tools/scenario/settings_options.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "lcmtypes/protocol/program.h"
+#include "base/program.h"
 #include "tools/scenario/settings_options.h"
 
 namespace muster::tools {

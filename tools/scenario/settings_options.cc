@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <cstring>
 
+#include "base/check.h"
+#include "model/scenario_json.h"
 #include "tools/files/pending_file.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "world/model/generator.h"
+#include "model/generator.h"
 
 namespace muster::tools {
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <sstream>
 
-#include "world/model/check.h"
-#include "world/model/json_tree.h"
+#include "base/check.h"
+#include "base/json_tree.h"
 
 namespace muster::tools {
 namespace {

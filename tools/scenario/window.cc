@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "world/model/geometry.h"
-#include "world/model/scenario.h"
+#include "base/geometry.h"
+#include "model/scenario.h"
 
 namespace muster::tools {
 

@@ -4,17 +4,17 @@
 
 #include <optional>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
-#include "lcmtypes/protocol/program.h"
-#include "tools/launch/mission_options.h"
-#include "tools/launch/run_directory.h"
-#include "tools/report/report_json.h"
-#include "tools/report/run_record.h"
-#include "tools/report/summary.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/check.h"
-#include "world/model/scenario_json.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tools/files/run_directory.h"
+#include "tools/record/report_json.h"
+#include "tools/record/run_record.h"
+#include "tools/record/summary.h"
+#include "tools/scenario/mission_options.h"
 
 namespace muster::tools {
 

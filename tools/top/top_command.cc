@@ -8,14 +8,14 @@
 #include <optional>
 #include <string_view>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
-#include "lcmtypes/protocol/program.h"
-#include "lcmtypes/protocol/run_process.h"
-#include "tools/launch/stop_signals.h"
+#include "protocol/run_process.h"
+#include "tools/host/stop_signals.h"
 #include "tools/live/packet_source.h"
 #include "tools/top/screen.h"
 #include "tools/top/top_view.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "lcmtypes/bus/codec.h"
-#include "tools/launch/progress.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-#include "scheduler/certified/certified_policy.h"
+#include "scheduler/policies/certified/certified_policy.h"
 #include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
 

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/policy.h"
+#include "base/check.h"
+#include "scheduler/policies/registry.h"
 #include "tests/temporary_folder.h"
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_tables.h"
 #include "tools/bench/worker_pool.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -4,15 +4,15 @@
 
 #include <algorithm>
 
+#include "base/random.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
 #include "scheduler/candidates.h"
-#include "scheduler/rollout/forward_model.h"
-#include "tests/tools/audited.h"
+#include "scheduler/policies/rollout/forward_model.h"
+#include "simulation/simulator.h"
+#include "tests/simulation/audited.h"
 #include "tools/bound/max_flow.h"
-#include "tools/report/run_record.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/generator.h"
-#include "world/model/random.h"
-#include "world/model/scenario_json.h"
+#include "tools/record/run_record.h"
 
 namespace muster::tools {
 namespace {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "lcmtypes/bus/event_log.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
 #include "tests/temporary_folder.h"
 #include "tools/explain/decision_log.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 

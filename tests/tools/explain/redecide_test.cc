@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/check.h"
+#include "base/random.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "scheduler/policy.h"
+#include "model/generator.h"
+#include "scheduler/policies/registry.h"
 #include "tests/tools/explain/mission_log.h"
-#include "world/model/check.h"
-#include "world/model/generator.h"
-#include "world/model/random.h"
 
 namespace muster::tools {
 namespace {

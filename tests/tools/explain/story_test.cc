@@ -8,15 +8,15 @@
 #include <filesystem>
 #include <map>
 
+#include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/protocol/program.h"
+#include "model/generator.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/explain/mission_log.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
-#include "world/model/check.h"
-#include "world/model/generator.h"
 
 namespace muster::tools {
 namespace {

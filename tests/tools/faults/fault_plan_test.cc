@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

@@ -12,13 +12,13 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
-#include "tools/launch/child.h"
-#include "tools/report/digest.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
+#include "tools/host/child.h"
+#include "tools/record/digest.h"
 
 namespace muster::tools {
 namespace {

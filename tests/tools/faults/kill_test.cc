@@ -10,15 +10,15 @@
 #include <optional>
 #include <string>
 
+#include "base/random.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
-#include "world/model/generator.h"
-#include "world/model/random.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

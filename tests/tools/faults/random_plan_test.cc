@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "world/model/generator.h"
+#include "model/generator.h"
 
 namespace muster::tools {
 namespace {

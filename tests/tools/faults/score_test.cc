@@ -5,10 +5,10 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "tools/report/digest.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tools/record/digest.h"
 
 namespace muster::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/check.h"
 #include "tests/temporary_folder.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

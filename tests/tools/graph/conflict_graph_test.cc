@@ -1,5 +1,5 @@
 #include "tools/graph/conflict_graph.h"
-#include "tests/tools/audited.h"
+#include "tests/simulation/audited.h"
 
 #include <gtest/gtest.h>
 
@@ -9,16 +9,16 @@
 #include <sstream>
 #include <string>
 
+#include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "scheduler/certified/certified_policy.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "scheduler/policies/certified/certified_policy.h"
+#include "simulation/simulator.h"
 #include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
 #include "tools/graph/situations.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/check.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

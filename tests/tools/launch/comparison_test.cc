@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "model/generator.h"
+#include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "base/check.h"
 #include "tests/tools/launch/process_test_util.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

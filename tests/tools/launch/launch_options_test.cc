@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "world/model/check.h"
+#include "base/check.h"
 
 namespace muster::tools {
 namespace {

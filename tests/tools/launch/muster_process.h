@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/tools/launch/process_test_util.h"
-#include "tools/launch/child.h"
+#include "tools/host/child.h"
 
 namespace muster::tools {
 

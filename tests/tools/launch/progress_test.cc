@@ -1,4 +1,4 @@
-#include "tools/launch/progress.h"
+#include "tools/host/progress.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "tools/launch/mission_view.h"
 
 namespace muster::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/launch/run_directory.h"
+#include "tools/files/run_directory.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/check.h"
 #include "tests/temporary_folder.h"
 #include "tools/launch/manifest.h"
-#include "world/model/check.h"
 
 namespace muster::tools {
 namespace {

@@ -18,13 +18,13 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "recorder/log_follower.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
-#include "tools/launch/child.h"
-#include "tools/launch/log_follower.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
+#include "tools/host/child.h"
 
 namespace muster::tools {
 namespace {

@@ -9,15 +9,15 @@
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/fake_mission.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
 #include "tests/tools/replay/terminal.h"
 #include "tools/explain/redecide.h"
-#include "tools/simulate/simulator.h"
-#include "world/model/generator.h"
-#include "world/model/scenario_json.h"
 
 namespace muster::tools {
 namespace {

@@ -1,0 +1,310 @@
+#include "model/agent.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "base/check.h"
+#include "base/random.h"
+#include "model/feasibility.h"
+
+namespace muster {
+namespace {
+
+/// Range may fall this far below zero by rounding on a plan that uses the last metre.
+constexpr double kRangeSlack_m = 1e-6;
+
+ActionKind ActionOf(Activity::Kind kind) {
+  return kind == Activity::Kind::kSensing ? ActionKind::kSense : ActionKind::kCharge;
+}
+
+double RangeOnArrival(const AgentState& uav) {
+  const double spent = uav.range_per_m * Distance(uav.from, uav.to);
+  return std::max(0.0, uav.range_at_departure_m - spent);
+}
+
+/// The agent stands where it is at `t`, free, from then on.
+void StopAt(AgentState* agent, TimeUs t, std::span<const Task> tasks) {
+  const Point here = PositionAt(*agent, t);
+  const double range = RangeAt(*agent, t, tasks);
+  agent->from = agent->to = here;
+  agent->depart_us = agent->arrive_us = agent->busy_until_us = t;
+  agent->range_at_departure_m = range;
+  agent->range_per_m = 1;
+  agent->action = ActionKind::kNone;
+  agent->target = agent->partner = -1;
+  agent->activity.reset();
+}
+
+/// Whether the agent takes part in an activity that lists it, and not in an earlier one like it.
+bool Takes(const AgentState& agent, const Activity& activity) {
+  if (activity.start_us < agent.depart_us) return false;
+  if (agent.action == ActionKind::kNone) {
+    // A meeting (Rules::start_on_meeting) begins without a command.
+    return activity.end_us > agent.busy_until_us;
+  }
+  const std::int32_t other = agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+  return agent.action == ActionOf(activity.kind) && other == agent.partner &&
+         activity.site == agent.target;
+}
+
+}  // namespace
+
+std::string_view ToString(AgentKind kind) {
+  switch (kind) {
+    case AgentKind::kUav:
+      return "uav";
+    case AgentKind::kWorker:
+      return "worker";
+    case AgentKind::kVehicle:
+      return "vehicle";
+  }
+  MUSTER_CHECK(false, "kind={}", static_cast<int>(kind));
+  return {};
+}
+
+std::string_view ToString(AgentStatus status) {
+  switch (status) {
+    case AgentStatus::kOffline:
+      return "offline";
+    case AgentStatus::kIdle:
+      return "idle";
+    case AgentStatus::kMoving:
+      return "moving";
+    case AgentStatus::kWaiting:
+      return "waiting";
+    case AgentStatus::kSensing:
+      return "sensing";
+    case AgentStatus::kCharging:
+      return "charging";
+    case AgentStatus::kFailed:
+      return "failed";
+  }
+  MUSTER_CHECK(false, "status={}", static_cast<int>(status));
+  return {};
+}
+
+AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec) {
+  AgentState agent;
+  agent.kind = kind;
+  agent.id = id;
+  agent.speed_m_s = spec.speed_m_s;
+  agent.range_full_m = spec.range_full_m;
+  agent.charge_rate_m_s = spec.charge_rate_m_s;
+  agent.online_from_us = spec.online_from_us;
+  agent.online_until_us = spec.online_until_us;
+  agent.from = agent.to = spec.at;
+  agent.range_at_departure_m = spec.range_m;
+  return agent;
+}
+
+Point PositionAt(const AgentState& agent, TimeUs t) {
+  if (t >= agent.arrive_us) return agent.to;
+  if (t <= agent.depart_us) return agent.from;
+  const double fraction = static_cast<double>(t - agent.depart_us) /
+                          static_cast<double>(agent.arrive_us - agent.depart_us);
+  return Lerp(agent.from, agent.to, fraction);
+}
+
+double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
+  if (agent.kind != AgentKind::kUav) return 0;
+  if (t < agent.arrive_us) {
+    const double spent = agent.range_per_m * Distance(agent.from, PositionAt(agent, t));
+    return std::max(0.0, agent.range_at_departure_m - spent);
+  }
+  const double on_arrival = RangeOnArrival(agent);
+  if (!agent.activity || t <= agent.activity->start_us) return on_arrival;
+  const Activity& activity = *agent.activity;
+  const double fraction = t >= activity.end_us
+                              ? 1.0
+                              : static_cast<double>(t - activity.start_us) /
+                                    static_cast<double>(activity.end_us - activity.start_us);
+  if (activity.kind == Activity::Kind::kSensing) {
+    const double cost = tasks[static_cast<std::size_t>(activity.site)].cost_m;
+    return std::max(0.0, on_arrival - cost * fraction);
+  }
+  return fraction == 1.0 ? agent.range_full_m
+                         : on_arrival + (agent.range_full_m - on_arrival) * fraction;
+}
+
+AgentStatus StatusAt(const AgentState& agent, TimeUs t) {
+  if (agent.failed) return AgentStatus::kFailed;
+  if (agent.busy_until_us <= t) {
+    return agent.online(t) ? AgentStatus::kIdle : AgentStatus::kOffline;
+  }
+  if (t < agent.arrive_us) return AgentStatus::kMoving;
+  if (!agent.activity || t < agent.activity->start_us) return AgentStatus::kWaiting;
+  return agent.activity->kind == Activity::Kind::kSensing ? AgentStatus::kSensing
+                                                          : AgentStatus::kCharging;
+}
+
+std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
+  const double way = uav.range_per_m * Distance(uav.from, uav.to);
+  if (uav.kind != AgentKind::kUav || way <= uav.range_at_departure_m + kRangeSlack_m) return {};
+  const double fraction = uav.range_at_departure_m / way;
+  const auto duration = static_cast<double>(uav.arrive_us - uav.depart_us);
+  return uav.depart_us + static_cast<TimeUs>(std::floor(duration * fraction));
+}
+
+std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
+                                std::span<const Task> tasks) {
+  MUSTER_CHECK(sensing.kind == Activity::Kind::kSensing, "uav:{}", uav.id);
+  const double cost = tasks[static_cast<std::size_t>(sensing.site)].cost_m;
+  const double on_arrival = RangeOnArrival(uav);
+  if (sensing.start_us == kNever || cost <= on_arrival + kRangeSlack_m) return {};
+  const auto duration = static_cast<double>(sensing.end_us - sensing.start_us);
+  return sensing.start_us + static_cast<TimeUs>(std::floor(duration * (on_arrival / cost)));
+}
+
+Activity PlanActivity(const AgentState& uav, const AgentState& partner,
+                      std::span<const Task> tasks) {
+  MUSTER_CHECK(uav.kind == AgentKind::kUav && IsPair(uav.action), "uav:{}", uav.id);
+  Activity activity;
+  activity.uav = UavId(uav.id);
+  activity.partner = partner.id;
+  activity.site = uav.target;
+  activity.start_us = std::max(uav.arrive_us, partner.arrive_us);
+  TimeUs duration = 0;
+  if (uav.action == ActionKind::kSense) {
+    activity.kind = Activity::Kind::kSensing;
+    duration = SensingUs(tasks[static_cast<std::size_t>(uav.target)].cost_m, uav.speed_m_s);
+  } else {
+    activity.kind = Activity::Kind::kCharging;
+    duration = ChargingUs(uav.range_full_m, RangeOnArrival(uav), partner.charge_rate_m_s);
+  }
+  activity.end_us = activity.start_us + duration;
+  return activity;
+}
+
+Verdict::Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings)
+    : activities_(std::move(activities)), rulings_(std::move(rulings)) {
+  std::sort(activities_.begin(), activities_.end(), [](const Activity& a, const Activity& b) {
+    return std::tie(a.uav, a.start_us, a.kind) < std::tie(b.uav, b.start_us, b.kind);
+  });
+  std::sort(rulings_.begin(), rulings_.end(), [](const Ruling& a, const Ruling& b) {
+    return std::tie(a.agent_kind, a.agent, a.kind) < std::tie(b.agent_kind, b.agent, b.kind);
+  });
+  for (const AgentKind kind : kAgentKinds) {
+    auto& order = orders_[static_cast<std::size_t>(kind)];
+    for (std::uint32_t i = 0; i < activities_.size(); ++i) {
+      if (Member(activities_[i], kind) >= 0) order.push_back(i);
+    }
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(Member(activities_[a], kind), activities_[a].start_us) <
+             std::pair(Member(activities_[b], kind), activities_[b].start_us);
+    });
+  }
+}
+
+std::int32_t Verdict::Member(const Activity& activity, AgentKind kind) {
+  if (kind == AgentKind::kUav) return activity.uav.value;
+  return kind == PartnerKind(activity.kind) ? activity.partner : -1;
+}
+
+std::size_t Verdict::LowerBound(AgentKind kind, std::int32_t id) const {
+  const auto& order = orders_[static_cast<std::size_t>(kind)];
+  const auto first = std::lower_bound(
+      order.begin(), order.end(), id,
+      [&](std::uint32_t i, std::int32_t value) { return Member(activities_[i], kind) < value; });
+  return static_cast<std::size_t>(first - order.begin());
+}
+
+std::span<const Ruling> Verdict::rulings_of(AgentKind kind, std::int32_t id) const {
+  const auto [first, last] =
+      std::equal_range(rulings_.begin(), rulings_.end(), Ruling{kind, id, Ruling::Kind::kFailed, 0},
+                       [](const Ruling& a, const Ruling& b) {
+                         return std::tie(a.agent_kind, a.agent) < std::tie(b.agent_kind, b.agent);
+                       });
+  return {first, last};
+}
+
+void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks) {
+  const auto rulings = verdict.rulings_of(agent->kind, agent->id);
+  const auto is_failure = [](const Ruling& r) { return r.kind == Ruling::Kind::kFailed; };
+  // The activity that its failure aborted is listed once more.
+  if (agent->failed && std::any_of(rulings.begin(), rulings.end(), is_failure)) return;
+  verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
+    // What ended before a meeting began is over, though the agent may learn of both at once.
+    // Its own activity may be of no length: a full UAV's charging.
+    if (agent->action != ActionKind::kNone && agent->busy_until_us <= activity.start_us &&
+        agent->busy_until_us < activity.end_us && activity.start_us <= t) {
+      StopAt(agent, agent->busy_until_us, tasks);
+    }
+    if (!Takes(*agent, activity)) return;
+    agent->activity = activity;
+    agent->action = ActionOf(activity.kind);
+    agent->target = activity.site;
+    agent->partner = agent->kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+    agent->busy_until_us = activity.end_us;
+  });
+  bool failed = false;
+  for (const Ruling& ruling : rulings) {
+    if (is_failure(ruling)) {
+      failed = true;
+      if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
+    } else if (agent->action != ActionKind::kNone && ruling.at_us >= agent->depart_us) {
+      StopAt(agent, ruling.at_us, tasks);
+    }
+  }
+  agent->failed = failed;
+  if (agent->action != ActionKind::kNone && agent->busy_until_us <= t) {
+    StopAt(agent, agent->busy_until_us, tasks);
+  }
+}
+
+double RangePerMetre(UavId uav, std::int32_t decision, const Disturbances& disturbances,
+                     std::uint64_t seed) {
+  if (!disturbances.wind.on()) return 1;
+  Random random(seed, Stream::kWind, uav.index(), static_cast<std::uint32_t>(decision));
+  return 1 + random.Uniform(disturbances.wind.low, disturbances.wind.high);
+}
+
+void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeUs now,
+           const Disturbances& disturbances, std::uint64_t seed) {
+  MUSTER_CHECK(agent->idle(now), "{}:{} at {}", ToString(agent->kind), agent->id, now);
+  agent->decision = decision;
+  if (IsStay(action.kind)) return;
+  agent->from = agent->to;
+  agent->to = action.to;
+  agent->depart_us = now;
+  agent->arrive_us = now + TravelUs(Distance(agent->from, agent->to), agent->speed_m_s);
+  agent->action = action.kind;
+  agent->activity.reset();
+  agent->busy_until_us = IsPair(action.kind) ? kNever : agent->arrive_us;
+  agent->target = action.task.valid() ? action.task.value : action.charge.value;
+  if (IsPair(action.kind)) {
+    agent->partner = agent->kind != AgentKind::kUav      ? action.uav.value
+                     : action.kind == ActionKind::kSense ? action.worker.value
+                                                         : action.vehicle.value;
+  }
+  if (agent->kind != AgentKind::kUav) return;
+  agent->range_per_m = RangePerMetre(UavId(agent->id), decision, disturbances, seed);
+  if (disturbances.communication_m.on()) {
+    Random random(seed, Stream::kCommunication, static_cast<std::uint64_t>(agent->id),
+                  static_cast<std::uint32_t>(decision));
+    agent->range_at_departure_m = std::max(
+        0.0, agent->range_at_departure_m - random.Uniform(disturbances.communication_m.low,
+                                                          disturbances.communication_m.high));
+  }
+}
+
+bool MatchFails(const Action& action, std::int32_t decision, const Disturbances& disturbances,
+                std::uint64_t seed) {
+  if (!disturbances.match_failure.on()) return false;
+  const double p = Random(seed, Stream::kMatchFailure)
+                       .Uniform(disturbances.match_failure.low, disturbances.match_failure.high);
+  return Random(seed, Stream::kMatchFailure, action.uav.index() + 1,
+                static_cast<std::uint32_t>(decision))
+             .Uniform() < p;
+}
+
+bool SuddenlyFails(AgentKind kind, std::int32_t id, std::int32_t decision,
+                   const Disturbances& disturbances, std::uint64_t seed) {
+  if (!disturbances.agent_failure.on()) return false;
+  const auto entity = static_cast<std::uint64_t>(kind) << 32 | static_cast<std::uint64_t>(id);
+  const double p = Random(seed, Stream::kAgentFailure, entity)
+                       .Uniform(disturbances.agent_failure.low, disturbances.agent_failure.high);
+  return Random(seed, Stream::kAgentFailure, entity, static_cast<std::uint32_t>(decision) + 1)
+             .Uniform() < p;
+}
+
+}  // namespace muster

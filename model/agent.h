@@ -1,0 +1,177 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/action.h"
+#include "model/scenario.h"
+
+namespace muster {
+
+/// The numbers are the wire's.
+enum class AgentStatus : std::int8_t {
+  kOffline = 0,
+  kIdle = 1,
+  kMoving = 2,
+  kWaiting = 3,
+  kSensing = 4,
+  kCharging = 5,
+  kFailed = 6,
+};
+
+enum class TaskStatus : std::int8_t { kOpen = 0, kReserved = 1, kSensing = 2, kDone = 3 };
+
+std::string_view ToString(AgentKind kind);  ///< "uav", "worker", "vehicle"
+std::string_view ToString(AgentStatus status);
+
+/// A pair's sensing or charging, exact and known from the moment that both legs are.
+struct Activity {
+  enum class Kind : std::int8_t { kSensing = 0, kCharging = 1 };
+  Kind kind = Kind::kSensing;
+  UavId uav;
+  std::int32_t partner = -1;  ///< worker or vehicle
+  std::int32_t site = -1;     ///< task or charging point
+  TimeUs start_us = 0;        ///< the later arrival
+  TimeUs end_us = 0;
+
+  bool operator==(const Activity&) const = default;
+};
+
+inline AgentKind PartnerKind(Activity::Kind kind) {
+  return kind == Activity::Kind::kSensing ? AgentKind::kWorker : AgentKind::kVehicle;
+}
+
+/// The world's word on one agent, which that agent cannot know by itself.
+struct Ruling {
+  enum class Kind : std::int8_t {
+    kFailed = 0,    ///< failed at at_us; holds as long as the ruling is listed
+    kReleased = 1,  ///< its action ended at at_us without effect
+  };
+  AgentKind agent_kind = AgentKind::kUav;
+  std::int32_t agent = -1;
+  Kind kind = Kind::kFailed;
+  TimeUs at_us = 0;
+
+  bool operator==(const Ruling&) const = default;
+};
+
+/// An agent as a function of time: one leg of straight travel from `from` (left at depart_us) to
+/// `to` (reached at arrive_us), then, for a pair action, an activity at `to`. All fields are exact;
+/// where the agent is at a time follows from them and never from a tick's length.
+struct AgentState {
+  AgentKind kind = AgentKind::kUav;
+  std::int32_t id = -1;
+  double speed_m_s = 0;
+  double range_full_m = 0;
+  double charge_rate_m_s = 0;
+  TimeUs online_from_us = 0;
+  TimeUs online_until_us = 0;
+
+  Point from, to;
+  TimeUs depart_us = 0;
+  TimeUs arrive_us = 0;
+  double range_at_departure_m = 0;
+  double range_per_m = 1;  ///< range spent per metre of this leg: 1, more in wind
+
+  ActionKind action = ActionKind::kNone;  ///< under way; kNone when free
+  std::int32_t target = -1;               ///< task or charging point of the action
+  std::int32_t partner = -1;
+  std::int32_t decision = -1;        ///< that commanded the last action
+  TimeUs busy_until_us = 0;          ///< kNever while a pair's activity is not known yet
+  std::optional<Activity> activity;  ///< of the action under way, once known
+  bool failed = false;
+
+  bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
+  /// May be scheduled at t: online, not failed, nothing under way.
+  bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
+};
+
+/// A fresh agent at mission start.
+AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec);
+
+/// Where the agent is at t (t >= depart_us).
+Point PositionAt(const AgentState& agent, TimeUs t);
+
+/// Range left at t, metres; 0 for workers and vehicles. Falls linearly on the way and while sensing
+/// (by the task's cost over the whole activity), rises linearly to full while charging. Never below
+/// 0. `tasks` gives the sensing cost.
+double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
+
+AgentStatus StatusAt(const AgentState& agent, TimeUs t);
+
+/// Time at which the UAV's range reaches 0 on its way; none when it arrives with range left or more
+/// than -1e-6 m (a plan may use the last metre).
+std::optional<TimeUs> RunsDryAt(const AgentState& uav);
+
+/// Time at which the UAV's range reaches 0 while it senses, as wind on its way can make it; none
+/// when it suffices (to -1e-6 m). The UAV is on the leg that led it there.
+std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
+                                std::span<const Task> tasks);
+
+/// Sensing or charging of a pair whose legs are both known (DESIGN: arrival and end times are
+/// exact). Source: constraints (2) and (4); it starts at the later arrival.
+Activity PlanActivity(const AgentState& uav, const AgentState& partner,
+                      std::span<const Task> tasks);
+
+/// What the world has told about one tick, indexed by agent.
+class Verdict {
+ public:
+  Verdict() = default;
+  Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings);
+
+  /// In order of (UAV, start).
+  const std::vector<Activity>& activities() const { return activities_; }
+  /// In order of (agent kind, agent, kind).
+  const std::vector<Ruling>& rulings() const { return rulings_; }
+  /// Those of one agent; O(log n).
+  std::span<const Ruling> rulings_of(AgentKind kind, std::int32_t id) const;
+  /// Calls visit(activity) for those of one agent; O(log n).
+  template <class Visit>
+  void ForEachActivityOf(AgentKind kind, std::int32_t id, Visit visit) const {
+    const auto& order = orders_[static_cast<std::size_t>(kind)];
+    for (auto i = LowerBound(kind, id); i < order.size(); ++i) {
+      const Activity& activity = activities_[order[i]];
+      if (Member(activity, kind) != id) break;
+      visit(activity);
+    }
+  }
+
+ private:
+  /// The id of the agent of that kind in the activity, or -1.
+  static std::int32_t Member(const Activity& activity, AgentKind kind);
+  std::size_t LowerBound(AgentKind kind, std::int32_t id) const;
+
+  std::vector<Activity> activities_;
+  std::vector<Ruling> rulings_;
+  std::array<std::vector<std::uint32_t>, 3> orders_;  ///< by kind: activities by (member, start)
+};
+
+/// Brings an agent to the truth of one verdict, which holds at `t`: takes over its activity,
+/// applies rulings, ends what has ended by `t` (the agent stands at its target with the range that
+/// is left). Every process that holds agent states uses this one function: agents, world and
+/// scheduler agree by construction.
+void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks);
+
+/// Starts `action` at `now` for one of its participants, which must be idle and settled. Draws the
+/// way's wind and the communication cost as functions of (seed, UAV, decision).
+void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeUs now,
+           const Disturbances& disturbances, std::uint64_t seed);
+
+/// Range that a UAV spends per metre on the way of the action that `decision` commands: 1, or
+/// 1 + a draw in wind.
+double RangePerMetre(UavId uav, std::int32_t decision, const Disturbances& disturbances,
+                     std::uint64_t seed);
+
+/// Whether the pair of `action` fails to match in this decision (paper 5.3.4, "packet loss").
+bool MatchFails(const Action& action, std::int32_t decision, const Disturbances& disturbances,
+                std::uint64_t seed);
+
+/// Whether the agent, online at this decision, fails for good at it (paper 5.3.4).
+bool SuddenlyFails(AgentKind kind, std::int32_t id, std::int32_t decision,
+                   const Disturbances& disturbances, std::uint64_t seed);
+
+}  // namespace muster

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/geometry.h"
+#include "base/ids.h"
+#include "base/units.h"
+
+namespace muster {
+
+/// An agent class. The numbers are the wire's.
+enum class AgentKind : std::int8_t { kUav = 0, kWorker = 1, kVehicle = 2 };
+inline constexpr AgentKind kAgentKinds[] = {AgentKind::kUav, AgentKind::kWorker,
+                                            AgentKind::kVehicle};
+
+/// What the scenario says of one agent. Online in [online_from_us, online_until_us).
+/// range_* only for UAVs (distance in metres, as in the paper), charge_rate_m_s only for vehicles
+/// (metres of range given per second).
+struct AgentSpec {
+  Point at;
+  double speed_m_s = 0;
+  double range_full_m = 0;
+  double range_m = 0;
+  double charge_rate_m_s = 0;
+  TimeUs online_from_us = 0;
+  TimeUs online_until_us = 0;
+};
+
+struct Task {
+  Point at;
+  double cost_m = 0;  ///< range that sensing takes (T_costPow)
+};
+
+struct ChargingPoint {
+  Point at;
+  std::optional<int> capacity = 1;  ///< UAVs at a time; none: unlimited
+};
+
+/// strict: an action is offered only if it can end before every participant's downtime and before
+/// the limit. overrun: it may end later.
+enum class Availability { kStrict, kOverrun };
+
+/// Rules of one mission that are not places or agents.
+struct Rules {
+  TimeUs interval_us = 10 * kMinuteUs;
+  TimeUs limit_us = 180 * kMinuteUs;
+  TimeUs tick_us = 30 * kSecondUs;  ///< divides interval_us
+  Availability availability = Availability::kStrict;
+  /// Eq. 4-5 to 4-19 count decision intervals (false) or minutes (true, to compare).
+  bool ceil_to_minutes = false;
+  /// Eq. 4-5 and 4-7 divide by all idle UAVs, as printed (true), or by the feasible ones (false).
+  bool mean_over_all = false;
+  /// Same cell, both idle: sensing and charging start without a pair action (for policies that move
+  /// by cells).
+  bool start_on_meeting = false;
+
+  /// Ticks are 0 to last_tick(), whose time is the limit.
+  std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
+  TimeUs TimeOf(std::int64_t tick) const { return tick < last_tick() ? tick * tick_us : limit_us; }
+  /// The decision of that tick; -1: none.
+  std::int32_t DecisionAt(std::int64_t tick) const {
+    const TimeUs t = TimeOf(tick);
+    return t >= limit_us || t % interval_us != 0 ? -1 : static_cast<std::int32_t>(t / interval_us);
+  }
+
+  bool operator==(const Rules&) const = default;
+};
+
+/// Disturbances of the paper's section 5.3.4. Off when the interval's upper end is 0.
+struct Disturbances {
+  struct Interval {
+    double low = 0;
+    double high = 0;
+    bool on() const { return high > 0; }
+    bool operator==(const Interval&) const = default;
+  };
+  Interval wind;             ///< extra range per metre on a UAV's way, drawn per action
+  Interval communication_m;  ///< range that an action costs a UAV at its start, drawn per action
+  Interval agent_failure;    ///< probability at each decision while online, drawn once per agent
+  Interval match_failure;    ///< probability that a pair's match fails, drawn once per mission
+
+  bool operator==(const Disturbances&) const = default;
+};
+
+struct Origin {
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+};
+
+/// A mission: who, where, when. Ids are indices. SI units; see scenario_json.h for the file.
+struct Scenario {
+  std::string name;
+  std::uint64_t seed = 0;
+  double width_m = 0;            ///< extent of the area to the east
+  double height_m = 0;           ///< extent of the area to the north
+  std::optional<Origin> origin;  ///< WGS84 of the south-west corner
+  Rules rules;
+  Disturbances disturbances;
+  std::vector<AgentSpec> uavs, workers, vehicles;
+  std::vector<Task> tasks;
+  std::vector<ChargingPoint> charging_points;
+
+  const std::vector<AgentSpec>& agents(AgentKind kind) const {
+    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+  }
+  /// Number of decisions: at n * interval < limit.
+  int decisions() const {
+    return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);
+  }
+};
+
+}  // namespace muster

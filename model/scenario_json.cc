@@ -1,0 +1,412 @@
+#include "model/scenario_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <unordered_set>
+
+#include "base/check.h"
+#include "base/json_tree.h"
+#include "model/scenario_units.h"
+
+namespace muster {
+namespace {
+
+// Reading.
+
+/// One object of the file, with its key path for messages.
+class ObjectReader {
+ public:
+  ObjectReader(const JsonValue& value, std::string path, std::string_view file)
+      : value_(value), path_(std::move(path)), file_(file) {
+    if (value.type != JsonValue::Type::kObject) Fail("", value.Shown(), "an object");
+  }
+
+  /// Throws unless every key is one of `keys`.
+  void AllowOnly(std::initializer_list<std::string_view> keys) const {
+    for (const auto& [name, value] : value_.members) {
+      if (std::find(keys.begin(), keys.end(), name) == keys.end()) {
+        // Not as a key path: the name may hold anything.
+        JsonValue shown;
+        shown.type = JsonValue::Type::kString;
+        shown.text = name;
+        Fail("", "the unknown key " + shown.Shown(), fmt::format("only {}", fmt::join(keys, ", ")));
+      }
+    }
+  }
+
+  const JsonValue* Optional(std::string_view key) const { return value_.Find(key); }
+
+  const JsonValue& Required(std::string_view key, std::string_view expected) const {
+    const JsonValue* value = Optional(key);
+    if (value == nullptr) Fail(key, "no such key", expected);
+    return *value;
+  }
+
+  double Number(std::string_view key, Unit unit) const {
+    return ReadNumber(key, Required(key, "a number"), unit);
+  }
+
+  double ReadNumber(std::string_view key, const JsonValue& value, Unit unit) const {
+    if (value.type != JsonValue::Type::kNumber) Fail(key, value.Shown(), "a number");
+    return FromText(value.text, unit);
+  }
+
+  TimeUs Time(std::string_view key, long double unit_us) const {
+    const JsonValue& value = Required(key, "a number");
+    const double amount = ReadNumber(key, value, kOne);
+    const double most = kMaxMinutes * static_cast<double>(kMinute / unit_us);
+    if (amount < 0 || amount > most) {
+      Fail(key, value.Shown(), fmt::format("a number in [0, {}]", most));
+    }
+    return TimeFromText(value.text, unit_us);
+  }
+
+  std::int64_t Integer(std::string_view key, const JsonValue& value, std::int64_t low,
+                       std::int64_t high) const {
+    const double number =
+        value.type == JsonValue::Type::kNumber ? FromText(value.text, kOne) : std::nan("");
+    const bool is_integer = number == std::floor(number) && std::abs(number) <= 0x1p53;
+    if (!is_integer || number < static_cast<double>(low) || number > static_cast<double>(high)) {
+      Fail(key, value.Shown(), fmt::format("an integer in [{}, {}]", low, high));
+    }
+    return static_cast<std::int64_t>(number);
+  }
+
+  bool Boolean(std::string_view key, bool otherwise) const {
+    const JsonValue* value = Optional(key);
+    if (value == nullptr) return otherwise;
+    if (value->type != JsonValue::Type::kBoolean) Fail(key, value->Shown(), "true or false");
+    return value->boolean;
+  }
+
+  std::string String(std::string_view key) const {
+    const JsonValue& value = Required(key, "a string");
+    if (value.type != JsonValue::Type::kString) Fail(key, value.Shown(), "a string");
+    return value.text;
+  }
+
+  const std::vector<JsonValue>& Array(std::string_view key) const {
+    const JsonValue& value = Required(key, "an array");
+    if (value.type != JsonValue::Type::kArray) Fail(key, value.Shown(), "an array");
+    return value.items;
+  }
+
+  ObjectReader Child(std::string_view key) const {
+    return ObjectReader(Required(key, "an object"), PathOf(key), file_);
+  }
+  ObjectReader Element(std::string_view list, const JsonValue& item, std::size_t index) const {
+    return ObjectReader(item, fmt::format("{}[{}]", list, index), file_);
+  }
+
+  [[noreturn]] void Fail(std::string_view key, std::string_view found,
+                         std::string_view expected) const {
+    const std::string path = PathOf(key);
+    throw InputError(file_, path.empty() ? "top level" : path, found, expected);
+  }
+
+ private:
+  std::string PathOf(std::string_view key) const {
+    if (key.empty()) return path_;
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+  }
+
+  const JsonValue& value_;
+  std::string path_;
+  std::string_view file_;
+};
+
+Point ReadPoint(const ObjectReader& object) {
+  return {object.Number("x_km", kKm), object.Number("y_km", kKm)};
+}
+
+/// Checks that the ids of a list are 0, 1, 2, ...
+class IdCounter {
+ public:
+  void Take(const ObjectReader& object) {
+    const std::int64_t id = object.Integer("id", object.Required("id", "an integer"), 0, INT32_MAX);
+    const bool is_new = seen_.insert(id).second;
+    if (id != next_) {
+      object.Fail("id", fmt::format("{}{}", id, is_new ? "" : " again"),
+                  fmt::format("{} (ids count from 0 in the order of the list)", next_));
+    }
+    ++next_;
+  }
+
+ private:
+  std::int64_t next_ = 0;
+  std::unordered_set<std::int64_t> seen_;  // only asked for membership
+};
+
+std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list, AgentKind kind) {
+  const std::vector<JsonValue>& items = top.Array(list);
+  std::vector<AgentSpec> agents;
+  agents.reserve(items.size());
+  IdCounter ids;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const ObjectReader object = top.Element(list, items[i], i);
+    if (kind == AgentKind::kUav) {
+      object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "full_range_km", "range_km",
+                        "online_from_min", "online_until_min"});
+    } else if (kind == AgentKind::kWorker) {
+      object.AllowOnly(
+          {"id", "x_km", "y_km", "speed_km_per_min", "online_from_min", "online_until_min"});
+    } else {
+      object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "charge_km_per_min",
+                        "online_from_min", "online_until_min"});
+    }
+    ids.Take(object);
+    AgentSpec agent;
+    agent.at = ReadPoint(object);
+    agent.speed_m_s = object.Number("speed_km_per_min", kKmPerMin);
+    if (kind == AgentKind::kUav) {
+      agent.range_full_m = object.Number("full_range_km", kKm);
+      agent.range_m = object.Number("range_km", kKm);
+    }
+    if (kind == AgentKind::kVehicle) {
+      agent.charge_rate_m_s = object.Number("charge_km_per_min", kKmPerMin);
+    }
+    agent.online_from_us = object.Time("online_from_min", kMinute);
+    agent.online_until_us = object.Time("online_until_min", kMinute);
+    agents.push_back(agent);
+  }
+  return agents;
+}
+
+std::vector<Task> ReadTasks(const ObjectReader& top) {
+  const std::vector<JsonValue>& items = top.Array("tasks");
+  std::vector<Task> tasks;
+  tasks.reserve(items.size());
+  IdCounter ids;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const ObjectReader object = top.Element("tasks", items[i], i);
+    object.AllowOnly({"id", "x_km", "y_km", "cost_km"});
+    ids.Take(object);
+    tasks.push_back({ReadPoint(object), object.Number("cost_km", kKm)});
+  }
+  return tasks;
+}
+
+std::vector<ChargingPoint> ReadChargingPoints(const ObjectReader& top) {
+  const std::vector<JsonValue>& items = top.Array("charging_points");
+  std::vector<ChargingPoint> points;
+  points.reserve(items.size());
+  IdCounter ids;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const ObjectReader object = top.Element("charging_points", items[i], i);
+    object.AllowOnly({"id", "x_km", "y_km", "capacity"});
+    ids.Take(object);
+    ChargingPoint point;
+    point.at = ReadPoint(object);
+    if (const JsonValue* capacity = object.Optional("capacity")) {
+      if (capacity->type == JsonValue::Type::kNull) {
+        point.capacity = std::nullopt;
+      } else {
+        point.capacity = static_cast<int>(object.Integer("capacity", *capacity, 1, INT32_MAX));
+      }
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
+void ReadRules(const ObjectReader& object, Rules* rules) {
+  object.AllowOnly(
+      {"availability", "tick_s", "ceil_to_minutes", "mean_over_all", "start_on_meeting"});
+  if (object.Optional("availability") != nullptr) {
+    const std::string name = object.String("availability");
+    if (name != "strict" && name != "overrun") {
+      object.Fail("availability", object.Optional("availability")->Shown(),
+                  "\"strict\" or \"overrun\"");
+    }
+    rules->availability = name == "strict" ? Availability::kStrict : Availability::kOverrun;
+  }
+  if (object.Optional("tick_s") != nullptr) rules->tick_us = object.Time("tick_s", kSecond);
+  rules->ceil_to_minutes = object.Boolean("ceil_to_minutes", rules->ceil_to_minutes);
+  rules->mean_over_all = object.Boolean("mean_over_all", rules->mean_over_all);
+  rules->start_on_meeting = object.Boolean("start_on_meeting", rules->start_on_meeting);
+}
+
+Disturbances::Interval ReadInterval(const ObjectReader& object, std::string_view key, Unit unit) {
+  if (object.Optional(key) == nullptr) return {};
+  const std::vector<JsonValue>& ends = object.Array(key);
+  if (ends.size() != 2) {
+    object.Fail(key, fmt::format("an array of {}", ends.size()), "[low, high]");
+  }
+  return {object.ReadNumber(fmt::format("{}[0]", key), ends[0], unit),
+          object.ReadNumber(fmt::format("{}[1]", key), ends[1], unit)};
+}
+
+Disturbances ReadDisturbances(const ObjectReader& object) {
+  object.AllowOnly({"wind", "communication_km", "agent_failure", "match_failure"});
+  return {ReadInterval(object, "wind", kOne), ReadInterval(object, "communication_km", kKm),
+          ReadInterval(object, "agent_failure", kOne), ReadInterval(object, "match_failure", kOne)};
+}
+
+std::uint64_t ReadSeed(const ObjectReader& top) {
+  const JsonValue& value = top.Required("seed", "an integer");
+  // The parser writes integers that fit 64 bits with digits alone; all else fails here.
+  const bool is_digits = value.type == JsonValue::Type::kNumber &&
+                         value.text.find_first_not_of("0123456789") == std::string::npos;
+  errno = 0;
+  const unsigned long long seed = is_digits ? std::strtoull(value.text.c_str(), nullptr, 10) : 0;
+  if (!is_digits || errno == ERANGE) {
+    top.Fail("seed", value.Shown(), "an integer in [0, 18446744073709551615]");
+  }
+  return seed;
+}
+
+// Writing.
+
+class Writer {
+ public:
+  std::string Write(const Scenario& scenario) {
+    const Rules& rules = scenario.rules;
+    Add("{{\n  \"version\": 1,\n  \"name\": {},\n  \"seed\": {},\n",
+        nlohmann::json(scenario.name)
+            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+        scenario.seed);
+    Add("  \"area_km\": [{}, {}],\n", ToText(scenario.width_m, kKm),
+        ToText(scenario.height_m, kKm));
+    Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
+        TimeToText(rules.limit_us, kMinute));
+    if (scenario.origin) {
+      Add("  \"origin\": {{\"latitude_deg\": {}, \"longitude_deg\": {}}},\n",
+          ToText(scenario.origin->latitude_deg, kOne),
+          ToText(scenario.origin->longitude_deg, kOne));
+    }
+    Add("  \"rules\": {{\"availability\": \"{}\", \"tick_s\": {}, \"ceil_to_minutes\": {}, "
+        "\"mean_over_all\": {}, \"start_on_meeting\": {}}},\n",
+        rules.availability == Availability::kStrict ? "strict" : "overrun",
+        TimeToText(rules.tick_us, kSecond), rules.ceil_to_minutes, rules.mean_over_all,
+        rules.start_on_meeting);
+    const Disturbances& disturbances = scenario.disturbances;
+    Add("  \"disturbances\": {{\"wind\": {}, \"communication_km\": {}, \"agent_failure\": {}, "
+        "\"match_failure\": {}}},\n",
+        Ends(disturbances.wind, kOne), Ends(disturbances.communication_m, kKm),
+        Ends(disturbances.agent_failure, kOne), Ends(disturbances.match_failure, kOne));
+    Agents("uavs", AgentKind::kUav, scenario);
+    Agents("workers", AgentKind::kWorker, scenario);
+    Agents("vehicles", AgentKind::kVehicle, scenario);
+    List("tasks", scenario.tasks, [&](const Task& task) {
+      Place(task.at);
+      Add(", \"cost_km\": {}", ToText(task.cost_m, kKm));
+    });
+    List("charging_points", scenario.charging_points, [&](const ChargingPoint& point) {
+      Place(point.at);
+      Add(", \"capacity\": {}", point.capacity ? fmt::to_string(*point.capacity) : "null");
+    });
+    text_.replace(text_.size() - 2, 2, "\n}\n");  // the last list's comma
+    return std::move(text_);
+  }
+
+ private:
+  template <class... Args>
+  void Add(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+
+  static std::string Ends(const Disturbances::Interval& interval, Unit unit) {
+    return fmt::format("[{}, {}]", ToText(interval.low, unit), ToText(interval.high, unit));
+  }
+
+  void Place(Point at) {
+    Add("\"x_km\": {}, \"y_km\": {}", ToText(at.x_m, kKm), ToText(at.y_m, kKm));
+  }
+
+  template <class T, class Body>
+  void List(std::string_view name, const std::vector<T>& items, const Body& body) {
+    Add("  \"{}\": [", name);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      Add("{}\n    {{\"id\": {}, ", i == 0 ? "" : ",", i);
+      body(items[i]);
+      text_ += '}';
+    }
+    text_ += "\n  ],\n";
+  }
+
+  void Agents(std::string_view name, AgentKind kind, const Scenario& scenario) {
+    List(name, scenario.agents(kind), [&](const AgentSpec& agent) {
+      Place(agent.at);
+      Add(", \"speed_km_per_min\": {}", ToText(agent.speed_m_s, kKmPerMin));
+      if (kind == AgentKind::kUav) {
+        Add(", \"full_range_km\": {}, \"range_km\": {}", ToText(agent.range_full_m, kKm),
+            ToText(agent.range_m, kKm));
+      }
+      if (kind == AgentKind::kVehicle) {
+        Add(", \"charge_km_per_min\": {}", ToText(agent.charge_rate_m_s, kKmPerMin));
+      }
+      Add(", \"online_from_min\": {}, \"online_until_min\": {}",
+          TimeToText(agent.online_from_us, kMinute), TimeToText(agent.online_until_us, kMinute));
+    });
+  }
+
+  std::string text_;
+};
+
+}  // namespace
+
+Scenario ParseScenario(std::string_view json, std::string_view file) {
+  const JsonValue tree = ParseJson(json, file);
+  const ObjectReader top(tree, "", file);
+  // The version first: another version's keys would only confuse.
+  const JsonValue& version = top.Required("version", "1");
+  if (version.type != JsonValue::Type::kNumber || version.text != "1") {
+    top.Fail("version", version.Shown(), "1");
+  }
+  top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "origin",
+                 "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
+                 "charging_points"});
+  Scenario scenario;
+  scenario.name = top.String("name");
+  scenario.seed = ReadSeed(top);
+  const std::vector<JsonValue>& area = top.Array("area_km");
+  if (area.size() != 2) {
+    top.Fail("area_km", fmt::format("an array of {}", area.size()), "[width, height]");
+  }
+  scenario.width_m = top.ReadNumber("area_km[0]", area[0], kKm);
+  scenario.height_m = top.ReadNumber("area_km[1]", area[1], kKm);
+  scenario.rules.interval_us = top.Time("interval_min", kMinute);
+  scenario.rules.limit_us = top.Time("limit_min", kMinute);
+  if (top.Optional("origin") != nullptr) {
+    const ObjectReader origin = top.Child("origin");
+    origin.AllowOnly({"latitude_deg", "longitude_deg"});
+    scenario.origin =
+        Origin{origin.Number("latitude_deg", kOne), origin.Number("longitude_deg", kOne)};
+  }
+  if (top.Optional("rules") != nullptr) ReadRules(top.Child("rules"), &scenario.rules);
+  if (top.Optional("disturbances") != nullptr) {
+    scenario.disturbances = ReadDisturbances(top.Child("disturbances"));
+  }
+  scenario.uavs = ReadAgents(top, "uavs", AgentKind::kUav);
+  scenario.workers = ReadAgents(top, "workers", AgentKind::kWorker);
+  scenario.vehicles = ReadAgents(top, "vehicles", AgentKind::kVehicle);
+  scenario.tasks = ReadTasks(top);
+  scenario.charging_points = ReadChargingPoints(top);
+  ValidateScenario(scenario, file);
+  return scenario;
+}
+
+Scenario LoadScenario(const std::string& file) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in.is_open() && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
+  if (!in.is_open() || in.bad() || (text.str().empty() && errno != 0)) {
+    throw SystemError(fmt::format("cannot read {}: {}", file, std::strerror(errno)));
+  }
+  return ParseScenario(text.str(), file);
+}
+
+std::string ScenarioToJson(const Scenario& scenario) { return Writer().Write(scenario); }
+
+}  // namespace muster

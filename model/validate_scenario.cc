@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/check.h"
+#include "model/scenario_json.h"
+#include "model/scenario_units.h"
+
+namespace muster {
+namespace {
+
+constexpr TimeUs kMaxDecisions = 1'000'000;
+
+/// The one list of rules, also for scenarios that were built in memory.
+class Validator {
+ public:
+  Validator(const Scenario& scenario, std::string_view file) : scenario_(scenario), file_(file) {}
+
+  void Run() const {
+    const Rules& rules = scenario_.rules;
+    AboveZero("area_km[0]", scenario_.width_m, kKm);
+    AboveZero("area_km[1]", scenario_.height_m, kKm);
+    if (scenario_.origin) {
+      Within("origin.latitude_deg", scenario_.origin->latitude_deg, kOne, -90, 90);
+      Within("origin.longitude_deg", scenario_.origin->longitude_deg, kOne, -180, 180);
+    }
+    if (rules.limit_us <= 0 || !TimeFits(rules.limit_us)) {
+      Fail("limit_min", MinutesText(rules.limit_us), "a number above 0");
+    }
+    if (rules.interval_us <= 0 || rules.interval_us > rules.limit_us) {
+      Fail("interval_min", MinutesText(rules.interval_us),
+           fmt::format("a number above 0 and at most limit_min ({})", MinutesText(rules.limit_us)));
+    }
+    if (rules.limit_us / rules.interval_us > kMaxDecisions) {
+      Fail("interval_min", MinutesText(rules.interval_us),
+           fmt::format("at most {} intervals in limit_min ({})", kMaxDecisions,
+                       MinutesText(rules.limit_us)));
+    }
+    if (rules.tick_us <= 0 || rules.interval_us % rules.tick_us != 0) {
+      Fail("rules.tick_s", TimeToText(rules.tick_us, kSecond),
+           fmt::format("a number of seconds that divides interval_min ({})",
+                       MinutesText(rules.interval_us)));
+    }
+    Interval("wind", scenario_.disturbances.wind, kOne, HUGE_VAL);
+    Interval("communication_km", scenario_.disturbances.communication_m, kKm, HUGE_VAL);
+    Interval("agent_failure", scenario_.disturbances.agent_failure, kOne, 1);
+    Interval("match_failure", scenario_.disturbances.match_failure, kOne, 1);
+    Agents("uavs", AgentKind::kUav);
+    Agents("workers", AgentKind::kWorker);
+    Agents("vehicles", AgentKind::kVehicle);
+    NotEmpty("tasks", scenario_.tasks.size());
+    for (std::size_t i = 0; i < scenario_.tasks.size(); ++i) {
+      const Key key{"tasks", i};
+      InArea(key, scenario_.tasks[i].at);
+      Within(key("cost_km"), scenario_.tasks[i].cost_m, kKm, 0, HUGE_VAL);
+    }
+    NotEmpty("charging_points", scenario_.charging_points.size());
+    for (std::size_t i = 0; i < scenario_.charging_points.size(); ++i) {
+      const Key key{"charging_points", i};
+      const ChargingPoint& point = scenario_.charging_points[i];
+      InArea(key, point.at);
+      if (point.capacity && *point.capacity < 1) {
+        Fail(key("capacity")(), fmt::to_string(*point.capacity),
+             "an integer of at least 1, or null");
+      }
+    }
+  }
+
+ private:
+  /// A key path that is only put together when a message needs it.
+  struct LazyPath {
+    std::string_view list;
+    std::size_t index = 0;
+    std::string_view key;
+    std::string operator()() const {
+      return list.empty() ? std::string(key) : fmt::format("{}[{}].{}", list, index, key);
+    }
+  };
+  struct Key {
+    std::string_view list;
+    std::size_t index;
+    LazyPath operator()(std::string_view key) const { return {list, index, key}; }
+  };
+
+  [[noreturn]] void Fail(std::string_view key, std::string_view found,
+                         std::string_view expected) const {
+    throw InputError(file_, key, found, expected);
+  }
+
+  static bool TimeFits(TimeUs t) { return t <= static_cast<TimeUs>(kMaxMinutes) * kMinuteUs; }
+  static std::string MinutesText(TimeUs t) { return TimeToText(t, kMinute); }
+
+  void AboveZero(const LazyPath& key, double value, Unit unit) const {
+    if (!(value > 0) || !std::isfinite(value)) {
+      Fail(key(), ToText(value, unit), "a finite number above 0");
+    }
+  }
+  void AboveZero(std::string_view key, double value, Unit unit) const {
+    AboveZero(LazyPath{"", 0, key}, value, unit);
+  }
+
+  /// low, high: in our unit; high may be infinite, the value may not.
+  void Within(const LazyPath& key, double value, Unit unit, double low, double high) const {
+    if (value >= low && value <= high && std::isfinite(value)) return;
+    Fail(key(), ToText(value, unit),
+         std::isfinite(high)
+             ? fmt::format("a number in [{}, {}]", ToText(low, unit), ToText(high, unit))
+             : fmt::format("a finite number of at least {}", ToText(low, unit)));
+  }
+  void Within(std::string_view key, double value, Unit unit, double low, double high) const {
+    Within(LazyPath{"", 0, key}, value, unit, low, high);
+  }
+
+  void InArea(const Key& key, Point at) const {
+    Within(key("x_km"), at.x_m, kKm, 0, scenario_.width_m);
+    Within(key("y_km"), at.y_m, kKm, 0, scenario_.height_m);
+  }
+
+  void Interval(std::string_view name, const Disturbances::Interval& interval, Unit unit,
+                double most) const {
+    const std::string key = fmt::format("disturbances.{}", name);
+    Within(key + "[1]", interval.high, unit, 0, most);
+    Within(key + "[0]", interval.low, unit, 0, interval.high);
+  }
+
+  void NotEmpty(std::string_view list, std::size_t size) const {
+    if (size == 0) Fail(list, "an empty array", "at least one element");
+    if (size > INT32_MAX) Fail(list, fmt::to_string(size), "at most 2147483647 elements");
+  }
+
+  void Agents(std::string_view list, AgentKind kind) const {
+    const std::vector<AgentSpec>& agents = scenario_.agents(kind);
+    NotEmpty(list, agents.size());
+    for (std::size_t i = 0; i < agents.size(); ++i) {
+      const AgentSpec& agent = agents[i];
+      const Key key{list, i};
+      InArea(key, agent.at);
+      AboveZero(key("speed_km_per_min"), agent.speed_m_s, kKmPerMin);
+      if (kind == AgentKind::kUav) {
+        AboveZero(key("full_range_km"), agent.range_full_m, kKm);
+        Within(key("range_km"), agent.range_m, kKm, 0, agent.range_full_m);
+      }
+      if (kind == AgentKind::kVehicle) {
+        AboveZero(key("charge_km_per_min"), agent.charge_rate_m_s, kKmPerMin);
+      }
+      if (agent.online_from_us < 0 || !TimeFits(agent.online_from_us)) {
+        Fail(key("online_from_min")(), MinutesText(agent.online_from_us),
+             fmt::format("a number in [0, {}]", kMaxMinutes));
+      }
+      if (agent.online_until_us < agent.online_from_us || !TimeFits(agent.online_until_us)) {
+        Fail(key("online_until_min")(), MinutesText(agent.online_until_us),
+             fmt::format("a number in [{} (online_from_min), {}]",
+                         MinutesText(agent.online_from_us), kMaxMinutes));
+      }
+    }
+  }
+
+  const Scenario& scenario_;
+  std::string_view file_;
+};
+
+}  // namespace
+
+void ValidateScenario(const Scenario& scenario, std::string_view file) {
+  Validator(scenario, file).Run();
+}
+
+}  // namespace muster

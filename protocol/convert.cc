@@ -1,0 +1,242 @@
+#include "protocol/convert.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lcmtypes/channels.h"
+
+namespace muster {
+namespace {
+
+bool Below(std::int32_t id, std::size_t count) {
+  return id >= 0 && static_cast<std::size_t>(id) < count;
+}
+bool NoneOrBelow(std::int32_t id, std::size_t count) { return id == -1 || Below(id, count); }
+
+/// Where the leg of a report ends. Exact where it matters: on arrival the position is the target,
+/// and targets are places of the scenario; a free move under way is extrapolated.
+Point Destination(const agent_t& wire, ActionKind action, TimeUs t, const WireLimits& limits) {
+  const Point here{wire.x_m, wire.y_m};
+  if (t >= wire.arrive_us) return here;
+  switch (action) {
+    case ActionKind::kUavToTask:
+    case ActionKind::kWorkerToTask:
+    case ActionKind::kSense:
+      return limits.tasks[static_cast<std::size_t>(wire.target_id)].at;
+    case ActionKind::kUavToCharge:
+    case ActionKind::kVehicleToCharge:
+    case ActionKind::kCharge:
+      return limits.charging_points[static_cast<std::size_t>(wire.target_id)].at;
+    default:
+      break;
+  }
+  const Point from{wire.from_x_m, wire.from_y_m};
+  if (t <= wire.depart_us) return here;
+  return Lerp(from, here,
+              static_cast<double>(wire.arrive_us - wire.depart_us) /
+                  static_cast<double>(t - wire.depart_us));
+}
+
+bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const WireLimits& limits) {
+  switch (action) {
+    case ActionKind::kNone:
+    case ActionKind::kGoTo:
+      return true;
+    case ActionKind::kUavToTask:
+      return kind == AgentKind::kUav && Below(wire.target_id, limits.tasks.size());
+    case ActionKind::kWorkerToTask:
+      return kind == AgentKind::kWorker && Below(wire.target_id, limits.tasks.size());
+    case ActionKind::kUavToCharge:
+      return kind == AgentKind::kUav && Below(wire.target_id, limits.charging_points.size());
+    case ActionKind::kVehicleToCharge:
+      return kind == AgentKind::kVehicle && Below(wire.target_id, limits.charging_points.size());
+    case ActionKind::kSense:
+      return kind != AgentKind::kVehicle && Below(wire.target_id, limits.tasks.size()) &&
+             Below(wire.partner_id, kind == AgentKind::kUav ? limits.workers : limits.uavs);
+    case ActionKind::kCharge:
+      return kind != AgentKind::kWorker && Below(wire.target_id, limits.charging_points.size()) &&
+             Below(wire.partner_id, kind == AgentKind::kUav ? limits.vehicles : limits.uavs);
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+bool Possible(const clock_t& clock, const Rules& rules) {
+  return clock.tick >= 0 && clock.tick <= rules.last_tick() &&
+         clock.tick_us == rules.TimeOf(clock.tick) && clock.limit_us == rules.limit_us &&
+         clock.decision == rules.DecisionAt(clock.tick) &&
+         clock.required_decision <= clock.tick_us / rules.interval_us;
+}
+
+bool Possible(const world_state_t& world, const Rules& rules) {
+  return world.tick >= 0 && world.tick <= rules.last_tick() &&
+         world.header.sim_us == rules.TimeOf(world.tick);
+}
+
+std::string_view ChannelOf(AgentKind kind) {
+  return kind == AgentKind::kUav      ? channel::kUavs
+         : kind == AgentKind::kWorker ? channel::kWorkers
+                                      : channel::kVehicles;
+}
+
+agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
+  const Point here = PositionAt(agent, t);
+  agent_t wire{};
+  wire.id = agent.id;
+  wire.x_m = here.x_m;
+  wire.y_m = here.y_m;
+  wire.speed_m_s = agent.speed_m_s;
+  wire.range_left_m = RangeAt(agent, t, tasks);
+  wire.range_full_m = agent.range_full_m;
+  wire.charge_rate_m_s = agent.charge_rate_m_s;
+  wire.from_x_m = agent.from.x_m;
+  wire.from_y_m = agent.from.y_m;
+  wire.range_at_departure_m = agent.range_at_departure_m;
+  wire.depart_us = agent.depart_us;
+  wire.arrive_us = agent.arrive_us;
+  wire.online_from_us = agent.online_from_us;
+  wire.online_until_us = agent.online_until_us;
+  wire.busy_until_us = agent.busy_until_us;
+  wire.status = static_cast<std::int8_t>(StatusAt(agent, t));
+  wire.action = static_cast<std::int8_t>(agent.action);
+  wire.target_id = agent.target;
+  wire.partner_id = agent.partner;
+  wire.decision = agent.decision;
+  return wire;
+}
+
+std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
+                                           std::int32_t applied_decision,
+                                           std::span<const agent_t> agents) {
+  constexpr std::size_t kAgentsPerMessage = 256;
+  std::vector<agent_states_t> messages;
+  for (std::size_t first = 0; first < agents.size(); first += kAgentsPerMessage) {
+    const auto part = agents.subspan(first, std::min(kAgentsPerMessage, agents.size() - first));
+    agent_states_t& states = messages.emplace_back();
+    states.kind = static_cast<std::int8_t>(kind);
+    states.tick = tick;
+    states.applied_decision = applied_decision;
+    states.agents.assign(part.begin(), part.end());
+    states.n = static_cast<std::int32_t>(part.size());
+  }
+  return messages;
+}
+
+std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
+                                   const WireLimits& limits) {
+  const auto action = static_cast<ActionKind>(wire.action);
+  if (!Below(wire.id, limits.agents(kind)) || !TargetFits(wire, action, kind, limits)) return {};
+  if (wire.depart_us < 0 || wire.depart_us > t || wire.arrive_us < wire.depart_us) return {};
+  if (!(wire.speed_m_s > 0) || !(wire.range_left_m >= 0) || !(wire.range_at_departure_m >= 0)) {
+    return {};
+  }
+  AgentState agent;
+  agent.kind = kind;
+  agent.id = wire.id;
+  agent.speed_m_s = wire.speed_m_s;
+  agent.range_full_m = wire.range_full_m;
+  agent.charge_rate_m_s = wire.charge_rate_m_s;
+  agent.online_from_us = wire.online_from_us;
+  agent.online_until_us = wire.online_until_us;
+  agent.from = {wire.from_x_m, wire.from_y_m};
+  agent.to = Destination(wire, action, t, limits);
+  agent.depart_us = wire.depart_us;
+  agent.arrive_us = wire.arrive_us;
+  agent.range_at_departure_m = wire.range_at_departure_m;
+  agent.action = action;
+  agent.target = wire.target_id;
+  agent.partner = wire.partner_id;
+  agent.decision = wire.decision;
+  agent.busy_until_us = wire.busy_until_us;
+  if (kind == AgentKind::kUav && action != ActionKind::kNone) {
+    agent.range_per_m =
+        RangePerMetre(UavId(wire.id), wire.decision, limits.disturbances, limits.seed);
+  }
+  agent.failed = static_cast<AgentStatus>(wire.status) == AgentStatus::kFailed;
+  return agent;
+}
+
+activity_t ToWire(const Activity& activity) {
+  activity_t wire{};
+  wire.kind = static_cast<std::int8_t>(activity.kind);
+  wire.uav_id = activity.uav.value;
+  wire.partner_id = activity.partner;
+  wire.site_id = activity.site;
+  wire.start_us = activity.start_us;
+  wire.end_us = activity.end_us;
+  return wire;
+}
+
+std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits) {
+  const bool sensing = wire.kind == static_cast<std::int8_t>(Activity::Kind::kSensing);
+  if (!sensing && wire.kind != static_cast<std::int8_t>(Activity::Kind::kCharging)) return {};
+  if (!Below(wire.uav_id, limits.uavs) ||
+      !Below(wire.partner_id, sensing ? limits.workers : limits.vehicles) ||
+      !Below(wire.site_id, sensing ? limits.tasks.size() : limits.charging_points.size()) ||
+      wire.start_us < 0 || wire.end_us < wire.start_us) {
+    return {};
+  }
+  Activity activity;
+  activity.kind = static_cast<Activity::Kind>(wire.kind);
+  activity.uav = UavId(wire.uav_id);
+  activity.partner = wire.partner_id;
+  activity.site = wire.site_id;
+  activity.start_us = wire.start_us;
+  activity.end_us = wire.end_us;
+  return activity;
+}
+
+ruling_t ToWire(const Ruling& ruling) {
+  ruling_t wire{};
+  wire.agent_kind = static_cast<std::int8_t>(ruling.agent_kind);
+  wire.agent_id = ruling.agent;
+  wire.kind = static_cast<std::int8_t>(ruling.kind);
+  wire.at_us = ruling.at_us;
+  return wire;
+}
+
+std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits) {
+  if (wire.agent_kind < 0 || wire.agent_kind > 2 || wire.kind < 0 || wire.kind > 1) return {};
+  const auto kind = static_cast<AgentKind>(wire.agent_kind);
+  if (!Below(wire.agent_id, limits.agents(kind)) || wire.at_us < 0) return {};
+  return Ruling{kind, wire.agent_id, static_cast<Ruling::Kind>(wire.kind), wire.at_us};
+}
+
+action_t ToWire(const Action& action) {
+  action_t wire{};
+  wire.kind = static_cast<std::int8_t>(action.kind);
+  wire.uav_id = action.uav.value;
+  wire.worker_id = action.worker.value;
+  wire.vehicle_id = action.vehicle.value;
+  wire.task_id = action.task.value;
+  wire.charge_id = action.charge.value;
+  wire.x_m = action.to.x_m;
+  wire.y_m = action.to.y_m;
+  wire.weight = action.weight;
+  return wire;
+}
+
+std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits) {
+  if (wire.kind < 0 || wire.kind > 9) return {};
+  if (!NoneOrBelow(wire.uav_id, limits.uavs) || !NoneOrBelow(wire.worker_id, limits.workers) ||
+      !NoneOrBelow(wire.vehicle_id, limits.vehicles) ||
+      !NoneOrBelow(wire.task_id, limits.tasks.size()) ||
+      !NoneOrBelow(wire.charge_id, limits.charging_points.size()) || !std::isfinite(wire.x_m) ||
+      !std::isfinite(wire.y_m)) {
+    return {};
+  }
+  Action action;
+  action.kind = static_cast<ActionKind>(wire.kind);
+  action.uav = UavId(wire.uav_id);
+  action.worker = WorkerId(wire.worker_id);
+  action.vehicle = VehicleId(wire.vehicle_id);
+  action.task = TaskId(wire.task_id);
+  action.charge = ChargeId(wire.charge_id);
+  action.to = {wire.x_m, wire.y_m};
+  action.weight = wire.weight;
+  return action;
+}
+
+}  // namespace muster

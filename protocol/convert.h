@@ -1,0 +1,71 @@
+#pragma once
+
+#include <muster/action_t.hpp>
+#include <muster/activity_t.hpp>
+#include <muster/agent_states_t.hpp>
+#include <muster/agent_t.hpp>
+#include <muster/clock_t.hpp>
+#include <muster/ruling_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "model/agent.h"
+
+namespace muster {
+
+/// What of a scenario a wire message must fit into. The scenario must outlive it.
+struct WireLimits {
+  const std::vector<Task>& tasks;
+  const std::vector<ChargingPoint>& charging_points;
+  std::size_t uavs = 0, workers = 0, vehicles = 0;
+  const Disturbances& disturbances;
+  std::uint64_t seed = 0;
+
+  explicit WireLimits(const Scenario& scenario)
+      : tasks(scenario.tasks),
+        charging_points(scenario.charging_points),
+        uavs(scenario.uavs.size()),
+        workers(scenario.workers.size()),
+        vehicles(scenario.vehicles.size()),
+        disturbances(scenario.disturbances),
+        seed(scenario.seed) {}
+  std::size_t agents(AgentKind kind) const {
+    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+  }
+};
+
+/// Whether that clock, or a world's state of that tick, can be in a mission of these rules: a
+/// process that follows one that cannot would wait for a tick that never comes.
+bool Possible(const clock_t& clock, const Rules& rules);
+bool Possible(const world_state_t& world, const Rules& rules);
+
+/// Where the states of that class are published.
+std::string_view ChannelOf(AgentKind kind);
+
+/// The state at time t, as its agent process reports it.
+agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
+/// Messages with these agents, headers not filled: each near one datagram's 64 kB, so that little
+/// is lost with a fragment.
+std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
+                                           std::int32_t applied_decision,
+                                           std::span<const agent_t> agents);
+
+/// The inverse, for a report of time t; nothing when an id, time or number is impossible. The wire
+/// does not carry the activity (Settle() attaches it) nor the wind on the leg under way, which is
+/// drawn again: whoever compares two reports sees it too.
+std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
+                                   const WireLimits& limits);
+
+activity_t ToWire(const Activity& activity);
+std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits);
+
+ruling_t ToWire(const Ruling& ruling);
+std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits);
+
+action_t ToWire(const Action& action);
+std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits);
+
+}  // namespace muster

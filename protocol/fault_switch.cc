@@ -1,0 +1,156 @@
+#include "protocol/fault_switch.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include "base/units.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster {
+namespace {
+
+constexpr std::int8_t kApplied = 13;
+constexpr std::int8_t kEnded = 14;
+
+std::set<std::string> Names(std::string_view list) {
+  std::set<std::string> names;
+  while (!list.empty()) {
+    const std::size_t size = std::min(list.find('+'), list.size());
+    if (size > 0) names.emplace(list.substr(0, size));
+    list.remove_prefix(std::min(size + 1, list.size()));
+  }
+  return names;
+}
+
+/// Whom `name` does not hear.
+std::set<std::string> OtherSide(const std::string& target, const std::string& name) {
+  const auto sides = SidesOf(target);
+  if (!sides) return {};
+  if (sides->first.count(name) > 0) return sides->second;
+  return sides->second.count(name) > 0 ? sides->first : std::set<std::string>();
+}
+
+constexpr std::string_view kPackets = " packets";
+
+}  // namespace
+
+std::optional<std::pair<std::set<std::string>, std::set<std::string>>> SidesOf(
+    const std::string& target) {
+  const std::size_t bar = target.find('|');
+  if (bar == std::string::npos) return {};
+  return std::pair(Names(std::string_view(target).substr(0, bar)),
+                   Names(std::string_view(target).substr(bar + 1)));
+}
+
+bool Concerns(const fault_t& fault, const std::string& name) {
+  const auto kind = static_cast<FaultKind>(fault.kind);
+  if (kind == FaultKind::kPartition) return !OtherSide(fault.target, name).empty();
+  return IsPacketFault(kind) && (fault.target == "*" || fault.target == name);
+}
+
+std::string HitsText(const std::string& name, std::int64_t packets) {
+  return name + ": " + std::to_string(packets) + std::string(kPackets);
+}
+
+std::optional<std::int64_t> HitsOf(const std::string& text) {
+  const std::size_t colon = text.rfind(": ");
+  if (colon == std::string::npos || !text.ends_with(kPackets)) return {};
+  std::int64_t hits = 0;
+  const char* const last = text.data() + text.size() - kPackets.size();
+  const auto [end, error] = std::from_chars(text.data() + colon + 2, last, hits);
+  if (error != std::errc() || end != last || hits < 0) return {};
+  return hits;
+}
+
+FaultSwitch::FaultSwitch(std::int64_t run_id, std::string name, LossyBus* bus,
+                         std::function<std::int64_t()> rejected)
+    : run_id_(run_id),
+      name_(std::move(name)),
+      bus_(bus),
+      always_(bus->faults()),
+      rejected_(std::move(rejected)) {}
+
+std::optional<event_t> FaultSwitch::Take(const Packet& packet) {
+  if (packet.channel != channel::kFault) return {};
+  const auto fault = DecodeValid<fault_t>(packet.bytes);
+  if (!fault || fault->header.run_id != run_id_) return {};
+  return Take(*fault);
+}
+
+std::optional<event_t> FaultSwitch::Take(const fault_t& fault) {
+  if (!Concerns(fault, name_)) return {};
+  const bool ends = fault.for_us == 0;
+  const auto active = active_.find(fault.fault_id);
+  if (ends == (active == active_.end())) return {};
+  const std::int64_t hits = Hits(static_cast<FaultKind>(fault.kind));
+  event_t event{};
+  event.kind = ends ? kEnded : kApplied;
+  event.at_us = fault.at_us;
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.fault_id = fault.fault_id;
+  event.detail = ends ? HitsText(name_, hits - active->second.hits_before) : name_;
+  if (ends) {
+    active_.erase(active);
+  } else {
+    active_.emplace(fault.fault_id, Active{fault, hits});
+  }
+  SetBus();
+  return event;
+}
+
+std::int64_t FaultSwitch::Hits(FaultKind kind) const {
+  const PacketFaultCounters& counters = bus_->counters();
+  switch (kind) {
+    case FaultKind::kPartition:
+      return counters.unheard;
+    case FaultKind::kLoss:
+      return counters.lost;
+    case FaultKind::kDuplication:
+      return counters.duplicated;
+    case FaultKind::kDelay:
+      return counters.delayed;
+    case FaultKind::kReordering:
+      return counters.reordered;
+    case FaultKind::kCorruption:
+      return counters.corrupted;
+    case FaultKind::kForeign:
+      return rejected_();
+    default:
+      return 0;
+  }
+}
+
+void FaultSwitch::SetBus() {
+  PacketFaults faults = always_;
+  for (const auto& [id, active] : active_) {
+    const fault_t& fault = active.fault;
+    const double p = fault.probability;
+    switch (static_cast<FaultKind>(fault.kind)) {
+      case FaultKind::kPartition:
+        faults.unheard.merge(OtherSide(fault.target, name_));
+        break;
+      case FaultKind::kLoss:
+        faults.loss = std::max(faults.loss, p);
+        break;
+      case FaultKind::kDuplication:
+        faults.duplication = std::max(faults.duplication, p);
+        break;
+      case FaultKind::kDelay:
+        faults.delay_us = std::max(faults.delay_us, ToUs(p));
+        break;
+      case FaultKind::kReordering:
+        faults.reorder = std::max(faults.reorder, p);
+        break;
+      case FaultKind::kCorruption:
+        faults.corrupt = std::max(faults.corrupt, p);
+        break;
+      default:
+        break;
+    }
+  }
+  bus_->SetFaults(faults);
+}
+
+}  // namespace muster

@@ -1,0 +1,86 @@
+#include "protocol/inbox.h"
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster {
+namespace {
+
+/// Starts of senders that are told apart; a mission has some tens. Who floods a process with names
+/// gets no more memory than this.
+constexpr std::size_t kMostStarts = 10'000;
+
+template <class T>
+std::optional<Message> DecodeAs(const Packet& packet) {
+  std::optional<T> message = Decode<T>(packet.bytes);
+  if (!message || !Valid(*message)) return std::nullopt;
+  return Message(std::move(*message));
+}
+
+std::optional<Message> DecodePacket(const Packet& packet) {
+  const std::string_view name = packet.channel;
+  if (name == channel::kClock) return DecodeAs<clock_t>(packet);
+  if (name == channel::kWorld) return DecodeAs<world_state_t>(packet);
+  if (name == channel::kRulings) return DecodeAs<rulings_t>(packet);
+  if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
+    return DecodeAs<agent_states_t>(packet);
+  }
+  if (name == channel::kSchedule) return DecodeAs<schedule_t>(packet);
+  if (name == channel::kEvent) return DecodeAs<event_t>(packet);
+  if (name == channel::kProcess) return DecodeAs<process_status_t>(packet);
+  if (name == channel::kLog) return DecodeAs<log_status_t>(packet);
+  if (name == channel::kRequest) return DecodeAs<request_t>(packet);
+  if (name == channel::kRestore) return DecodeAs<restore_t>(packet);
+  if (name == channel::kScenario) return DecodeAs<scenario_t>(packet);
+  if (name == channel::kFault) return DecodeAs<fault_t>(packet);
+  return std::nullopt;
+}
+
+}  // namespace
+
+const header_t& HeaderOf(const Message& message) {
+  return std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
+}
+
+Inbox::Inbox(std::int64_t run_id, std::string own_name)
+    : run_id_(run_id), own_name_(std::move(own_name)) {}
+
+std::optional<Message> Inbox::Open(const Packet& packet) {
+  std::optional<Message> message = DecodePacket(packet);
+  if (!message) {
+    ++counters_.rejected;
+    return std::nullopt;
+  }
+  const header_t& header = HeaderOf(*message);
+  if (header.sender == own_name_) return std::nullopt;
+  if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
+      !Count(*message)) {
+    ++counters_.rejected;
+    return std::nullopt;
+  }
+  ++counters_.received;
+  return message;
+}
+
+bool Inbox::Count(const Message& message) {
+  const header_t& header = HeaderOf(message);
+  const std::pair key(header.sender, header.boot_id);
+  if (starts_.size() == kMostStarts && !starts_.contains(key)) return false;
+  Start& start = starts_[key];
+  // A heartbeat bears the time of the last clock heard, and a world that starts again may go back
+  // behind that; what its sender does was not undone.
+  if (header.seq > start.seqs.max() && !std::holds_alternative<process_status_t>(message)) {
+    if (header.sim_us < start.newest_sim_us) return false;
+    start.newest_sim_us = header.sim_us;
+  }
+  start.seqs.Add(header.seq);
+  return true;
+}
+
+std::int64_t Inbox::lost() const {
+  std::int64_t lost = 0;
+  for (const auto& [key, start] : starts_) lost += start.seqs.max() + 1 - start.seqs.size();
+  return lost;
+}
+
+}  // namespace muster

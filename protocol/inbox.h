@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/agent_states_t.hpp>
+#include <muster/clock_t.hpp>
+#include <muster/event_t.hpp>
+#include <muster/fault_t.hpp>
+#include <muster/log_status_t.hpp>
+#include <muster/process_status_t.hpp>
+#include <muster/request_t.hpp>
+#include <muster/restore_t.hpp>
+#include <muster/rulings_t.hpp>
+#include <muster/scenario_t.hpp>
+#include <muster/schedule_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "base/interval_set.h"
+#include "lcmtypes/bus/bus.h"
+
+namespace muster {
+
+using Message =
+    std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, schedule_t, event_t,
+                 fault_t, process_status_t, log_status_t, request_t, restore_t>;
+const header_t& HeaderOf(const Message& message);
+
+/// A process's door: opens packets, counts and drops what is not for it. What comes through is
+/// decoded, of this run, from somebody else who may publish there, within the ranges that need no
+/// scenario, and not numbered as if mission time ran backwards. Doubles come through, since a
+/// repeated question wants a repeated answer.
+class Inbox {
+ public:
+  struct Counters {
+    std::int64_t received = 0;  ///< opened, doubles included
+    std::int64_t rejected = 0;  ///< undecodable, foreign, forged or out of range
+  };
+
+  Inbox(std::int64_t run_id, std::string own_name);
+
+  std::optional<Message> Open(const Packet& packet);
+
+  const Counters& counters() const { return counters_; }
+  /// Messages of others known to exist and not seen (yet).
+  std::int64_t lost() const;
+  /// For a receiver that finds a message impossible in the light of the scenario.
+  void Reject() { ++counters_.rejected; }
+
+ private:
+  /// Notes the message's number; false when it cannot be.
+  bool Count(const Message& message);
+
+  std::int64_t run_id_;
+  std::string own_name_;
+  Counters counters_;
+  struct Start {
+    IntervalSet seqs;
+    std::int64_t newest_sim_us = 0;  ///< of the highest seq that is no heartbeat's
+  };
+  std::map<std::pair<std::string, std::int64_t>, Start> starts_;  ///< by sender, boot_id
+};
+
+}  // namespace muster

@@ -1,0 +1,45 @@
+#include "protocol/process.h"
+
+#include <algorithm>
+
+#include "lcmtypes/channels.h"
+
+namespace muster {
+
+Process::Process(Identity identity, int window)
+    : sender_(identity, window), inbox_(identity.run_id, identity.name) {}
+
+void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out) {
+  for (const Packet& packet : arrived) {
+    const std::optional<Message> message = inbox_.Open(packet);
+    if (!message) continue;
+    if (const auto* status = std::get_if<log_status_t>(&*message)) sender_.Acknowledge(*status);
+    OnMessage(*message, packet, now);
+  }
+  OnStep(now);
+  sender_.Flush(now, out);
+}
+
+TimeUs Process::wake_us() const { return std::min(OwnWakeUs(), sender_.wake_us()); }
+
+void Process::Announce(event_t event, const Now& now) {
+  sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
+}
+
+void Process::ReportStatus(const Usage& usage, const Now& now) {
+  process_status_t status{};
+  status.name = identity().name;
+  status.host = usage.host;
+  status.pid = usage.pid;
+  status.state = static_cast<std::int8_t>(state_);
+  status.tick = tick();
+  status.received = inbox_.counters().received;
+  status.lost = inbox_.lost();
+  status.rejected = inbox_.counters().rejected;
+  status.resent = sender_.resent();
+  status.cpu_s = usage.cpu_s;
+  status.rss_bytes = usage.rss_bytes;
+  sender_.Send(channel::kProcess, std::move(status), sim_us_, now);
+}
+
+}  // namespace muster

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <muster/event_t.hpp>
+#include <muster/process_status_t.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "protocol/inbox.h"
+#include "protocol/sender.h"
+
+namespace muster {
+
+enum class ProcessState : std::int8_t {
+  kStarting = 0,
+  kReady = 1,
+  kRunning = 2,
+  kDegraded = 3,
+  kEnded = 4,
+};
+
+/// What the operating system knows of a process; measured at the edge, only reported.
+struct Usage {
+  std::string host;
+  std::int32_t pid = 0;
+  double cpu_s = 0;
+  std::int64_t rss_bytes = 0;
+};
+
+/// One participant of a mission as a pure core: packets and times in, packets out. No socket,
+/// clock, file or thread; RunProcess() drives it over LCM, the simulator in memory.
+class Process {
+ public:
+  /// window: see Sender.
+  Process(Identity identity, int window);
+  virtual ~Process() = default;
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// Takes everything that has arrived (possibly nothing), does what has become due, appends what
+  /// is to be published to `out`. Throws InputError on a mission that cannot be (two processes for
+  /// one agent, say).
+  void Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out);
+
+  /// Latest monotonic time of the next Step even if nothing arrives.
+  TimeUs wake_us() const;
+
+  /// Publishes a process_status_t; the edge calls it when the state changes and about once a
+  /// second.
+  void ReportStatus(const Usage& usage, const Now& now);
+
+  /// Publishes something that the edge has to say; the header is filled here.
+  void Announce(event_t event, const Now& now);
+
+  /// Packets that were no message of this mission, or an impossible one.
+  std::int64_t rejected() const { return inbox_.counters().rejected; }
+
+  ProcessState state() const { return state_; }
+  const Inbox::Counters& counters() const { return inbox_.counters(); }
+  const Identity& identity() const { return sender_.identity(); }
+
+ protected:
+  virtual void OnMessage(const Message& message, const Packet& packet, const Now& now) = 0;
+  /// After all that has arrived.
+  virtual void OnStep(const Now& now) = 0;
+  virtual TimeUs OwnWakeUs() const = 0;
+  virtual std::int64_t tick() const = 0;
+
+  Sender& sender() { return sender_; }
+  const Sender& sender() const { return sender_; }
+  Inbox& inbox() { return inbox_; }
+  void set_state(ProcessState state) { state_ = state; }
+  void set_sim_us(TimeUs sim_us) { sim_us_ = sim_us; }
+
+ private:
+  Sender sender_;
+  Inbox inbox_;
+  ProcessState state_ = ProcessState::kStarting;
+  TimeUs sim_us_ = 0;
+};
+
+/// std::visit with a lambda a type; messages that no lambda names are ignored.
+template <class... Handlers>
+struct Overloaded : Handlers... {
+  using Handlers::operator()...;
+};
+template <class... Handlers>
+void Handle(const Message& message, Handlers... handlers) {
+  std::visit(
+      [overloaded = Overloaded<Handlers...>{handlers...}](const auto& m) {
+        if constexpr (requires { overloaded(m); }) overloaded(m);
+      },
+      message);
+}
+
+}  // namespace muster

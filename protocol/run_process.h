@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cxxopts.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "lcmtypes/bus/lossy_bus.h"
+#include "protocol/process.h"
+
+namespace muster {
+
+/// Monotonic time, microseconds.
+TimeUs MonotonicUs();
+/// Both clocks of this host.
+Now HostNow();
+/// What the operating system knows of this process.
+Usage HostUsage();
+
+/// The flags that every mission process has.
+struct ProcessFlags {
+  Identity identity;
+  std::string lcm_url;
+  int window = 0;
+  double drop = 0;
+  std::uint64_t drop_seed = 0;
+  bool quiet = false;
+};
+
+void AddProcessOptions(cxxopts::Options* options, const std::string& default_name);
+/// Throws InputError on a value that cannot be. `only_name`: what the process must be called, since
+/// nobody listens to another on its channels (channels.h); "": any name.
+ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result, std::string_view only_name = "");
+
+/// The bus of these flags: LCM, lossy as --drop says.
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);
+
+/// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
+/// next wake, steps it, publishes what it says. Applies the faults on packets that MUSTER_FAULT
+/// orders for it. Returns the exit code.
+int RunProcess(Process* process, LossyBus* bus, bool quiet);
+
+}  // namespace muster

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <muster/header_t.hpp>
+#include <muster/log_status_t.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/units.h"
+#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/codec.h"
+
+namespace muster {
+
+/// The two clocks of a process, always passed in. Neither reaches a decision.
+struct Now {
+  TimeUs monotonic_us = 0;  ///< for deadlines and back-off
+  TimeUs wall_us = 0;       ///< since the Unix epoch, for headers
+};
+
+struct Identity {
+  std::int64_t run_id = 1;
+  std::string name;
+  std::int64_t boot_id = 0;
+};
+
+/// A published message: the bytes never change again, however often it is sent.
+using SentPacket = std::shared_ptr<const Packet>;
+
+/// Resend after first_us, then each time twice as long, up to longest_us.
+class BackOff {
+ public:
+  BackOff(TimeUs first_us, TimeUs longest_us) : first_us_(first_us), longest_us_(longest_us) {}
+  void Start(TimeUs now_us) {
+    wait_us_ = first_us_;
+    due_us_ = now_us + wait_us_;
+  }
+  void Stop() { due_us_ = kNever; }
+  TimeUs due_us() const { return due_us_; }
+  /// True when due; then the next time is set.
+  bool Fire(TimeUs now_us) {
+    if (now_us < due_us_) return false;
+    wait_us_ = wait_us_ * 2 < longest_us_ ? wait_us_ * 2 : longest_us_;
+    due_us_ = now_us + wait_us_;
+    return true;
+  }
+
+ private:
+  TimeUs first_us_;
+  TimeUs longest_us_;
+  TimeUs wait_us_ = 0;
+  TimeUs due_us_ = kNever;
+};
+
+/// Numbers, keeps and sends one process's messages. With a recorder, a message is kept until the
+/// recorder has it on disk, sent again with back-off until then, and at most `window` messages are
+/// out unacknowledged: stock lcm-logger queues 30 and drops the newest.
+class Sender {
+ public:
+  /// window 0: nobody records, nothing waits and nothing is kept here.
+  Sender(Identity identity, int window);
+
+  /// Stamps the header with the next seq and queues the message. The caller may keep the packet to
+  /// send it again by Resend().
+  template <class T>
+  SentPacket Send(std::string_view channel, T message, TimeUs sim_us, const Now& now) {
+    message.header = NextHeader(sim_us, now);
+    return Queue(std::make_shared<const Packet>(Packet{std::string(channel), Encode(message)}));
+  }
+
+  /// Sends a packet again, byte for byte, unless it still waits for its first sending.
+  void Resend(const SentPacket& packet);
+
+  /// Takes the recorder's word on what is on disk.
+  void Acknowledge(const log_status_t& status);
+
+  /// Moves everything that may go out now to `out`: new messages within the window, resends, and
+  /// repairs of the log that are due.
+  void Flush(const Now& now, std::vector<Packet>* out);
+
+  /// When Flush has something to do without further input, kNever when not.
+  TimeUs wake_us() const { return repair_.due_us(); }
+
+  const Identity& identity() const { return identity_; }
+  std::int64_t next_seq() const { return next_seq_; }
+  std::int64_t resent() const { return resent_; }
+  /// All sent and, with a recorder, on disk.
+  bool drained() const { return kept_.empty() && resend_.empty(); }
+
+ private:
+  header_t NextHeader(TimeUs sim_us, const Now& now);
+  SentPacket Queue(SentPacket packet);
+
+  Identity identity_;
+  std::size_t window_;
+  std::int64_t next_seq_ = 0;
+  std::int64_t resent_ = 0;
+  std::deque<SentPacket> kept_;  ///< unacknowledged, oldest first; the first out_ have been sent
+  std::size_t out_ = 0;
+  std::int64_t first_kept_seq_ = 0;  ///< of kept_.front()
+  std::vector<SentPacket> resend_;
+  BackOff repair_{20'000, 500'000};
+};
+
+}  // namespace muster

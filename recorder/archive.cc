@@ -1,0 +1,157 @@
+#include "recorder/archive.h"
+
+#include <algorithm>
+#include <set>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "protocol/convert.h"
+#include "world/restoring.h"
+
+namespace muster::tools {
+namespace {
+
+/// Ticks kept. The newest may have been told in part, and it takes the verdict on the one before.
+constexpr std::size_t kTicks = 4;
+constexpr std::string_view kWorldName = "world";
+/// A damaged name makes a sender that is none.
+constexpr std::size_t kMostSources = 1000;
+constexpr TimeUs kPatienceUs = 2 * kSecondUs;
+constexpr TimeUs kAgainUs = kSecondUs / 2;
+
+bool IsOfWorld(std::string_view name) {
+  return name == channel::kWorld || name == channel::kRulings || name == channel::kClock;
+}
+bool IsStates(std::string_view name) {
+  return name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles;
+}
+
+restore_t Restore(std::string_view name, const std::vector<std::uint8_t>& bytes) {
+  restore_t restore{};
+  restore.channel = name;
+  restore.data = bytes;
+  restore.n = static_cast<std::int32_t>(bytes.size());
+  return restore;
+}
+
+}  // namespace
+
+Archive::Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on)
+    : scenario_(scenario), run_id_(run_id), goes_on_(goes_on) {}
+
+void Archive::Add(const Packet& packet) {
+  if (!IsStates(packet.channel) && !IsOfWorld(packet.channel)) return;
+  const std::optional<header_t> header = DecodeHeader(packet);
+  if (!header || header->run_id != run_id_ || header->sim_us < 0 ||
+      header->sim_us > scenario_.rules.limit_us) {
+    return;
+  }
+  const Source source{packet.channel, header->sender};
+  if (told_.size() >= kMostSources && !told_.contains(source)) return;
+  const TimeUs tick_us = scenario_.rules.tick_us;
+  Told& told = told_[source];
+  told[(header->sim_us + tick_us - 1) / tick_us].try_emplace({header->boot_id, header->seq},
+                                                             packet);
+  Forget(source, &told);
+}
+
+void Archive::Forget(const Source& source, Told* told) const {
+  // What became of lost agents is in the verdicts about their last report. That may be in part one
+  // tick newer than what counted.
+  const auto is_of_lost = [&](std::int64_t tick) {
+    return IsOfWorld(source.channel) &&
+           std::any_of(told_.begin(), told_.end(), [&](const auto& other) {
+             if (!IsStates(other.first.channel)) return false;
+             const std::int64_t last = other.second.rbegin()->first;
+             return last - 1 <= tick && tick <= last + 1;
+           });
+  };
+  auto oldest = told->begin();
+  for (std::size_t n = told->size(); n > kTicks; --n) {
+    oldest = is_of_lost(oldest->first) ? std::next(oldest) : told->erase(oldest);
+  }
+}
+
+template <class Visit>
+void Archive::ForEachReport(const Told& told, std::int64_t tick, Visit visit) const {
+  for (const auto& [t, messages] : told) {
+    if (t == tick || (goes_on_ && t < tick)) visit(t, messages);
+  }
+}
+
+std::optional<std::int64_t> Archive::Consistent() const {
+  std::set<std::int64_t, std::greater<>> ticks;
+  for (const auto& [source, told] : told_) {
+    for (const auto& [tick, messages] : told) ticks.insert(tick + IsOfWorld(source.channel));
+  }
+  for (const std::int64_t tick : ticks) {
+    world::Restoring restoring(scenario_, run_id_);
+    for (const auto& [source, told] : told_) {
+      const auto take = [&](std::int64_t, const Messages& messages) {
+        for (const auto& [id, packet] : messages) {
+          // One that is impossible lacks below.
+          static_cast<void>(restoring.Take(Restore(source.channel, packet.bytes)));
+        }
+      };
+      if (IsOfWorld(source.channel)) {
+        for (const auto& [t, messages] : told) take(t, messages);
+      } else {
+        ForEachReport(told, tick, take);
+      }
+    }
+    const auto state = goes_on_ ? restoring.NewestWithoutLost() : restoring.Newest();
+    if (state && state->tick == tick) return tick;
+  }
+  return {};
+}
+
+bool Archive::AnswersAtOnce(const request_t& request) const {
+  return goes_on_ && request.header.sender == kWorldName;
+}
+
+std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) {
+  if (!IsStates(request.channel) && !IsOfWorld(request.channel)) return {};
+  Question& question = questions_[{request.header.sender, request.header.boot_id, request.channel}];
+  if (question.asked_us == kNever || now_us - question.asked_us > kPatienceUs) {
+    question.since_us = now_us;
+  }
+  question.asked_us = now_us;
+  const bool has_begun = std::any_of(told_.begin(), told_.end(), [](const auto& source) {
+    return source.first.channel == channel::kWorld;
+  });
+  const bool at_once = has_begun && AnswersAtOnce(request);
+  const TimeUs patience_us = at_once ? 0 : kPatienceUs;
+  if (now_us - question.since_us < patience_us || now_us - question.answered_us < kAgainUs) {
+    return {};
+  }
+  question.answered_us = now_us;
+
+  const std::optional<std::int64_t> consistent =
+      at_once ? scenario_.rules.last_tick() : Consistent();
+  if (!consistent && has_begun) return {};
+  std::vector<restore_t> answers;
+  if (!consistent) {  // the mission has not begun
+    if (!IsStates(request.channel)) return {};
+    answers.push_back(Restore(request.channel, {}));
+    answers.back().tick = -1;
+    return answers;
+  }
+  const auto answer = [&](std::int64_t tick, const Messages& messages) {
+    for (const auto& [id, packet] : messages) {
+      answers.push_back(Restore(request.channel, packet.bytes));
+      answers.back().tick = tick;
+    }
+  };
+  for (const auto& [source, told] : told_) {
+    if (source.channel != request.channel) continue;
+    if (IsOfWorld(source.channel)) {
+      for (const auto& [tick, messages] : told) answer(tick, messages);
+    } else if (told.contains(*consistent) || request.header.sender != source.sender) {
+      // Where its agents stand now is for the world to tell a lost process itself.
+      ForEachReport(told, *consistent, answer);
+    }
+  }
+  return answers;
+}
+
+}  // namespace muster::tools

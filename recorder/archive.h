@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/request_t.hpp>
+#include <muster/restore_t.hpp>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
+
+namespace muster::tools {
+
+/// The state of a mission as its processes have last told it. World and agent processes keep each
+/// other's; when several have died at once, nobody is left to tell those that start again but who
+/// has listened.
+class Archive {
+ public:
+  /// `scenario` must outlive this object. `goes_on`: the mission may go on without lost processes.
+  Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on);
+
+  /// A packet of the mission, from the bus or the log.
+  void Add(const Packet& packet);
+
+  /// What to answer, headers not filled. Nothing until the same start of the same process has asked
+  /// for two seconds: whoever is alive knows better.
+  std::vector<restore_t> Answer(const request_t& request, TimeUs now_us);
+  /// All that is known, and without delay: only who has listened knows of all verdicts which were
+  /// given without whom.
+  bool AnswersAtOnce(const request_t& request) const;
+
+ private:
+  using Messages = std::map<std::pair<std::int64_t, std::int64_t>, Packet>;  ///< by boot_id, seq
+  using Told = std::map<std::int64_t, Messages>;                             ///< by tick
+  struct Source {
+    std::string channel, sender;
+    auto operator<=>(const Source&) const = default;
+  };
+
+  void Forget(const Source& source, Told* told) const;
+  /// The newest tick from which the mission can go on: everybody's states, the verdict before.
+  std::optional<std::int64_t> Consistent() const;
+  /// Visits (tick, messages): a sender's states of that tick, and those before if it may be lost.
+  template <class Visit>
+  void ForEachReport(const Told& told, std::int64_t tick, Visit visit) const;
+
+  const Scenario& scenario_;
+  const std::int64_t run_id_;
+  const bool goes_on_;
+  std::map<Source, Told> told_;
+  struct Question {
+    TimeUs since_us = 0, asked_us = kNever, answered_us = -kNever / 2;
+  };
+  std::map<std::tuple<std::string, std::int64_t, std::string>, Question> questions_;
+};
+
+}  // namespace muster::tools

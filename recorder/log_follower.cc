@@ -1,0 +1,51 @@
+#include "recorder/log_follower.h"
+
+#include "lcmtypes/bus/codec.h"
+
+namespace muster::tools {
+
+std::optional<header_t> LogFollower::Add(const Packet& event) {
+  // lcm-logger records all of LCM: self-tests, and what users' own tools say.
+  if (!event.channel.starts_with("MUSTER_")) return std::nullopt;
+  std::optional<header_t> header = DecodeHeader(event);
+  if (!header || header->run_id != run_id_) {
+    ++strangers_;
+    return std::nullopt;
+  }
+  if (!starts_[{header->sender, header->boot_id}].Add(header->seq)) {
+    ++doubles_;
+    return std::nullopt;
+  }
+  ++messages_;
+  return header;
+}
+
+std::int64_t LogFollower::next_seq(const std::string& sender, std::int64_t boot_id) const {
+  const auto start = starts_.find({sender, boot_id});
+  return start == starts_.end() ? 0 : start->second.next();
+}
+
+bool LogFollower::Contains(const header_t& header) const {
+  const auto start = starts_.find({header.sender, header.boot_id});
+  return start != starts_.end() && start->second.Contains(header.seq);
+}
+
+std::int64_t LogFollower::missing() const {
+  std::int64_t sum = 0;
+  for (const auto& [start, seqs] : starts_) sum += seqs.max() + 1 - seqs.size();
+  return sum;
+}
+
+log_status_t LogFollower::Status() const {
+  log_status_t status{};
+  for (const auto& [start, seqs] : starts_) {
+    log_mark_t& mark = status.marks.emplace_back();
+    mark.sender = start.first;
+    mark.boot_id = start.second;
+    mark.next_seq = seqs.next();
+  }
+  status.n = static_cast<std::int32_t>(status.marks.size());
+  return status;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/header_t.hpp>
+#include <muster/log_status_t.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/interval_set.h"
+#include "lcmtypes/bus/bus.h"
+
+namespace muster::tools {
+
+/// How much of each sender's messages a growing log holds. Senders repeat themselves and the
+/// network may reorder, so the log has doubles and holes that close later.
+class LogFollower {
+ public:
+  /// Messages of other runs are counted and left out.
+  explicit LogFollower(std::int64_t run_id) : run_id_(run_id) {}
+
+  /// Takes the log's next event. Returns its header when it is a message of this run that the log
+  /// did not hold before.
+  std::optional<header_t> Add(const Packet& event);
+
+  /// Every seq of that start of that sender below it is in the log.
+  std::int64_t next_seq(const std::string& sender, std::int64_t boot_id) const;
+  bool Contains(const header_t& header) const;
+  /// Seqs that are missing below the highest one that the log holds, over all senders.
+  std::int64_t missing() const;
+
+  std::int64_t messages() const { return messages_; }  ///< of this run, each once
+  std::int64_t doubles() const { return doubles_; }
+  std::int64_t strangers() const {
+    return strangers_;
+  }  ///< of other runs, or unreadable; channels MUSTER_* only
+
+  /// The marks, by sender and boot_id; the header is left for the sender to fill.
+  log_status_t Status() const;
+
+ private:
+  using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
+
+  std::int64_t run_id_;
+  std::map<Start, IntervalSet> starts_;
+  std::int64_t messages_ = 0;
+  std::int64_t doubles_ = 0;
+  std::int64_t strangers_ = 0;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,173 @@
+#include "recorder/recorder.h"
+
+#include <algorithm>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+
+namespace muster::tools {
+namespace {
+
+/// Own messages that may be out and not in the log. Small: they share lcm-logger's queue of 30 with
+/// everybody else's.
+constexpr int kWindow = 3;
+
+// lcm-logger's shortest flush interval is 1 ms.
+constexpr TimeUs kFirstPokeUs = 1'200;
+constexpr TimeUs kLongestPokeUs = 20'000;
+constexpr TimeUs kIdleUs = 200'000;
+constexpr TimeUs kAnswerUs = 2'000;
+constexpr TimeUs kFirstRepairUs = 5'000;
+constexpr TimeUs kLongestRepairUs = 200'000;
+constexpr int kRepairBatch = 8;  ///< messages
+
+}  // namespace
+
+Recorder::Recorder(Identity identity)
+    : follower_(identity.run_id),
+      sender_(std::move(identity), kWindow),
+      poke_(kFirstPokeUs, kLongestPokeUs),
+      repair_(kFirstRepairUs, kLongestRepairUs),
+      idle_(kIdleUs, kIdleUs) {}
+
+bool Recorder::OnLogged(const Packet& event, const Now& now) {
+  const std::optional<header_t> header = follower_.Add(event);
+  if (!header) return false;
+  sim_us_ = std::max(sim_us_, header->sim_us);
+  if (header->sender == sender_.identity().name) {
+    sender_.Acknowledge(follower_.Status());
+  } else {
+    news_ = true;
+    const auto kept = kept_.find({header->sender, header->boot_id});
+    if (kept != kept_.end()) kept->second.erase(header->seq);
+  }
+  poke_.Start(now.monotonic_us);
+  return true;
+}
+
+void Recorder::OnEnd(const std::string& sender, std::int64_t boot_id, const Now& now) {
+  ended_.insert({sender, boot_id});
+  repair_.Start(now.monotonic_us);
+}
+
+SentPacket Recorder::Publish(fault_t fault, const Now& now) {
+  poke_.Start(now.monotonic_us);
+  return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
+}
+
+void Recorder::Answer(restore_t restore, const Now& now) {
+  sender_.Send(channel::kRestore, std::move(restore), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
+void Recorder::Announce(event_t event, const Now& now) {
+  sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
+bool Recorder::owes() const {
+  return std::any_of(ended_.begin(), ended_.end(), [this](const Start& start) {
+    const auto kept = kept_.find(start);
+    return kept != kept_.end() && !kept->second.empty();
+  });
+}
+
+void Recorder::OnHeard(const Packet& packet, const Now& now) {
+  const std::optional<header_t> header = DecodeHeader(packet);
+  if (!header || header->run_id != sender_.identity().run_id ||
+      header->sender == sender_.identity().name) {
+    return;
+  }
+  ++heard_packets_;
+  const Start start(header->sender, header->boot_id);
+  if (!follower_.Contains(*header)) kept_[start].try_emplace(header->seq, packet);
+  std::int64_t& heard = heard_[start];
+  if (header->seq >= heard) {
+    heard = header->seq + 1;
+    poke_.Start(now.monotonic_us);
+  } else if (header->seq < follower_.next_seq(header->sender, header->boot_id)) {
+    answer_wanted_ = true;
+  }
+}
+
+void Recorder::ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage,
+                            const Now& now) {
+  process_status_t status{};
+  status.name = sender_.identity().name;
+  status.host = usage.host;
+  status.pid = usage.pid;
+  status.state = static_cast<std::int8_t>(state);
+  status.tick = tick;
+  status.received = heard_packets_;
+  status.lost = follower_.missing();
+  status.rejected = follower_.strangers();
+  status.resent = sender_.resent();
+  status.cpu_s = usage.cpu_s;
+  status.rss_bytes = usage.rss_bytes;
+  sender_.Send(channel::kProcess, std::move(status), sim_us_, now);
+  poke_.Start(now.monotonic_us);
+}
+
+void Recorder::Finish(std::int64_t tick, const Usage& usage, const Now& now) {
+  finishing_ = true;
+  ReportStatus(ProcessState::kEnded, tick, usage, now);
+}
+
+std::int64_t Recorder::unrecorded_own() const {
+  const Identity& own = sender_.identity();
+  return sender_.next_seq() - follower_.next_seq(own.name, own.boot_id);
+}
+
+bool Recorder::behind() const {
+  if (unrecorded_own() > 0) return true;
+  return std::any_of(heard_.begin(), heard_.end(),
+                     [this](const auto& entry) {
+                       const auto& [start, heard] = entry;
+                       // What nobody has heard of somebody who has ended is lost.
+                       return ended_.count(start) == 0 &&
+                              heard > follower_.next_seq(start.first, start.second);
+                     }) ||
+         owes();
+}
+
+void Recorder::Repeat(const Now& now) {
+  sender_.Resend(newest_status_);
+  answer_wanted_ = false;
+  repeated_us_ = now.monotonic_us;
+  idle_.Start(now.monotonic_us);
+}
+
+void Recorder::Step(const Now& now, std::vector<Packet>* out) {
+  const TimeUs time_us = now.monotonic_us;
+  if (news_ && !finishing_ && unrecorded_own() < kWindow) {
+    newest_status_ = sender_.Send(channel::kLog, follower_.Status(), sim_us_, now);
+    news_ = answer_wanted_ = false;
+    poke_.Start(time_us);
+    idle_.Start(time_us);
+  } else if (newest_status_) {
+    const bool poke = behind() && poke_.Fire(time_us);
+    const bool answer = answer_wanted_ && time_us >= repeated_us_ + kAnswerUs;
+    if (poke || answer || idle_.Fire(time_us)) Repeat(now);
+  }
+  if (owes() && repair_.Fire(time_us)) {
+    int sent = 0;
+    for (const Start& start : ended_) {
+      const auto kept = kept_.find(start);
+      if (kept == kept_.end()) continue;
+      for (const auto& [seq, packet] : kept->second) {
+        if (sent++ < kRepairBatch) out->push_back(packet);
+      }
+    }
+  }
+  sender_.Flush(now, out);
+}
+
+TimeUs Recorder::wake_us() const {
+  TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
+  if (behind()) wake = std::min(wake, poke_.due_us());
+  if (owes()) wake = std::min(wake, repair_.due_us());
+  if (answer_wanted_) wake = std::min(wake, repeated_us_ + kAnswerUs);
+  return wake;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/event_t.hpp>
+#include <muster/fault_t.hpp>
+#include <muster/restore_t.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "protocol/process.h"
+#include "protocol/sender.h"
+#include "recorder/log_follower.h"
+
+namespace muster::tools {
+
+/// The recorder's part in the mission, as a pure core: it tells everybody what the log holds.
+///
+/// lcm-logger writes its buffer to disk only when a message arrives later than its flush interval
+/// after the last flush. So while something is known to be on its way to the log (heard on the bus,
+/// or said by ourselves), the recorder repeats its newest message until the log has it all. It
+/// also repeats it to a sender that shows, by repairing what the log holds already, that it has not
+/// heard; and now and then without a reason, for the packets that it has not heard itself.
+///
+/// It keeps what it has heard until the log has it: a killed start can no longer repair the log, so
+/// the recorder sends those messages again in its place, byte for byte.
+class Recorder {
+ public:
+  explicit Recorder(Identity identity);
+
+  /// The log's next event. Returns true when it is of this run and the log did not hold it before.
+  bool OnLogged(const Packet& event, const Now& now);
+  /// A packet on the bus, one's own included.
+  void OnHeard(const Packet& packet, const Now& now);
+
+  /// That start of that sender has ended and will not say anything again.
+  void OnEnd(const std::string& sender, std::int64_t boot_id, const Now& now);
+
+  /// Publishes a fault_t; its header is the recorder's to fill. SendAgain sends it once more.
+  SentPacket Publish(fault_t fault, const Now& now);
+  void SendAgain(const SentPacket& packet) { sender_.Resend(packet); }
+  /// Publishes a restore_t; its header is the recorder's to fill.
+  void Answer(restore_t restore, const Now& now);
+  /// Publishes an event_t; its header is the recorder's to fill.
+  void Announce(event_t event, const Now& now);
+  /// Publishes a process_status_t of the recorder itself.
+  void ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage, const Now& now);
+  /// Says that it ends. From here on only repeats.
+  void Finish(std::int64_t tick, const Usage& usage, const Now& now);
+  /// Its end is in the log, and everything it heard of.
+  bool finished() const { return finishing_ && !behind(); }
+
+  /// Appends what is to be published now to `out`.
+  void Step(const Now& now, std::vector<Packet>* out);
+  /// Latest monotonic time of the next Step even if nothing happens.
+  TimeUs wake_us() const;
+
+  /// Something is known to be published and not in the log yet.
+  bool behind() const;
+  const LogFollower& log() const { return follower_; }
+
+ private:
+  using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
+
+  std::int64_t unrecorded_own() const;
+  void Repeat(const Now& now);
+  /// Whether there is something to say again for those who have ended.
+  bool owes() const;
+
+  LogFollower follower_;
+  Sender sender_;
+  std::int64_t heard_packets_ = 0;
+  std::map<Start, std::int64_t> heard_;  ///< of others: highest seq heard, plus one
+  /// By seq: heard and not in the log.
+  std::map<Start, std::map<std::int64_t, Packet>> kept_;
+  std::set<Start> ended_;
+  TimeUs sim_us_ = 0;         ///< latest in the log
+  SentPacket newest_status_;  ///< the last log_status_t
+  bool news_ = true;          ///< the marks have changed since
+  bool finishing_ = false;
+  bool answer_wanted_ = false;  ///< somebody has not heard the marks
+  TimeUs repeated_us_ = 0;
+  BackOff poke_;  ///< while behind
+  BackOff repair_;
+  BackOff idle_;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "scheduler/policy.h"
+#include "scheduler/solver/solver.h"
+
+namespace muster::scheduler {
+
+/// Where a decision's wall time went, seconds.
+struct CertifiedProfile {
+  double weights_s = 0;     ///< expected costs and gains
+  double candidates_s = 0;  ///< finding and ordering who can go where
+  double bound_s = 0;       ///< the linear relaxation and its bounds
+  double search_s = 0;      ///< assignments
+  std::int64_t work = 0;    ///< the solver's steps
+};
+
+/// One decision by BuildInstance and Solve, with its proven bound. `profile` may be null.
+Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
+                         CertifiedProfile* profile);
+
+/// The policy `certified`: repeatable, as its limit is one of work unless there is a deadline. It
+/// keeps nothing between calls.
+class CertifiedPolicy : public Policy {
+ public:
+  /// Two threads where they pay, unless the limits say otherwise.
+  CertifiedPolicy() { limits_.threads = 2; }
+  explicit CertifiedPolicy(const SolverLimits& limits) : limits_(limits) {}
+  Decision Decide(const Situation& situation) override;
+  bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
+    deadline_ = deadline;
+    return true;
+  }
+
+ private:
+  SolverLimits limits_;
+  std::optional<std::chrono::steady_clock::duration> deadline_;
+};
+
+}  // namespace muster::scheduler

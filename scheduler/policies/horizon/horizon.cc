@@ -1,0 +1,208 @@
+#include "scheduler/policies/horizon/horizon.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "model/feasibility.h"
+#include "scheduler/policies/horizon/matching.h"
+
+namespace muster::scheduler {
+namespace {
+
+std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+class Planner {
+ public:
+  Planner(const Situation& situation, const HorizonSettings& settings)
+      : situation_(situation),
+        settings_(settings),
+        participants_(ParticipantsOf(situation, settings)),
+        open_(OpenSitesOf(situation)) {
+    for (std::size_t k = 0; k < 3; ++k) used_[k].assign(participants_[k].size(), 0);
+  }
+
+  Decision Decide() {
+    const std::vector<Match> first =
+        HeaviestPairs(situation_, participants_, open_, settings_, &candidates_);
+    for (const Match& match : first) Command(match);
+    if (settings_.send_ahead) {
+      for (const Match& match : first) Advance(match);
+      for (const Match& match :
+           HeaviestPairs(situation_, participants_, open_, settings_, nullptr)) {
+        const bool uav = Free(match, AgentKind::kUav);
+        const bool partner = Free(match, PartnerKindOf(match));
+        if (uav && partner) {
+          Pair(match);
+        } else if (uav || partner) {
+          Go(match, uav ? AgentKind::kUav : PartnerKindOf(match));
+        }
+      }
+    }
+    return MakeDecision(std::move(actions_), candidates_);
+  }
+
+ private:
+  static AgentKind PartnerKindOf(const Match& match) {
+    return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
+  }
+  Participant& Member(const Match& match, AgentKind kind) {
+    return participants_[static_cast<std::size_t>(kind)]
+                        [At(kind == AgentKind::kUav ? match.uav : match.partner)];
+  }
+  char& Used(const Match& match, AgentKind kind) {
+    return used_[static_cast<std::size_t>(kind)]
+                [At(kind == AgentKind::kUav ? match.uav : match.partner)];
+  }
+  Point Place(const Match& match) const {
+    return match.charging ? situation_.site->charging_points[At(match.site)].at
+                          : situation_.site->tasks[At(match.site)].at;
+  }
+
+  Action Base(const Match& match) const {
+    Action action;
+    if (match.charging) {
+      action.charge = ChargeId(match.site);
+    } else {
+      action.task = TaskId(match.site);
+    }
+    action.to = Place(match);
+    action.weight = match.weight;
+    return action;
+  }
+
+  /// A pair of idle agents is commanded; of another one the idle member may go ahead.
+  void Command(const Match& match) {
+    const Participant& uav = Member(match, AgentKind::kUav);
+    const Participant& partner = Member(match, PartnerKindOf(match));
+    if (uav.idle && partner.idle) {
+      if (settings_.steps && !MeetsBeforeNextDecision(match)) {
+        Go(match, AgentKind::kUav);
+        Go(match, PartnerKindOf(match));
+      } else {
+        Pair(match);
+      }
+    } else if (settings_.meet_ahead && (uav.idle || partner.idle)) {
+      const AgentKind kind = uav.idle ? AgentKind::kUav : PartnerKindOf(match);
+      if (GoingAheadHelps(match, kind)) Go(match, kind);
+    }
+    Used(match, AgentKind::kUav) = 1;
+    Used(match, PartnerKindOf(match)) = 1;
+  }
+
+  void Pair(const Match& match) {
+    Action action = Base(match);
+    action.kind = match.charging ? ActionKind::kCharge : ActionKind::kSense;
+    action.uav = UavId(Member(match, AgentKind::kUav).agent->id);
+    (match.charging ? action.vehicle.value : action.worker.value) =
+        Member(match, PartnerKindOf(match)).agent->id;
+    actions_.push_back(action);
+  }
+
+  TimeUs Travel(const Participant& member, Point to) const {
+    return TravelUs(Distance(member.at, to), member.agent->speed_m_s);
+  }
+
+  /// Whether the pair meets no later when the idle member leaves now and the pair is made once both
+  /// are free, than when both leave as a pair once the other is free.
+  bool GoingAheadHelps(const Match& match, AgentKind idle_kind) {
+    const Participant& idle = Member(match, idle_kind);
+    const Participant& other =
+        Member(match, idle_kind == AgentKind::kUav ? PartnerKindOf(match) : AgentKind::kUav);
+    const TimeUs interval = situation_.site->rules.interval_us;
+    const TimeUs way = Travel(idle, Place(match)), other_way = Travel(other, Place(match));
+    const TimeUs ahead =
+        std::max(other.ready_us, DecisionAfter(situation_.now_us + way, interval)) + other_way;
+    return ahead <= other.ready_us + std::max(way, other_way);
+  }
+
+  TimeUs NextDecision() const { return situation_.now_us + situation_.site->rules.interval_us; }
+
+  bool MeetsBeforeNextDecision(const Match& match) {
+    const Participant& uav = Member(match, AgentKind::kUav);
+    const Participant& partner = Member(match, PartnerKindOf(match));
+    return situation_.now_us + std::max(Travel(uav, Place(match)), Travel(partner, Place(match))) <
+           NextDecision();
+  }
+
+  /// An idle member goes to the place of its match, or with `steps` as far as it gets before the
+  /// next decision.
+  void Go(const Match& match, AgentKind kind) {
+    const Participant& member = Member(match, kind);
+    const TimeUs travel = Travel(member, Place(match));
+    if (Distance(member.at, Place(match)) == 0) return;
+    Action action = Base(match);
+    action.weight = 0;
+    TimeUs arrive = situation_.now_us + travel;
+    if (settings_.steps) {
+      action.task = {};
+      action.charge = {};
+      action.kind = ActionKind::kGoTo;
+      if (arrive > NextDecision()) {
+        // A little less than the interval allows, so that rounding does not make it longer.
+        action.to = Lerp(member.at, action.to,
+                         static_cast<double>(situation_.site->rules.interval_us - 1) /
+                             static_cast<double>(travel));
+        arrive = NextDecision();
+      }
+    }
+    if (arrive > member.latest_us) return;
+    switch (kind) {
+      case AgentKind::kUav:
+        action.uav = UavId(member.agent->id);
+        if (!settings_.steps) {
+          action.kind = match.charging ? ActionKind::kUavToCharge : ActionKind::kUavToTask;
+        }
+        break;
+      case AgentKind::kWorker:
+        action.worker = WorkerId(member.agent->id);
+        if (!settings_.steps) action.kind = ActionKind::kWorkerToTask;
+        break;
+      case AgentKind::kVehicle:
+        action.vehicle = VehicleId(member.agent->id);
+        if (!settings_.steps) action.kind = ActionKind::kVehicleToCharge;
+        break;
+    }
+    actions_.push_back(action);
+  }
+
+  /// Members and site as they will be after the pair.
+  void Advance(const Match& match) {
+    Participant& uav = Member(match, AgentKind::kUav);
+    Participant& partner = Member(match, PartnerKindOf(match));
+    const double way = Distance(uav.at, Place(match));
+    if (match.charging) {
+      uav.range_m = uav.agent->range_full_m;
+      --open_.place[At(match.site)];
+    } else {
+      uav.range_m -= way + situation_.site->tasks[At(match.site)].cost_m;
+      open_.task[At(match.site)] = 0;
+    }
+    for (Participant* member : {&uav, &partner}) {
+      member->at = Place(match);
+      member->ready_us = DecisionAfter(match.end_us, situation_.site->rules.interval_us);
+    }
+  }
+
+  /// Idle and not used by the first matching.
+  bool Free(const Match& match, AgentKind kind) {
+    return !Used(match, kind) && Member(match, kind).idle;
+  }
+
+  const Situation& situation_;
+  const HorizonSettings& settings_;
+  Participants participants_;
+  OpenSites open_;
+  std::array<std::vector<char>, 3> used_;  ///< by the first matching
+  std::vector<Action> actions_;
+  std::int64_t candidates_ = 0;
+};
+
+}  // namespace
+
+Decision HorizonPolicy::Decide(const Situation& situation) {
+  return Planner(situation, settings_).Decide();
+}
+
+}  // namespace muster::scheduler

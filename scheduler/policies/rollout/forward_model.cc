@@ -1,0 +1,83 @@
+#include "scheduler/policies/rollout/forward_model.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace muster::scheduler {
+
+ForwardModel::ForwardModel(const Situation& situation) : situation_(situation) {}
+
+bool ForwardModel::anybody() const {
+  return !situation_.uavs.empty() || !situation_.workers.empty() || !situation_.vehicles.empty();
+}
+
+void ForwardModel::Step(const std::vector<Action>& actions) {
+  for (const Action& action : actions) Start(action);
+  const Rules& rules = situation_.site->rules;
+  ++situation_.decision;
+  AdvanceTo(std::min(situation_.now_us + rules.interval_us, rules.limit_us));
+}
+
+AgentState* ForwardModel::Find(AgentKind kind, std::int32_t id) {
+  if (id < 0) return nullptr;
+  std::vector<AgentState>& agents = kind == AgentKind::kUav      ? situation_.uavs
+                                    : kind == AgentKind::kWorker ? situation_.workers
+                                                                 : situation_.vehicles;
+  const auto agent = std::lower_bound(agents.begin(), agents.end(), id,
+                                      [](const AgentState& a, std::int32_t i) { return a.id < i; });
+  MUSTER_CHECK(agent != agents.end() && agent->id == id, "{}:{}", ToString(kind), id);
+  return &*agent;
+}
+
+void ForwardModel::Start(const Action& action) {
+  AgentState* uav = Find(AgentKind::kUav, action.uav.value);
+  AgentState* worker = Find(AgentKind::kWorker, action.worker.value);
+  AgentState* vehicle = Find(AgentKind::kVehicle, action.vehicle.value);
+  for (AgentState* agent : {uav, worker, vehicle}) {
+    if (agent != nullptr) {
+      Begin(agent, action, situation_.decision, situation_.now_us, Disturbances(),
+            situation_.site->seed);
+    }
+  }
+  if (!IsPair(action.kind)) return;
+  AgentState* partner = action.kind == ActionKind::kSense ? worker : vehicle;
+  const Activity activity = PlanActivity(*uav, *partner, situation_.site->tasks);
+  for (AgentState* agent : {uav, partner}) {
+    agent->activity = activity;
+    agent->busy_until_us = activity.end_us;
+  }
+  if (action.kind == ActionKind::kSense) {
+    situation_.task_status[action.task.index()] = TaskStatus::kReserved;
+  } else {
+    ++situation_.charging_load[action.charge.index()];
+  }
+}
+
+void ForwardModel::AdvanceTo(TimeUs t) {
+  situation_.now_us = t;
+  for (const AgentState& uav : situation_.uavs) {
+    if (uav.action == ActionKind::kNone || !uav.activity) continue;
+    const Activity& activity = *uav.activity;
+    const auto site = static_cast<std::size_t>(activity.site);
+    if (activity.end_us > t) {
+      if (activity.kind == Activity::Kind::kSensing && activity.start_us <= t) {
+        situation_.task_status[site] = TaskStatus::kSensing;
+      }
+    } else if (activity.kind == Activity::Kind::kSensing) {
+      situation_.task_status[site] = TaskStatus::kDone;
+      done_us_.push_back(activity.end_us);
+    } else {
+      --situation_.charging_load[site];
+    }
+  }
+  const Verdict none;
+  for (auto* agents : {&situation_.uavs, &situation_.workers, &situation_.vehicles}) {
+    for (AgentState& agent : *agents) Settle(&agent, none, t, situation_.site->tasks);
+    std::erase_if(*agents, [t](const AgentState& agent) {
+      return agent.failed || (!agent.online(t) && agent.busy_until_us <= t);
+    });
+  }
+}
+
+}  // namespace muster::scheduler

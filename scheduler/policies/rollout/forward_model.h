@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "model/action.h"
+#include "scheduler/situation.h"
+
+namespace muster::scheduler {
+
+/// The known situation carried forward without messages, on the mission's rule book
+/// (model/agent.h): the agents of the situation with their own online times, nobody who comes
+/// online later, no disturbances. Outcomes are those of the mission as long as that is all there
+/// is (forward_model_mission_test). Meetings without a command (Rules::start_on_meeting) are left
+/// out.
+class ForwardModel {
+ public:
+  explicit ForwardModel(const Situation& situation);
+
+  /// The situation of the decision that is due.
+  const Situation& situation() const { return situation_; }
+  /// Whether the limit is reached: nothing is due any more.
+  bool over() const { return situation_.now_us >= situation_.site->rules.limit_us; }
+  /// Whether an agent can still be commanded, now or later, or is under way.
+  bool anybody() const;
+
+  /// Carries out the actions, which must pass CheckActions, and goes on to the next decision, or to
+  /// the limit.
+  void Step(const std::vector<Action>& actions);
+
+  /// End times of the sensing that has ended within the limit, in the order of the decisions.
+  const std::vector<TimeUs>& done_us() const { return done_us_; }
+
+ private:
+  AgentState* Find(AgentKind kind, std::int32_t id);
+  void Start(const Action& action);
+  void AdvanceTo(TimeUs t);
+
+  Situation situation_;
+  std::vector<TimeUs> done_us_;
+};
+
+}  // namespace muster::scheduler

@@ -1,0 +1,130 @@
+#include "scheduler/policies/rollout/rollout.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <utility>
+
+#include "base/check.h"
+#include "scheduler/policies/horizon/horizon.h"
+#include "scheduler/policies/rollout/forward_model.h"
+
+namespace muster::scheduler {
+
+std::vector<HorizonSettings> RolloutSettings::DefaultVariants() {
+  const HorizonSettings base;
+  std::vector<HorizonSettings> variants = {base};
+  const auto add = [&](auto change) {
+    HorizonSettings variant = base;
+    change(&variant);
+    variants.push_back(variant);
+  };
+  add([](HorizonSettings* s) { s->patience = 0.6; });
+  add([](HorizonSettings* s) { s->patience = 1.6; });
+  add([](HorizonSettings* s) { s->uav_way = 0.15; });
+  add([](HorizonSettings* s) { s->uav_way = 0.7; });
+  add([](HorizonSettings* s) { s->finish_weight = 0.4; });
+  add([](HorizonSettings* s) { s->charge_worth = 0.4; });
+  add([](HorizonSettings* s) { s->charge_worth = 1.2; });
+  add([](HorizonSettings* s) { s->tentative = 0.8; });
+  add([](HorizonSettings* s) { s->soon_idle = false; });
+  add([](HorizonSettings* s) { s->partner_way = 0.04; });
+  add([](HorizonSettings* s) { s->soon_decisions = 4; });
+  add([](HorizonSettings* s) { s->chains = false; });
+  return variants;
+}
+
+RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(settings)) {
+  MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0, "work={}", settings_.work);
+}
+
+void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
+                           const Plan* known, std::vector<Plan>* plans) const {
+  const std::size_t n = plans->size();
+  /// Calls body(plan) for every plan, by two threads at once.
+  const auto for_each = [&](auto body) {
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+      for (std::size_t i = next++; i < n; i = next++) body(&(*plans)[i]);
+    };
+    if (settings_.threads < 2) return run();
+    const std::jthread other(run);
+    run();
+  };
+  // Without time for anything, the first variant's decision stands.
+  const auto late = [&](const Plan* plan) {
+    return settings_.deadline && (known != nullptr || plan != plans->data()) &&
+           std::chrono::steady_clock::now() - start >= *settings_.deadline;
+  };
+  for_each([&](Plan* plan) {
+    if (late(plan)) return;
+    plan->decision = HorizonPolicy(plan->settings).Decide(situation);
+    plan->decided = true;
+  });
+
+  const auto same = [](const Plan& a, const Plan& b) {
+    const auto &x = a.decision.actions, &y = b.decision.actions;
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(), [](Action p, Action q) {
+      p.weight = q.weight = 0;
+      return p == q;
+    });
+  };
+  std::vector<char> skip(n, 0);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Plan& plan = (*plans)[i];
+    skip[i] = !plan.decided || (known != nullptr && same(plan, *known));
+    for (std::size_t j = 0; j < i && !skip[i]; ++j) {
+      skip[i] = (*plans)[j].decided && same(plan, (*plans)[j]);
+    }
+    if (!skip[i]) ++different;
+  }
+  if (different == 0) return;
+  const auto depth = std::max<std::size_t>(1, static_cast<std::size_t>(settings_.work) / different);
+  const auto limit = static_cast<double>(situation.site->rules.limit_us);
+  for_each([&](Plan* plan) {
+    if (skip[static_cast<std::size_t>(plan - plans->data())] || late(plan)) return;
+    plan->followed = true;
+    ForwardModel model(situation);
+    HorizonPolicy policy(plan->follow);
+    model.Step(plan->decision.actions);
+    for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
+      model.Step(policy.Decide(model.situation()).actions);
+    }
+    plan->done = model.done_us().size();
+    for (const TimeUs done : model.done_us()) {
+      plan->worth += 1 + settings_.early * (1 - static_cast<double>(done) / limit);
+    }
+  });
+}
+
+Decision RolloutPolicy::Decide(const Situation& situation) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto best_of = [](const std::vector<Plan>& plans, const Plan* best) {
+    for (const Plan& plan : plans) {
+      if (plan.followed && (best == nullptr || plan.worth > best->worth + 1e-9)) best = &plan;
+    }
+    return best;
+  };
+  std::vector<Plan> variants(settings_.variants.size());
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    variants[i].settings = variants[i].follow = settings_.variants[i];
+  }
+  Follow(situation, start, nullptr, &variants);
+  const Plan* best = best_of(variants, nullptr);
+
+  const auto left = static_cast<std::size_t>(
+      std::count_if(situation.task_status.begin(), situation.task_status.end(),
+                    [](TaskStatus status) { return status != TaskStatus::kDone; }));
+  if (best->done >= left || best->decision.actions.empty()) return best->decision;
+  std::vector<Plan> near(static_cast<std::size_t>(settings_.draws));
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    near[i].settings = near[i].follow = best->follow;
+    near[i].settings.jitter = settings_.jitter;
+    near[i].settings.draw = static_cast<std::uint32_t>(i);
+  }
+  Follow(situation, start, best, &near);
+  return best_of(near, best)->decision;
+}
+
+}  // namespace muster::scheduler

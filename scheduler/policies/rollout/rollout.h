@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "scheduler/policies/horizon/settings.h"
+#include "scheduler/policy.h"
+
+namespace muster::scheduler {
+
+struct RolloutSettings {
+  /// Ways to weigh, the first one first in a tie. Each is followed to the end of the known agents'
+  /// time by deciding on with the same weights.
+  std::vector<HorizonSettings> variants = DefaultVariants();
+  /// When the best variant leaves a known task undone: its decision is varied this often by chance
+  /// (HorizonSettings::jitter), each followed with the variant's own weights.
+  int draws = 48;
+  double jitter = 0.1;
+  /// Decisions that are simulated for the variants, and again for the draws. Repeatable: all that
+  /// are followed may go equally far.
+  std::int32_t work = 800;
+  /// Wall time after which nothing further is followed, for live use: an answer may then depend on
+  /// the machine's speed.
+  std::optional<std::chrono::steady_clock::duration> deadline;
+  int threads = 2;  ///< 1 or 2; no answer depends on it without a deadline
+  /// What a task done at mission start is worth above one done at the limit, in tasks.
+  double early = 0.5;
+
+  static std::vector<HorizonSettings> DefaultVariants();
+};
+
+/// Decides like that variant of `horizon` under which most tasks get done, the known situation
+/// carried forward on the rule book (ForwardModel); then tries other decisions near that one.
+/// Decisions that are alike are followed once, the first of them. Source: ours; the idea is that of
+/// rollout algorithms (Bertsekas, Tsitsiklis and Wu 1997): one step of improvement over base
+/// policies.
+class RolloutPolicy : public Policy {
+ public:
+  explicit RolloutPolicy(RolloutSettings settings = {});
+  Decision Decide(const Situation& situation) override;
+  bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
+    settings_.deadline = deadline;
+    return true;
+  }
+
+ private:
+  struct Plan {
+    HorizonSettings settings;  ///< decided with these
+    HorizonSettings follow;    ///< decides on with these
+    Decision decision;
+    bool decided = false, followed = false;
+    double worth = 0;
+    std::size_t done = 0;  ///< tasks
+  };
+  /// Decides all plans, follows those that differ from each other and from `known`.
+  void Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
+              const Plan* known, std::vector<Plan>* plans) const;
+
+  RolloutSettings settings_;
+};
+
+}  // namespace muster::scheduler

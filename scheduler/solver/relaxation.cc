@@ -1,0 +1,247 @@
+#include "scheduler/solver/relaxation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "scheduler/solver/parallel.h"
+
+namespace muster::scheduler {
+namespace {
+
+using Index = std::int32_t;
+
+constexpr std::size_t kColumnsPerRound = 8;  ///< that a UAV may add to the linear program
+constexpr std::int32_t kOffersPerPlace = 6;  ///< columns of a site that a round adds, about
+/// Of these, where a UAV has enough of them; multiples of kAlike.
+constexpr std::array<double, 4> kMostRegret = {0.1, 1, 70, std::numeric_limits<double>::infinity()};
+constexpr int kChunk = 50;  ///< UAVs whose columns are solved for together
+
+constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
+
+/// Rows of the linear program: UAVs, partners, sites.
+std::vector<std::int32_t> Rows(const Instance& instance) {
+  std::vector<std::int32_t> rows(instance.uavs.size() + instance.partners.size(), 1);
+  rows.insert(rows.end(), instance.capacity.begin(), instance.capacity.end());
+  return rows;
+}
+
+}  // namespace
+
+Relaxation::Relaxation(const Instance& instance, Dual* dual, int threads)
+    : instance_(instance),
+      dual_(*dual),
+      planner_(instance, *dual),
+      threads_(threads),
+      lp_(Rows(instance)),
+      solo_known_(instance.partner_arcs.size(), 0),
+      order_(instance.uavs.size()) {
+  for (const auto& uav : instance.uavs) stay_weight_ += uav.stay;
+  for (const auto& partner : instance.partners) stay_weight_ += partner.stay;
+  std::iota(order_.begin(), order_.end(), 0);
+  std::sort(order_.begin(), order_.end(), [&](Index a, Index b) {
+    return std::pair(instance.uavs[At(a)].place, a) < std::pair(instance.uavs[At(b)].place, b);
+  });
+}
+
+void Relaxation::OffersOf(Index u, std::vector<Column>* columns, std::vector<Offer>* offers) const {
+  const double earns = instance_.uavs[At(u)].stay + lp_.prices()[At(u)];
+  const double more = dual_.best_value(u) - earns;
+  if (more <= kNegligible) return;
+  for (const double most : kMostRegret) {
+    columns->clear();
+    dual_.TopColumns(u, std::min(more - kNegligible, most), columns);
+    if (columns->size() >= kColumnsPerRound || most >= more) break;
+  }
+  if (columns->size() > kColumnsPerRound) {
+    // The best one, then good ones: which of them differs from UAV to UAV.
+    const auto key = [&](const Column& c) {
+      return std::tuple(
+          std::floor(c.regret / kAlike),
+          Mix(static_cast<std::uint64_t>(u) << 32 ^ static_cast<std::uint64_t>(c.site) << 16 ^
+              static_cast<std::uint64_t>(planner_.PartnerOf(c))),
+          c.uav_arc, c.partner_arc);
+    };
+    std::nth_element(columns->begin() + 1, columns->begin() + kColumnsPerRound, columns->end(),
+                     [&](const Column& a, const Column& b) { return key(a) < key(b); });
+    columns->resize(kColumnsPerRound);
+  }
+  for (const Column& column : *columns) {
+    if (column.site >= 0) offers->push_back({more - column.regret, u, column});
+  }
+}
+
+/// What UAVs would rather do at the program's prices, by neighbourhood.
+std::vector<Relaxation::Offer> Relaxation::Offers() {
+  dual_.RankPartners();
+  std::array<std::vector<Offer>, 2> halves;
+  ParallelFor(order_.size(), threads_, 1000, [&](std::size_t begin, std::size_t end) {
+    std::vector<Column> columns;
+    for (std::size_t k = begin; k < end; ++k) {
+      OffersOf(order_[k], &columns, &halves[begin == 0 ? 0 : 1]);
+    }
+  });
+  std::vector<Offer> offers = std::move(halves[0]);
+  offers.insert(offers.end(), halves[1].begin(), halves[1].end());
+  work_ += static_cast<std::int64_t>(instance_.uav_arcs.size() + 8 * offers.size());
+
+  // Where all want the same site, the best few tell what it is worth.
+  std::vector<std::int32_t> at_site(instance_.capacity.size(), 0);
+  for (const Offer& offer : offers) ++at_site[At(offer.column.site)];
+  const auto most = [&](Index site) {
+    return kOffersPerPlace * (std::int64_t{instance_.capacity[At(site)]} + 1);
+  };
+  std::vector<std::size_t> crowded;
+  for (std::size_t k = 0; k < offers.size(); ++k) {
+    if (at_site[At(offers[k].column.site)] > most(offers[k].column.site)) crowded.push_back(k);
+  }
+  std::sort(crowded.begin(), crowded.end(), [&](std::size_t i, std::size_t j) {
+    const Offer &a = offers[i], &b = offers[j];
+    return std::tie(b.more, a.column.regret, a.uav, a.column.uav_arc, a.column.partner_arc) <
+           std::tie(a.more, b.column.regret, b.uav, b.column.uav_arc, b.column.partner_arc);
+  });
+  for (const std::size_t k : crowded) at_site[At(offers[k].column.site)] = 0;
+  for (const std::size_t k : crowded) {
+    const Index site = offers[k].column.site;
+    if (++at_site[At(site)] > most(site)) offers[k].uav = -1;
+  }
+  std::erase_if(offers, [](const Offer& offer) { return offer.uav < 0; });
+  return offers;
+}
+
+/// Neighbourhood by neighbourhood: what is solved in one is seldom undone by the next.
+bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function<bool()>& stop,
+                           std::int64_t end) {
+  Index last = -1;
+  int in_chunk = 0;
+  for (const Offer& offer : offers) {
+    if (offer.uav != last && ++in_chunk > kChunk) {
+      if (!lp_.Solve(end - dual_.work() - work(), stop)) return false;
+      in_chunk = 1;
+    }
+    last = offer.uav;
+    AddColumn(offer.uav, offer.column);
+  }
+  return true;
+}
+
+void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& stop) {
+  const auto n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
+  const std::int64_t end = dual_.work() + work() + work_limit;
+  bound_ = dual_.Evaluate();
+  prices_ = first_prices_ = dual_.prices();
+  while (!stop() && dual_.work() + work() < end) {
+    const auto before = lp_.n_columns();
+    bool solved = AddOffers(Offers(), stop, end);
+    for (Index p = 0; p < n_partners; ++p) {
+      const double earns =
+          instance_.partners[At(p)].stay + lp_.prices()[At(n_uavs + p)] + kNegligible;
+      for (const Dual::Solo& solo : dual_.solos(p)) {
+        const Index site = n_uavs + n_partners + solo.site;
+        if (solo_known_[At(solo.arc)] || solo.weight - lp_.prices()[At(site)] <= earns) continue;
+        AddSolo(p, &solo);
+      }
+    }
+    if (lp_.n_columns() == before) {
+      solved_ = solved;
+      break;
+    }
+    solved = solved && lp_.Solve(end - dual_.work() - work(), stop);
+    Dual::Prices prices;
+    for (Index s = 0; s < instance_.n_sites(); ++s) {
+      prices.site.push_back(std::max(0.0, lp_.prices()[At(n_uavs + n_partners + s)]));
+    }
+    for (Index p = 0; p < n_partners; ++p) {
+      prices.partner.push_back(instance_.partners[At(p)].stay +
+                               std::max(0.0, lp_.prices()[At(n_uavs + p)]));
+    }
+    dual_.set_prices(prices);
+    const double bound = dual_.Evaluate();
+    if (bound < bound_) {
+      bound_ = bound;
+      prices_ = std::move(prices);
+    }
+    if (!solved) break;
+    // What is too large for a proof of the optimum need not be exact either.
+    if (known_.size() > kProofColumns &&
+        bound_ - stay_weight_ - lp_.Bound() <= kCloseEnough * bound_) {
+      solved_ = true;
+      break;
+    }
+  }
+  if (dual_.prices().site != prices_.site || dual_.prices().partner != prices_.partner) {
+    dual_.set_prices(prices_);
+    dual_.Evaluate();
+  }
+}
+
+void Relaxation::AddColumn(Index uav, const Column& column) {
+  const Index n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
+  const Index p = planner_.PartnerOf(column);
+  double cost = planner_.WeightOf(uav, column) - instance_.uavs[At(uav)].stay;
+  if (p >= 0) cost -= instance_.partners[At(p)].stay;
+  lp_.AddColumn(cost,
+                {uav, p < 0 ? PackingLp::kNoRow : n_uavs + p, n_uavs + n_partners + column.site});
+  known_.push_back({uav, column, nullptr});
+}
+
+void Relaxation::AddSolo(Index partner, const Dual::Solo* solo) {
+  const Index n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
+  solo_known_[At(solo->arc)] = 1;
+  lp_.AddColumn(solo->weight - instance_.partners[At(partner)].stay,
+                {PackingLp::kNoRow, n_uavs + partner, n_uavs + n_partners + solo->site});
+  known_.push_back({partner, {}, solo});
+}
+
+bool Relaxation::AddAll(double most, std::size_t limit) {
+  std::vector<std::vector<std::pair<Index, Index>>> known(instance_.uavs.size());
+  for (const Known& column : known_) {
+    if (column.solo != nullptr) continue;
+    known[At(column.agent)].emplace_back(column.column.uav_arc, column.column.partner_arc);
+  }
+  std::vector<Column> columns;
+  for (Index u = 0; u < instance_.n_uavs(); ++u) {
+    columns.clear();
+    dual_.ColumnsOf(u, most, &columns);
+    work_ += 8 * dual_.n_arcs(u) + static_cast<std::int64_t>(columns.size());
+    auto& of_uav = known[At(u)];
+    std::sort(of_uav.begin(), of_uav.end());
+    for (const Column& column : columns) {
+      if (column.site >= 0 && !std::binary_search(of_uav.begin(), of_uav.end(),
+                                                  std::pair(column.uav_arc, column.partner_arc))) {
+        AddColumn(u, column);
+      }
+    }
+    if (known_.size() > limit) return false;
+  }
+  for (Index p = 0; p < instance_.n_partners(); ++p) {
+    for (const Dual::Solo& solo : dual_.solos(p)) {
+      if (!solo_known_[At(solo.arc)] && planner_.OwnRegret(p, &solo) <= most) AddSolo(p, &solo);
+    }
+  }
+  return true;
+}
+
+Plan Relaxation::Rounded() const {
+  Plan plan = planner_.Empty();
+  for (std::size_t k = 0; k < known_.size(); ++k) {
+    if (lp_.value(static_cast<Index>(k)) <= 0.5) continue;
+    const Known& known = known_[k];
+    if (known.solo != nullptr) {
+      if (plan.free_places[At(known.solo->site)] <= 0 || plan.partner_of[At(known.agent)] >= 0) {
+        continue;
+      }
+      plan.own[At(known.agent)] = known.solo;
+      --plan.free_places[At(known.solo->site)];
+    } else if (planner_.IsFree(plan, known.column)) {
+      planner_.Put(&plan, known.agent, known.column);
+    }
+  }
+  return plan;
+}
+
+}  // namespace muster::scheduler

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "scheduler/solver/dual.h"
+#include "scheduler/solver/instance.h"
+#include "scheduler/solver/packing_lp.h"
+#include "scheduler/solver/plan.h"
+
+namespace muster::scheduler {
+
+/// Up to that many columns are searched for a proof of the optimum.
+inline constexpr std::size_t kProofColumns = 20000;
+/// Gap, relative, with which larger instances are content.
+inline constexpr double kCloseEnough = 1e-6;
+
+/// The linear relaxation of the packing, by column generation: the program knows some columns of
+/// each UAV; at its prices each UAV's best column overall is found, which bounds the optimum and
+/// says what is missing.
+class Relaxation {
+ public:
+  /// Both must outlive this. threads: 1 or 2; no result depends on it.
+  Relaxation(const Instance& instance, Dual* dual, int threads);
+
+  /// Until no column is missing (or, of large instances, those missing count for next to nothing),
+  /// the work is done or `stop`. The dual is left at the best prices.
+  void Solve(std::int64_t work_limit, const std::function<bool()>& stop);
+
+  /// Whether it ended for want of columns.
+  bool solved() const { return solved_; }
+  /// Proven: no assignment weighs more.
+  double bound() const { return bound_; }
+  const Dual::Prices& prices() const { return prices_; }              ///< that prove it
+  const Dual::Prices& first_prices() const { return first_prices_; }  ///< nothing but staying
+  /// Weight of everybody staying, which the program's objective leaves out.
+  double stay_weight() const { return stay_weight_; }
+  PackingLp* lp() { return &lp_; }
+
+  /// What a column of the linear program is.
+  struct Known {
+    std::int32_t agent;  ///< UAV, or partner on its own
+    Column column;
+    const Dual::Solo* solo;  ///< null: the UAV's column
+  };
+  const std::vector<Known>& known() const { return known_; }
+  void AddColumn(std::int32_t uav, const Column& column);
+  void AddSolo(std::int32_t partner, const Dual::Solo* solo);
+  /// Adds every column whose regret at the dual's prices is at most `most`; false when there are
+  /// more than `limit`.
+  bool AddAll(double most, std::size_t limit);
+
+  /// What the program's solution uses by more than half; the rest is for Planner::Fill.
+  Plan Rounded() const;
+
+  std::int64_t work() const { return lp_.work() + work_; }
+
+ private:
+  static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+  struct Offer {
+    double more;  ///< reduced weight above what the UAV earns
+    std::int32_t uav;
+    Column column;
+  };
+  void OffersOf(std::int32_t uav, std::vector<Column>* columns, std::vector<Offer>* offers) const;
+  std::vector<Offer> Offers();
+  bool AddOffers(const std::vector<Offer>& offers, const std::function<bool()>& stop,
+                 std::int64_t end);
+
+  const Instance& instance_;
+  Dual& dual_;
+  Planner planner_;
+  int threads_;
+  PackingLp lp_;
+  std::vector<Known> known_;
+  std::vector<char> solo_known_;     ///< [n_partner_arcs]
+  std::vector<std::int32_t> order_;  ///< UAVs, neighbours close to each other
+  Dual::Prices prices_, first_prices_;
+  double bound_ = std::numeric_limits<double>::infinity();
+  double stay_weight_ = 0;
+  bool solved_ = false;
+  std::int64_t work_ = 0;
+};
+
+}  // namespace muster::scheduler

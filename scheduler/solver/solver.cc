@@ -1,0 +1,183 @@
+#include "scheduler/solver/solver.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "scheduler/solver/branching.h"
+#include "scheduler/solver/chains.h"
+#include "scheduler/solver/dual.h"
+#include "scheduler/solver/plan.h"
+#include "scheduler/solver/relaxation.h"
+#include "scheduler/solver/windows.h"
+
+namespace muster::scheduler {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t kWork = 20'000'000;   ///< default limit: this, once more for branching,
+constexpr std::int64_t kWorkPerArc = 130;    ///< and this for each arc
+constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
+
+class Search {
+ public:
+  Search(const Instance& instance, const SolverLimits& limits)
+      : instance_(instance),
+        limits_(limits),
+        start_(Clock::now()),
+        dual_(instance, limits.threads),
+        planner_(instance, dual_),
+        relaxation_(instance, &dual_, limits.threads),
+        chains_(instance, dual_),
+        windows_(instance, dual_, &relaxation_) {
+    const auto arcs =
+        static_cast<std::int64_t>(instance.uav_arcs.size() + instance.partner_arcs.size());
+    work_limit_ = limits.work > 0 ? limits.work : kWork + kWorkPerArc * arcs;
+  }
+
+  Solution Run() {
+    auto mark = start_;
+    // The rest is for assignments, should the relaxation not end.
+    const auto relaxation_deadline =
+        limits_.deadline ? start_ + (*limits_.deadline - start_) / 4 * 3 : Clock::time_point::max();
+    relaxation_.Solve(work_limit_ / 4 * 3,
+                      [&] { return limits_.deadline && Clock::now() >= relaxation_deadline; });
+    bound_s_ += Lap(&mark);
+    const std::function<bool()> stop = [this] { return Stop(); };
+    // The relaxation's own solution, and what the prices suggest when that is fractional.
+    Plan plan = relaxation_.Rounded();
+    work_ += planner_.Fill(&plan);
+    planner_.Weigh(&plan);
+    best_ = plan;
+    if (!Proven()) {
+      windows_.ImproveFractions(&plan, stop);
+      chains_.Improve(&plan, stop);
+      windows_.ImproveLosers(&plan, stop);
+      Keep(std::move(plan));
+    }
+    if (relaxation_.solved()) Branch();
+    if (Gap() > kWorthAnotherStart * relaxation_.bound()) StartAgain(stop);
+    if (!relaxation_.solved()) Branch();
+    search_s_ += Lap(&mark);
+    return Finish();
+  }
+
+ private:
+  static double Lap(Clock::time_point* mark) {
+    const auto now = Clock::now();
+    const double s = std::chrono::duration<double>(now - *mark).count();
+    *mark = now;
+    return s;
+  }
+  std::int64_t Work() const {
+    return dual_.work() + relaxation_.work() + chains_.work() + windows_.work() + work_;
+  }
+  bool Stop() const {
+    return Work() > work_limit_ || (limits_.deadline && Clock::now() >= *limits_.deadline);
+  }
+  void Keep(Plan&& plan) {
+    planner_.Weigh(&plan);
+    if (plan.weight > best_.weight) best_ = std::move(plan);
+  }
+  double Gap() const { return relaxation_.bound() - best_.weight; }
+  bool Proven() const {
+    return Gap() <= 2 * dual_.slack() + kNegligible * static_cast<double>(instance_.uavs.size());
+  }
+
+  /// What the prices alone suggest.
+  void StartAgain(const std::function<bool()>& stop) {
+    Plan plan = planner_.Empty();
+    work_ += planner_.Fill(&plan);
+    chains_.Improve(&plan, stop);
+    windows_.ImproveLosers(&plan, stop);
+    Keep(std::move(plan));
+    if (Gap() <= kWorthAnotherStart * relaxation_.bound()) return;
+    // Where all weights are alike, prices hide that some sites are worth more than others.
+    dual_.set_prices(relaxation_.first_prices());
+    dual_.Evaluate();
+    plan = planner_.Empty();
+    work_ += planner_.Fill(&plan);
+    Keep(std::move(plan));
+    dual_.set_prices(relaxation_.prices());
+    dual_.Evaluate();
+  }
+
+  void Branch() {
+    if (Proven() || Stop()) return;
+    if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
+    if (relaxation_.known().size() <= kProofColumns) {
+      Prove([this] { return Stop(); });
+    } else {
+      // A proof is out of reach; a few branches find what windows miss.
+      BranchOverKnown([this] { return Stop() || Gap() <= kCloseEnough * relaxation_.bound(); });
+    }
+  }
+
+  /// Best assignment among the columns that the linear program knows; returns a bound on all of
+  /// these.
+  double BranchOverKnown(const std::function<bool()>& stop) {
+    const double stay = relaxation_.stay_weight();
+    Branching branching(relaxation_.lp(), instance_.n_uavs(), dual_.slack(),
+                        {stop, [&] { return best_.weight - stay; },
+                         [&] {
+                           Plan plan = relaxation_.Rounded();
+                           work_ += planner_.Fill(&plan);
+                           Keep(std::move(plan));
+                         }});
+    const double bound = branching.Search(relaxation_.bound() - stay, work_limit_ - Work()) + stay;
+    work_ += branching.work();
+    return bound;
+  }
+
+  /// Branches over what the linear program knows, then over every column that a better assignment
+  /// may hold: those whose regret at the best prices is within the gap, as what an assignment falls
+  /// short of the bound is a sum that each of its columns' regrets is part of.
+  void Prove(const std::function<bool()>& stop) {
+    BranchOverKnown(stop);
+    // A search over what is listed proves nothing about what is not.
+    if (!instance_.rest_level.empty()) return;
+    if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProofColumns)) return;
+    proven_bound_ = std::max(best_.weight, BranchOverKnown(stop));
+    proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;
+  }
+
+  Solution Finish() {
+    Solution solution;
+    Assignment& assignment = solution.assignment;
+    for (const Column& column : best_.column) {
+      assignment.uavs.push_back({column.site, column.uav_arc, column.partner_arc});
+    }
+    for (const Dual::Solo* own : best_.own) {
+      assignment.partner_solo.push_back(own == nullptr ? -1 : own->arc);
+    }
+    assignment.weight = scheduler::WeightOf(instance_, assignment);
+    solution.bound = std::max(assignment.weight, std::min(relaxation_.bound(), proven_bound_));
+    solution.work = Work();
+    solution.bound_s = bound_s_;
+    solution.search_s = search_s_;
+    return solution;
+  }
+
+  const Instance& instance_;
+  SolverLimits limits_;
+  Clock::time_point start_;
+  Dual dual_;
+  Planner planner_;
+  Relaxation relaxation_;
+  Chains chains_;
+  Windows windows_;
+  std::int64_t work_ = 0, work_limit_ = 0;
+  Plan best_;
+  double proven_bound_ = std::numeric_limits<double>::infinity();
+  double bound_s_ = 0, search_s_ = 0;
+};
+
+}  // namespace
+
+Solution Solve(const Instance& instance, const SolverLimits& limits) {
+  return Search(instance, limits).Run();
+}
+
+}  // namespace muster::scheduler

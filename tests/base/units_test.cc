@@ -1,0 +1,58 @@
+#include "base/units.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/geometry.h"
+
+namespace muster {
+namespace {
+
+TEST(Units, IntervalsAreCountedExactlyAtTheirBoundaries) {
+  constexpr TimeUs kInterval = 10 * kMinuteUs;
+  EXPECT_EQ(Intervals(0, kInterval), 1);
+  EXPECT_EQ(Intervals(1, kInterval), 1);
+  EXPECT_EQ(Intervals(kInterval - 1, kInterval), 1);
+  EXPECT_EQ(Intervals(kInterval, kInterval), 1);
+  EXPECT_EQ(Intervals(kInterval + 1, kInterval), 2);
+  EXPECT_EQ(Intervals(2 * kInterval, kInterval), 2);
+  EXPECT_EQ(Intervals(2 * kInterval + 1, kInterval), 3);
+  EXPECT_EQ(Intervals(-5, kInterval), 1);
+  EXPECT_EQ(Intervals(1'000'000, 1), 1'000'000);
+}
+
+TEST(Units, IntervalsOfNeverDoNotOverflow) {
+  EXPECT_EQ(Intervals(kNever, kMinuteUs), kNever / kMinuteUs + 1);
+  EXPECT_EQ(Intervals(kNever, 1), kNever);
+  EXPECT_EQ(Intervals(kNever, kNever), 1);
+}
+
+TEST(Units, TravelOfAWholeIntervalTakesOneInterval) {
+  // 10 km at 1 km/min and 7.5 km at 0.75 km/min both take ten minutes; a rounding error upwards
+  // would cost a decision.
+  EXPECT_EQ(TravelUs(10'000, 1000.0 / 60), 10 * kMinuteUs);
+  EXPECT_EQ(TravelUs(7'500, 750.0 / 60), 10 * kMinuteUs);
+  EXPECT_EQ(TravelUs(5'000, 500.0 / 60), 10 * kMinuteUs);
+  EXPECT_EQ(Intervals(TravelUs(10'000, 1000.0 / 60), 10 * kMinuteUs), 1);
+}
+
+TEST(Units, SecondsRoundToTheNearestMicrosecond) {
+  EXPECT_EQ(ToUs(1.5), 1'500'000);
+  EXPECT_EQ(ToUs(0.4e-6), 0);
+  EXPECT_EQ(ToUs(0.6e-6), 1);
+  EXPECT_EQ(ToUs(-2), -2'000'000);
+  EXPECT_EQ(ToUs(1e300), kNever);
+  EXPECT_EQ(ToUs(std::numeric_limits<double>::infinity()), kNever);
+  EXPECT_EQ(ToSeconds(2'500'000), 2.5);
+  EXPECT_EQ(ToMinutes(90 * kSecondUs), 1.5);
+}
+
+TEST(Geometry, DistanceIsEuclidean) {
+  EXPECT_EQ(Distance({0, 0}, {3000, 4000}), 5000);
+  EXPECT_EQ(Distance({7, -2}, {7, -2}), 0);
+  EXPECT_EQ(Lerp({0, 10}, {10, 30}, 0.25), (Point{2.5, 15}));
+}
+
+}  // namespace
+}  // namespace muster

@@ -1,0 +1,97 @@
+#include "protocol/inbox.h"
+
+#include <gtest/gtest.h>
+
+#include "lcmtypes/bus/codec.h"
+
+namespace muster {
+namespace {
+
+Packet ClockFrom(const std::string& sender, std::int64_t seq, std::int64_t run_id = 1) {
+  clock_t clock{};
+  clock.header.run_id = run_id;
+  clock.header.sender = sender;
+  clock.header.seq = seq;
+  clock.decision = clock.required_decision = -1;
+  return {"MUSTER_CLOCK", Encode(clock)};
+}
+
+TEST(Inbox, OpensWhatIsMeantForIt) {
+  Inbox inbox(1, "uav");
+  const auto message = inbox.Open(ClockFrom("world", 0));
+  ASSERT_TRUE(message);
+  EXPECT_TRUE(std::holds_alternative<clock_t>(*message));
+  EXPECT_EQ(inbox.counters().received, 1);
+}
+
+TEST(Inbox, CountsAndDropsStrangersAndGarbage) {
+  Inbox inbox(1, "uav");
+  EXPECT_FALSE(inbox.Open(ClockFrom("world", 0, 2)));
+  EXPECT_FALSE(inbox.Open({"MUSTER_CLOCK", {1, 2, 3}}));
+  EXPECT_FALSE(inbox.Open({"MUSTER_NOTHING", ClockFrom("world", 0).bytes}));
+  EXPECT_FALSE(inbox.Open({"MUSTER_WORLD", ClockFrom("world", 0).bytes}));
+  EXPECT_EQ(inbox.counters().rejected, 4);
+  EXPECT_EQ(inbox.counters().received, 0);
+}
+
+TEST(Inbox, CountsAndDropsWhoMayNotPublishThere) {
+  Inbox inbox(1, "uav");
+  EXPECT_FALSE(inbox.Open(ClockFrom("intruder", 0)));
+  EXPECT_EQ(inbox.counters().rejected, 1);
+}
+
+TEST(Inbox, CountsAndDropsWhatIsNumberedAsIfTimeRanBackwards) {
+  const auto clock = [](std::int64_t seq, std::int64_t sim_us) {
+    Packet packet = ClockFrom("world", seq);
+    auto message = *Decode<muster::clock_t>(packet.bytes);
+    message.header.sim_us = sim_us;
+    return Packet{packet.channel, Encode(message)};
+  };
+  Inbox inbox(1, "uav");
+  EXPECT_TRUE(inbox.Open(clock(4, 60)));
+  EXPECT_TRUE(inbox.Open(clock(2, 30)));  // an older one that was overtaken
+  EXPECT_FALSE(inbox.Open(clock(5, 59)));
+  EXPECT_TRUE(inbox.Open(clock(5, 60)));
+  EXPECT_EQ(inbox.counters().rejected, 1);
+}
+
+TEST(Inbox, AHeartbeatMayHaveHeardMoreThanAWorldThatStartsAgainKnows) {
+  process_status_t heartbeat{};
+  heartbeat.header.run_id = 1;
+  heartbeat.header.sender = heartbeat.name = "scheduler";
+  heartbeat.header.seq = 3;
+  heartbeat.header.sim_us = 90;
+  heartbeat.host = "host";
+  schedule_t schedule{};
+  schedule.header = heartbeat.header;
+  schedule.header.seq = 4;
+  schedule.header.sim_us = 60;
+  schedule.policy = "mpq";
+  Inbox inbox(1, "world");
+  EXPECT_TRUE(inbox.Open({"MUSTER_PROCESS", Encode(heartbeat)}));
+  EXPECT_TRUE(inbox.Open({"MUSTER_SCHEDULE", Encode(schedule)}));
+  schedule.header.seq = 5;
+  schedule.header.sim_us = 59;
+  EXPECT_FALSE(inbox.Open({"MUSTER_SCHEDULE", Encode(schedule)}));
+}
+
+TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
+  Inbox inbox(1, "world");
+  EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));
+  EXPECT_EQ(inbox.counters().rejected, 0);
+  EXPECT_EQ(inbox.counters().received, 0);
+}
+
+TEST(Inbox, LossIsKnownFromTheNumbersAndEndsWhenTheyCome) {
+  Inbox inbox(1, "uav");
+  inbox.Open(ClockFrom("world", 0));
+  inbox.Open(ClockFrom("world", 3));
+  inbox.Open(ClockFrom("world", 3));
+  EXPECT_EQ(inbox.lost(), 2);
+  inbox.Open(ClockFrom("world", 1));
+  inbox.Open(ClockFrom("world", 2));
+  EXPECT_EQ(inbox.lost(), 0);
+}
+
+}  // namespace
+}  // namespace muster

@@ -1,0 +1,116 @@
+#include "protocol/sender.h"
+
+#include <gtest/gtest.h>
+
+#include <muster/event_t.hpp>
+
+namespace muster {
+namespace {
+
+log_status_t Mark(const std::string& sender, std::int64_t boot_id, std::int64_t next_seq) {
+  log_status_t status{};
+  log_mark_t mark{};
+  mark.sender = sender;
+  mark.boot_id = boot_id;
+  mark.next_seq = next_seq;
+  status.marks = {mark};
+  status.n = 1;
+  return status;
+}
+
+std::vector<Packet> FlushAt(Sender* sender, TimeUs now_us) {
+  std::vector<Packet> out;
+  sender->Flush({now_us, 0}, &out);
+  return out;
+}
+
+std::int64_t SeqOf(const Packet& packet) { return Decode<event_t>(packet.bytes)->header.seq; }
+
+SentPacket Say(Sender* sender, std::int64_t at_us = 0) {
+  event_t event{};
+  event.at_us = at_us;
+  return sender->Send("MUSTER_EVENT", event, at_us, {});
+}
+
+TEST(Sender, NumbersWithoutGapsAndStampsTheHeader) {
+  Sender sender({7, "world", 2}, 0);
+  Say(&sender);
+  Say(&sender, 30);
+  const std::vector<Packet> out = FlushAt(&sender, 0);
+  ASSERT_EQ(out.size(), 2u);
+  const event_t second = *Decode<event_t>(out[1].bytes);
+  EXPECT_EQ(second.header.run_id, 7);
+  EXPECT_EQ(second.header.sender, "world");
+  EXPECT_EQ(second.header.boot_id, 2);
+  EXPECT_EQ(second.header.seq, 1);
+  EXPECT_EQ(second.header.sim_us, 30);
+  EXPECT_TRUE(sender.drained());
+}
+
+TEST(Sender, ResendIsTheSameBytes) {
+  Sender sender({1, "world", 0}, 0);
+  const SentPacket packet = Say(&sender);
+  const std::vector<Packet> first = FlushAt(&sender, 0);
+  sender.Resend(packet);
+  EXPECT_EQ(FlushAt(&sender, 10), first);
+  EXPECT_EQ(sender.resent(), 1);
+  EXPECT_EQ(sender.next_seq(), 1);
+}
+
+TEST(Sender, HoldsBackBeyondTheWindowUntilTheLogHasIt) {
+  Sender sender({1, "world", 0}, 3);
+  for (int i = 0; i < 5; ++i) Say(&sender);
+  EXPECT_EQ(FlushAt(&sender, 0).size(), 3u);
+  EXPECT_TRUE(FlushAt(&sender, 100).empty());
+  sender.Acknowledge(Mark("world", 0, 2));
+  const std::vector<Packet> more = FlushAt(&sender, 200);
+  ASSERT_EQ(more.size(), 2u);
+  EXPECT_EQ(SeqOf(more[0]), 3);
+  EXPECT_FALSE(sender.drained());
+  sender.Acknowledge(Mark("world", 0, 5));
+  EXPECT_TRUE(sender.drained());
+  EXPECT_EQ(sender.wake_us(), kNever);
+}
+
+TEST(Sender, AnothersMarkIsNotItsOwn) {
+  Sender sender({1, "world", 1}, 3);
+  Say(&sender);
+  FlushAt(&sender, 0);
+  sender.Acknowledge(Mark("uav", 1, 1));
+  sender.Acknowledge(Mark("world", 0, 1));
+  EXPECT_FALSE(sender.drained());
+}
+
+TEST(Sender, AMarkBeyondWhatWasSentAcknowledgesNoMore) {
+  Sender sender({1, "world", 0}, 2);
+  for (int i = 0; i < 4; ++i) Say(&sender);
+  FlushAt(&sender, 0);
+  sender.Acknowledge(Mark("world", 0, 1'000'000));
+  const std::vector<Packet> rest = FlushAt(&sender, 1);
+  ASSERT_EQ(rest.size(), 2u);
+  EXPECT_EQ(SeqOf(rest[0]), 2);
+}
+
+TEST(Sender, RepairsTheOldestFirstWithBackOff) {
+  Sender sender({1, "world", 0}, 10);
+  for (int i = 0; i < 6; ++i) Say(&sender);
+  FlushAt(&sender, 0);
+  const TimeUs first = sender.wake_us();
+  ASSERT_LT(first, kNever);
+  const std::vector<Packet> repair = FlushAt(&sender, first);
+  ASSERT_FALSE(repair.empty());
+  EXPECT_EQ(SeqOf(repair[0]), 0);
+  EXPECT_EQ(sender.wake_us() - first, 2 * first);
+}
+
+TEST(Sender, APacketThatStillWaitsIsNotSentTwice) {
+  Sender sender({1, "world", 0}, 1);
+  Say(&sender);
+  const SentPacket waiting = Say(&sender);
+  sender.Resend(waiting);
+  EXPECT_EQ(FlushAt(&sender, 0).size(), 1u);
+  EXPECT_EQ(sender.resent(), 0);
+}
+
+}  // namespace
+}  // namespace muster

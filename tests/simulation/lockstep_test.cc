@@ -1,0 +1,244 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "agents/core/agent_process.h"
+#include "base/check.h"
+#include "lcmtypes/bus/codec.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "scheduler/process/scheduler_process.h"
+#include "simulation/simulator.h"
+#include "tests/simulation/archivist.h"
+#include "tests/simulation/audited.h"
+#include "tests/simulation/virtual_network.h"
+#include "tools/record/digest.h"
+#include "world/world_process.h"
+
+namespace muster::tools {
+namespace {
+
+using testing::Archivist;
+using testing::NetworkFaults;
+using testing::StartProcess;
+using testing::VirtualNetwork;
+
+Scenario SmallScenario() { return Generate(PresetByName("Random_10"), 5); }
+
+std::string SimulatedDigest(const std::string& json) {
+  RunRecord record;
+  Audited audited;
+  Simulate(json, "mpq", [&](const Packet& packet) {
+    record.Add(packet);
+    audited.Add(packet);
+  });
+  return Digest(record);
+}
+
+struct Outcome {
+  bool ended = false;
+  std::string digest;
+  int sent = 0;
+};
+
+/// Kills `victims` when `kill_at` packets have been sent, and starts them again, one after the
+/// other.
+struct Kill {
+  std::vector<std::string> victims;
+  int kill_at = 0;
+  TimeUs apart_us = 0;
+};
+
+Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::string& json,
+                const std::optional<Kill>& kill = {}) {
+  VirtualNetwork network(faults, seed);
+  for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    network.Add(StartProcess(name, 0, json));
+  }
+  const Scenario scenario = ParseScenario(json, "scenario");
+  if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario, false));
+  RunRecord record;
+  Audited audited;
+  Outcome outcome;
+  bool ended = false;
+  const auto observe = [&](const Packet& packet) {
+    ++outcome.sent;
+    record.Add(packet);
+    audited.Add(packet);
+    if (packet.channel == "MUSTER_CLOCK") ended |= Decode<clock_t>(packet.bytes)->phase == 2;
+  };
+  if (kill) {
+    network.Run(
+        3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
+    for (const std::string& victim : kill->victims) network.Kill(victim);
+    for (const std::string& victim : kill->victims) {
+      network.Add(StartProcess(victim, 1, json));
+      network.Run(
+          network.now_us() + kill->apart_us, [&] { return ended; }, observe);
+    }
+  }
+  outcome.ended = network.Run(
+      3600 * kSecondUs, [&] { return ended; }, observe);
+  outcome.digest = Digest(record);
+  return outcome;
+}
+
+TEST(Lockstep, OutcomeDoesNotDependOnLossDuplicationOrOrder) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  const NetworkFaults none;
+  EXPECT_EQ(RunOver(none, 1, json).digest, expected);
+  const NetworkFaults bad{.loss = 0.3, .duplication = 0.1, .longest_delay_us = 3000};
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome outcome = RunOver(bad, seed, json);
+    EXPECT_TRUE(outcome.ended) << "seed " << seed;
+    EXPECT_EQ(outcome.digest, expected) << "seed " << seed;
+  }
+}
+
+TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  for (const double loss : {0.0, 0.2}) {
+    const NetworkFaults faults{.loss = loss, .longest_delay_us = 200};
+    const int sent = RunOver(faults, 1, json).sent;
+    Random random(1, Stream::kTest);
+    for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+      for (int i = 0; i < 20; ++i) {
+        const int kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
+        const Outcome outcome = RunOver(faults, 1, json, Kill{{victim}, kill_at});
+        ASSERT_TRUE(outcome.ended)
+            << victim << " killed after packet " << kill_at << ", loss " << loss;
+        ASSERT_EQ(outcome.digest, expected)
+            << victim << " killed after packet " << kill_at << ", loss " << loss;
+      }
+    }
+  }
+}
+
+TEST(Lockstep, AnyOneProcessMayBeKilledBeforeTheMissionBegins) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    for (int kill_at = 0; kill_at < 20; ++kill_at) {
+      const Outcome outcome = RunOver({}, 1, json, Kill{{victim}, kill_at});
+      ASSERT_TRUE(outcome.ended) << victim << " killed after packet " << kill_at;
+      ASSERT_EQ(outcome.digest, expected) << victim << " killed after packet " << kill_at;
+    }
+  }
+}
+
+TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const std::string expected = SimulatedDigest(json);
+  const NetworkFaults faults{.longest_delay_us = 200};
+  const int sent = RunOver(faults, 1, json).sent;
+  Random random(2, Stream::kTest);
+  for (int i = 0; i < 120; ++i) {
+    std::vector<std::string> victims = {"world", "uav", "worker", "vehicle", "scheduler"};
+    random.Shuffle(victims);
+    victims.resize(2 + random.Below(4));
+    // Some before the first tick.
+    const auto kill_at =
+        static_cast<int>(random.Below(i % 4 == 0 ? 20 : static_cast<std::uint32_t>(sent)));
+    const TimeUs apart_us = i % 3 == 0 ? 0 : random.Below(3'000'000);
+    SCOPED_TRACE(fmt::format("{} killed after packet {}, {} us apart", fmt::join(victims, ", "),
+                             kill_at, apart_us));
+    const Outcome outcome = RunOver(faults, 1, json, Kill{victims, kill_at, apart_us});
+    ASSERT_TRUE(outcome.ended);
+    ASSERT_EQ(outcome.digest, expected);
+  }
+}
+
+TEST(Lockstep, WhoHasJustBeenToldItsStateDoesNotSayThatNothingHasBegun) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  Packet scenario, states;
+  Simulate(json, "mpq", [&](const Packet& packet) {
+    if (packet.channel == "MUSTER_SCENARIO") scenario = packet;
+    if (packet.channel == "MUSTER_UAVS") states = packet;
+  });
+  const std::int64_t run_id = DecodeHeader(states)->run_id;
+  agents::AgentProcess uav({run_id, "uav", 1}, 0, AgentKind::kUav, agents::IdRange());
+  std::vector<Packet> out;
+  uav.Step({scenario}, {1, 0}, &out);
+  restore_t restore{};
+  restore.header.run_id = run_id;
+  restore.header.sender = "recorder";
+  restore.channel = "MUSTER_UAVS";
+  restore.data = states.bytes;
+  restore.n = static_cast<std::int32_t>(restore.data.size());
+  request_t request{};
+  request.header.run_id = run_id;
+  request.header.sender = "world";
+  request.channel = "MUSTER_UAVS";
+  out.clear();
+  uav.Step({{"MUSTER_RESTORE", Encode(restore)}, {"MUSTER_REQUEST", Encode(request)}}, {2, 0},
+           &out);
+  ASSERT_FALSE(out.empty());  // its states, again
+  for (const Packet& packet : out) {
+    if (packet.channel != "MUSTER_RESTORE") continue;
+    EXPECT_FALSE(Decode<restore_t>(packet.bytes)->data.empty());
+  }
+}
+
+TEST(Lockstep, AClassMayBeSplitOverProcesses) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  VirtualNetwork network({.loss = 0.1}, 1);
+  for (const char* name : {"world", "worker", "vehicle", "scheduler"}) {
+    network.Add(StartProcess(name, 0, json));
+  }
+  const agents::IdRange halves[] = {std::pair(0, 7), std::pair(8, 19)};
+  for (int i = 0; i < 2; ++i) {
+    network.Add(std::make_unique<agents::AgentProcess>(Identity{1, "uav-" + std::to_string(i), 0},
+                                                       0, AgentKind::kUav, halves[i]));
+  }
+  RunRecord record;
+  Audited audited;
+  bool ended = false;
+  network.Run(
+      3600 * kSecondUs, [&] { return ended; },
+      [&](const Packet& packet) {
+        record.Add(packet);
+        audited.Add(packet);
+        if (packet.channel == "MUSTER_CLOCK") {
+          ended |= Decode<clock_t>(packet.bytes)->phase == 2;
+        }
+      });
+  EXPECT_EQ(Digest(record), SimulatedDigest(json));
+}
+
+TEST(Lockstep, TwoProcessesForOneAgentAreAnError) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  VirtualNetwork network({}, 1);
+  network.Add(StartProcess("world", 0, json));
+  for (const char* name : {"a", "b"}) {
+    network.Add(std::make_unique<agents::AgentProcess>(Identity{1, name, 0}, 0, AgentKind::kUav,
+                                                       agents::IdRange()));
+  }
+  EXPECT_THROW(network.Run(
+                   10 * kSecondUs, [] { return false; }, [](const Packet&) {}),
+               InputError);
+}
+
+TEST(Lockstep, OutcomeDoesNotDependOnTheTick) {
+  Scenario scenario = SmallScenario();
+  scenario.disturbances.wind = {0.1, 0.4};
+  scenario.disturbances.communication_m = {100, 500};
+  scenario.disturbances.match_failure = {0.05, 0.1};
+  scenario.disturbances.agent_failure = {0.01, 0.05};
+  std::vector<std::string> outcomes;
+  for (const TimeUs tick_s : {10, 30, 600}) {
+    scenario.rules.tick_us = tick_s * kSecondUs;
+    RunRecord record;
+    Audited audited;
+    Simulate(ScenarioToJson(scenario), "mpq", [&](const Packet& packet) {
+      record.Add(packet);
+      audited.Add(packet);
+    });
+    outcomes.push_back(Digest(record));
+  }
+  EXPECT_EQ(outcomes[0], outcomes[1]);
+  EXPECT_EQ(outcomes[0], outcomes[2]);
+}
+
+}  // namespace
+}  // namespace muster::tools

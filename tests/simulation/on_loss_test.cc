@@ -1,0 +1,366 @@
+// Missions that go on without a lost process, in virtual time.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "agents/core/agent_process.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "scheduler/process/scheduler_process.h"
+#include "simulation/simulator.h"
+#include "tests/simulation/archivist.h"
+#include "tests/simulation/virtual_network.h"
+#include "tests/tools/explain/mission_log.h"
+#include "tools/audit/auditor.h"
+#include "tools/audit/report_check.h"
+#include "tools/explain/redecide.h"
+#include "tools/explain/story.h"
+#include "tools/record/digest.h"
+#include "tools/record/report_json.h"
+#include "world/world_process.h"
+
+namespace muster::tools {
+namespace {
+
+using testing::NetworkFaults;
+using testing::VirtualNetwork;
+
+constexpr int kProcessLost = 11;
+constexpr int kProcessBack = 12;
+
+/// Five processes over a virtual network, and somebody who listens; the world goes on without those
+/// that are lost for one second.
+class Mission {
+ public:
+  explicit Mission(const NetworkFaults& faults = {}, std::uint64_t seed = 1)
+      : scenario_(Generate(PresetByName("Random_10"), 5)),
+        json_(ScenarioToJson(scenario_)),
+        network_(faults, seed) {
+    for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) Start(name);
+    network_.Add(std::make_unique<testing::Archivist>(scenario_, true));
+    network_.Spare("recorder");
+  }
+
+  void Start(const std::string& name) {
+    const Identity identity{1, name, boots_[name]++};
+    if (name == "world") {
+      world::WorldOptions options;
+      options.goes_on = true;
+      options.lost_after_us = kSecondUs;
+      network_.Add(std::make_unique<world::WorldProcess>(identity, 0, json_, options));
+    } else if (name == "scheduler") {
+      network_.Add(std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
+                                                                 [] { return TimeUs{0}; }));
+    } else {
+      for (const AgentKind kind : kAgentKinds) {
+        if (name == ToString(kind)) {
+          network_.Add(
+              std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange()));
+        }
+      }
+    }
+  }
+  void Kill(const std::string& name) { network_.Kill(name); }
+  void Isolate(const std::string& name, bool isolated) { network_.Isolate(name, isolated); }
+
+  /// Until that mission time, or the end.
+  bool RunTo(TimeUs mission_us) {
+    return network_.Run(
+        7200 * kSecondUs, [&] { return ended_ || now_us_ >= mission_us; },
+        [&](const Packet& packet) { Observe(packet); });
+  }
+  bool RunToEnd() { return RunTo(kNever) && ended_; }
+  /// What is still said after the end.
+  void RunOn(TimeUs network_us) {
+    network_.Run(
+        network_.now_us() + network_us, [] { return false; },
+        [&](const Packet& packet) { Observe(packet); });
+  }
+  TimeUs limit_us() const { return scenario_.rules.limit_us; }
+
+  const RunRecord& record() const { return record_; }
+  /// After ExpectSound().
+  const DecisionLog& log() const { return log_; }
+  int Count(int kind, const std::string& detail = "") const {
+    int n = 0;
+    for (const event_t& event : record_.events()) {
+      n += event.kind == kind && (detail.empty() || event.detail == detail);
+    }
+    return n;
+  }
+  /// Commands for agents of that class in decisions [from, until) of mission time.
+  int Commands(AgentKind kind, TimeUs from, TimeUs until) const {
+    int n = 0;
+    for (const auto& [d, schedule] : record_.schedules()) {
+      const TimeUs t = d * scenario_.rules.interval_us;
+      if (t < from || t >= until) continue;
+      for (const action_t& action : schedule.actions) {
+        n += (kind == AgentKind::kUav      ? action.uav_id
+              : kind == AgentKind::kWorker ? action.worker_id
+                                           : action.vehicle_id) >= 0;
+      }
+    }
+    return n;
+  }
+  /// Every invariant of the audit, its comparison with the report, and completeness; and every
+  /// decision, made again from the log, is the same.
+  void ExpectSound() {
+    const RunRecord::Completeness complete = record_.CheckComplete();
+    EXPECT_TRUE(complete.complete) << complete.n_missing << " missing, " << complete.repeated
+                                   << " repeated, " << complete.gaps.size() << " gaps, first "
+                                   << (complete.missing.empty() ? "" : complete.missing[0].owner);
+    for (const audit::Violation& violation : auditor_.Finish()) {
+      ADD_FAILURE() << violation.at_us << " us: " << violation.invariant << ": " << violation.text;
+    }
+    log_ = Logged(packets_);
+    for (const Divergence& divergence : DivergencesOf(Redecide(log_, ""))) {
+      ADD_FAILURE() << "decision " << divergence.decision << ": " << divergence.what;
+    }
+    if (!auditor_.facts()) return;
+    for (const audit::Violation& violation :
+         audit::CheckReportFile(Report(record_), *auditor_.facts())) {
+      ADD_FAILURE() << violation.text;
+    }
+  }
+
+ private:
+  void Observe(const Packet& packet) {
+    record_.Add(packet);
+    auditor_.Add(packet);
+    packets_.push_back(packet);
+    if (packet.channel != channel::kClock) return;
+    const auto clock = Decode<clock_t>(packet.bytes);
+    now_us_ = std::max(now_us_, clock->tick_us);
+    ended_ |= clock->phase == 2;
+  }
+
+  Scenario scenario_;
+  std::string json_;
+  VirtualNetwork network_;
+  std::map<std::string, std::int64_t> boots_;
+  RunRecord record_;
+  audit::Auditor auditor_;
+  std::vector<Packet> packets_;
+  DecisionLog log_;
+  TimeUs now_us_ = -1;
+  bool ended_ = false;
+};
+
+std::string UndisturbedDigest() {
+  RunRecord record;
+  Simulate(ScenarioToJson(Generate(PresetByName("Random_10"), 5)), "mpq",
+           [&](const Packet& packet) { record.Add(packet); });
+  return Digest(record);
+}
+
+TEST(OnLoss, WhoIsBackAfterTheLastVerdictStandsWhereItSays) {
+  for (const TimeUs since : {620, 1250, 1910, 2530, 3150}) {
+    SCOPED_TRACE(since);
+    Mission mission;
+    ASSERT_TRUE(mission.RunTo(since * kSecondUs));
+    mission.Isolate("uav", true);
+    ASSERT_TRUE(mission.RunTo(mission.limit_us()));
+    mission.Isolate("uav", false);
+    ASSERT_TRUE(mission.RunToEnd());
+    mission.RunOn(10 * kSecondUs);
+    mission.ExpectSound();
+  }
+}
+
+TEST(OnLoss, NothingChangesWhereNobodyIsLost) {
+  const std::string expected = UndisturbedDigest();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Mission mission({.loss = 0.3, .duplication = 0.1, .longest_delay_us = 3000}, seed);
+    ASSERT_TRUE(mission.RunToEnd());
+    EXPECT_EQ(mission.Count(kProcessLost), 0);
+    EXPECT_EQ(Digest(mission.record()), expected);
+    mission.ExpectSound();
+  }
+}
+
+TEST(OnLoss, TheMissionGoesOnWithoutAClassAndTakesItBack) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (const double loss : {0.0, 0.2}) {
+      const std::string name(ToString(kind));
+      SCOPED_TRACE(name);
+      Mission mission({.loss = loss, .longest_delay_us = 200});
+      ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+      mission.Kill(name);
+      ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+      mission.Start(name);
+      ASSERT_TRUE(mission.RunToEnd());
+      EXPECT_EQ(mission.Count(kProcessLost, name), 1);
+      EXPECT_EQ(mission.Count(kProcessBack, name), 1);
+      EXPECT_GT(mission.Commands(kind, 0, 45 * kMinuteUs), 0);
+      EXPECT_EQ(mission.Commands(kind, 50 * kMinuteUs, 75 * kMinuteUs), 0);
+      EXPECT_GT(mission.Commands(kind, 80 * kMinuteUs, kNever), 0);
+      mission.ExpectSound();
+    }
+  }
+}
+
+TEST(OnLoss, ACutOffProcessComesBackByItself) {
+  for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
+    SCOPED_TRACE(name);
+    Mission mission;
+    ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+    mission.Isolate(name, true);
+    ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+    mission.Isolate(name, false);
+    ASSERT_TRUE(mission.RunToEnd());
+    EXPECT_EQ(mission.Count(kProcessLost, name), 1);
+    EXPECT_EQ(mission.Count(kProcessBack, name), 1);
+    mission.ExpectSound();
+  }
+}
+
+TEST(OnLoss, WithoutASchedulerDecisionsAreNotInForce) {
+  Mission mission;
+  ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+  mission.Kill("scheduler");
+  ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+  mission.Start("scheduler");
+  ASSERT_TRUE(mission.RunToEnd());
+  // At 50, 60 and 70 min, and perhaps one or two more while it starts.
+  const std::set<std::int32_t>& skipped = mission.record().skipped_decisions();
+  EXPECT_EQ(*skipped.begin(), 5);
+  EXPECT_GE(skipped.size(), 3u);
+  EXPECT_LE(skipped.size(), 5u);
+  EXPECT_EQ(mission.Count(kProcessLost, "scheduler"), 1);
+  EXPECT_EQ(mission.Count(kProcessBack, "scheduler"), 1);
+  EXPECT_EQ(mission.record().schedules().size(), 18u - skipped.size());
+  mission.ExpectSound();
+  // The story of an agent says so.
+  const AgentStory story = TellAgent(mission.log(), "run", AgentKind::kUav, 0, {});
+  for (std::int32_t d = 0; d < 18; ++d) {
+    const auto& chapter = story.chapters.at(static_cast<std::size_t>(d));
+    EXPECT_EQ(chapter.in_force, !skipped.contains(d)) << d;
+    EXPECT_EQ(chapter.missing, "") << d;
+    if (chapter.answer.did && !chapter.in_force) {
+      EXPECT_EQ(chapter.answer.did->kind, ActionKind::kUavStays) << d;
+    }
+  }
+  EXPECT_NE(ToText(story).find("no decision was in force: the scheduler was lost"),
+            std::string::npos);
+}
+
+TEST(OnLoss, EverybodyMayBeLostForGood) {
+  for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
+    SCOPED_TRACE(name);
+    Mission mission;
+    ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+    mission.Kill(name);
+    ASSERT_TRUE(mission.RunToEnd());
+    EXPECT_EQ(mission.Count(kProcessLost, name), 1);
+    mission.ExpectSound();
+  }
+  Mission mission;
+  ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+  for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) mission.Kill(name);
+  ASSERT_TRUE(mission.RunToEnd());
+  EXPECT_EQ(mission.Count(kProcessLost), 4);
+  mission.ExpectSound();
+}
+
+TEST(OnLoss, AQuickRestartIsNoLoss) {
+  const std::string expected = UndisturbedDigest();
+  for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    SCOPED_TRACE(name);
+    Mission mission({.loss = 0.1, .longest_delay_us = 200});
+    ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+    mission.Kill(name);
+    mission.Start(name);
+    ASSERT_TRUE(mission.RunToEnd());
+    EXPECT_EQ(Digest(mission.record()), expected);
+    mission.ExpectSound();
+  }
+}
+
+TEST(OnLoss, AWorldThatStartsAgainKnowsWhichDecisionIsInForce) {
+  Mission mission;
+  ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+  mission.Kill("scheduler");
+  ASSERT_TRUE(mission.RunTo(55 * kMinuteUs));
+  mission.Kill("world");
+  mission.Start("world");
+  ASSERT_TRUE(mission.RunTo(57 * kMinuteUs));
+  mission.Start("scheduler");
+  ASSERT_TRUE(mission.RunToEnd());
+  EXPECT_EQ(mission.record().skipped_decisions(), std::set<std::int32_t>{5});
+  mission.ExpectSound();
+}
+
+TEST(OnLoss, AWorldThatStartsAgainGoesOnWithoutWhoeverIsLost) {
+  const std::vector<std::vector<std::string>> cases = {{"uav"},
+                                                       {"worker"},
+                                                       {"vehicle"},
+                                                       {"scheduler"},
+                                                       {"uav", "worker", "vehicle"},
+                                                       {"uav", "worker", "vehicle", "scheduler"}};
+  for (const auto& lost : cases) {
+    for (const bool for_good : {false, true}) {
+      for (const TimeUs apart_us : {0 * kMinuteUs, 1 * kMinuteUs, 10 * kMinuteUs}) {
+        SCOPED_TRACE(fmt::format("{} lost {}, the world {} us later", fmt::join(lost, ", "),
+                                 for_good ? "for good" : "for 30 min", apart_us));
+        Mission mission;
+        ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+        for (const std::string& name : lost) mission.Kill(name);
+        ASSERT_TRUE(mission.RunTo(45 * kMinuteUs + apart_us));
+        mission.Kill("world");
+        mission.Start("world");
+        ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+        if (!for_good) {
+          for (const std::string& name : lost) mission.Start(name);
+        }
+        ASSERT_TRUE(mission.RunToEnd());
+        for (const std::string& name : lost) {
+          // Nothing in the states says that the scheduler is lost: each world finds out by itself.
+          EXPECT_GE(mission.Count(kProcessLost, name), 1) << name;
+          EXPECT_LE(mission.Count(kProcessLost, name), name == "scheduler" ? 2 : 1) << name;
+          EXPECT_EQ(mission.Count(kProcessBack, name), for_good ? 0 : 1) << name;
+        }
+        for (const AgentKind kind : kAgentKinds) {
+          if (lost != std::vector<std::string>{std::string(ToString(kind))}) continue;
+          EXPECT_EQ(mission.Commands(kind, 50 * kMinuteUs, 75 * kMinuteUs), 0);
+          EXPECT_EQ(mission.Commands(kind, 80 * kMinuteUs, kNever) > 0, !for_good);
+        }
+        mission.ExpectSound();
+      }
+    }
+  }
+}
+
+TEST(OnLoss, LossesAtRandomBreakNoInvariant) {
+  Random random(1, Stream::kTest);
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Mission mission({.loss = random.Uniform() * 0.3, .longest_delay_us = 500}, seed);
+    TimeUs t = 0;
+    while (true) {
+      t += static_cast<TimeUs>(random.Uniform(1, 40) * kMinuteUs);
+      if (t > 175 * kMinuteUs) break;
+      const char* const names[] = {"uav", "worker", "vehicle", "scheduler"};
+      const std::string name = names[random.Below(4)];
+      const bool cut = random.Below(2) == 0;
+      ASSERT_TRUE(mission.RunTo(t));
+      cut ? mission.Isolate(name, true) : mission.Kill(name);
+      for (int i = 0; i < 2; ++i) {
+        t += static_cast<TimeUs>(random.Uniform(0, 15) * kMinuteUs);
+        ASSERT_TRUE(mission.RunTo(std::min(t, 175 * kMinuteUs)));
+        if (i == 0 && random.Below(2) == 0) {
+          mission.Kill("world");
+          mission.Start("world");
+        }
+      }
+      cut ? mission.Isolate(name, false) : mission.Start(name);
+    }
+    ASSERT_TRUE(mission.RunToEnd());
+    mission.ExpectSound();
+    if (HasFailure()) break;
+  }
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/check.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
+#include "tests/temporary_folder.h"
+#include "tests/tools/fake_mission.h"
+#include "tools/live/live_server.h"
+#include "tools/live/packet_source.h"
+#include "tools/report/page.h"
+#include "tools/top/top_view.h"
+
+namespace muster::tools {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLong{60'000};  // far beyond what anything here takes
+
+std::vector<Packet> Mission() { return Encoded(MakeFakeMission()); }
+
+/// Everything that a reader is told until `done` tasks are done and the mission has ended.
+std::vector<nlohmann::json> ReadToEnd(LiveFeed* feed, LiveFeed::Reader* reader) {
+  std::vector<nlohmann::json> chunks;
+  while (true) {
+    const auto text = feed->Next(reader, kLong);
+    if (!text) return chunks;
+    chunks.push_back(nlohmann::json::parse(*text));
+    if (chunks.back()["ended"] == true) return chunks;
+  }
+}
+
+TEST(LiveFeed, TellsEveryReaderAllOfItWheneverHeComes) {
+  const std::vector<Packet> packets = Mission();
+  LiveFeed feed("run");
+  LiveFeed::Reader early;
+  const auto half = packets.begin() + static_cast<std::ptrdiff_t>(packets.size() / 2);
+  feed.Add({packets.begin(), half});
+  const auto first = feed.Next(&early, kLong);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(nlohmann::json::parse(*first)["name"], "run");
+  feed.Add({half, packets.end()});
+  const std::vector<nlohmann::json> rest = ReadToEnd(&feed, &early);
+  ASSERT_FALSE(rest.empty());
+  EXPECT_FALSE(rest.back().contains("scenario"));
+  EXPECT_EQ(rest.back()["report"]["tasks_done"], 2);
+
+  LiveFeed::Reader late;
+  const std::vector<nlohmann::json> all = ReadToEnd(&feed, &late);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0]["scenario"]["uavs"], 2);
+  EXPECT_EQ(all[0]["decisions"][1].size(), 3U);
+}
+
+TEST(LiveFeed, GoesOnWithTheNextMissionAfterTheEndOfOne) {
+  LiveFeed feed("");
+  LiveFeed::Reader reader;
+  feed.Add(Mission());
+  ReadToEnd(&feed, &reader);
+  FakeLog next = MakeFakeMission();
+  for (FakeMessage& message : next) message.header().run_id = 8;
+  feed.Add(Encoded(next));
+  const std::vector<nlohmann::json> chunks = ReadToEnd(&feed, &reader);
+  ASSERT_FALSE(chunks.empty());
+  EXPECT_TRUE(chunks.front().contains("scenario"));
+  EXPECT_EQ(chunks.back()["report"]["run_id"], 8);
+}
+
+TEST(LiveFeed, ClosedItTellsWhatThereIsAndThenNothing) {
+  LiveFeed feed("run");
+  feed.Add(Mission());
+  feed.Close();
+  LiveFeed::Reader reader;
+  EXPECT_FALSE(ReadToEnd(&feed, &reader).empty());
+  EXPECT_FALSE(feed.Next(&reader, kLong));  // at once
+}
+
+class Served : public testing::Test {
+ protected:
+  Served() : server_(std::in_place, 0), client_(Origin()) {
+    server_->Start(&feed_);
+    client_.set_read_timeout(60);
+  }
+  std::string Origin() const { return server_->url().substr(0, server_->url().size() - 1); }
+
+  LiveFeed feed_{"run"};
+  std::optional<LiveServer> server_;
+  httplib::Client client_;
+};
+
+TEST_F(Served, ThePageIsThereForBrowsersOfThisHostOnly) {
+  if (PageTemplate().empty()) GTEST_SKIP() << "built without the report page";
+  const auto page = client_.Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_NE(page->body.find("text/x-muster-live"), std::string::npos);
+  EXPECT_NE(page->body.find("connect-src 'self'"), std::string::npos);
+  EXPECT_EQ(client_.Get("/elsewhere")->status, 404);
+  for (const char* path : {"/", "/events"}) {
+    const auto strange = client_.Get(path, {{"Host", "evil.example"}});
+    ASSERT_TRUE(strange);
+    EXPECT_EQ(strange->status, 403) << path;
+    EXPECT_TRUE(strange->body.empty());
+  }
+}
+
+TEST_F(Served, EventsCarryTheMissionAndSayGoodbye) {
+  feed_.Add(Mission());
+  std::string heard;
+  const auto response = client_.Get("/events", [&](const char* data, std::size_t size) {
+    heard.append(data, size);
+    if (heard.find("\"ended\":true") != std::string::npos) feed_.Close();
+    return true;
+  });
+  ASSERT_TRUE(response);
+  EXPECT_EQ(response->get_header_value("Content-Type"), "text/event-stream");
+  EXPECT_EQ(heard.rfind("event: chunk\ndata: {", 0), 0U);
+  EXPECT_NE(heard.find("event: bye\n"), std::string::npos);
+}
+
+TEST_F(Served, EndsWhileSomebodyListens) {
+  feed_.Add(Mission());
+  std::string heard;
+  std::thread closes;
+  client_.Get("/events", [&](const char* data, std::size_t size) {
+    heard.append(data, size);
+    if (!closes.joinable()) {
+      closes = std::thread([this] { server_.reset(); });
+    }
+    return true;
+  });
+  closes.join();
+  EXPECT_NE(heard.find("event: bye\n"), std::string::npos);
+}
+
+TEST(LiveServer, ATakenPortIsSaid) {
+  const LiveServer first(0);
+  const std::string url = first.url();
+  const int port = std::stoi(url.substr(url.rfind(':') + 1));
+  EXPECT_THROW(LiveServer second(port), SystemError);
+  EXPECT_EQ(ParsePort("--port", "0"), 0);
+  for (const char* text : {"", "x", "-1", "65536", "80a"}) {
+    EXPECT_THROW(ParsePort("--port", text), InputError) << text;
+  }
+}
+
+TEST(FollowedRun, ReadsFilesAsTheyGrowAndAsTheyCome) {
+  const TemporaryFolder folder;
+  const std::vector<Packet> packets = Mission();
+  const auto source = OpenPacketSource(folder.path().string());
+  EXPECT_TRUE(source->is_log());
+  EXPECT_TRUE(source->Read(0).empty());
+  std::vector<Packet> read;
+  const auto read_on = [&] {
+    for (Packet& packet : source->Read(0)) read.push_back(std::move(packet));
+  };
+  {
+    EventLogWriter log(folder.File("mission.lcm"));
+    for (std::size_t i = 0; i < 40; ++i) {
+      log.Write(0, packets[i]);
+      log.Flush();
+      read_on();
+      EXPECT_EQ(read.size(), i + 1);
+    }
+  }
+  EventLogWriter next(folder.File("mission.lcm.1"));
+  for (std::size_t i = 40; i < packets.size(); ++i) next.Write(0, packets[i]);
+  next.Flush();
+  read_on();
+  EXPECT_EQ(read, packets);
+  EXPECT_THROW(OpenPacketSource(folder.File("nothing")), InputError);
+}
+
+TEST(ScenarioRequest, AsksWithOneMessageAgainAndAgainUntilAnswered) {
+  ScenarioRequest request;
+  EXPECT_FALSE(request.Due({}, false, 0));
+  EXPECT_FALSE(request.Due(7, false, 0));  // it may come by itself
+  const auto question = request.Due(7, false, 2'000'000);
+  ASSERT_TRUE(question);
+  const auto decoded = DecodeValid<request_t>(question->bytes);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->header.run_id, 7);
+  EXPECT_EQ(decoded->header.seq, 0);
+  EXPECT_EQ(decoded->channel, "MUSTER_SCENARIO");
+  EXPECT_FALSE(request.Due(7, false, 2'000'001));
+  EXPECT_EQ(request.Due(7, false, 4'000'000), question);
+  EXPECT_FALSE(request.Due(7, true, 9'000'000));
+}
+
+process_status_t StatusOf(const char* name, std::int64_t wall_us, double cpu_s) {
+  process_status_t status{};
+  status.name = status.header.sender = name;
+  status.header.run_id = 7;
+  status.header.wall_us = wall_us;
+  status.state = 2;
+  status.received = 123'456;
+  status.lost = 42;
+  status.cpu_s = cpu_s;
+  status.rss_bytes = 6'500'000;
+  return status;
+}
+
+std::string TextOf(const TopView& view, std::int64_t now_us, std::size_t width = 0) {
+  std::string text;
+  for (const TopView::Line& line : view.Lines(now_us, width)) text += line.text + "\n";
+  return text;
+}
+
+TEST(TopView, CountsAgentsTasksAndProcesses) {
+  TopView view;
+  EXPECT_EQ(TextOf(view, 0), "nothing heard yet\n");
+  // Up to minute 8: UAV 0 and worker 0 sense task 0 (7.2 to 9.2), UAV 1 stands, the vehicle too.
+  for (const FakeMessage& message : MakeFakeMission()) {
+    FakeMessage copy = message;
+    if (copy.header().sim_us <= 8 * 60'000'000) view.Add(copy.Encoded());
+  }
+  constexpr std::int64_t kWall = 1'000'000'000'000;
+  for (int i = 0; i < 10; ++i) {
+    process_status_t status = StatusOf("uav", kWall + i * 1'000'000, 0.25 * i);
+    status.header.boot_id = 1;
+    status.header.seq = i;
+    view.Add({"MUSTER_PROCESS", Encode(status)});
+  }
+  const std::string text = TextOf(view, kWall + 9'500'000);
+  EXPECT_NE(text.find("0:08:00 of"), std::string::npos) << text;
+  EXPECT_NE(text.find("tasks: 0 of 2 done, 1 being sensed"), std::string::npos) << text;
+  EXPECT_NE(text.find("uavs            2      1       0        0        1"), std::string::npos)
+      << text;
+  // One message a second, half a second old, a quarter of a processor, started twice.
+  EXPECT_NE(text.find("uav           running     0.5s      1"), std::string::npos) << text;
+  EXPECT_NE(text.find("123k     42        0       0      2    25   6.5 MB"), std::string::npos)
+      << text;
+  EXPECT_NE(TextOf(view, kWall + 60'000'000).find("uav           silent"), std::string::npos);
+  for (const TopView::Line& line : view.Lines(kWall, 30)) EXPECT_LE(line.text.size(), 30U);
+}
+
+TEST(TopView, PrintsNothingThatATerminalWouldObey) {
+  TopView view;
+  for (const Packet& packet : Mission()) view.Add(packet);
+  process_status_t status = StatusOf("\x1b[2Jx\n", 1, 0);
+  view.Add({"MUSTER_PROCESS", Encode(status)});
+  const std::string text = TextOf(view, 0);
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+  EXPECT_NE(text.find("?[2Jx?"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,234 @@
+#include "tools/report/timeline.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "tests/tools/fake_mission.h"
+#include "tools/record/report_json.h"
+#include "tools/report/mission_feed.h"
+#include "tools/report/page_chunk.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr std::int64_t kMinuteMs = 60'000;
+
+MissionFeed FeedOf(const std::vector<Packet>& packets) {
+  MissionFeed feed;
+  for (const Packet& packet : packets) feed.Add(packet);
+  feed.Finish();
+  return feed;
+}
+
+Timeline::Stop PlaceAt(const Timeline::Agent& agent, double t_ms) {
+  const auto& rows = agent.stops.rows;
+  std::size_t i = 0;
+  while (i + 1 < rows.size() && static_cast<double>(rows[i + 1].t_ms) <= t_ms) ++i;
+  if (i + 1 == rows.size()) return rows[i];
+  const double share = (t_ms - static_cast<double>(rows[i].t_ms)) /
+                       static_cast<double>(rows[i + 1].t_ms - rows[i].t_ms);
+  Timeline::Stop at = rows[i];
+  at.x_m += share * (rows[i + 1].x_m - at.x_m);
+  at.y_m += share * (rows[i + 1].y_m - at.y_m);
+  return at;
+}
+
+AgentStatus StatusAt(const Timeline::Agent& agent, std::int64_t t_ms) {
+  int status = 0;
+  for (const Timeline::Span& span : agent.spans.rows) {
+    if (span.t_ms <= t_ms) status = span.status;
+  }
+  return static_cast<AgentStatus>(status);
+}
+
+std::vector<std::pair<std::int64_t, AgentStatus>> SpansOf(const Timeline::Agent& agent) {
+  std::vector<std::pair<std::int64_t, AgentStatus>> spans;
+  for (const Timeline::Span& s : agent.spans.rows) {
+    spans.emplace_back(s.t_ms, static_cast<AgentStatus>(s.status));
+  }
+  return spans;
+}
+
+TEST(Timeline, KnowsWhereAUavWasBetweenTheTicks) {
+  const MissionFeed feed = FeedOf(Encoded(MakeFakeMission()));
+  ASSERT_TRUE(feed.ready());
+  const Timeline::Agent& uav = feed.timeline().agents()[0];
+  // Decision 0: from (1, 1) km to (4, 1) by minute 3; decision 1: to (6, 1) by minute 12.
+  EXPECT_NEAR(PlaceAt(uav, 1.5 * kMinuteMs).x_m, 2500, 1);
+  EXPECT_NEAR(PlaceAt(uav, 3.0 * kMinuteMs).x_m, 4000, 1);
+  EXPECT_NEAR(PlaceAt(uav, 9.9 * kMinuteMs).x_m, 4000, 1);
+  EXPECT_NEAR(PlaceAt(uav, 11.0 * kMinuteMs).x_m, 5000, 1);
+  EXPECT_NEAR(PlaceAt(uav, 25.0 * kMinuteMs).x_m, 6000, 1);
+}
+
+TEST(Timeline, KeepsLegsAndNotTicks) {
+  // Two legs, sensing and charging: a tenth of the tick changes nothing but a few more kinks.
+  const auto coarse = FeedOf(Encoded(MakeFakeMission()));
+  const auto fine = FeedOf(Encoded(MakeFakeMission(6'000'000)));
+  for (std::size_t i = 0; i < 5; ++i) {
+    const auto& stops = fine.timeline().agents()[i].stops.rows;
+    EXPECT_LE(stops.size(), 14U) << i;
+    EXPECT_LE(coarse.timeline().agents()[i].stops.rows.size(), 14U) << i;
+  }
+}
+
+TEST(Timeline, SaysExactlyWhatAUavDidWhen) {
+  const MissionFeed feed = FeedOf(Encoded(MakeFakeMission()));
+  const auto spans = SpansOf(feed.timeline().agents()[0]);
+  // It waits from minute 3 for the worker, who comes after the square root of 52 minutes; senses
+  // for 2; charges 7 km from minute 12 until 13.167.
+  ASSERT_EQ(spans.size(), 7U);
+  EXPECT_EQ(spans[0], std::pair(std::int64_t{0}, AgentStatus::kMoving));
+  EXPECT_EQ(spans[1], std::pair(3 * kMinuteMs, AgentStatus::kWaiting));
+  EXPECT_EQ(spans[2].second, AgentStatus::kSensing);
+  EXPECT_NEAR(static_cast<double>(spans[2].first), 7.2111 * kMinuteMs, 10);
+  EXPECT_EQ(spans[3].second, AgentStatus::kIdle);
+  EXPECT_NEAR(static_cast<double>(spans[3].first), 9.2111 * kMinuteMs, 10);
+  EXPECT_EQ(spans[4], std::pair(10 * kMinuteMs, AgentStatus::kMoving));
+  EXPECT_EQ(spans[5], std::pair(12 * kMinuteMs, AgentStatus::kCharging));
+  EXPECT_EQ(spans[6].second, AgentStatus::kIdle);
+  EXPECT_NEAR(static_cast<double>(spans[6].first), 13.1667 * kMinuteMs, 10);
+}
+
+TEST(Timeline, OrderOfArrivalAndDoublesChangeNothing) {
+  const std::vector<Packet> packets = Encoded(MakeFakeMission());
+  PageCursor cursor;
+  const std::string expected = PageChunk(FeedOf(packets), "run", &cursor, true)["stops"].dump();
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::vector<Packet> mixed;
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      mixed.push_back(packets[i]);
+      if (random() % 4 == 0) mixed.push_back(packets[i]);
+      // Swaps with one of the last few, as repairs do.
+      const std::size_t back = random() % 6;
+      if (mixed.size() > back + 1) std::swap(mixed.back(), mixed[mixed.size() - 1 - back]);
+    }
+    PageCursor again;
+    EXPECT_EQ(PageChunk(FeedOf(mixed), "run", &again, true)["stops"].dump(), expected);
+  }
+}
+
+TEST(Timeline, AgreesWithEveryStateOfTheLog) {
+  const FakeLog log = MakeFakeMission(20'000'000);
+  const MissionFeed feed = FeedOf(Encoded(log));
+  int looked = 0;
+  for (const FakeMessage& message : log) {
+    const auto* states = std::get_if<agent_states_t>(&message.body);
+    if (states == nullptr) continue;
+    const auto kind = static_cast<AgentKind>(states->kind);
+    for (const agent_t& a : states->agents) {
+      const Timeline::Agent& agent =
+          feed.timeline().agents()[feed.timeline().IndexOf(kind, static_cast<std::size_t>(a.id))];
+      const double t_ms = static_cast<double>(states->header.sim_us) / 1000;
+      EXPECT_NEAR(PlaceAt(agent, t_ms).x_m, a.x_m, 1.5);
+      EXPECT_NEAR(PlaceAt(agent, t_ms).y_m, a.y_m, 1.5);
+      // A decision takes effect at its tick's time, after the states of that tick were said.
+      if (states->header.sim_us % 600'000'000 != 0) {
+        EXPECT_EQ(StatusAt(agent, states->header.sim_us / 1000), static_cast<AgentStatus>(a.status))
+            << ToString(kind) << a.id << " at " << t_ms;
+      }
+      ++looked;
+    }
+  }
+  EXPECT_GT(looked, 300);
+}
+
+/// What tools/report/page/src/run.js does with a chunk's rows, for one kind of list.
+void Apply(nlohmann::json* lists, const nlohmann::json& chunk, const char* key, std::size_t width) {
+  for (const auto& [index, from, rows] :
+       chunk.value(key, std::vector<std::tuple<std::size_t, std::size_t, nlohmann::json>>())) {
+    auto& list = (*lists)[index];
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(from * width), list.end());
+    for (const auto& value : rows) list.push_back(value);
+  }
+}
+
+TEST(Timeline, ATickAfterTheLastIsNone) {
+  std::vector<Packet> packets = Encoded(MakeFakeMission());
+  PageCursor cursor;
+  const std::string expected = PageChunk(FeedOf(packets), "run", &cursor, true)["stops"].dump();
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    auto states = DecodeValid<agent_states_t>(packets[i].bytes);
+    if (packets[i].channel != channel::kUavs || !states) continue;
+    for (const std::int64_t tick : {std::int64_t{1} << 55, states->tick + 1000}) {
+      states->tick = tick;
+      states->header.seq += 1000;
+      for (agent_t& agent : states->agents) agent.x_m += 1;
+      packets.insert(packets.begin() + static_cast<std::ptrdiff_t>(i),
+                     {packets[i].channel, Encode(*states)});
+    }
+    break;
+  }
+  PageCursor again;
+  EXPECT_EQ(PageChunk(FeedOf(packets), "run", &again, true)["stops"].dump(), expected);
+}
+
+TEST(PageChunk, PartsAddUpToTheWhole) {
+  const std::vector<Packet> packets = Encoded(MakeFakeMission());
+  PageCursor whole_cursor;
+  const nlohmann::json whole = PageChunk(FeedOf(packets), "run", &whole_cursor, true);
+
+  MissionFeed feed;
+  PageCursor cursor;
+  nlohmann::json stops(5, nlohmann::json::array()), spans = stops;
+  nlohmann::json tasks(2, nlohmann::json::array());
+  std::size_t parts = 0;
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    feed.Add(packets[i]);
+    if (i + 1 == packets.size()) feed.Finish();
+    if (!feed.ready() || (i % 7 != 0 && i + 1 != packets.size())) continue;
+    const nlohmann::json chunk = PageChunk(feed, "run", &cursor, false);
+    EXPECT_EQ(chunk.contains("scenario"), parts == 0);
+    Apply(&stops, chunk, "stops", 4);
+    Apply(&spans, chunk, "spans", 2);
+    Apply(&tasks, chunk, "tasks", 2);
+    ++parts;
+  }
+  EXPECT_GT(parts, 20U);
+  for (const auto& [key, lists] :
+       {std::pair("stops", stops), std::pair("spans", spans), std::pair("tasks", tasks)}) {
+    for (const auto& row : whole[key]) EXPECT_EQ(lists[row[0].get<std::size_t>()], row[2]) << key;
+  }
+  const nlohmann::json silence = PageChunk(feed, "run", &cursor, false);
+  EXPECT_FALSE(silence.contains("stops") || silence.contains("spans") || silence.contains("done") ||
+               silence.contains("decisions") || silence.contains("events"))
+      << silence;
+}
+
+TEST(PageChunk, HasTheNumbersOfTheReport) {
+  const MissionFeed feed = FeedOf(Encoded(MakeFakeMission()));
+  PageCursor cursor;
+  const nlohmann::json chunk = PageChunk(feed, "name", &cursor, true);
+  const nlohmann::json report = Report(feed.record());
+  for (const char* key : {"completion_rate", "tasks_done", "charges", "flown_m", "digest", "policy",
+                          "seed", "decision_time", "log", "processes", "faults"}) {
+    EXPECT_EQ(chunk["report"][key], report[key]) << key;
+  }
+  EXPECT_EQ(chunk["name"], "name");
+  ASSERT_EQ(chunk["decisions"][1].size(), 3U);
+  EXPECT_EQ(chunk["decisions"][1][2][2], report["decisions"][2]["weight"]);
+  EXPECT_EQ(chunk["done"][1].back(), 2);
+}
+
+TEST(PageChunk, LeavesOutADecisionThatNeverWasInForce) {
+  FakeLog log = MakeFakeMission();
+  ForEach<clock_t>(&log, [](clock_t& clock) {
+    if (clock.required_decision == 1) clock.required_decision = 0;
+  });
+  const MissionFeed feed = FeedOf(Encoded(log));
+  PageCursor cursor;
+  const nlohmann::json chunk = PageChunk(feed, "name", &cursor, true);
+  ASSERT_EQ(chunk["report"]["skipped_decisions"], nlohmann::json({1}));
+  ASSERT_EQ(chunk["decisions"][1].size(), 2U);
+  EXPECT_EQ(chunk["decisions"][1][0][0], 0);
+  EXPECT_EQ(chunk["decisions"][1][1][0], 2);
+}
+
+}  // namespace
+}  // namespace muster::tools

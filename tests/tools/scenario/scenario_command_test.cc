@@ -1,0 +1,258 @@
+#include "tools/scenario/scenario_command.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "base/check.h"
+#include "base/program.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "tests/temporary_folder.h"
+#include "tools/scenario/import_command.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ScenarioCommandTest : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name) const { return folder_.File(name); }
+
+  Scenario Made(std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--out", File("s.json")});
+    EXPECT_EQ(Run(ScenarioCommand, flags), kExitOk);
+    return LoadScenario(File("s.json"));
+  }
+
+  static int Run(int (*command)(int, const char* const*), const std::vector<std::string>& flags) {
+    std::vector<const char*> argv = {"muster test"};
+    for (const std::string& flag : flags) argv.push_back(flag.c_str());
+    return command(static_cast<int>(argv.size()), argv.data());
+  }
+
+  static std::string ErrorOf(int (*command)(int, const char* const*),
+                             const std::vector<std::string>& flags) {
+    try {
+      Run(command, flags);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(ScenarioCommandTest, WritesThePresetOfTheSeed) {
+  const Scenario s = Made({"--preset", "Random_20", "--seed", "18446744073709551615"});
+  EXPECT_EQ(ScenarioToJson(s),
+            ScenarioToJson(Generate(PresetByName("Random_20"), 18446744073709551615u)));
+  EXPECT_FALSE(fs::exists(File("s.json.part")));
+}
+
+TEST_F(ScenarioCommandTest, EveryNumberCanBeSet) {
+  const Scenario s = Made({"--area",
+                           "12x8.5",
+                           "--uavs",
+                           "3",
+                           "--workers",
+                           "4",
+                           "--vehicles",
+                           "5",
+                           "--tasks",
+                           "6",
+                           "--charging-points",
+                           "7",
+                           "--online-min",
+                           "45",
+                           "--task-cost-km",
+                           "2.5",
+                           "--charge-km-per-min",
+                           "6:8",
+                           "--uav-speed-km-per-min",
+                           "1.2",
+                           "--worker-speed-km-per-min",
+                           "0.3",
+                           "--vehicle-speed-km-per-min",
+                           "0.6",
+                           "--full-range-km",
+                           "20",
+                           "--start-fraction",
+                           "0.5",
+                           "--capacity",
+                           "2",
+                           "--interval",
+                           "5",
+                           "--limit",
+                           "120",
+                           "--tick",
+                           "15",
+                           "--availability",
+                           "overrun",
+                           "--ceil-to-minutes",
+                           "--mean-over-all",
+                           "--start-on-meeting",
+                           "--wind",
+                           "0.1:0.4",
+                           "--communication-km",
+                           "0.1:0.5",
+                           "--agent-failure",
+                           "0.01:0.05",
+                           "--match-failure",
+                           "0.05",
+                           "--name",
+                           "mine"});
+  EXPECT_EQ(s.name, "mine");
+  EXPECT_EQ(s.width_m, 12'000);
+  EXPECT_EQ(s.height_m, 8500);
+  EXPECT_EQ(s.uavs.size(), 3u);
+  EXPECT_EQ(s.workers.size(), 4u);
+  EXPECT_EQ(s.vehicles.size(), 5u);
+  EXPECT_EQ(s.tasks.size(), 6u);
+  EXPECT_EQ(s.charging_points.size(), 7u);
+  EXPECT_EQ(s.uavs[0].online_until_us - s.uavs[0].online_from_us, 45 * kMinuteUs);
+  EXPECT_LE(s.uavs[0].online_until_us, 120 * kMinuteUs);
+  EXPECT_EQ(s.tasks[0].cost_m, 2500);
+  EXPECT_GE(s.vehicles[0].charge_rate_m_s, 99.99);
+  EXPECT_LE(s.vehicles[0].charge_rate_m_s, 133.34);
+  EXPECT_EQ(s.uavs[0].speed_m_s, 20);
+  EXPECT_EQ(s.workers[0].speed_m_s, 5);
+  EXPECT_EQ(s.vehicles[0].speed_m_s, 10);
+  EXPECT_EQ(s.uavs[0].range_full_m, 20'000);
+  EXPECT_EQ(s.uavs[0].range_m, 10'000);
+  EXPECT_EQ(s.charging_points[6].capacity, 2);
+  Rules rules;
+  rules.interval_us = 5 * kMinuteUs;
+  rules.limit_us = 120 * kMinuteUs;
+  rules.tick_us = 15 * kSecondUs;
+  rules.availability = Availability::kOverrun;
+  rules.ceil_to_minutes = rules.mean_over_all = rules.start_on_meeting = true;
+  EXPECT_EQ(s.rules, rules);
+  EXPECT_EQ(s.disturbances.wind, (Disturbances::Interval{0.1, 0.4}));
+  EXPECT_EQ(s.disturbances.communication_m, (Disturbances::Interval{100, 500}));
+  EXPECT_EQ(s.disturbances.agent_failure, (Disturbances::Interval{0.01, 0.05}));
+  EXPECT_EQ(s.disturbances.match_failure, (Disturbances::Interval{0.05, 0.05}));
+  EXPECT_EQ(Made({"--capacity", "none"}).charging_points[0].capacity, std::nullopt);
+}
+
+TEST_F(ScenarioCommandTest, SwitchesOfTheUnpublishedSettings) {
+  const Scenario s = Made({"--placement", "continuous", "--uptime", "any", "--online-min", "100:"});
+  bool off_centre = false;
+  TimeUs last = 0;
+  for (const AgentSpec& worker : s.workers) {
+    off_centre = off_centre || worker.at.x_m != std::floor(worker.at.x_m / 1000) * 1000 + 500;
+    last = std::max(last, worker.online_until_us);
+    EXPECT_GE(worker.online_until_us - worker.online_from_us, 100 * kMinuteUs);
+  }
+  EXPECT_TRUE(off_centre);
+  EXPECT_GT(last, 180 * kMinuteUs);
+}
+
+TEST_F(ScenarioCommandTest, ScaleKeepsDensityAndNumbersThatAreGiven) {
+  const Scenario s = Made({"--scale", "4", "--tasks", "17"});
+  EXPECT_EQ(s.name, "Random_1_x4");
+  EXPECT_EQ(s.width_m, 60'000);
+  EXPECT_EQ(s.workers.size(), 200u);
+  EXPECT_EQ(s.tasks.size(), 17u);
+}
+
+TEST_F(ScenarioCommandTest, BadFlagsNameThemselves) {
+  const auto starts = [](const std::vector<std::string>& flags, const std::string& message) {
+    const std::string error = ErrorOf(ScenarioCommand, flags);
+    EXPECT_EQ(error.find(message), 0u) << error;
+  };
+  starts({"--area", "30"}, "command line: --area: found '30', expected WxH");
+  starts({"--area", "30x-1"}, "command line: --area: found '30x-1', expected WxH");
+  starts({"--area", "nanx1"}, "command line: --area: found 'nan', expected WxH");
+  starts({"--uavs", "0"}, "command line: --uavs: found '0', expected an integer in [1,");
+  starts({"--uavs", "3.5"}, "command line: --uavs: found '3.5', expected an integer in [1,");
+  starts({"--tasks", "99999999999"}, "command line: --tasks: found '99999999999', expected");
+  starts({"--seed", "-1"}, "command line: --seed: found '-1', expected an integer in [0,");
+  starts({"--task-cost-km", "4:2"},
+         "command line: --task-cost-km: found '4:2', expected A, A:B with");
+  starts({"--task-cost-km", "4:"}, "command line: --task-cost-km: found '', expected A, A:B with");
+  starts({"--online-min", "1:2:3"},
+         "command line: --online-min: found '1:2:3', expected A, A:B or A:");
+  starts({"--wind", "x"}, "command line: --wind: found 'x', expected A, A:B");
+  starts({"--agent-failure", "0:1.5"}, "command line: --agent-failure: found '0:1.5', expected");
+  starts({"--interval", "0"}, "command line: --interval: found '0', expected a number above 0");
+  starts({"--interval", "200"}, "generator settings: interval_min: found 200, expected");
+  starts({"--tick", "7"}, "generator settings: rules.tick_s: found 7, expected");
+  starts({"--uptime", "late"}, "command line: --uptime: found 'late', expected within or any");
+  starts({"--capacity", "0"}, "command line: --capacity: found '0', expected an integer");
+  starts({"--scale", "0"}, "command line: --scale: found '0', expected a number above 0");
+  starts({"--preset", "Random_99"}, "no preset 'Random_99'");
+  starts({"extra"}, "unexpected argument 'extra'");
+  EXPECT_THROW(Run(ScenarioCommand, {"--out", File("none/s.json")}), SystemError);
+}
+
+TEST_F(ScenarioCommandTest, NothingIsWrittenOnError) {
+  std::ofstream(File("s.json")) << "kept";
+  EXPECT_NE(ErrorOf(ScenarioCommand, {"--tick", "7", "--out", File("s.json")}), "no error");
+  std::string text;
+  std::ifstream(File("s.json")) >> text;
+  EXPECT_EQ(text, "kept");
+}
+
+TEST_F(ScenarioCommandTest, ImportsCsvAndGeoJsonAlike) {
+  std::ofstream(File("points.csv")) << "Lat,Lng,code\n10.001,20.001,1a;9\n10.012,20.001,7\n"
+                                       "10.013,20.022,1b\n10.0131,20.0221,2d\n";
+  std::ofstream(File("points.geojson")) << R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "geometry": {"type": "Point", "coordinates": [20.001, 10.001]}, "properties": {"code": "1a;9"}},
+    {"type": "Feature", "geometry": {"type": "Point", "coordinates": [20.001, 10.012]}, "properties": {"code": 7}},
+    {"type": "Feature", "geometry": {"type": "Point", "coordinates": [20.022, 10.013]}, "properties": {"code": "1b"}},
+    {"type": "Feature", "geometry": {"type": "Point", "coordinates": [20.0221, 10.0131]}, "properties": {"code": "2d"}}]})";
+  const auto import = [&](const std::string& points) {
+    EXPECT_EQ(Run(ImportCommand, {File(points), "--window", "10,20,3,2", "--tasks-where", "code=1*",
+                                  "--charging-where", "code=7*,2d", "--workers", "7", "--name", "n",
+                                  "--quiet", "--out", File("s.json")}),
+              kExitOk);
+    return LoadScenario(File("s.json"));
+  };
+  const Scenario s = import("points.csv");
+  ASSERT_EQ(s.tasks.size(), 2u);
+  EXPECT_EQ(s.tasks[0].at, (Point{500, 500}));
+  EXPECT_EQ(s.tasks[1].at, (Point{2500, 1500}));
+  ASSERT_EQ(s.charging_points.size(), 2u);
+  EXPECT_EQ(s.charging_points[0].at, (Point{500, 1500}));
+  EXPECT_EQ(s.charging_points[1].at, (Point{2500, 1500}));
+  EXPECT_EQ(s.workers.size(), 7u);
+  EXPECT_EQ(s.origin->longitude_deg, 20);
+  EXPECT_EQ(ScenarioToJson(import("points.geojson")), ScenarioToJson(s));
+}
+
+TEST_F(ScenarioCommandTest, ImportSeveralFiltersMustAllHold) {
+  std::ofstream(File("points.csv")) << "lat,lon,code,ok\n10.001,20.001,1,YES\n10.012,20.001,1,NO\n"
+                                       "10.013,20.022,2,YES\n";
+  EXPECT_EQ(Run(ImportCommand, {File("points.csv"), "--window", "10,20,3,2", "--where", "code=1",
+                                "--where", "ok=YES", "--quiet", "--out", File("s.json")}),
+            kExitOk);
+  EXPECT_EQ(LoadScenario(File("s.json")).tasks.size(), 1u);
+}
+
+TEST_F(ScenarioCommandTest, ImportNamesWhatIsWrong) {
+  std::ofstream(File("points.csv")) << "lat,lon\n10,20\n";
+  const auto error = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), File("points.csv"));
+    return ErrorOf(ImportCommand, flags);
+  };
+  EXPECT_EQ(ErrorOf(ImportCommand, {}),
+            "command line: FILE: found nothing, expected a table of places (see --help)");
+  for (const char* window :
+       {"1,2,3", "91,0,1,1", "0,181,1,1", "0,0,0,1", "0,0,1,5000", "a,0,1,1"}) {
+    EXPECT_EQ(error({"--window", window}).find("command line: --window: found '"), 0u) << window;
+  }
+  EXPECT_EQ(error({"--where", "code"}).find("command line: --where: found 'code'"), 0u);
+  EXPECT_EQ(error({"--tasks-at", "a"}).find("command line: --tasks-at: found 'a'"), 0u);
+  EXPECT_EQ(error({"--start", "noon"}).find("command line: --start: found 'noon'"), 0u);
+  EXPECT_THROW(Run(ImportCommand, {File("none.csv")}), SystemError);
+}
+
+}  // namespace
+}  // namespace muster::tools

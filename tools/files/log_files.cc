@@ -1,0 +1,29 @@
+#include "tools/files/log_files.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/check.h"
+
+namespace muster::tools {
+
+std::vector<std::string> LogFilesOf(const std::string& run) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_regular_file(run, ignored)) return {run};
+  if (!fs::is_directory(run, ignored)) {
+    throw InputError(fmt::format("{}: no such run directory or log file", run));
+  }
+  std::vector<std::string> files;
+  const fs::path first = fs::path(run) / "mission.lcm";
+  fs::path next = first;
+  for (int i = 1; fs::is_regular_file(next, ignored); ++i) {
+    files.push_back(next.string());
+    next = fmt::format("{}.{}", first.string(), i);
+  }
+  if (files.empty()) throw InputError(fmt::format("{}: no mission.lcm in this directory", run));
+  return files;
+}
+
+}  // namespace muster::tools

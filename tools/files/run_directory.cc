@@ -1,0 +1,68 @@
+#include "tools/files/run_directory.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <filesystem>
+#include <system_error>
+
+#include "base/check.h"
+#include "tools/files/pending_file.h"
+
+namespace muster::tools {
+namespace fs = std::filesystem;
+namespace {
+
+void MakeParents(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) {
+    throw SystemError(fmt::format("cannot make folder {}: {}", path.string(), error.message()));
+  }
+}
+
+}  // namespace
+
+RunDirectory RunDirectory::Take(const std::string& path) {
+  std::error_code error;
+  if (fs::exists(path, error) && !(fs::is_directory(path, error) && fs::is_empty(path, error))) {
+    throw InputError("--out", path,
+                     fs::is_directory(path, error) ? "a folder with files" : "a file",
+                     "a new or empty folder");
+  }
+  MakeParents(path);
+  return RunDirectory(path);
+}
+
+RunDirectory RunDirectory::MakeNew(const std::string& root, const std::string& stem) {
+  MakeParents(root);
+  for (int n = 1;; ++n) {
+    const fs::path path = fs::path(root) / (n == 1 ? stem : fmt::format("{}-{}", stem, n));
+    std::error_code error;
+    if (fs::create_directory(path, error)) return RunDirectory(path.string());
+    if (error && error != std::errc::file_exists) {
+      throw SystemError(fmt::format("cannot make folder {}: {}", path.string(), error.message()));
+    }
+  }
+}
+
+std::string RunDirectory::File(std::string_view name) const {
+  return (fs::path(path_) / name).string();
+}
+
+void RunDirectory::Write(std::string_view name, std::string_view text) const {
+  WriteFile(File(name), text);
+}
+
+std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed) {
+  std::string stem = fmt::format("{}-{}-{}", scenario_name, policy, seed);
+  for (char& c : stem) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '_' && c != '-') {
+      c = '_';
+    }
+  }
+  if (stem.front() == '.') stem.front() = '_';
+  return stem;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,34 @@
+#include "tools/host/stop_signals.h"
+
+#include <atomic>
+
+namespace muster::tools {
+namespace {
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGCHLD};
+
+std::atomic<int> stops = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+
+void OnSignal(int signal) {
+  if (signal != SIGCHLD) ++stops;
+}
+
+}  // namespace
+
+StopSignals::StopSignals() {
+  stops = 0;
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  for (std::size_t i = 0; i < std::size(kSignals); ++i)
+    sigaction(kSignals[i], &action, &before_[i]);
+}
+
+StopSignals::~StopSignals() {
+  for (std::size_t i = 0; i < std::size(kSignals); ++i)
+    sigaction(kSignals[i], &before_[i], nullptr);
+}
+
+int StopSignals::count() const { return stops; }
+
+}  // namespace muster::tools

@@ -1,0 +1,277 @@
+#include "tools/record/report_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "base/check.h"
+#include "protocol/fault_switch.h"
+#include "tools/record/digest.h"
+
+namespace muster::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kEventNames[] = {
+    "agent_online", "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
+    "sensing_done", "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
+    "match_failed", "process_lost",    "process_back",     "fault_applied", "fault_ended",
+};
+constexpr const char* kTaskStatusNames[] = {"open", "reserved", "sensing", "done"};
+constexpr const char* kFaultNames[] = {
+    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
+    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
+
+constexpr int kSensingDone = 5;
+constexpr int kChargingDone = 8;
+constexpr int kProcessEnded = 4;
+constexpr int kTaskDone = 3;
+
+double Seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+
+/// JSON has neither NaN nor infinity.
+ordered_json Number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json();
+}
+
+template <std::size_t n>
+std::string NameOf(const char* const (&names)[n], int kind) {
+  return kind >= 0 && static_cast<std::size_t>(kind) < n ? names[kind] : fmt::format("{}", kind);
+}
+
+ordered_json Decisions(const RunRecord& record) {
+  ordered_json list = ordered_json::array();
+  const TimeUs interval_us = record.scenario()->rules.interval_us;
+  for (const auto& [index, schedule] : record.schedules()) {
+    ordered_json actions = ordered_json::array();
+    for (const action_t& a : schedule.actions) {
+      actions.push_back({{"kind", a.kind},
+                         {"uav", a.uav_id},
+                         {"worker", a.worker_id},
+                         {"vehicle", a.vehicle_id},
+                         {"task", a.task_id},
+                         {"charge", a.charge_id},
+                         {"x_m", Number(a.x_m)},
+                         {"y_m", Number(a.y_m)},
+                         {"weight", Number(a.weight)}});
+    }
+    list.push_back({{"index", index},
+                    {"sim_s", Seconds(index * interval_us)},
+                    {"policy", schedule.policy},
+                    {"weight", Number(schedule.weight)},
+                    {"bound", Number(schedule.bound)},
+                    {"candidates", schedule.candidates},
+                    {"solve_s", Seconds(schedule.solve_us)},
+                    {"actions", std::move(actions)}});
+  }
+  return list;
+}
+
+ordered_json Tasks(const RunRecord& record) {
+  const std::size_t n_tasks = record.scenario()->tasks.size();
+  std::vector<const event_t*> done(n_tasks, nullptr);
+  for (const event_t& event : record.events()) {
+    const auto task = static_cast<std::size_t>(event.task_id);
+    if (event.kind == kSensingDone && event.task_id >= 0 && task < n_tasks && !done[task]) {
+      done[task] = &event;
+    }
+  }
+  ordered_json list = ordered_json::array();
+  for (std::size_t task = 0; task < n_tasks; ++task) {
+    const int status = record.final_world() ? record.final_world()->task_status[task] : -1;
+    ordered_json row = {{"id", task},
+                        {"status", status < 0 ? "unknown" : NameOf(kTaskStatusNames, status)}};
+    if (const event_t* event = done[task]) {
+      row["done_s"] = Seconds(event->at_us);
+      row["uav"] = event->uav_id;
+      row["worker"] = event->worker_id;
+    }
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+ordered_json Faults(const RunRecord& record) {
+  ordered_json list = ordered_json::array();
+  for (const auto& [id, fault] : record.faults()) {
+    ordered_json row = {
+        {"id", id},
+        {"kind", NameOf(kFaultNames, fault.kind)},
+        {"target", fault.target},
+        {"at_s", Seconds(fault.at_us)},
+        {"for_s", fault.for_us == kNever ? ordered_json() : ordered_json(Seconds(fault.for_us))},
+        {"probability", Number(fault.probability)},
+        {"applied_s", nullptr},
+        {"ended_s", nullptr},
+        {"packets", nullptr}};
+    for (const event_t& event : record.events()) {
+      if (event.fault_id != id) continue;
+      if (event.kind == 13 && row["applied_s"].is_null()) row["applied_s"] = Seconds(event.at_us);
+      if (event.kind == 14) row["ended_s"] = Seconds(event.at_us);
+      if (const auto hits = event.kind == 14 ? HitsOf(event.detail) : std::nullopt) {
+        row["packets"] =
+            (row["packets"].is_null() ? 0 : row["packets"].get<std::int64_t>()) + *hits;
+      }
+    }
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+ordered_json Processes(const RunRecord& record) {
+  ordered_json list = ordered_json::array();
+  // Counters count from each start: a process's are the sums over its starts.
+  for (auto it = record.processes().begin(); it != record.processes().end();) {
+    const std::string& name = it->first.first;
+    std::int64_t received = 0, lost = 0, rejected = 0, resent = 0, rss = 0;
+    double cpu_s = 0;
+    const process_status_t* newest = nullptr;
+    for (; it != record.processes().end() && it->first.first == name; ++it) {
+      const process_status_t& status = it->second;
+      received += status.received;
+      lost += status.lost;
+      rejected += status.rejected;
+      resent += status.resent;
+      cpu_s += status.cpu_s;
+      rss = std::max(rss, status.rss_bytes);
+      newest = &status;
+    }
+    list.push_back({{"name", newest->name},
+                    {"host", newest->host},
+                    {"received", received},
+                    {"lost", lost},
+                    {"rejected", rejected},
+                    {"resent", resent},
+                    {"restarts", newest->header.boot_id},
+                    {"ended", newest->state == kProcessEnded},
+                    {"cpu_s", Number(cpu_s)},
+                    {"rss_bytes", rss}});
+  }
+  return list;
+}
+
+ordered_json Log(const RunRecord& record) {
+  const RunRecord::Completeness completeness = record.CheckComplete();
+  const auto list = [](const std::vector<RunRecord::Gap>& gaps) {
+    ordered_json rows = ordered_json::array();
+    for (const RunRecord::Gap& gap : gaps) {
+      rows.push_back({{"sender", gap.sender},
+                      {"boot_id", gap.boot_id},
+                      {"first_seq", gap.first_seq},
+                      {"last_seq", gap.last_seq}});
+    }
+    return rows;
+  };
+  ordered_json missing = ordered_json::array();
+  for (const RunRecord::Missing& m : completeness.missing) {
+    missing.push_back({{"owner", m.owner}, {"first", m.first_tick}, {"last", m.last_tick}});
+  }
+  return {{"complete", completeness.complete},
+          {"messages", record.counts().messages},
+          {"duplicates", record.counts().duplicates},
+          {"strangers", record.counts().strangers},
+          {"undecodable", record.counts().undecodable},
+          {"foreign", record.counts().foreign},
+          {"gaps", list(completeness.gaps)},
+          {"lost_tails", list(completeness.lost_tails)},
+          {"n_missing", completeness.n_missing},
+          {"missing", std::move(missing)},
+          {"repeated", completeness.repeated},
+          {"damage", completeness.damage},
+          {"torn_tails", completeness.torn_tails}};
+}
+
+std::string PolicyOf(const RunRecord& record) {
+  std::set<std::string> names;
+  for (const auto& [index, schedule] : record.schedules()) names.insert(schedule.policy);
+  return fmt::format("{}", fmt::join(names, "+"));
+}
+
+}  // namespace
+
+std::string EventName(int kind) { return NameOf(kEventNames, kind); }
+
+DecisionTime DecisionTimeOf(const RunRecord& record) {
+  std::vector<std::int64_t> us;
+  for (const auto& [index, schedule] : record.schedules()) us.push_back(schedule.solve_us);
+  if (us.empty()) return {};
+  std::sort(us.begin(), us.end());
+  const std::size_t half = us.size() / 2;
+  const double median =
+      us.size() % 2 == 1 ? Seconds(us[half]) : (Seconds(us[half - 1]) + Seconds(us[half])) / 2;
+  return {median, Seconds(us.back())};
+}
+
+nlohmann::ordered_json Report(const RunRecord& record) {
+  ordered_json report = {{"version", kReportVersion}, {"run_id", record.run_id()}};
+  if (!record.scenario()) {
+    report["log"] = Log(record);
+    return report;
+  }
+  const Scenario& scenario = *record.scenario();
+  const Rules& rules = scenario.rules;
+  report["policy"] = PolicyOf(record);
+  report["seed"] = scenario.seed;
+  report["scenario"] = {
+      {"name", scenario.name},
+      {"sha256", record.scenario_sha256()},
+      {"interval_s", ToSeconds(rules.interval_us)},
+      {"limit_s", ToSeconds(rules.limit_us)},
+      {"tick_s", ToSeconds(rules.tick_us)},
+      {"availability", rules.availability == Availability::kStrict ? "strict" : "overrun"},
+      {"uavs", scenario.uavs.size()},
+      {"workers", scenario.workers.size()},
+      {"vehicles", scenario.vehicles.size()},
+      {"charging_points", scenario.charging_points.size()}};
+
+  const std::size_t total = scenario.tasks.size();
+  std::size_t done = 0;
+  if (record.final_world()) {
+    const auto& status = record.final_world()->task_status;
+    done = static_cast<std::size_t>(std::count(status.begin(), status.end(), kTaskDone));
+  }
+  std::map<int, std::int64_t> counts;
+  for (std::size_t kind = 0; kind < std::size(kEventNames); ++kind) counts[static_cast<int>(kind)];
+  for (const event_t& event : record.events()) ++counts[event.kind];
+  ordered_json events = ordered_json::object();
+  for (const auto& [kind, n] : counts) events[EventName(kind)] = n;
+
+  ordered_json uavs = ordered_json::array();
+  double flown_m = 0;
+  for (std::size_t id = 0; id < record.tracks().size(); ++id) {
+    const Track& track = record.tracks()[id];
+    flown_m += track.length_m();
+    uavs.push_back({{"id", id},
+                    {"flown_m", Number(track.length_m())},
+                    {"range_left_m", Number(track.final_range_m())}});
+  }
+  const DecisionTime time = DecisionTimeOf(record);
+
+  report["tasks_total"] = total;
+  report["tasks_done"] = done;
+  report["completion_rate"] =
+      total == 0 ? 0.0 : static_cast<double>(done) / static_cast<double>(total);
+  report["charges"] = counts[kChargingDone];
+  report["flown_m"] = Number(flown_m);
+  report["wall_s"] = record.wall_s();
+  report["decision_time"] = {{"median_s", time.median_s}, {"max_s", time.max_s}};
+  report["events"] = std::move(events);
+  report["tasks"] = Tasks(record);
+  report["uavs"] = std::move(uavs);
+  report["decisions"] = Decisions(record);
+  report["skipped_decisions"] = record.skipped_decisions();
+  report["faults"] = Faults(record);
+  report["processes"] = Processes(record);
+  report["log"] = Log(record);
+  report["digest"] = Digest(record);
+  return report;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,197 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/interval_set.h"
+#include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
+#include "muster/event_t.hpp"
+#include "muster/fault_t.hpp"
+#include "muster/process_status_t.hpp"
+#include "muster/scenario_t.hpp"
+#include "muster/schedule_t.hpp"
+#include "muster/world_state_t.hpp"
+
+namespace muster {
+class agent_states_t;
+class clock_t;
+class rulings_t;
+}  // namespace muster
+
+namespace muster::tools {
+
+/// A UAV's way through the mission. Legs are straight and begin at ticks, so the flown distance is
+/// the sum of the straight lines between its positions at consecutive ticks.
+class Track {
+ public:
+  /// Position at a tick. Ticks may come in any order within a window of 64; a tick that comes
+  /// later than that is left out.
+  void Add(std::int64_t tick, Point at, double range_left_m);
+  /// What is said of that tick does not count: the UAV is ruled to have failed before it.
+  void Exclude(std::int64_t tick);
+  double length_m() const;
+  /// Range left at the last tick heard of; metres.
+  double final_range_m() const { return last().range_left_m; }
+  std::int64_t final_tick() const { return last().tick; }
+
+ private:
+  struct Mark {
+    std::int64_t tick = -1;
+    Point at;
+    double range_left_m = 0;
+  };
+  Mark last() const { return pending_.empty() ? base_.value_or(Mark()) : pending_.back(); }
+
+  std::vector<Mark> pending_;  // ascending by tick
+  std::optional<Mark> base_;   // last tick that is summed up
+  double length_m_ = 0;
+  std::set<std::int64_t> excluded_;
+};
+
+/// What a mission left on the bus, gathered from its packets in any order: from a log, a live
+/// capture or the in-memory bus alike. Duplicates (same sender, boot and seq), packets of other
+/// runs and packets that do not decode are counted and left out. Memory grows with decisions,
+/// events, agents and gaps, not with the number of ticks.
+class RunRecord {
+ public:
+  /// Messages are of run `run_id`; none: of the run that the first scenario_t names. Everything
+  /// that comes before the scenario is held back until it is there.
+  explicit RunRecord(std::optional<std::int64_t> run_id = {}) : run_id_(run_id) {}
+
+  void Add(const Packet& packet);
+  /// Says that a part of the log could not be read (torn tail, damaged event).
+  void NoteDamage(std::string what) { damage_.push_back(std::move(what)); }
+  /// Says that a file ends in a torn event since its logger was killed: reported apart, as another
+  /// file goes on from there.
+  void NoteTornTail(std::string what) { torn_tails_.push_back(std::move(what)); }
+
+  struct Counts {
+    std::int64_t messages = 0;     ///< distinct messages of this run
+    std::int64_t duplicates = 0;   ///< same sender, boot and seq again
+    std::int64_t strangers = 0;    ///< of another run
+    std::int64_t undecodable = 0;  ///< on a channel of ours, but not a message of its type
+    std::int64_t foreign = 0;      ///< on channels that are not ours
+    bool operator==(const Counts&) const = default;
+  };
+  const Counts& counts() const { return counts_; }
+
+  /// Nothing below is filled before a scenario_t that parses has come.
+  const std::optional<Scenario>& scenario() const { return scenario_; }
+  const std::string& scenario_sha256() const { return scenario_sha256_; }
+  std::int64_t run_id() const { return run_id_.value_or(-1); }
+
+  /// By decision, without skipped_decisions(). When several schedules name one decision, the one of
+  /// the lowest (boot, seq).
+  const std::map<std::int32_t, schedule_t>& schedules() const { return schedules_; }
+  /// Decisions that no clock required: the scheduler was lost, and its schedule, if any, came late.
+  const std::set<std::int32_t>& skipped_decisions() const { return skipped_; }
+  /// Sorted by (at_us, kind, uav, worker, vehicle, task, charge, fault_id, detail), without
+  /// repeats.
+  const std::vector<event_t>& events() const;
+  const std::map<std::string, fault_t>& faults() const { return faults_; }
+  /// Of the highest tick; none before the first.
+  const std::optional<world_state_t>& final_world() const { return final_world_; }
+  /// [n_uavs]
+  const std::vector<Track>& tracks() const { return tracks_; }
+  /// Newest status per (name, boot).
+  const std::map<std::pair<std::string, std::int64_t>, process_status_t>& processes() const {
+    return processes_;
+  }
+  /// Wall time from the first to the last clock_t, seconds.
+  double wall_s() const;
+
+  struct Gap {
+    std::string sender;
+    std::int64_t boot_id = 0;
+    std::int64_t first_seq = 0;
+    std::int64_t last_seq = 0;
+  };
+  /// Ticks that lack something: `owner` is "clock", "world", "rulings", "schedule" (then first and
+  /// last count decisions), "end", or an agent, "uav:3".
+  struct Missing {
+    std::string owner;
+    std::int64_t first_tick = 0;
+    std::int64_t last_tick = 0;
+  };
+  struct Completeness {
+    bool complete = false;
+    std::vector<Gap> gaps;  ///< by sender and boot, ascending
+    /// Gaps of starts that a later start of the same sender followed: nobody could say that again.
+    std::vector<Gap> lost_tails;
+    std::vector<Missing> missing;  ///< at most kMaxListed, the earliest
+    std::int64_t n_missing = 0;    ///< (owner, tick) pairs missing
+    std::int64_t repeated = 0;     ///< states of an agent said twice of one tick
+    std::vector<std::string> damage;
+    std::vector<std::string> torn_tails;
+  };
+  static constexpr std::size_t kMaxListed = 100;
+  /// Whether everything that the mission said is here: no sender's seq has a gap, every tick has
+  /// clock, world state, rulings and each agent once (unless it is ruled to have failed, as a lost
+  /// process's agents are), every decision its schedule (unless it was skipped), and the end was
+  /// announced. A sender without any message is found by its ticks. What a killed start had sent
+  /// and nobody logged is reported apart where it is known, and its ticks count.
+  Completeness CheckComplete() const;
+
+ private:
+  struct TickCover {
+    bool clock = false;
+    bool world = false;
+    bool rulings = false;
+    std::vector<bool> agents;          // [n_uavs + n_workers + n_vehicles]
+    std::vector<std::size_t> excused;  // of those: ruled to have failed, need not report
+    std::size_t n_agents = 0;
+  };
+  /// Ticks that one start of a sender has said of one agent.
+  struct Said {
+    std::string sender;
+    std::int64_t boot_id = -1;
+    std::int64_t first = 0;
+    std::int64_t last = -1;
+  };
+
+  void Take(const Packet& packet);
+  template <class Message>
+  std::optional<Message> Admit(const Packet& packet);
+  void TakeScenario(const scenario_t& message);
+  void TakeClock(const clock_t& message);
+  void TakeAgents(const agent_states_t& message);
+  void TakeWorld(world_state_t message);
+  void TakeSchedule(schedule_t message);
+  /// Forgets the cover of a tick that is complete.
+  void Collapse(std::int64_t tick);
+  TickCover* Cover(std::int64_t tick);
+  void Excuse(const rulings_t& message, TickCover* cover);
+  std::int64_t last_tick() const;
+
+  std::optional<std::int64_t> run_id_;
+  Counts counts_;
+  std::vector<Packet> held_back_;
+  std::optional<Scenario> scenario_;
+  std::string scenario_sha256_;
+  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seqs_;
+  std::map<std::int32_t, schedule_t> schedules_;
+  std::set<std::int32_t> skipped_;
+  mutable std::vector<event_t> events_;
+  mutable bool events_sorted_ = true;
+  std::map<std::string, fault_t> faults_;
+  std::optional<world_state_t> final_world_;
+  std::vector<Track> tracks_;
+  std::map<std::pair<std::string, std::int64_t>, process_status_t> processes_;
+  std::optional<std::pair<std::int64_t, std::int64_t>> first_clock_, last_clock_;  // tick, wall_us
+  bool end_announced_ = false;
+  std::map<std::int64_t, TickCover> open_ticks_;
+  IntervalSet covered_ticks_;
+  std::vector<Said> said_;  // [n_uavs + n_workers + n_vehicles]
+  std::int64_t repeated_ = 0;
+  std::vector<std::string> damage_;
+  std::vector<std::string> torn_tails_;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,94 @@
+#include "tools/record/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string_view>
+
+#include "tools/record/digest.h"
+#include "tools/record/report_json.h"
+
+namespace muster::tools {
+namespace {
+
+std::string Times(double seconds) {
+  return seconds < 1 ? fmt::format("{:.1f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
+}
+
+std::string Range(const char* what, std::int64_t first, std::int64_t last) {
+  return first == last ? fmt::format("{} {}", what, first)
+                       : fmt::format("{} {} to {}", what, first, last);
+}
+
+std::string LogLine(const RunRecord& record) {
+  const RunRecord::Completeness log = record.CheckComplete();
+  if (log.complete) return fmt::format("complete, {} messages", record.counts().messages);
+  std::string text = fmt::format("NOT COMPLETE, {} messages", record.counts().messages);
+  if (!log.damage.empty()) text += fmt::format("; {}", log.damage.front());
+  if (!log.gaps.empty()) {
+    const RunRecord::Gap& gap = log.gaps.front();
+    text += fmt::format("; {} gaps, first: {} (start {}) {}", log.gaps.size(), gap.sender,
+                        gap.boot_id, Range("seq", gap.first_seq, gap.last_seq));
+  }
+  if (!log.missing.empty()) {
+    const RunRecord::Missing& m = log.missing.front();
+    text +=
+        fmt::format("; {} missing, first: {} {}", log.n_missing, m.owner,
+                    Range(m.owner == "schedule" ? "decision" : "tick", m.first_tick, m.last_tick));
+  }
+  if (log.repeated > 0) text += fmt::format("; {} agent states said twice", log.repeated);
+  return text;
+}
+
+}  // namespace
+
+std::string Summary(const RunRecord& record) {
+  std::string text;
+  const auto row = [&text](std::string_view name, const std::string& value) {
+    fmt::format_to(std::back_inserter(text), "{:<14} {}\n", name, value);
+  };
+  if (!record.scenario()) {
+    row("log", LogLine(record));
+    return text;
+  }
+  const Scenario& scenario = *record.scenario();
+  const std::size_t total = scenario.tasks.size();
+  std::size_t done = 0;
+  if (record.final_world()) {
+    const auto& status = record.final_world()->task_status;
+    done = static_cast<std::size_t>(std::count(status.begin(), status.end(), 3));
+  }
+  std::size_t charges = 0;
+  for (const event_t& event : record.events()) charges += event.kind == 8 ? 1 : 0;
+  double flown_m = 0;
+  for (const Track& track : record.tracks()) flown_m += track.length_m();
+  double weight = 0;
+  double bound = 0;  // NaN as soon as one decision has none
+  for (const auto& [index, schedule] : record.schedules()) {
+    weight += schedule.weight;
+    bound += schedule.bound;
+  }
+  const DecisionTime time = DecisionTimeOf(record);
+
+  row("scenario", fmt::format("{}, {} UAVs, {} workers, {} vehicles, {:.0f} min", scenario.name,
+                              scenario.uavs.size(), scenario.workers.size(),
+                              scenario.vehicles.size(), ToMinutes(scenario.rules.limit_us)));
+  row("tasks done",
+      total == 0 ? fmt::format("{} of {}", done, total)
+                 : fmt::format("{} of {} ({:.1f} %)", done, total,
+                               100.0 * static_cast<double>(done) / static_cast<double>(total)));
+  row("charges", fmt::format("{}", charges));
+  row("flown", fmt::format("{:.1f} km", flown_m * 1e-3));
+  row("decisions", fmt::format("{} of {}, total weight {:.6g}{}", record.schedules().size(),
+                               scenario.decisions(), weight,
+                               std::isnan(bound) ? "" : fmt::format(" (bound {:.6g})", bound)));
+  row("decision time", fmt::format("median {}, max {}", Times(time.median_s), Times(time.max_s)));
+  if (record.wall_s() > 0) row("wall time", fmt::format("{:.2f} s", record.wall_s()));
+  row("log", LogLine(record));
+  row("digest", Digest(record));
+  return text;
+}
+
+}  // namespace muster::tools

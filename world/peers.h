@@ -1,0 +1,56 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/units.h"
+
+namespace muster::world {
+
+/// The other processes of a mission, by name, as the world hears them. All times are monotonic.
+class Peers {
+ public:
+  enum class Presence {
+    kThere,
+    kLost,       ///< the mission goes on without it
+    kReturning,  ///< was lost and has spoken again
+  };
+
+  /// `is_first`: this is the world's first start, so nobody is lost who was not heard before. A
+  /// later start does not know whom the earlier ones have heard.
+  Peers(TimeUs lost_after_us, bool is_first) : lost_after_us_(lost_after_us), is_first_(is_first) {}
+
+  void Hear(const std::string& name, TimeUs now_us);
+  bool heard(const std::string& name) const { return peers_.contains(name); }
+  /// Once a step: whoever was held up itself has heard nobody meanwhile.
+  void NoteAwake(TimeUs now_us);
+  /// From now on an answer is due.
+  void AwaitFrom(TimeUs now_us) { due_since_us_ = now_us; }
+  /// How long it has been due while this process was awake.
+  TimeUs AwaitedUs(TimeUs now_us) const {
+    return now_us - std::max(due_since_us_, awake_since_us_);
+  }
+  /// Lost already; or it owes an answer for the limit and is silent for as long; or owes it for
+  /// three times the limit, though heard.
+  bool Overdue(const std::string& name, TimeUs now_us) const;
+
+  Presence presence(const std::string& name) const;
+  void set_presence(const std::string& name, Presence presence) {
+    peers_[name].presence = presence;
+  }
+  std::vector<std::string> NamesOf(Presence presence) const;
+
+ private:
+  struct Peer {
+    Presence presence = Presence::kThere;
+    TimeUs heard_us = 0;
+  };
+  const TimeUs lost_after_us_;
+  const bool is_first_;
+  std::map<std::string, Peer> peers_;
+  TimeUs due_since_us_ = 0, stepped_us_ = 0, awake_since_us_ = 0;
+};
+
+}  // namespace muster::world

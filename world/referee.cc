@@ -1,0 +1,405 @@
+#include "world/referee.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "base/check.h"
+#include "model/feasibility.h"
+
+namespace muster::world {
+namespace {
+
+constexpr double kCellSide_m = 1000;
+
+bool SameCell(Point a, Point b) {
+  return std::floor(a.x_m / kCellSide_m) == std::floor(b.x_m / kCellSide_m) &&
+         std::floor(a.y_m / kCellSide_m) == std::floor(b.y_m / kCellSide_m);
+}
+
+Activity::Kind KindOf(ActionKind action) {
+  return action == ActionKind::kSense ? Activity::Kind::kSensing : Activity::Kind::kCharging;
+}
+
+bool Matches(const AgentState& a, const AgentState& b) {
+  return a.action == b.action && a.partner == b.id && b.partner == a.id && a.target == b.target &&
+         a.decision == b.decision && !a.failed && !b.failed;
+}
+
+}  // namespace
+
+Referee::Referee(const Scenario& scenario)
+    : scenario_(scenario), task_status_(scenario.tasks.size(), TaskStatus::kOpen) {}
+
+int Referee::done() const {
+  return static_cast<int>(std::count(task_status_.begin(), task_status_.end(), TaskStatus::kDone));
+}
+
+void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdict& verdict) {
+  previous_us_ = t;
+  task_status_ = std::move(task_status);
+  verdict_ = verdict;
+  std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
+  failed_.clear();
+  for (const Ruling& ruling : verdict.rulings()) {
+    if (ruling.kind == Ruling::Kind::kFailed) {
+      failed_[{ruling.agent_kind, ruling.agent}] = ruling.at_us;
+    }
+  }
+  activities_.clear();
+  for (const Activity& activity : verdict.activities()) {
+    // One that a failure aborted is listed once more.
+    const auto aborted_by = [&](const AgentKey& agent) {
+      const auto failed = failed_.find(agent);
+      return failed != failed_.end() && failed->second < activity.end_us;
+    };
+    const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
+                            aborted_by({PartnerKind(activity.kind), activity.partner});
+    activities_.push_back({activity, false, is_aborted});
+  }
+}
+
+void Referee::EndOutages(const std::string& detail, TimeUs t) {
+  for (Outage& outage : outages_) {
+    if (outage.detail == detail) outage.until_us = std::min(outage.until_us, t);
+  }
+}
+
+void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
+  MUSTER_CHECK(t > previous_us_, "t={} previous={}", t, previous_us_);
+  std::erase_if(activities_, [&](const Known& known) {
+    return known.is_aborted || known.activity.end_us <= previous_us_;
+  });
+  for (Known& known : activities_) known.is_new = false;
+  released_.clear();
+
+  PlanNewActivities(t, agents);
+  Return(t);
+  FindFailures(t, decision, agents);
+  UpdateVerdict();
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentState& agent : agents->of(kind)) Settle(&agent, verdict_, t, scenario_.tasks);
+  }
+  UpdateTasks(t);
+  if (decision >= 0 && scenario_.rules.start_on_meeting) {
+    Meet(t, agents);
+    UpdateVerdict();
+    UpdateTasks(t);
+  }
+  EmitPresence(t, agents);
+  EmitProgress(t);
+  previous_us_ = t;
+}
+
+void Referee::UpdateVerdict() {
+  std::vector<Activity> listed;
+  for (const Known& known : activities_) listed.push_back(known.activity);
+  std::vector<Ruling> rulings = released_;
+  for (const auto& [agent, at_us] : failed_) {
+    rulings.push_back({agent.first, agent.second, Ruling::Kind::kFailed, at_us});
+  }
+  verdict_ = Verdict(std::move(listed), std::move(rulings));
+}
+
+void Referee::PlanNewActivities(TimeUs t, Agents* agents) {
+  UpdateVerdict();
+  const auto planned = [&](const AgentState& agent) {
+    bool found = false;
+    verdict_.ForEachActivityOf(agent.kind, agent.id, [&](const Activity& activity) {
+      found |= activity.start_us >= agent.depart_us && activity.site == agent.target;
+    });
+    return found;
+  };
+  // A partner that did not take its half of the command leaves the other free where it is now.
+  const auto release = [&](const AgentState& agent) {
+    released_.push_back({agent.kind, agent.id, Ruling::Kind::kReleased, t});
+  };
+  for (const AgentState& uav : agents->uavs) {
+    if (!IsPair(uav.action) || uav.failed || planned(uav)) continue;
+    const AgentState& partner = agents->at(PartnerKind(KindOf(uav.action)), uav.partner);
+    if (!Matches(uav, partner)) {
+      release(uav);
+      continue;
+    }
+    Activity activity = PlanActivity(uav, partner, scenario_.tasks);
+    if (RunsDryAt(uav)) activity.start_us = activity.end_us = kNever;  // until it is seen to fail
+    activities_.push_back({activity, true, false});
+  }
+  for (const AgentKind kind : {AgentKind::kWorker, AgentKind::kVehicle}) {
+    for (const AgentState& partner : agents->of(kind)) {
+      if (!IsPair(partner.action) || partner.failed || planned(partner)) continue;
+      if (!Matches(agents->at(AgentKind::kUav, partner.partner), partner)) release(partner);
+    }
+  }
+}
+
+void Referee::Return(TimeUs t) {
+  for (const Outage& outage : outages_) {
+    if (outage.until_us > t) continue;
+    // One outage may follow the other without a break.
+    const auto next = std::find_if(outages_.begin(), outages_.end(), [&](const Outage& other) {
+      return other.kind == outage.kind && other.agent == outage.agent && other.until_us > t &&
+             other.from_us <= outage.until_us;
+    });
+    if (next != outages_.end()) {
+      next->from_us = std::min(next->from_us, outage.from_us);
+      continue;
+    }
+    // Whoever had failed for good before does not come back.
+    const auto failed = failed_.find({outage.kind, outage.agent});
+    if (failed == failed_.end() || failed->second < outage.from_us) continue;
+    failed_.erase(failed);
+    Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
+         outage.detail);
+  }
+  std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
+}
+
+void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
+  std::vector<Failure> failures;
+  for (const AgentState& uav : agents->uavs) {
+    if (uav.failed || uav.action == ActionKind::kNone) continue;
+    if (const auto dry = RunsDryAt(uav); dry && *dry <= t) {
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
+    }
+  }
+  for (const Known& known : activities_) {
+    if (known.activity.kind != Activity::Kind::kSensing) continue;
+    const AgentState& uav = agents->at(AgentKind::kUav, known.activity.uav.value);
+    if (uav.failed) continue;
+    if (const auto dry = RunsDryAt(uav, known.activity, scenario_.tasks); dry && *dry <= t) {
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
+    }
+  }
+  for (const Outage& outage : outages_) {
+    if (outage.from_us > t) continue;
+    failures.push_back({std::max(outage.from_us, previous_us_ + 1),
+                        {outage.kind, outage.agent},
+                        outage.detail,
+                        false,
+                        outage.from_us > previous_us_});
+  }
+  if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
+    for (const AgentKind kind : kAgentKinds) {
+      for (const AgentState& agent : agents->of(kind)) {
+        if (agent.online(t) &&
+            SuddenlyFails(kind, agent.id, decision, scenario_.disturbances, scenario_.seed)) {
+          failures.push_back({t, {kind, agent.id}, "sudden failure"});
+        }
+      }
+    }
+  }
+  std::sort(failures.begin(), failures.end());
+  const auto released_before = [&](const Failure& failure) {
+    return std::any_of(released_.begin(), released_.end(), [&](const Ruling& ruling) {
+      return AgentKey(ruling.agent_kind, ruling.agent) == failure.agent &&
+             ruling.at_us <= failure.at_us;
+    });
+  };
+  for (const Failure& failure : failures) {
+    if (!failure.dry || !released_before(failure)) Fail(failure, agents);
+  }
+}
+
+bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
+  const TimeUs since_us = failed_.at(failure.agent);
+  return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
+    return AgentKey(other.kind, other.agent) == failure.agent && other.detail != failure.detail &&
+           other.from_us <= since_us && other.until_us > failure.at_us;
+  });
+}
+
+void Referee::Fail(const Failure& failure, Agents* agents) {
+  if (!failed_.emplace(failure.agent, failure.at_us).second) {
+    // It fails no more than it has, but stays so when the other outage ends.
+    if (failure.begins && IsOutBecauseOfAnother(failure)) {
+      Emit(Event::Kind::kFaultApplied, failure.at_us, failure.agent, failure.detail);
+    }
+    return;
+  }
+  Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.detail);
+  const auto [kind, id] = failure.agent;
+  const AgentState& agent = agents->at(kind, id);
+  for (Known& known : activities_) {
+    const Activity& activity = known.activity;
+    const bool takes_part = kind == AgentKind::kUav
+                                ? activity.uav.value == id
+                                : PartnerKind(activity.kind) == kind && activity.partner == id;
+    if (!takes_part || known.is_aborted || activity.end_us <= failure.at_us ||
+        activity.start_us < agent.depart_us) {
+      continue;
+    }
+    known.is_aborted = true;
+    if (kind == AgentKind::kUav) {
+      released_.push_back(
+          {PartnerKind(activity.kind), activity.partner, Ruling::Kind::kReleased, failure.at_us});
+    } else {
+      released_.push_back(
+          {AgentKind::kUav, activity.uav.value, Ruling::Kind::kReleased, failure.at_us});
+    }
+    const bool sensing = activity.kind == Activity::Kind::kSensing;
+    const bool began = activity.start_us <= failure.at_us;
+    if (began && (known.is_new || activity.start_us > previous_us_)) {
+      Emit(sensing ? Event::Kind::kSensingStarted : Event::Kind::kChargingStarted,
+           activity.start_us, activity);
+    }
+    Emit(sensing ? Event::Kind::kSensingAborted : Event::Kind::kChargingAborted, failure.at_us,
+         activity, began ? "under way" : "before its start");
+  }
+}
+
+void Referee::Meet(TimeUs t, Agents* agents) {
+  const auto free_at = [&](const AgentState& agent, Point site) {
+    return agent.idle(t) && SameCell(PositionAt(agent, t), site);
+  };
+  const auto meet = [&](const Activity& activity) {
+    AgentState& uav = agents->at(AgentKind::kUav, activity.uav.value);
+    AgentState& partner = agents->at(PartnerKind(activity.kind), activity.partner);
+    if (activity.end_us >
+        std::min(LatestEnd(uav, scenario_.rules), LatestEnd(partner, scenario_.rules))) {
+      return false;
+    }
+    activities_.push_back({activity, true, false});
+    const Verdict met({activity}, {});
+    Settle(&uav, met, t, scenario_.tasks);
+    Settle(&partner, met, t, scenario_.tasks);
+    return true;
+  };
+  for (std::size_t x = 0; x < scenario_.tasks.size(); ++x) {
+    if (task_status_[x] != TaskStatus::kOpen) continue;
+    const Task& task = scenario_.tasks[x];
+    const double home = NearestChargeDistance(task.at, scenario_.charging_points);
+    for (const AgentState& uav : agents->uavs) {
+      if (!free_at(uav, task.at) ||
+          !CanSense(RangeAt(uav, t, scenario_.tasks), 0, task.cost_m, home)) {
+        continue;
+      }
+      const auto worker = std::find_if(agents->workers.begin(), agents->workers.end(),
+                                       [&](const AgentState& w) { return free_at(w, task.at); });
+      if (worker == agents->workers.end()) break;
+      if (meet({Activity::Kind::kSensing, UavId(uav.id), worker->id, static_cast<std::int32_t>(x),
+                t, t + SensingUs(task.cost_m, uav.speed_m_s)})) {
+        break;
+      }
+    }
+  }
+  for (std::size_t y = 0; y < scenario_.charging_points.size(); ++y) {
+    const ChargingPoint& point = scenario_.charging_points[y];
+    auto load = std::count_if(activities_.begin(), activities_.end(), [&](const Known& known) {
+      return !known.is_aborted && known.activity.kind == Activity::Kind::kCharging &&
+             known.activity.site == static_cast<std::int32_t>(y) && known.activity.end_us > t;
+    });
+    for (const AgentState& uav : agents->uavs) {
+      if (point.capacity && load >= *point.capacity) break;
+      const double range = RangeAt(uav, t, scenario_.tasks);
+      if (range >= uav.range_full_m || !free_at(uav, point.at)) continue;
+      const auto vehicle = std::find_if(agents->vehicles.begin(), agents->vehicles.end(),
+                                        [&](const AgentState& v) { return free_at(v, point.at); });
+      if (vehicle == agents->vehicles.end()) break;
+      if (meet({Activity::Kind::kCharging, UavId(uav.id), vehicle->id, static_cast<std::int32_t>(y),
+                t, t + ChargingUs(uav.range_full_m, range, vehicle->charge_rate_m_s)})) {
+        ++load;
+      }
+    }
+  }
+}
+
+void Referee::EmitPresence(TimeUs t, Agents* agents) {
+  const auto within = [&](TimeUs at) { return previous_us_ < at && at <= t; };
+  for (const AgentKind kind : kAgentKinds) {
+    for (const AgentState& agent : agents->of(kind)) {
+      if (agent.online_from_us >= agent.online_until_us) continue;
+      const AgentKey key{kind, agent.id};
+      if (within(agent.online_from_us)) Emit(Event::Kind::kAgentOnline, agent.online_from_us, key);
+      if (within(agent.online_until_us)) {
+        Emit(Event::Kind::kAgentOffline, agent.online_until_us, key);
+      }
+    }
+  }
+}
+
+void Referee::EmitProgress(TimeUs t) {
+  for (const Known& known : activities_) {
+    if (known.is_aborted) continue;
+    const Activity& activity = known.activity;
+    const bool sensing = activity.kind == Activity::Kind::kSensing;
+    if (activity.start_us <= t && (known.is_new || activity.start_us > previous_us_)) {
+      Emit(sensing ? Event::Kind::kSensingStarted : Event::Kind::kChargingStarted,
+           activity.start_us, activity);
+    }
+    if (activity.end_us <= t) {
+      Emit(sensing ? Event::Kind::kSensingDone : Event::Kind::kChargingDone, activity.end_us,
+           activity);
+    }
+  }
+}
+
+void Referee::UpdateTasks(TimeUs t) {
+  for (TaskStatus& status : task_status_) {
+    if (status != TaskStatus::kDone) status = TaskStatus::kOpen;
+  }
+  for (const Known& known : activities_) {
+    const Activity& activity = known.activity;
+    if (known.is_aborted || activity.kind != Activity::Kind::kSensing) continue;
+    TaskStatus& status = task_status_[static_cast<std::size_t>(activity.site)];
+    if (status == TaskStatus::kDone) continue;
+    status = activity.end_us <= t     ? TaskStatus::kDone
+             : activity.start_us <= t ? TaskStatus::kSensing
+                                      : TaskStatus::kReserved;
+  }
+}
+
+void Referee::Take(std::int32_t decision, const std::vector<Action>& actions) {
+  for (const Action& action : actions) {
+    if (!IsPair(action.kind) ||
+        !MatchFails(action, decision, scenario_.disturbances, scenario_.seed)) {
+      continue;
+    }
+    Event event;
+    event.kind = Event::Kind::kMatchFailed;
+    event.at_us = previous_us_;
+    event.uav = action.uav;
+    event.worker = action.worker;
+    event.vehicle = action.vehicle;
+    event.task = action.task;
+    event.charge = action.charge;
+    events_.push_back(event);
+  }
+}
+
+void Referee::Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std::string detail) {
+  Event event;
+  event.kind = kind;
+  event.at_us = at_us;
+  event.uav = activity.uav;
+  if (activity.kind == Activity::Kind::kSensing) {
+    event.worker = WorkerId(activity.partner);
+    event.task = TaskId(activity.site);
+  } else {
+    event.vehicle = VehicleId(activity.partner);
+    event.charge = ChargeId(activity.site);
+  }
+  event.detail = std::move(detail);
+  events_.push_back(event);
+}
+
+void Referee::Emit(Event::Kind kind, TimeUs at_us, AgentKey agent, std::string detail) {
+  Event event;
+  event.kind = kind;
+  event.at_us = at_us;
+  if (agent.first == AgentKind::kUav) event.uav = UavId(agent.second);
+  if (agent.first == AgentKind::kWorker) event.worker = WorkerId(agent.second);
+  if (agent.first == AgentKind::kVehicle) event.vehicle = VehicleId(agent.second);
+  event.detail = std::move(detail);
+  events_.push_back(event);
+}
+
+std::vector<Event> Referee::TakeEvents() {
+  std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
+    return std::tie(a.at_us, a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge) <
+           std::tie(b.at_us, b.kind, b.uav, b.worker, b.vehicle, b.task, b.charge);
+  });
+  return std::exchange(events_, {});
+}
+
+}  // namespace muster::world

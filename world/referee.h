@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/agent.h"
+#include "model/scenario.h"
+
+namespace muster::world {
+
+/// Something that happened, at its exact time. The numbers of Kind are the wire's.
+struct Event {
+  enum class Kind : std::int8_t {
+    kAgentOnline = 0,
+    kAgentOffline = 1,
+    kAgentFailed = 2,
+    kAgentBack = 3,
+    kSensingStarted = 4,
+    kSensingDone = 5,
+    kSensingAborted = 6,
+    kChargingStarted = 7,
+    kChargingDone = 8,
+    kChargingAborted = 9,
+    kMatchFailed = 10,
+    kProcessLost = 11,
+    kProcessBack = 12,
+    kFaultApplied = 13,
+    kFaultEnded = 14,
+  };
+  Kind kind = Kind::kAgentOnline;
+  TimeUs at_us = 0;
+  UavId uav;
+  WorkerId worker;
+  VehicleId vehicle;
+  TaskId task;
+  ChargeId charge;
+  std::string detail;
+};
+
+/// An agent failure from outside (fault injection, a lost process): holds in [from_us, until_us).
+struct Outage {
+  AgentKind kind = AgentKind::kUav;
+  std::int32_t agent = -1;
+  TimeUs from_us = 0;
+  TimeUs until_us = kNever;
+  std::string detail;
+};
+
+/// The states of all agents of a scenario; the index is the id.
+struct Agents {
+  std::vector<AgentState> uavs, workers, vehicles;
+
+  std::vector<AgentState>& of(AgentKind kind) {
+    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+  }
+  AgentState& at(AgentKind kind, std::int32_t id) { return of(kind)[static_cast<std::size_t>(id)]; }
+};
+
+/// Decides what truly happens: which activities take place and when exactly, who fails, which task
+/// is done. Its verdict on a tick depends on the scenario, the reports and the previous verdict
+/// alone, and the sequence of events does not depend on how long a tick is.
+class Referee {
+ public:
+  explicit Referee(const Scenario& scenario);
+
+  /// Judges time `t` of one tick. `agents` are the reports for t: the legs, and what earlier
+  /// verdicts told the agents. `decision` is the one due at t, or -1. Afterwards the agents are
+  /// settled by the new verdict.
+  void Judge(TimeUs t, std::int32_t decision, Agents* agents);
+
+  /// Takes a decision that was made at the last judged time: draws the match failures.
+  void Take(std::int32_t decision, const std::vector<Action>& actions);
+
+  void Add(const Outage& outage) { outages_.push_back(outage); }
+  /// Those with that detail end at t.
+  void EndOutages(const std::string& detail, TimeUs t);
+
+  /// Continues from an earlier verdict on time t, as a restarted world does: outages that were over
+  /// by then are forgotten.
+  void Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdict& verdict);
+
+  /// Activities not ended before the previous judged time, rulings in force.
+  const Verdict& verdict() const { return verdict_; }
+  const std::vector<TaskStatus>& task_status() const { return task_status_; }
+  int done() const;
+  /// What has happened since the previous call, in order of time, kind, ids.
+  std::vector<Event> TakeEvents();
+
+ private:
+  using AgentKey = std::pair<AgentKind, std::int32_t>;
+  struct Failure {
+    TimeUs at_us = 0;
+    AgentKey agent;
+    std::string detail;
+    bool dry = false;     ///< only if nothing released the UAV before
+    bool begins = false;  ///< an outage that was not in force before
+    auto operator<=>(const Failure&) const = default;
+  };
+  struct Known {
+    Activity activity;
+    bool is_new = false;      ///< not in the previous verdict
+    bool is_aborted = false;  ///< listed once more, so that what was done until then counts
+  };
+
+  void UpdateVerdict();
+  void PlanNewActivities(TimeUs t, Agents* agents);
+  void Return(TimeUs t);
+  void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
+  void Fail(const Failure& failure, Agents* agents);
+  bool IsOutBecauseOfAnother(const Failure& failure) const;
+  void Meet(TimeUs t, Agents* agents);
+  void EmitPresence(TimeUs t, Agents* agents);
+  void EmitProgress(TimeUs t);
+  void UpdateTasks(TimeUs t);
+  void Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std::string detail = {});
+  void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent, std::string detail = {});
+
+  const Scenario& scenario_;
+  TimeUs previous_us_ = -1;
+  std::vector<TaskStatus> task_status_;
+  std::vector<Known> activities_;
+  std::map<AgentKey, TimeUs> failed_;
+  std::vector<Ruling> released_;  ///< by the present verdict
+  std::vector<Outage> outages_;
+  std::vector<Event> events_;
+  Verdict verdict_;
+};
+
+}  // namespace muster::world

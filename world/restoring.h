@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <muster/restore_t.hpp>
+#include <muster/rulings_t.hpp>
+#include <muster/world_state_t.hpp>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
+#include "protocol/convert.h"
+
+namespace muster::world {
+
+/// What the others still hold of a mission, while a world that starts again gathers it.
+class Restoring {
+ public:
+  /// `scenario` must outlive this object.
+  Restoring(const Scenario& scenario, std::int64_t run_id);
+
+  /// Takes one answer; false: it is of no mission, of another one, or impossible.
+  [[nodiscard]] bool Take(const restore_t& restore);
+
+  /// An agent that the mission went on without, as the verdicts since its last report leave it.
+  struct Lost {
+    AgentState agent;
+    TimeUs from_us = 0;
+    bool returns = false;  ///< its process has reported it again, for `tick`
+  };
+  struct State {
+    std::int64_t tick = 0;  ///< to go on with; 0: from the beginning, there is no verdict yet
+    std::int32_t applied_decision = -1;
+    /// In force one tick later, if that has been told: the decision due at `tick` may have been
+    /// passed over.
+    std::optional<std::int32_t> next_decision;
+    /// The verdict on the tick before.
+    std::vector<TaskStatus> task_status;
+    Verdict verdict;
+    std::vector<Packet> reports;  ///< what was told of the states at `tick`
+    std::vector<Lost> lost;
+    bool is_certain = true;  ///< no: of somebody the last report lacks, it may still come
+  };
+  /// The newest tick whose states all agents have been heard with; none: something still lacks.
+  std::optional<State> Newest() const;
+  /// The same for a mission that goes on without lost processes: in lockstep, whoever is awaited is
+  /// at most one tick behind anybody else, and not behind a verdict.
+  std::optional<State> NewestWithoutLost() const;
+  /// The process that has reported the agent; "": none yet.
+  const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
+    return told_[static_cast<int>(kind)][static_cast<std::size_t>(id)].owner;
+  }
+
+ private:
+  struct Told {
+    std::map<std::int64_t, AgentState> states;  ///< by tick
+    std::string owner;                          ///< of the newest
+    std::int64_t newest() const { return states.empty() ? -1 : states.rbegin()->first; }
+  };
+  using Verdicts = std::map<std::int64_t, Verdict>;  ///< by tick
+
+  bool IsTick(std::int64_t tick) const { return tick >= 0 && tick <= scenario_.rules.last_tick(); }
+  std::optional<State> At(std::int64_t tick) const;
+  Verdict VerdictOn(std::int64_t tick) const;
+  Verdicts AllVerdicts() const;
+  /// Who is lost fails right after a tick, at a time that no other failure has.
+  bool IsLoss(TimeUs failed_us) const;
+  /// When that verdict, if it is known, says that the agent failed; kNever: it does not.
+  static TimeUs FailedAt(const Verdicts& verdicts, std::int64_t tick, const AgentState& agent);
+  /// None: something still lacks.
+  std::optional<Lost> LostAgent(const Told& told, TimeUs failed_us, std::int64_t tick,
+                                const Verdicts& verdicts) const;
+
+  const Scenario& scenario_;
+  const WireLimits limits_;
+  const std::int64_t run_id_;
+  bool not_begun_ = false;
+  std::vector<Told> told_[3];                                           ///< [n_agents]
+  using Message = std::tuple<std::string, std::int64_t, std::int64_t>;  // sender, boot_id, seq
+  std::map<std::int64_t, std::map<Message, Packet>> reports_;           ///< by tick
+  std::map<std::int64_t, std::int32_t> applied_;  ///< by tick: the decision in force
+  std::int64_t clock_ = -1;                       ///< newest tick
+  std::map<std::int64_t, world_state_t> worlds_;
+  std::map<std::int64_t, rulings_t> rulings_;
+};
+
+}  // namespace muster::world
