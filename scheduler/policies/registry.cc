@@ -123,9 +123,8 @@ std::unique_ptr<Policy> MakePolicy(std::string_view name) {
   throw InputError(fmt::format("policy: found {}, expected one of {}", name, known));
 }
 
-std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms) {
-  auto policy = MakePolicy(name);
-  if (!deadline_ms) return policy;
+void SetDeadline(Policy* policy, std::string_view name, std::optional<double> deadline_ms) {
+  if (!deadline_ms) return;
   if (!(*deadline_ms > 0 && *deadline_ms <= kMostDeadlineMs)) {
     throw InputError("options", "--deadline", fmt::to_string(*deadline_ms),
                      fmt::format("milliseconds above 0, up to {}", kMostDeadlineMs));
@@ -136,6 +135,11 @@ std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> 
     throw InputError("options", "--deadline", fmt::format("policy {}", name),
                      "one that can be cut short: certified, rollout, rollout-steps");
   }
+}
+
+std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms) {
+  auto policy = MakePolicy(name);
+  SetDeadline(policy.get(), name, deadline_ms);
   return policy;
 }
 

@@ -23,8 +23,11 @@ const std::vector<PolicyInfo>& Policies();
 /// Throws InputError naming the known policies when `name` is none of them.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);
 
-/// The same with a deadline for each decision, in milliseconds; throws InputError (`--deadline`)
-/// when it is not above 0 or the policy has none. No value: without.
+/// Gives the policy of that name a deadline for each decision, in milliseconds; throws InputError
+/// (`--deadline`) when it is not above 0 or the policy has none. No value: without.
+void SetDeadline(Policy* policy, std::string_view name, std::optional<double> deadline_ms);
+
+/// Both.
 std::unique_ptr<Policy> MakePolicy(std::string_view name, std::optional<double> deadline_ms);
 
 }  // namespace muster::scheduler

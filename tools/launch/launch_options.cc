@@ -1,9 +1,12 @@
 #include "tools/launch/launch_options.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 
 #include "base/check.h"
@@ -64,6 +67,24 @@ std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) 
   return processes;
 }
 
+std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& entries) {
+  static constexpr std::string_view kRoles[] = {"world", "uav", "worker", "vehicle", "scheduler"};
+  namespace fs = std::filesystem;
+  std::map<std::string, std::string> programs;
+  for (const std::string& entry : entries) {
+    const std::size_t equals = std::min(entry.find('='), entry.size());
+    const std::string role = entry.substr(0, equals);
+    const std::string file = entry.substr(std::min(equals + 1, entry.size()));
+    if (std::find(std::begin(kRoles), std::end(kRoles), role) == std::end(kRoles) ||
+        !fs::is_regular_file(file) || access(file.c_str(), X_OK) != 0) {
+      throw InputError(kCommandLine, "--program", entry,
+                       "ROLE=FILE: world, uav, worker, vehicle or scheduler, and a program");
+    }
+    programs[role] = fs::absolute(file).string();
+  }
+  return programs;
+}
+
 }  // namespace
 
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv) {
@@ -80,6 +101,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   parser.add_options()("processes",
                        "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them",
                        cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
+  parser.add_options()("program",
+                       "Your own program in place of muster-ROLE, with the same options, e.g. "
+                       "worker=./my-worker (docs/installing.md)",
+                       cxxopts::value<std::vector<std::string>>(), "ROLE=FILE,...");
   parser.add_options()("drop", "Share of received packets that each process drops, 0 to 1",
                        cxxopts::value<double>()->default_value("0"), "P");
   parser.add_options()("faults", "Fault plan (docs/faults.md)", cxxopts::value<std::string>(),
@@ -109,11 +134,20 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   if (!result) return std::nullopt;
 
   LaunchOptions options;
-  static_cast<MissionOptions&>(options) = ReadMissionOptions(*result);
+  if (result->count("program") > 0) {
+    options.programs = ReadPrograms((*result)["program"].as<std::vector<std::string>>());
+  }
+  const bool own_policy = options.programs.contains("scheduler");
+  static_cast<MissionOptions&>(options) = ReadMissionOptions(*result, own_policy);
+  if (own_policy && result->count("policy") == 0) {
+    throw InputError(kCommandLine, "--program", "scheduler without --policy",
+                     "--policy with it: the name of a policy that your scheduler has");
+  }
   options.rate = (*result)["rate"].as<std::string>();
   CheckRate(options.rate);
   if (result->count("deadline") > 0) options.deadline_ms = (*result)["deadline"].as<double>();
-  scheduler::MakePolicy(options.policy, options.deadline_ms);  // throws where it does not fit
+  // Throws where it does not fit.
+  if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);
   options.processes = ReadProcesses(result->count("processes") > 0
                                         ? (*result)["processes"].as<std::vector<std::string>>()
                                         : std::vector<std::string>());
@@ -173,8 +207,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
 std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scenario& scenario,
                                        const MissionIdentity& mission) {
   std::vector<ProcessPlan> plans;
-  const auto add = [&](const std::string& name, const std::string& program,
+  const auto add = [&](const std::string& name, const std::string& role,
                        std::vector<std::string> arguments) {
+    const auto own = options.programs.find(role);
+    const std::string program = own == options.programs.end() ? "muster-" + role : own->second;
     arguments.insert(arguments.end(), {"--name", name, "--lcm-url", mission.lcm_url, "--run-id",
                                        fmt::to_string(mission.run_id)});
     if (options.drop > 0) {
@@ -193,7 +229,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   for (const std::string& outage : OutagesOf(options.faults)) {
     world.insert(world.end(), {"--outage", outage});
   }
-  add("world", "muster-world", std::move(world));
+  add("world", "world", std::move(world));
   for (const AgentKind kind : kAgentKinds) {
     const std::string class_name(ToString(kind));
     const int n = static_cast<int>(scenario.agents(kind).size());
@@ -209,7 +245,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
         const int last = n * (i + 1) / k - 1;
         arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
       }
-      add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, "muster-" + class_name,
+      add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, class_name,
           std::move(arguments));
     }
   }
@@ -218,7 +254,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   if (options.deadline_ms) {
     scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
   }
-  add("scheduler", "muster-scheduler", std::move(scheduler));
+  add("scheduler", "scheduler", std::move(scheduler));
   return plans;
 }
 

@@ -23,6 +23,8 @@ struct LaunchOptions : MissionOptions {
   double lost_after_s = 5;
   FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
+  /// Your own in place of muster-ROLE, absolute; by role: world, uav, worker, vehicle, scheduler.
+  std::map<std::string, std::string> programs;
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
@@ -37,7 +39,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
 inline constexpr int kWorldWindow = 10;
 inline constexpr int kProcessWindow = 3;
 
-/// One process of a mission: program (a file name in the folder of `muster`) and its arguments.
+/// One process of a mission: program (absolute, or in the folder of `muster`) and its arguments.
 struct ProcessPlan {
   std::string name;
   std::string program;

@@ -22,7 +22,6 @@
 #include "model/agent.h"
 #include "model/scenario_json.h"
 #include "protocol/run_process.h"
-#include "scheduler/policies/registry.h"
 #include "tools/files/run_directory.h"
 #include "tools/host/network_namespace.h"
 #include "tools/host/progress.h"
@@ -157,7 +156,6 @@ int RunCommand(int argc, const char* const* argv) {
   CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
              options->faults);
   CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue");
-  scheduler::MakePolicy(options->policy);
   const StopSignals stop;
   const Now start = HostNow();
   // Before the network: its socket stays in the host's, where the browsers are.

@@ -74,10 +74,11 @@ void AddMissionOptions(cxxopts::Options* parser) {
   parser->add_options()("q,quiet", "No progress on stderr, only errors");
 }
 
-MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result) {
+MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result, bool own_policy) {
   MissionOptions options = ReadRuleOptions(result);
   options.policy = result["policy"].as<std::string>();
-  scheduler::MakePolicy(options.policy);  // an unknown name is an error before the first file
+  // An unknown name is an error before the first file.
+  if (!own_policy) scheduler::MakePolicy(options.policy);
   if (result.count("seed") > 0) options.seed = result["seed"].as<std::uint64_t>();
   if (result.count("out") > 0) {
     options.out = result["out"].as<std::string>();

@@ -25,8 +25,8 @@ void AddMissionOptions(cxxopts::Options* parser);
 /// The scenario file and the overrides of its rules alone.
 void AddRuleOptions(cxxopts::Options* parser);
 MissionOptions ReadRuleOptions(const cxxopts::ParseResult& result);
-/// Throws InputError on a value that cannot be.
-MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result);
+/// Throws InputError on a value that cannot be. `own_policy`: any name of a policy will do.
+MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result, bool own_policy = false);
 
 /// Loads the scenario and puts the options' overrides into it. Throws InputError, SystemError.
 Scenario ResolveScenario(const MissionOptions& options);

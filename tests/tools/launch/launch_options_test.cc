@@ -48,6 +48,34 @@ TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   EXPECT_EQ(options.processes.at(AgentKind::kUav), 1);
 }
 
+TEST(LaunchOptions, AnOwnProgramTakesThePlaceOfOurs) {
+  const LaunchOptions options =
+      Parse({"a.json", "--program", "worker=/bin/true", "--program", "scheduler=/bin/false",
+             "--policy", "mine", "--processes", "worker=2"});
+  EXPECT_EQ(options.policy, "mine");
+  std::string programs;
+  for (const ProcessPlan& plan : PlanProcesses(options, ScenarioWith(1, 2, 1), {})) {
+    programs += plan.name + "=" + plan.program + " ";
+    if (plan.name == "scheduler") {
+      EXPECT_EQ(ValueOf(plan, "--policy"), "mine");
+    }
+  }
+  EXPECT_EQ(programs,
+            "world=muster-world uav=muster-uav worker-1=/bin/true worker-2=/bin/true "
+            "vehicle=muster-vehicle scheduler=/bin/false ");
+}
+
+TEST(LaunchOptions, AnOwnProgramMustBeThereAndHaveARole) {
+  for (const char* program : {"worker", "worker=", "worker=/nothing/there", "worker=/etc/passwd",
+                              "worker=/bin", "recorder=/bin/true", "=/bin/true"}) {
+    EXPECT_NE(ErrorOf({"a.json", "--program", program}), "") << program;
+  }
+  EXPECT_EQ(ErrorOf({"a.json", "--program", "scheduler=/bin/true"}),
+            "command line: --program: found scheduler without --policy, expected --policy with it: "
+            "the name of a policy that your scheduler has");
+  EXPECT_NE(ErrorOf({"a.json", "--policy", "mine"}), "") << "no scheduler that has it";
+}
+
 TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   EXPECT_EQ(ErrorOf({}), "command line: SCENARIO: found nothing, expected a scenario file");
   EXPECT_EQ(ErrorOf({"a.json", "--rate", "fast"}),
