@@ -149,7 +149,7 @@ const JsonValue* JsonValue::Find(std::string_view key) const {
 
 std::string JsonValue::Shown() const {
   constexpr std::size_t kMost = 40;
-  const std::string shortened = text.size() > kMost ? text.substr(0, kMost) + "..." : text;
+  std::string shortened = text.size() > kMost ? text.substr(0, kMost) + "..." : text;
   switch (type) {
     case Type::kNull:
       return "null";
