@@ -25,11 +25,11 @@ if(MUSTER_FUZZ)
   target_compile_options(muster_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# muster_library(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): static library muster_NAME, alias
-# muster::NAME.
+# muster_library(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): library muster_NAME, alias
+# muster::NAME; static unless BUILD_SHARED_LIBS.
 function(muster_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(muster_${name} STATIC ${ARG_SOURCES})
+  add_library(muster_${name} ${ARG_SOURCES})
   add_library(muster::${name} ALIAS muster_${name})
   target_link_libraries(muster_${name} PUBLIC muster_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
