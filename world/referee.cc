@@ -205,7 +205,7 @@ bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
   const TimeUs since_us = failed_.at(failure.agent);
   return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
     return AgentKey(other.kind, other.agent) == failure.agent && other.detail != failure.detail &&
-           other.from_us <= since_us && other.until_us > failure.at_us;
+           other.from_us <= since_us;
   });
 }
 
