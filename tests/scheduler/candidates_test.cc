@@ -127,18 +127,18 @@ TEST(Candidates, AFullChargingPointIsNotOffered) {
 }
 
 /// The fast forms against the paper's, node by node.
-class CandidatesAgainstReference : public ::testing::TestWithParam<int> {};
+class CandidatesAgainstReference : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
   std::size_t pairs = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Rules rules;
-    const int variant = GetParam();
-    if (variant == 1) rules.availability = Availability::kOverrun;
-    if (variant == 2) rules.ceil_to_minutes = true;
-    if (variant == 3) rules.mean_over_all = true;
-    const bool uniform = variant == 4;
+    const std::string variant = GetParam();
+    if (variant == "overrun") rules.availability = Availability::kOverrun;
+    rules.ceil_to_minutes = variant == "ceil_to_minutes";
+    rules.mean_over_all = variant == "mean_over_all";
+    const bool uniform = variant == "uniform";
     const Situation situation = RandomSituation(seed, {}, rules);
     const Candidates fast =
         EnumerateCandidates(situation, uniform ? Foundation::kUniform : Foundation::kHierarchical);
@@ -157,7 +157,10 @@ TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
   EXPECT_GT(pairs, 100u);  // the instances are not trivial
 }
 
-INSTANTIATE_TEST_SUITE_P(Rules, CandidatesAgainstReference, ::testing::Range(0, 5));
+INSTANTIATE_TEST_SUITE_P(Rules, CandidatesAgainstReference,
+                         ::testing::Values("strict", "overrun", "ceil_to_minutes", "mean_over_all",
+                                           "uniform"),
+                         [](const auto& variant) { return variant.param; });
 
 }  // namespace
 }  // namespace muster::scheduler

@@ -62,7 +62,8 @@ class Comparison : public ::testing::Test {
 };
 
 class ComparisonBySeed : public Comparison, public ::testing::WithParamInterface<int> {};
-INSTANTIATE_TEST_SUITE_P(Random1, ComparisonBySeed, ::testing::Range(1, 6));
+INSTANTIATE_TEST_SUITE_P(Random1, ComparisonBySeed, ::testing::Range(1, 6),
+                         [](const auto& seed) { return "Seed" + std::to_string(seed.param); });
 
 TEST_P(ComparisonBySeed, RunAndSimulateDecideTheSame) {
   ExpectTheSame(Generated("Random_1", static_cast<std::uint64_t>(GetParam())));
