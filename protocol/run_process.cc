@@ -14,13 +14,10 @@
 #include "base/check.h"
 #include "base/program.h"
 #include "lcmtypes/bus/lcm_bus.h"
-#include "protocol/fault_switch.h"
+#include "protocol/drive.h"
 
 namespace muster {
 namespace {
-
-constexpr TimeUs kHeartbeatUs = 1'000'000;
-constexpr TimeUs kLongestWaitUs = 200'000;
 
 std::atomic<bool> stop_requested = false;
 
@@ -121,33 +118,15 @@ std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags) {
 
 int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   CatchStopSignals();
-  FaultSwitch faults(process->identity().run_id, process->identity().name, bus,
-                     [process] { return process->rejected(); });
+  Drive drive(process, bus);
   std::vector<Packet> arrived;
-  std::vector<Packet> out;
-  ProcessState reported = ProcessState::kStarting;
-  TimeUs heartbeat_us = MonotonicUs() + kHeartbeatUs;
   while (!stop_requested) {
-    Now now = HostNow();
-    for (const Packet& packet : arrived) {
-      if (std::optional<event_t> event = faults.Take(packet)) process->Announce(*event, now);
+    const Now now = HostNow();
+    if (drive.Turn(arrived, now, HostUsage) && !quiet) {
+      fmt::print(stderr, "{}: {}\n", process->identity().name, NameOf(process->state()));
     }
-    process->Step(arrived, now, &out);
-    const bool changed = process->state() != reported;
-    if (changed || (now.monotonic_us >= heartbeat_us && process->state() != ProcessState::kEnded)) {
-      reported = process->state();
-      heartbeat_us = now.monotonic_us + kHeartbeatUs;
-      process->ReportStatus(HostUsage(), now);
-      process->Step({}, now, &out);
-      if (changed && !quiet) {
-        fmt::print(stderr, "{}: {}\n", process->identity().name, NameOf(reported));
-      }
-    }
-    for (const Packet& packet : out) bus->Publish(packet);
-    out.clear();
-    const TimeUs wake_us = std::min(process->wake_us(), heartbeat_us);
-    const TimeUs wait_us = std::clamp<TimeUs>(wake_us - MonotonicUs(), 0, kLongestWaitUs);
-    arrived = bus->Receive(wait_us);
+    const TimeUs wait_us = drive.wake_us(now.monotonic_us) - MonotonicUs();
+    arrived = bus->Receive(std::max<TimeUs>(wait_us, 0));
   }
   return kExitOk;
 }

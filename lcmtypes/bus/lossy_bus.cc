@@ -1,6 +1,7 @@
 #include "lcmtypes/bus/lossy_bus.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/check.h"
 #include "base/random.h"
@@ -94,6 +95,11 @@ void LossyBus::Release(std::int64_t now_us) {
   held_back_.clear();
 }
 
+std::int64_t LossyBus::due_us() const {
+  return in_flight_.empty() ? std::numeric_limits<std::int64_t>::max()
+                            : in_flight_.begin()->first.first;
+}
+
 std::vector<Packet> LossyBus::TakeDue(std::int64_t now_us) {
   std::vector<Packet> due;
   auto next = in_flight_.begin();
@@ -108,8 +114,7 @@ std::vector<Packet> LossyBus::Receive(std::int64_t timeout_us) {
   std::int64_t now_us = now_us_();
   const std::int64_t deadline_us = now_us + std::max<std::int64_t>(timeout_us, 0);
   for (;;) {
-    std::int64_t wake_us = deadline_us;
-    if (!in_flight_.empty()) wake_us = std::min(wake_us, in_flight_.begin()->first.first);
+    const std::int64_t wake_us = std::min(deadline_us, due_us());
     std::vector<Packet> arrived = bus_->Receive(std::max<std::int64_t>(wake_us - now_us, 0));
     now_us = now_us_();
     for (Packet& packet : arrived) Admit(std::move(packet), now_us);

@@ -52,6 +52,8 @@ class LossyBus : public Bus {
   void SetFaults(const PacketFaults& faults);
   const PacketFaults& faults() const { return faults_; }
   const PacketFaultCounters& counters() const { return counters_; }
+  /// When a delayed packet is due next; the largest value when none is on its way.
+  std::int64_t due_us() const;
 
   void Publish(const Packet& packet) override;
   std::vector<Packet> Receive(std::int64_t timeout_us) override;

@@ -5,7 +5,7 @@
 #include <csignal>
 
 #include "lcmtypes/bus/codec.h"
-#include "lcmtypes/bus/memory_bus.h"
+#include "tests/lcmtypes/queue_bus.h"
 
 namespace muster::tools {
 namespace {
@@ -156,9 +156,8 @@ TEST(FaultInjector, NothingIsLeftUnderWay) {
 }
 
 TEST(FaultSwitch, LargestShareHoldsAndTheEndRestores) {
-  MemoryHub hub;
-  const std::unique_ptr<Bus> world = hub.Join();
-  LossyBus bus(hub.Join(), 1, "uav", [] { return std::int64_t{0}; });
+  auto* const queue = new muster::testing::QueueBus;
+  LossyBus bus(std::unique_ptr<Bus>(queue), 1, "uav", [] { return std::int64_t{0}; });
   bus.SetFaults({.loss = 0.1});
   FaultSwitch faults(1, "uav", &bus, [] { return std::int64_t{0}; });
   fault_t some = ToWire(ParseFaultFlag("loss:*@1=0.3", 1));
@@ -175,7 +174,7 @@ TEST(FaultSwitch, LargestShareHoldsAndTheEndRestores) {
   clock_t clock{};
   clock.header.sender = "world";
   bus.SetFaults({.unheard = {"world"}});
-  for (int i = 0; i < 3; ++i) world->Publish({"MUSTER_CLOCK", Encode(clock)});
+  for (int i = 0; i < 3; ++i) queue->arriving.push_back({"MUSTER_CLOCK", Encode(clock)});
   EXPECT_TRUE(bus.Receive(0).empty());
   cut.for_us = 0;
   EXPECT_EQ(faults.Take(cut)->detail, "uav: 3 packets");
