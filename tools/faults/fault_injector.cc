@@ -92,7 +92,8 @@ void FaultInjector::Step(TimeUs mission_us, TimeUs monotonic_us, FaultActions* a
       injection.confirmed = true;
       actions->Confirm(kApplied, fault.id);
     }
-    if (Owed(injection, *actions) && injection.repeat.Fire(monotonic_us)) {
+    if (monotonic_us >= injection.repeat.due_us() && Owed(injection, *actions)) {
+      injection.repeat.Fire(monotonic_us);
       actions->SendAgain(injection.phase == Phase::kActive ? injection.begin : injection.end);
     }
   }

@@ -93,28 +93,35 @@ std::string FindLogger() {
 }
 
 MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessPlan>& processes,
-                        const std::string& logger, const MissionIdentity& mission,
-                        const RunDirectory& directory, const Scenario& scenario) {
+                        const MissionIdentity& mission, const Scenario& scenario) {
   MissionPlan plan;
   plan.restarts.most = options.restarts;
   plan.faults = options.faults;
-  plan.hosts = options.hosts;
   plan.goes_on = options.on_loss == "continue";
   plan.scenario = scenario;
   if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;
-  plan.log_file = directory.File("mission.lcm");
-  plan.logger = {"lcm-logger",
-                 {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
-                 directory.File("lcm-logger.stderr")};
+  for (const ProcessPlan& process : processes) plan.processes.push_back(process.name);
+  return plan;
+}
+
+MissionPrograms FindPrograms(const LaunchOptions& options,
+                             const std::vector<ProcessPlan>& processes, const std::string& logger,
+                             const MissionIdentity& mission, const RunDirectory& directory) {
+  MissionPrograms programs;
+  programs.hosts = options.hosts;
+  programs.log_file = directory.File("mission.lcm");
+  programs.logger = {MissionHost::kLoggerName,
+                     {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
+                     directory.File("lcm-logger.stderr")};
   const fs::path folder = ProgramFolder();
   for (const ProcessPlan& process : processes) {
     std::vector<std::string> argv = {(folder / process.program).string()};
     argv.insert(argv.end(), process.arguments.begin(), process.arguments.end());
-    plan.processes.push_back(
+    programs.processes.push_back(
         {process.name, std::move(argv), directory.File(process.name + ".stderr")});
   }
-  return plan;
+  return programs;
 }
 
 /// For the classes that the user wants to start by hand.
@@ -125,19 +132,6 @@ void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& missi
                ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id,
                kProcessWindow);
   }
-}
-
-int ExitCodeOf(const MissionResult& result) {
-  switch (result.end) {
-    case MissionEnd::kInterrupted:
-      return kExitInterrupted;
-    case MissionEnd::kFailed:
-      return kExitSystem;
-    case MissionEnd::kComplete:
-      break;
-  }
-  return result.without_effect.empty() && result.record.CheckComplete().complete ? kExitOk
-                                                                                 : kExitCheckFailed;
 }
 
 }  // namespace
@@ -193,8 +187,9 @@ int RunCommand(int argc, const char* const* argv) {
     PrintWhatToStart(*options, mission);
   }
 
-  MissionPlan plan = PlanMission(*options, PlanProcesses(*options, scenario, mission), logger,
-                                 mission, directory, scenario);
+  const std::vector<ProcessPlan> processes = PlanProcesses(*options, scenario, mission);
+  MissionPlan plan = PlanMission(*options, processes, mission, scenario);
+  const MissionPrograms programs = FindPrograms(*options, processes, logger, mission, directory);
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());
@@ -204,7 +199,7 @@ int RunCommand(int argc, const char* const* argv) {
   }
 
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
-  const MissionResult result = RunMission(plan, bus.get(), stop, &progress);
+  const MissionResult result = RunMission(plan, programs, bus.get(), stop, &progress);
 
   for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
   for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);

@@ -1,22 +1,15 @@
-#include "tools/launch/mission.h"
+#include "tools/launch/supervisor.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstring>
-#include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "base/check.h"
+#include "base/program.h"
 #include "lcmtypes/bus/codec.h"
-#include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
 #include "protocol/fault_switch.h"
-#include "protocol/run_process.h"
 #include "recorder/archive.h"
 #include "recorder/recorder.h"
 #include "tools/faults/fault_injector.h"
@@ -33,7 +26,6 @@ constexpr TimeUs kHeartbeatUs = kSecondUs;
 // lcm-logger does not tell that it has written: its file is looked at.
 constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
-constexpr int kLastWords = 5;  // lines
 constexpr TimeUs kForeignUs = 2'000;
 
 constexpr std::string_view kWorldName = "world";
@@ -42,16 +34,9 @@ constexpr std::string_view kWorldName = "world";
 constexpr std::int8_t kProcessLost = 11;
 constexpr std::int8_t kProcessBack = 12;
 
-std::vector<std::string> NamesOf(const std::vector<ChildSpec>& processes) {
-  std::vector<std::string> names;
-  for (const ChildSpec& spec : processes) names.push_back(spec.name);
-  return names;
-}
-
 /// A process of the mission, or the logger, over all its starts.
 struct Member {
-  ChildSpec spec;
-  std::optional<Child> child = {};  ///< the present start, or the last one
+  std::string name;
   std::int64_t starts = 0;
   bool down = false;           ///< ended, and to be started again
   TimeUs restart_us = kNever;  ///< then
@@ -64,13 +49,13 @@ struct Member {
 /// One mission from start to end.
 class Supervisor : private FaultActions {
  public:
-  Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
-             ProgressPrinter* progress);
+  Supervisor(const MissionPlan& plan, MissionHost* host);
 
   MissionResult Run();
 
  private:
-  bool killed() const { return stop_.count() > 1; }
+  bool killed() const { return host_->stops_asked() > 1; }
+  bool has_ended(const Member& member) { return host_->EndOf(member.name).has_value(); }
   bool Ended() const;
   /// Sees to the bus, the log and the display once; waits a little when there is nothing to do.
   void Turn();
@@ -79,7 +64,7 @@ class Supervisor : private FaultActions {
   bool TurnUntil(Condition done, TimeUs longest_us);
   void ReadLog(const Now& now);
   void AnswerFromArchive(const Packet& request, const Now& now);
-  void ShowProgress(TimeUs now_us);
+  void Show(bool at_end);
   bool is_logger(const Member& member) const { return &member == &members_.front(); }
   void Start(Member* member);
   /// Looks for members that should be there and are not, and starts again those whose time has
@@ -89,7 +74,7 @@ class Supervisor : private FaultActions {
   void NoteBack(Member* member, const Now& now);
   /// Publishes an event_t about a process.
   void Announce(std::int8_t kind, std::string detail, const Now& now);
-  void Say(const std::string& line);
+  void Say(const std::string& line) { host_->Say(line); }
   Member* Find(const std::string& name);
   SentPacket Publish(const fault_t& fault) override;
   void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
@@ -97,18 +82,18 @@ class Supervisor : private FaultActions {
   bool SignalProcess(const std::string& name, int signal) override;
   void HoldRestart(const std::string& name) override { Find(name)->held = true; }
   void ReleaseRestart(const std::string& name) override { Find(name)->held = false; }
-  void SetDiskFull(bool full) override;
+  void SetDiskFull(bool full) override {
+    if (!members_.front().down) host_->SetDiskFull(full);
+  }
   bool IsStopped(const std::string& name) const override;
   std::int64_t BootOf(const std::string& name) const override;
-  std::string Obituary(Member* member) const;
+  std::string Obituary(const Member& member, const ChildEnd& end) const;
   /// Signals and waits; kills whoever does not end.
   void Stop(const std::vector<Member*>& members);
   void CloseLog();
 
   const MissionPlan& plan_;
-  LossyBus* bus_;
-  const StopSignals& stop_;
-  ProgressPrinter* progress_;
+  MissionHost* host_;
 
   Recorder recorder_;
   Archive archive_;
@@ -118,13 +103,8 @@ class Supervisor : private FaultActions {
   RunRecord record_;
   MissionView logged_;
   std::int64_t heard_tick_ = -1;
-  TimeUs heard_us_ = 0;  ///< mission time
-  struct LogFile {
-    std::string path;
-    std::unique_ptr<EventLogReader> reader = {};
-  };
-  std::vector<LogFile> log_files_;  ///< one a start of the logger
-  std::vector<Member> members_;     ///< the logger first: it goes last
+  TimeUs heard_us_ = 0;          ///< mission time
+  std::vector<Member> members_;  ///< the logger first: it goes last
   std::vector<std::string> problems_;
   std::vector<Packet> out_;
   TimeUs heartbeat_us_ = 0;
@@ -132,94 +112,82 @@ class Supervisor : private FaultActions {
   std::uint64_t foreign_sent_ = 0;
   bool stopping_ = false;
   bool finishing_ = false;
-  std::optional<TimeUs> started_us_;
 };
 
-Supervisor::Supervisor(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
-                       ProgressPrinter* progress)
+Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
-      bus_(bus),
-      stop_(stop),
-      progress_(progress),
+      host_(host),
       recorder_({plan.run_id, "recorder", 0}),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
-      stall_watch_(NamesOf(plan.processes), plan.scenario.rules.tick_us, plan.rate),
-      injector_(plan.faults, NamesOf(plan.processes)),
-      own_faults_(plan.run_id, "recorder", bus, [this] { return recorder_.log().strangers(); }),
+      stall_watch_(plan.processes, plan.scenario.rules.tick_us, plan.rate),
+      injector_(plan.faults, plan.processes),
+      own_faults_(plan.run_id, "recorder", &host->bus(),
+                  [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
-  members_.push_back({plan.logger});
-  for (const ChildSpec& spec : plan.processes) members_.push_back({spec});
+  members_.push_back({MissionHost::kLoggerName});
+  for (const std::string& name : plan.processes) members_.push_back({name});
 }
 
 bool Supervisor::Ended() const {
   // Who is stopped can repair nothing: the log comes first.
   return logged_.end_announced() && injector_.Settled(*this) && !recorder_.behind() &&
          std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
-           return member.gone || logged_.StateOf(member.spec.name) == ProcessState::kEnded;
+           return member.gone || logged_.StateOf(member.name) == ProcessState::kEnded;
          });
 }
 
 void Supervisor::ReadLog(const Now& now) {
-  for (LogFile& file : log_files_) {
-    if (!file.reader) {
-      if (!std::filesystem::exists(file.path)) continue;
-      file.reader = std::make_unique<EventLogReader>(file.path, EventLogReader::Tail::kMayGrow);
+  while (const auto logged = host_->NextLogged()) {
+    const auto& [packet, start] = *logged;
+    record_.Add(packet);
+    if (plan_.on_logged) plan_.on_logged(packet);
+    if (start == members_.front().starts - 1) NoteBack(&members_.front(), now);
+    if (!recorder_.OnLogged(packet, now)) continue;
+    archive_.Add(packet);
+    logged_.Add(packet);
+    if (packet.channel == channel::kEvent) {
+      if (const auto happened = DecodeValid<event_t>(packet.bytes)) injector_.OnEvent(*happened);
     }
-    while (const std::optional<LogEvent> event = file.reader->Next()) {
-      record_.Add(event->packet);
-      if (plan_.on_logged) plan_.on_logged(event->packet);
-      if (&file == &log_files_.back()) NoteBack(&members_.front(), now);
-      if (!recorder_.OnLogged(event->packet, now)) continue;
-      archive_.Add(event->packet);
-      logged_.Add(event->packet);
-      if (event->packet.channel == channel::kEvent) {
-        if (const auto happened = DecodeValid<event_t>(event->packet.bytes)) {
-          injector_.OnEvent(*happened);
-        }
-      }
-      const std::optional<header_t> header = DecodeHeader(event->packet);
-      for (Member& member : members_) {
-        if (header && member.back_due && member.spec.name == header->sender &&
-            header->boot_id == member.starts - 1) {
-          NoteBack(&member, now);
-        }
+    const std::optional<header_t> header = DecodeHeader(packet);
+    for (Member& member : members_) {
+      if (header && member.back_due && member.name == header->sender &&
+          header->boot_id == member.starts - 1) {
+        NoteBack(&member, now);
       }
     }
   }
 }
 
-void Supervisor::ShowProgress(TimeUs now_us) {
-  if (!started_us_ && logged_.started()) started_us_ = now_us;
-  if (!progress_->due(now_us)) return;
-  const std::int64_t lag = std::max<std::int64_t>(0, heard_tick_ - logged_.tick());
-  progress_->Show(ProgressLine(logged_, lag, now_us - started_us_.value_or(now_us)), now_us);
+void Supervisor::Show(bool at_end) {
+  host_->Show(logged_, std::max<std::int64_t>(0, heard_tick_ - logged_.tick()), at_end);
 }
 
 void Supervisor::Turn() {
-  Now now = HostNow();
+  Now now = host_->now();
   if (!finishing_ && now.monotonic_us >= heartbeat_us_) {
     heartbeat_us_ = now.monotonic_us + kHeartbeatUs;
     recorder_.ReportStatus(logged_.started() ? ProcessState::kRunning : ProcessState::kReady,
-                           logged_.tick(), HostUsage(), now);
+                           logged_.tick(), host_->usage(), now);
   }
   ReadLog(now);
   if (injector_.foreign() && now.monotonic_us >= foreign_us_) {
     foreign_us_ = now.monotonic_us + kForeignUs;
-    bus_->Publish(ForeignPacket(plan_.run_id, foreign_sent_++));
+    host_->bus().Publish(ForeignPacket(plan_.run_id, foreign_sent_++));
   }
   if (!stopping_) injector_.Step(logged_.started() ? heard_us_ : -1, now.monotonic_us, this);
   recorder_.Step(now, &out_);
-  for (const Packet& packet : out_) bus_->Publish(packet);
+  for (const Packet& packet : out_) host_->bus().Publish(packet);
   out_.clear();
-  ShowProgress(now.monotonic_us);
+  Show(false);
   if (!stopping_) {
     if (const auto line = stall_watch_.Line(now.monotonic_us)) Say(*line);
   }
 
   const TimeUs look_us = recorder_.behind() ? kLookBehindUs : kLookUs;
-  const TimeUs wait_us = std::clamp<TimeUs>(recorder_.wake_us() - MonotonicUs(), 0, look_us);
-  const std::vector<Packet> heard = bus_->Receive(wait_us);
-  now = HostNow();
+  const TimeUs wait_us =
+      std::clamp<TimeUs>(recorder_.wake_us() - host_->now().monotonic_us, 0, look_us);
+  const std::vector<Packet> heard = host_->bus().Receive(wait_us);
+  now = host_->now();
   for (const Packet& packet : heard) {
     recorder_.OnHeard(packet, now);
     stall_watch_.OnHeard(packet, now.monotonic_us);
@@ -247,28 +215,16 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
 
 template <class Condition>
 bool Supervisor::TurnUntil(Condition done, TimeUs longest_us) {
-  const TimeUs deadline_us = MonotonicUs() + longest_us;
+  const TimeUs deadline_us = host_->now().monotonic_us + longest_us;
   while (!done()) {
-    if (killed() || MonotonicUs() >= deadline_us) return false;
+    if (killed() || host_->now().monotonic_us >= deadline_us) return false;
     Turn();
   }
   return true;
 }
 
 void Supervisor::Start(Member* member) {
-  ChildSpec spec = member->spec;
-  spec.append = member->starts > 0;
-  if (is_logger(*member)) {
-    // Always a new file: behind a torn event, what follows would be hidden.
-    log_files_.push_back({member->starts == 0
-                              ? plan_.log_file
-                              : fmt::format("{}.{}", plan_.log_file, member->starts)});
-    spec.argv.push_back(log_files_.back().path);
-  } else {
-    spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(member->starts)});
-    if (const Host* host = plan_.hosts.Of(spec.name)) spec = OnHost(*host, std::move(spec));
-  }
-  member->child.emplace(std::move(spec));
+  host_->Start(member->name, member->starts);
   member->back_due = member->starts > 0;
   ++member->starts;
   member->down = false;
@@ -276,13 +232,13 @@ void Supervisor::Start(Member* member) {
 
 Member* Supervisor::Find(const std::string& name) {
   const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.spec.name == name; });
+                                  [&](const Member& member) { return member.name == name; });
   MUSTER_CHECK(found != members_.end(), "{}", name);
   return &*found;
 }
 
 SentPacket Supervisor::Publish(const fault_t& fault) {
-  const Now now = HostNow();
+  const Now now = host_->now();
   Say(fmt::format("fault {} {}: {} {}", fault.fault_id, fault.for_us == 0 ? "ends" : "begins",
                   NameOf(static_cast<FaultKind>(fault.kind)), fault.target));
   // The recorder counts what it hears: damaged headers would make it wait for what never was.
@@ -299,43 +255,26 @@ void Supervisor::Confirm(std::int8_t kind, const std::string& fault_id) {
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
   event.fault_id = fault_id;
   event.detail = "launcher";
-  recorder_.Announce(std::move(event), HostNow());
+  recorder_.Announce(std::move(event), host_->now());
 }
 
 bool Supervisor::SignalProcess(const std::string& name, int signal) {
   Member* member = Find(name);
-  if (member->down || member->child->Poll()) return false;
-  member->child->Signal(signal);
+  if (member->down || has_ended(*member)) return false;
+  host_->Signal(name, signal);
   return true;
-}
-
-void Supervisor::SetDiskFull(bool full) {
-  const Member& logger = members_.front();
-  if (logger.down) return;
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
-  rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
-  if (full) limit.rlim_cur = error ? 0 : static_cast<rlim_t>(size);
-  if (prlimit(logger.child->pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 && errno != ESRCH) {
-    throw SystemError(fmt::format("cannot limit the log's size: {}", std::strerror(errno)));
-  }
 }
 
 bool Supervisor::IsStopped(const std::string& name) const {
   const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.spec.name == name; });
-  return found != members_.end() && !found->down && found->child->Stopped();
+                                  [&](const Member& member) { return member.name == name; });
+  return found != members_.end() && !found->down && host_->IsStopped(name);
 }
 
 std::int64_t Supervisor::BootOf(const std::string& name) const {
   const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.spec.name == name; });
+                                  [&](const Member& member) { return member.name == name; });
   return found == members_.end() ? 0 : found->starts - 1;
-}
-
-void Supervisor::Say(const std::string& line) {
-  progress_->Break();
-  fmt::print(stderr, "muster: {}\n", line);
 }
 
 void Supervisor::Announce(std::int8_t kind, std::string detail, const Now& now) {
@@ -350,26 +289,22 @@ void Supervisor::Announce(std::int8_t kind, std::string detail, const Now& now) 
 void Supervisor::NoteBack(Member* member, const Now& now) {
   if (!member->back_due) return;
   member->back_due = false;
-  Say(fmt::format("{} is back", member->spec.name));
-  Announce(kProcessBack, fmt::format("{}, start {}", member->spec.name, member->starts - 1), now);
+  Say(fmt::format("{} is back", member->name));
+  Announce(kProcessBack, fmt::format("{}, start {}", member->name, member->starts - 1), now);
 }
 
-std::string Supervisor::Obituary(Member* member) const {
-  const ChildSpec& spec = member->spec;
-  std::string text = fmt::format("{} {}", spec.name, member->child->Poll()->Text());
-  const std::string words = LastLines(spec.output_file, kLastWords);
-  return text + (words.empty() ? fmt::format("; {} is empty", spec.output_file)
-                               : fmt::format("; {} ends with:\n{}", spec.output_file, words));
+std::string Supervisor::Obituary(const Member& member, const ChildEnd& end) const {
+  return fmt::format("{} {}{}", member.name, end.Text(), host_->LastWords(member.name));
 }
 
 bool Supervisor::OnEnd(Member* member, const Now& now) {
-  const ChildEnd& end = *member->child->Poll();
-  const std::string& name = member->spec.name;
+  const ChildEnd end = *host_->EndOf(member->name);
+  const std::string& name = member->name;
   const bool planned = injector_.OnDeath(name, this);
   member->forgiven += planned;
   const std::int64_t unplanned = member->starts - member->forgiven;
   if (!planned && (unplanned > plan_.restarts.most || end.usage_error())) {
-    std::string text = Obituary(member);
+    std::string text = Obituary(*member, end);
     if (member->starts > 1) {
       text += fmt::format("\nit was started again {} times", member->starts - 1);
     }
@@ -400,10 +335,10 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
 }
 
 bool Supervisor::KeepAlive() {
-  const Now now = HostNow();
+  const Now now = host_->now();
   for (Member& member : members_) {
     if (member.gone) continue;
-    if (!member.down && member.child->Poll() && !OnEnd(&member, now)) return false;
+    if (!member.down && has_ended(member) && !OnEnd(&member, now)) return false;
     if (member.down && !member.held && now.monotonic_us >= member.restart_us) Start(&member);
   }
   return true;
@@ -412,36 +347,35 @@ bool Supervisor::KeepAlive() {
 void Supervisor::Stop(const std::vector<Member*>& members) {
   std::vector<Member*> alive;
   for (Member* member : members) {
-    if (!member->child || member->child->Poll()) continue;
-    member->child->AskToEnd();
+    if (has_ended(*member)) continue;
+    host_->AskToEnd(member->name);
     alive.push_back(member);
   }
   TurnUntil(
       [&] {
         return std::all_of(alive.begin(), alive.end(),
-                           [](Member* member) { return member->child->Poll().has_value(); });
+                           [this](Member* member) { return has_ended(*member); });
       },
       kStopUs);
   for (Member* member : alive) {
-    if (member->child->Poll()) {
-      if (!member->child->Poll()->clean()) problems_.push_back(Obituary(member));
+    if (const std::optional<ChildEnd> end = host_->EndOf(member->name)) {
+      if (!end->clean()) problems_.push_back(Obituary(*member, *end));
     } else if (!killed()) {
-      problems_.push_back(fmt::format("{} did not end within {} s and was killed",
-                                      member->spec.name, kStopUs / kSecondUs));
+      problems_.push_back(fmt::format("{} did not end within {} s and was killed", member->name,
+                                      kStopUs / kSecondUs));
     }
   }
-  for (Member* member : members) member->child.reset();  // kills whoever is left
+  for (Member* member : members) host_->Kill(member->name);
 }
 
 void Supervisor::CloseLog() {
-  ReadLog(HostNow());
-  for (const LogFile& file : log_files_) {
-    if (!file.reader) continue;
-    const std::int64_t bytes = file.reader->pending_bytes() + file.reader->garbage_bytes();
-    if (bytes == 0) continue;
-    std::string text = fmt::format("{}: {} bytes belong to no event", file.path, bytes);
+  ReadLog(host_->now());
+  const std::int64_t starts = members_.front().starts;
+  for (std::int64_t start = 0; start < starts; ++start) {
+    std::string text = host_->TornTail(start);
+    if (text.empty()) continue;
     // A logger that was killed leaves a torn event; all of it is in the next file.
-    if (&file == &log_files_.back()) {
+    if (start == starts - 1) {
       record_.NoteDamage(std::move(text));
     } else {
       record_.NoteTornTail(std::move(text));
@@ -453,23 +387,23 @@ MissionResult Supervisor::Run() {
   MissionResult result;
   for (Member& member : members_) Start(&member);
 
-  const TimeUs ready_by_us = MonotonicUs() + kReadyUs;
+  const TimeUs ready_by_us = host_->now().monotonic_us + kReadyUs;
   bool ready = false;
   while (true) {
-    if (stop_.count() > 0) {
+    if (host_->stops_asked() > 0) {
       result.end = MissionEnd::kInterrupted;
       break;
     }
-    if (logged_.end_announced()) injector_.EndAll(MonotonicUs(), this);
+    if (logged_.end_announced()) injector_.EndAll(host_->now().monotonic_us, this);
     if (Ended()) {
       result.end = MissionEnd::kComplete;
       break;
     }
     if (!KeepAlive()) break;
-    if (!ready && MonotonicUs() >= ready_by_us) {
+    if (!ready && host_->now().monotonic_us >= ready_by_us) {
       for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-        if (logged_.StateOf(member->spec.name) != ProcessState::kStarting) continue;
-        problems_.push_back(fmt::format("no word of {} in the log within {} s", member->spec.name,
+        if (logged_.StateOf(member->name) != ProcessState::kStarting) continue;
+        problems_.push_back(fmt::format("no word of {} in the log within {} s", member->name,
                                         kReadyUs / kSecondUs));
       }
       if (!problems_.empty()) break;
@@ -478,27 +412,23 @@ MissionResult Supervisor::Run() {
     Turn();
   }
 
-  injector_.EndAll(MonotonicUs(), this);
+  injector_.EndAll(host_->now().monotonic_us, this);
   stopping_ = true;
   Member& logger = members_.front();
-  if (result.end == MissionEnd::kComplete && logger.child->Poll()) Start(&logger);
+  if (result.end == MissionEnd::kComplete && has_ended(logger)) Start(&logger);
   std::vector<Member*> processes;
   for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
     processes.push_back(&*member);
   }
   Stop(processes);
   finishing_ = true;
-  if (!logger.child->Poll()) {
-    recorder_.Finish(logged_.tick(), HostUsage(), HostNow());
-    TurnUntil([&] { return recorder_.finished() || logger.child->Poll(); }, kSecondUs);
+  if (!has_ended(logger)) {
+    recorder_.Finish(logged_.tick(), host_->usage(), host_->now());
+    TurnUntil([&] { return recorder_.finished() || has_ended(logger); }, kSecondUs);
   }
   Stop({&logger});
   CloseLog();
-  if (progress_->due(kNever)) {
-    const TimeUs now_us = MonotonicUs();
-    progress_->Show(ProgressLine(logged_, 0, now_us - started_us_.value_or(now_us)), now_us);
-  }
-  progress_->Break();
+  Show(true);
   if (!problems_.empty() && result.end == MissionEnd::kComplete) result.end = MissionEnd::kFailed;
   result.problems = std::move(problems_);
   result.without_effect = injector_.WithoutEffect();
@@ -508,9 +438,21 @@ MissionResult Supervisor::Run() {
 
 }  // namespace
 
-MissionResult RunMission(const MissionPlan& plan, LossyBus* bus, const StopSignals& stop,
-                         ProgressPrinter* progress) {
-  return Supervisor(plan, bus, stop, progress).Run();
+int ExitCodeOf(const MissionResult& result) {
+  switch (result.end) {
+    case MissionEnd::kInterrupted:
+      return kExitInterrupted;
+    case MissionEnd::kFailed:
+      return kExitSystem;
+    case MissionEnd::kComplete:
+      break;
+  }
+  return result.without_effect.empty() && result.record.CheckComplete().complete ? kExitOk
+                                                                                 : kExitCheckFailed;
+}
+
+MissionResult Supervise(const MissionPlan& plan, MissionHost* host) {
+  return Supervisor(plan, host).Run();
 }
 
 }  // namespace muster::tools

@@ -1,0 +1,162 @@
+#include "tools/launch/mission.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "base/check.h"
+#include "lcmtypes/bus/event_log.h"
+#include "protocol/run_process.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr int kLastWords = 5;  // lines
+
+/// Children of this process, LCM, files.
+class RealHost : public MissionHost {
+ public:
+  RealHost(const MissionPrograms& programs, LossyBus* bus, const StopSignals& stop,
+           ProgressPrinter* progress)
+      : programs_(programs), bus_(bus), stop_(stop), progress_(progress) {}
+
+  Now now() const override { return HostNow(); }
+  Usage usage() const override { return HostUsage(); }
+  LossyBus& bus() override { return *bus_; }
+  int stops_asked() const override { return stop_.count(); }
+
+  void Start(const std::string& name, std::int64_t starts) override;
+  std::optional<ChildEnd> EndOf(const std::string& name) override { return Find(name).Poll(); }
+  void Signal(const std::string& name, int signal) override { Find(name).Signal(signal); }
+  void AskToEnd(const std::string& name) override { Find(name).AskToEnd(); }
+  void Kill(const std::string& name) override { children_.erase(name); }
+  bool IsStopped(const std::string& name) const override;
+  std::string LastWords(const std::string& name) const override;
+
+  void SetDiskFull(bool full) override;
+  std::optional<std::pair<Packet, std::int64_t>> NextLogged() override;
+  std::string TornTail(std::int64_t starts) const override;
+
+  void Say(const std::string& line) override;
+  void Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) override;
+
+ private:
+  struct LogFile {
+    std::string path;
+    std::unique_ptr<EventLogReader> reader = {};
+  };
+  Child& Find(const std::string& name);
+  const ChildSpec& SpecOf(const std::string& name) const;
+
+  const MissionPrograms& programs_;
+  LossyBus* bus_;
+  const StopSignals& stop_;
+  ProgressPrinter* progress_;
+  std::map<std::string, Child> children_;  ///< the present start of each, or the last one
+  std::vector<LogFile> log_files_;         ///< one a start of the logger
+  std::optional<TimeUs> started_us_;       ///< when the mission was first seen to run
+};
+
+Child& RealHost::Find(const std::string& name) {
+  const auto found = children_.find(name);
+  MUSTER_CHECK(found != children_.end(), "{}", name);
+  return found->second;
+}
+
+const ChildSpec& RealHost::SpecOf(const std::string& name) const {
+  if (name == kLoggerName) return programs_.logger;
+  const auto found = std::find_if(programs_.processes.begin(), programs_.processes.end(),
+                                  [&](const ChildSpec& spec) { return spec.name == name; });
+  MUSTER_CHECK(found != programs_.processes.end(), "{}", name);
+  return *found;
+}
+
+void RealHost::Start(const std::string& name, std::int64_t starts) {
+  ChildSpec spec = SpecOf(name);
+  spec.append = starts > 0;
+  if (name == kLoggerName) {
+    // Always a new file: behind a torn event, what follows would be hidden.
+    log_files_.push_back(
+        {starts == 0 ? programs_.log_file : fmt::format("{}.{}", programs_.log_file, starts)});
+    spec.argv.push_back(log_files_.back().path);
+  } else {
+    spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(starts)});
+    if (const Host* host = programs_.hosts.Of(name)) spec = OnHost(*host, std::move(spec));
+  }
+  children_.erase(name);
+  children_.emplace(name, std::move(spec));
+}
+
+bool RealHost::IsStopped(const std::string& name) const {
+  const auto found = children_.find(name);
+  return found != children_.end() && found->second.Stopped();
+}
+
+std::string RealHost::LastWords(const std::string& name) const {
+  const std::string& file = SpecOf(name).output_file;
+  const std::string words = LastLines(file, kLastWords);
+  return words.empty() ? fmt::format("; {} is empty", file)
+                       : fmt::format("; {} ends with:\n{}", file, words);
+}
+
+void RealHost::SetDiskFull(bool full) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
+  rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
+  if (full) limit.rlim_cur = error ? 0 : static_cast<rlim_t>(size);
+  if (prlimit(Find(kLoggerName).pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 && errno != ESRCH) {
+    throw SystemError(fmt::format("cannot limit the log's size: {}", std::strerror(errno)));
+  }
+}
+
+std::optional<std::pair<Packet, std::int64_t>> RealHost::NextLogged() {
+  for (std::size_t i = 0; i < log_files_.size(); ++i) {
+    LogFile& file = log_files_[i];
+    if (!file.reader) {
+      if (!std::filesystem::exists(file.path)) continue;
+      file.reader = std::make_unique<EventLogReader>(file.path, EventLogReader::Tail::kMayGrow);
+    }
+    if (std::optional<LogEvent> event = file.reader->Next()) {
+      return std::pair(std::move(event->packet), static_cast<std::int64_t>(i));
+    }
+  }
+  return {};
+}
+
+std::string RealHost::TornTail(std::int64_t starts) const {
+  const LogFile& file = log_files_[static_cast<std::size_t>(starts)];
+  if (!file.reader) return "";
+  const std::int64_t bytes = file.reader->pending_bytes() + file.reader->garbage_bytes();
+  return bytes == 0 ? "" : fmt::format("{}: {} bytes belong to no event", file.path, bytes);
+}
+
+void RealHost::Say(const std::string& line) {
+  progress_->Break();
+  fmt::print(stderr, "muster: {}\n", line);
+}
+
+void RealHost::Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) {
+  const TimeUs now_us = MonotonicUs();
+  if (!started_us_ && logged.started()) started_us_ = now_us;
+  if (progress_->due(at_end ? kNever : now_us)) {
+    progress_->Show(ProgressLine(logged, lag_ticks, now_us - started_us_.value_or(now_us)), now_us);
+  }
+  if (at_end) progress_->Break();
+}
+
+}  // namespace
+
+MissionResult RunMission(const MissionPlan& plan, const MissionPrograms& programs, LossyBus* bus,
+                         const StopSignals& stop, ProgressPrinter* progress) {
+  RealHost host(programs, bus, stop, progress);
+  return Supervise(plan, &host);
+}
+
+}  // namespace muster::tools

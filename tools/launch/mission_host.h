@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "lcmtypes/bus/lossy_bus.h"
+#include "protocol/process.h"
+#include "tools/host/child.h"
+#include "tools/launch/mission_view.h"
+
+namespace muster::tools {
+
+/// Where a mission's processes and its logger run and its packets go: this host and its network, or
+/// virtual time. Processes are known by name; the logger is kLoggerName.
+class MissionHost {
+ public:
+  static constexpr const char* kLoggerName = "lcm-logger";
+
+  virtual ~MissionHost() = default;
+
+  virtual Now now() const = 0;
+  virtual Usage usage() const = 0;
+  /// The launcher's own; time may pass, and everything else may happen, while it receives.
+  virtual LossyBus& bus() = 0;
+  /// How often whoever runs the mission has asked to stop it.
+  virtual int stops_asked() const = 0;
+
+  /// Starts it for the `starts`-th time after the first. The logger writes to a new file each time.
+  virtual void Start(const std::string& name, std::int64_t starts) = 0;
+  /// How its latest start ended; none: it has not.
+  virtual std::optional<ChildEnd> EndOf(const std::string& name) = 0;
+  virtual void Signal(const std::string& name, int signal) = 0;
+  /// SIGTERM; one that is stopped is continued first.
+  virtual void AskToEnd(const std::string& name) = 0;
+  /// Kills it if it still runs.
+  virtual void Kill(const std::string& name) = 0;
+  virtual bool IsStopped(const std::string& name) const = 0;
+  /// What it said at last, and where.
+  virtual std::string LastWords(const std::string& name) const = 0;
+
+  /// The log's disk takes no further byte, or does again.
+  virtual void SetDiskFull(bool full) = 0;
+  /// The next event that is on the disk, and of which start of the logger; none now.
+  virtual std::optional<std::pair<Packet, std::int64_t>> NextLogged() = 0;
+  /// After the last event: what in the file of that start of the logger belongs to no event; "":
+  /// nothing.
+  virtual std::string TornTail(std::int64_t starts) const = 0;
+
+  /// For whoever looks on.
+  virtual void Say(const std::string& line) = 0;
+  /// `lag_ticks`: ticks heard and not in the log yet. `at_end`: the last word.
+  virtual void Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) = 0;
+};
+
+}  // namespace muster::tools

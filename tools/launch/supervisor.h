@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "model/scenario.h"
+#include "tools/faults/fault_plan.h"
+#include "tools/launch/mission_host.h"
+#include "tools/record/run_record.h"
+
+namespace muster::tools {
+
+/// How often and when a process that ended by itself is started again: after first_us, then each
+/// time twice as long, up to longest_us.
+struct RestartPolicy {
+  int most = 5;  ///< per process
+  TimeUs first_us = 100'000;
+  TimeUs longest_us = 2'000'000;
+};
+
+/// What a mission is, wherever it runs.
+struct MissionPlan {
+  std::int64_t run_id = 0;
+  Scenario scenario;
+  std::vector<std::string> processes;  ///< by sender name, in the order of their start
+  RestartPolicy restarts = {};
+  FaultPlan faults = {};
+  /// Called with every event of the log, as it is read; it must return soon.
+  std::function<void(const Packet&)> on_logged = {};
+  bool goes_on = false;  ///< without agent processes and scheduler when they are lost
+  double rate = 0;       ///< mission seconds per wall second; 0: as fast as it goes
+};
+
+enum class MissionEnd {
+  kComplete,     ///< to the limit, everybody's end in the log
+  kInterrupted,  ///< by whoever runs it
+  kFailed,       ///< a process ended by itself once too often, or never spoke
+};
+
+struct MissionResult {
+  MissionEnd end = MissionEnd::kFailed;
+  std::vector<std::string> problems;        ///< in words, a line or more each
+  std::vector<std::string> without_effect;  ///< faults that hit nothing, in words, a line each
+  RunRecord record;                         ///< of all that the log holds
+};
+
+/// The exit code of a mission: 0, 3 failed, 4 something is missing in its log or a fault hit
+/// nothing, 130 interrupted.
+int ExitCodeOf(const MissionResult& result);
+
+/// Starts the processes, takes the recorder's part, injects the plan's faults, starts again who
+/// ended by itself (and says so, also by event_t), waits for the end or until it is asked to stop,
+/// then stops everybody in order: the processes, the recorder, the logger. Asked a second time, it
+/// kills them. Nothing of it is left when it returns or throws. Throws what the host throws.
+MissionResult Supervise(const MissionPlan& plan, MissionHost* host);
+
+}  // namespace muster::tools
