@@ -15,7 +15,7 @@ die() {
 install_packages() {
   local package missing=() as_root=() log=build/packages.log reason
   command -v apt-get >/dev/null ||
-    die "there is no apt-get here; this needs Debian 12 and the packages in scripts/packages"
+    die "there is no apt-get here; this needs Debian 12 and the packages in ${*:-scripts/packages}"
   while read -r package; do
     [[ $package == '' || $package == '#'* ]] && continue
     # node and npm may come from elsewhere, and then exclude Debian's.

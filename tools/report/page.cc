@@ -70,8 +70,8 @@ std::string Fill(const std::string& title, std::string_view connect, const std::
 void RequirePage() {
   if (!PageTemplate().empty()) return;
   throw InputError(
-      "this build has no report page: it was built without node and npm, or npm could not fetch "
-      "the page's libraries (scripts/run installs what is missing; then build again)");
+      "this build has no report page: it was built without esbuild (scripts/run installs what is "
+      "missing; then build again)");
 }
 
 std::string StaticPage(const std::string& title, const std::vector<std::string>& chunks) {

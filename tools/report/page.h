@@ -6,7 +6,7 @@
 
 namespace muster::tools {
 
-/// The page's template, bundled when Muster was built; "" when it was built without node.
+/// The page's template, bundled when Muster was built; "" when it was built without esbuild.
 std::string_view PageTemplate();
 
 /// Throws InputError that says why there are no pages, when there is no template.

@@ -164,6 +164,44 @@ test("a click on the timeline goes there and shows the agent", async (t) => {
   assert.ok(!(await page.locator("#selection").isVisible()));
 });
 
+test("a drag over a curve looks closer, a click sets the time, a double click shows all", async (t) => {
+  const page = await open(t, "a.html");
+  const box = await page.locator("#plot-weight .plot-over").boundingBox();
+  const at = (share) => [box.x + share * box.width, box.y + box.height / 2];
+  const view = () => page.evaluate(() => window.muster.state.view);
+  await page.mouse.move(...at(0.25));
+  await page.mouse.down();
+  await page.mouse.move(...at(0.75), { steps: 3 });
+  assert.equal(await page.locator(".plot-selection:visible").count(), 4);
+  await page.mouse.up();
+  const [from, to] = await view();
+  assert.ok(Math.abs(from - 45 * 60000) < 60000 && Math.abs(to - 135 * 60000) < 60000, `${from} ${to}`);
+  assert.equal(await page.evaluate(() => window.muster.clock.t), 0, "the drag's end is no click");
+  await page.mouse.click(...at(0.5));
+  const now = await page.evaluate(() => window.muster.clock.t);
+  assert.ok(Math.abs(now - 90 * 60000) < 60000, String(now));
+  await page.mouse.dblclick(...at(0.5));
+  assert.equal(await view(), null);
+});
+
+test("the map is zoomed by the wheel and moved by a drag, which selects nothing", async (t) => {
+  const page = await open(t, "a.html");
+  const box = await page.locator("#map").boundingBox();
+  const maps = [await picture(page, "map")];
+  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.wheel(0, -600);
+  maps.push(await picture(page, "map"));
+  await page.mouse.down();
+  await page.mouse.move(box.x + 260, box.y + 240, { steps: 3 });
+  await page.mouse.up();
+  maps.push(await picture(page, "map"));
+  assert.equal(new Set(maps).size, 3);
+  assert.ok(!(await page.locator("#selection").isVisible()));
+  await page.locator("#map-reset").click();
+  await page.mouse.move(box.x + 1, box.y - 5);
+  assert.equal(await picture(page, "map"), maps[0]);
+});
+
 test("a phone shows all of it without scrolling sideways", async (t) => {
   const page = await open(t, "a.html", { viewport: { width: 360, height: 740 }, deviceScaleFactor: 3, isMobile: true, hasTouch: true });
   for (const tab of ["decision", "events", "processes"]) {

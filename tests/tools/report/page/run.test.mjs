@@ -1,11 +1,14 @@
 // The page's logic, without a browser: node --test run.test.mjs
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Clock } from "../../../../tools/report/page/src/clock.js";
-import { firstDifference, numbersOf } from "../../../../tools/report/page/src/compare.js";
+import { Clock } from "../../../../tools/report/page/clock.js";
+import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt,
-} from "../../../../tools/report/page/src/run.js";
-import { clockText, rowAt, timeTicks } from "../../../../tools/report/page/src/time.js";
+} from "../../../../tools/report/page/run.js";
+import { nearest } from "../../../../tools/report/page/plot.js";
+import { linear, roundTicks } from "../../../../tools/report/page/scale.js";
+import { clockText, rowAt, timeTicks } from "../../../../tools/report/page/time.js";
+import { WHOLE, gripped, zoomed } from "../../../../tools/report/page/zoom.js";
 
 const SCENARIO = {
   name: "two", seed: 1, width_m: 1000, height_m: 1000, interval_ms: 600000, limit_ms: 3600000, tick_ms: 30000,
@@ -170,4 +173,37 @@ test("at its newest place an agent looks the way it came", () => {
   const run = begun({ stops: [[0, 0, [0, 0, 0, 9, 10000, 30, 40, 9]]] });
   const { dx, dy, toX } = placeAt(run.agents[0], 20000);
   assert.deepEqual([dx, dy, toX], [30, 40, 30]);
+});
+
+test("a scale goes there and back, upside down too", () => {
+  const y = linear([0, 200], [80, 0]);
+  assert.deepEqual([y(0), y(50), y(200), y.invert(60)], [80, 60, 0, 50]);
+});
+
+test("ticks are round numbers, and no more than asked for", () => {
+  assert.deepEqual(roundTicks([0, 1000], 4), [0, 250, 500, 750, 1000]);
+  assert.deepEqual(roundTicks([0, 1], 3.1), [0, 0.5, 1]);
+  assert.deepEqual(roundTicks([0.05, 0.42], 4), [0.1, 0.2, 0.3, 0.4]);
+  assert.deepEqual(roundTicks([900, 14100], 6, [1, 2, 5]), [5000, 10000]);
+  assert.deepEqual(roundTicks([3, 3], 5), []);
+});
+
+test("zooming keeps what is under the pointer, within bounds", () => {
+  const view = zoomed(zoomed(WHOLE, 4, 100, 50), 0.5, 300, 20);
+  const onScreen = ({ k, left, top }, x, y) => [left + k * x, top + k * y];
+  assert.deepEqual(onScreen(zoomed(WHOLE, 4, 100, 50), 100, 50), [100, 50]);
+  assert.equal(view.k, 2);
+  assert.equal(zoomed(view, 1000, 0, 0).k, 60);
+  assert.equal(zoomed(view, 0.001, 0, 0).k, 0.8);
+});
+
+test("one finger moves, two zoom by how far apart they are", () => {
+  assert.deepEqual(gripped(WHOLE, [{ x: 5, y: 5 }], [{ x: 8, y: 1 }]), { k: 1, left: 3, top: -4 });
+  const view = gripped(WHOLE, [{ x: 10, y: 0 }, { x: 20, y: 0 }], [{ x: 10, y: 0 }, { x: 40, y: 0 }]);
+  assert.deepEqual([view.k, view.left + 3 * 10, view.left + 3 * 20], [3, 10, 40]);
+});
+
+test("the point nearest to the pointer", () => {
+  assert.deepEqual([-1, 0, 4, 6, 99].map((x) => nearest([0, 5, 10], x)), [0, 0, 1, 1, 2]);
+  assert.equal(nearest([], 1), -1);
 });

@@ -1,11 +1,8 @@
-import uPlot from "uplot";
 import { byId, duration, element, number, percent } from "./dom.js";
+import { Plot } from "./plot.js";
 import { busOverTime, decisionAt, doneAt, faultBands } from "./run.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { RUN_DASHES, theme } from "./theme.js";
-
-const SYNC = "muster";
-const HEIGHT = 124;
 
 /** Curves of one run: time in ms against numbers. */
 function completion(run) {
@@ -80,11 +77,8 @@ export class Charts {
     clock.subscribe(() => this.#moveCursor());
     state.on("run data axis theme", () => this.rebuild());
     state.on("view", () => this.#applyView());
-    let width = 0;
     new ResizeObserver(() => {
-      if (this.box.clientWidth === width) return;
-      width = this.box.clientWidth;
-      for (const chart of this.charts) chart.plot?.setSize({ width: chart.host.clientWidth, height: HEIGHT });
+      for (const { plot } of this.charts) plot.redraw();
       this.#moveCursor();
     }).observe(this.box);
   }
@@ -95,7 +89,17 @@ export class Charts {
     const cursor = element("div", { class: "time-cursor" });
     this.box.append(element("section", { class: "chart" },
       element("h3", {}, chart.title, chart.unit ? element("small", {}, ` ${chart.unit}`) : null, value), host));
-    return { ...chart, value, host, cursor, plot: null };
+    const plot = new Plot(host, {
+      xTicks: (range, pixels) => this.#ticks(range, pixels / 70),
+      behind: (c, shown) => this.#drawBands(c, shown),
+      onHover: (x) => this.charts.forEach((other) => other.plot.hover(x)),
+      onDrag: (left, right) => this.charts.forEach((other) => other.plot.mark(left, right)),
+      onClick: (x) => this.clock.seek(this.#time(x)),
+      onSelect: (from, to) => this.state.setView([Math.max(0, this.#time(from)), Math.min(this.clock.max, this.#time(to))]),
+      onReset: () => this.state.setView(null),
+    });
+    plot.over.append(cursor);
+    return { ...chart, value, cursor, plot };
   }
 
   /** Time to the axis' unit: seconds, or decisions of that run. */
@@ -119,119 +123,54 @@ export class Charts {
   }
 
   #build(chart) {
-    const { runs } = this.state;
-    const series = [{}];
-    const tables = [];
+    const curves = [];
     let max = 0;
-    runs.forEach((run, r) => {
-      chart.curves(run).forEach((curve) => {
-        tables.push([curve.t.map((t) => this.#axis(run, t)), curve.y]);
+    this.state.runs.forEach((run, r) => {
+      for (const curve of chart.curves(run)) {
         for (const y of curve.y) if (y > max) max = y;
-        series.push({
-          label: run.name,
+        curves.push({
+          x: curve.t.map((t) => this.#axis(run, t)),
+          y: curve.y,
           stroke: theme.runs[r % theme.runs.length],
           width: r === this.state.current ? 2 : 1.3,
           dash: curve.thin ? [4, 4] : RUN_DASHES[r % RUN_DASHES.length],
-          spanGaps: true,
-          paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
-          points: { show: Boolean(curve.points) && curve.t.length < 80, size: 5 },
+          stepped: Boolean(curve.stepped),
+          points: Boolean(curve.points) && curve.t.length < 80,
         });
-      });
+      }
     });
-    const data = uPlot.join(tables);
-    const range = chart.range ? chart.range(max) : [0, max > 0 ? max * 1.1 : 1];
-    const shape = `${series.length} ${this.state.byDecision} ${this.state.current} ${theme.text}`;
-    if (chart.plot && chart.shape === shape) {
-      chart.limits = range;
-      chart.plot.setData(data);
-      return;
+    chart.plot.xRange = this.#xRange();
+    chart.plot.show(curves, chart.range ? chart.range(max) : [0, max > 0 ? max * 1.1 : 1]);
+  }
+
+  /** At most `most` round times or decisions, with their texts. */
+  #ticks([from, to], most) {
+    if (!this.state.byDecision) {
+      return timeTicks(from * 1000, to * 1000, most).map((t) => [t / 1000, clockText(t, false)]);
     }
-    chart.plot?.destroy();
-    chart.shape = shape;
-    chart.limits = range;
-    chart.plot = new uPlot(this.#options(chart, series), data, chart.host);
-    chart.plot.over.append(chart.cursor);
-    this.#listen(chart.plot);
+    const step = Math.max(1, Math.ceil((to - from) / most));
+    const ticks = [];
+    for (let d = Math.ceil(from); d <= to; d += step) ticks.push([d, String(d)]);
+    return ticks;
   }
 
-  #options(chart, series) {
-    const axis = { stroke: theme.muted, font: "11px system-ui, sans-serif", grid: { stroke: theme.grid, width: 1 }, ticks: { show: false } };
-    return {
-      width: chart.host.clientWidth,
-      height: HEIGHT,
-      series,
-      legend: { show: false },
-      scales: { x: { time: false, range: () => this.#xRange() }, y: { range: () => chart.limits } },
-      axes: [
-        {
-          ...axis, size: 26, gap: 7,
-          splits: (u) => {
-            const [from, to] = this.#xRange();
-            const most = u.width / 70;
-            if (!this.state.byDecision) return timeTicks(from * 1000, to * 1000, most).map((t) => t / 1000);
-            const step = Math.max(1, Math.ceil((to - from) / most));
-            const splits = [];
-            for (let d = Math.ceil(from); d <= to; d += step) splits.push(d);
-            return splits;
-          },
-          values: (u, splits) => splits.map((v) => (this.state.byDecision ? String(v) : clockText(v * 1000, false))),
-        },
-        { ...axis, size: 52, gap: 4, space: 26, values: (u, splits) => splits.map((v) => (v >= 10000 ? `${v / 1000}k` : String(v))) },
-      ],
-      cursor: {
-        sync: { key: SYNC, setSeries: false },
-        y: false,
-        points: { size: 6 },
-        drag: { x: true, y: false, setScale: false },
-      },
-      hooks: {
-        drawClear: [(u) => this.#drawBands(u)],
-        setSelect: [(u) => this.#zoomTo(u)],
-      },
-    };
-  }
-
-  #listen(plot) {
-    plot.over.addEventListener("click", () => {
-      if (this.zoomed) this.zoomed = false;
-      else if (plot.cursor.left >= 0) this.clock.seek(this.#time(plot.posToVal(plot.cursor.left, "x")));
-    });
-    plot.over.addEventListener("dblclick", () => this.state.setView(null));
-  }
-
-  #zoomTo(plot) {
-    const { left, width } = plot.select;
-    if (width < 12) return;
-    const from = this.#time(plot.posToVal(left, "x"));
-    const to = this.#time(plot.posToVal(left + width, "x"));
-    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-    this.zoomed = true;
-    this.state.setView([Math.max(0, from), Math.min(this.clock.max, to)]);
-  }
-
-  #drawBands(u) {
+  #drawBands(c, { x, height }) {
     const { run } = this.state;
-    const c = u.ctx;
-    const { left, top, width, height } = u.bbox;
-    c.save();
-    c.beginPath();
-    c.rect(left, top, width, height);
-    c.clip();
+    if (!run) return;
+    c.fillStyle = theme.failed;
     for (const band of faultBands(run)) {
-      const from = u.valToPos(this.#axis(run, band.from), "x", true);
-      const to = u.valToPos(this.#axis(run, band.to), "x", true);
-      c.fillStyle = theme.failed;
+      const from = x(this.#axis(run, band.from));
+      const to = x(this.#axis(run, band.to));
       c.globalAlpha = band.kind === "agent" ? 0.7 : 0.16;
-      const tall = band.kind === "agent" ? 3 * devicePixelRatio : height;
-      c.fillRect(from, top, Math.max(2 * devicePixelRatio, to - from), tall);
+      c.fillRect(from, 0, Math.max(2, to - from), band.kind === "agent" ? 3 : height);
     }
-    c.restore();
   }
 
   #applyView() {
     for (const { plot } of this.charts) {
-      const [min, max] = this.#xRange();
-      plot?.setScale("x", { min, max });
+      plot.xRange = this.#xRange();
+      plot.hover(plot.hoverX);
+      plot.redraw();
     }
     this.#moveCursor();
   }
@@ -241,9 +180,8 @@ export class Charts {
     if (!run) return;
     for (const chart of this.charts) {
       chart.value.textContent = chart.now(run, this.clock.t);
-      if (!chart.plot) continue;
-      const x = chart.plot.valToPos(this.#axis(run, this.clock.t), "x");
-      chart.cursor.hidden = !(x >= 0 && x <= chart.plot.over.clientWidth);
+      const x = chart.plot.x(this.#axis(run, this.clock.t));
+      chart.cursor.hidden = !(x >= 0 && x <= chart.plot.width);
       chart.cursor.style.transform = `translateX(${x}px)`;
     }
   }

@@ -1,12 +1,11 @@
-import { scaleLinear } from "d3-scale";
-import { select } from "d3-selection";
-import { zoom, zoomIdentity } from "d3-zoom";
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
 import { FAILED, IDLE, MOVING, OFFLINE, STATUS, TASK_STATUS, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { linear, roundTicks } from "./scale.js";
 import { Sprites } from "./sprites.js";
 import { rowAt } from "./time.js";
 import { theme } from "./theme.js";
+import { WHOLE, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
@@ -19,16 +18,10 @@ export class MapView {
     this.canvas = byId("map");
     this.tip = byId("map-tip");
     this.trailMs = 20 * 60000;
-    this.transform = zoomIdentity;
+    this.view = WHOLE;
     this.sprites = new Sprites();
     this.draw = oncePerFrame(() => this.#draw());
-    this.zoom = zoom()
-      .scaleExtent([0.8, 60])
-      .on("zoom", (event) => {
-        this.transform = event.transform;
-        this.draw();
-      });
-    select(this.canvas).call(this.zoom).on("dblclick.zoom", null);
+    bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
     this.canvas.addEventListener("pointermove", (event) => this.#hover(event));
     this.canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
@@ -40,7 +33,12 @@ export class MapView {
   }
 
   reset() {
-    select(this.canvas).call(this.zoom.transform, zoomIdentity);
+    this.#look(WHOLE);
+  }
+
+  #look(view) {
+    this.view = view;
+    this.draw();
   }
 
   /** Metres to pixels, with the whole area in view at scale 1. */
@@ -49,9 +47,10 @@ export class MapView {
     const perMetre = Math.min((width - 2 * MARGIN) / w, (height - 2 * MARGIN) / h);
     const left = (width - w * perMetre) / 2;
     const bottom = (height + h * perMetre) / 2;
-    const x = scaleLinear([0, w], [left, left + w * perMetre]);
-    const y = scaleLinear([0, h], [bottom, bottom - h * perMetre]);
-    return { x: this.transform.rescaleX(x), y: this.transform.rescaleY(y), perMetre: perMetre * this.transform.k };
+    const { k, left: viewLeft, top: viewTop } = this.view;
+    const x = linear([0, w], [viewLeft + k * left, viewLeft + k * (left + w * perMetre)]);
+    const y = linear([0, h], [viewTop + k * bottom, viewTop + k * (bottom - h * perMetre)]);
+    return { x, y, perMetre: perMetre * k };
   }
 
   #visible(agent) {
@@ -67,7 +66,7 @@ export class MapView {
     this.shown = { x, y, width, height };
     this.#drawGrid(c, x, y, width, height);
     const crowd = run.agents.length + run.tasks.length;
-    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.transform.k ** 0.35));
+    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.view.k ** 0.35));
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
@@ -85,11 +84,11 @@ export class MapView {
     c.strokeStyle = theme.grid;
     c.lineWidth = 1;
     c.beginPath();
-    const km = (scale, most) => scale.ticks(most).filter((m) => m % 1000 === 0);
+    const km = (from, to, most) => roundTicks([from, to], most, [1, 2, 5]).filter((m) => m % 1000 === 0);
     c.font = "10px system-ui, sans-serif";
     c.fillStyle = theme.muted;
     c.textAlign = "center";
-    for (const m of km(x, width / 80)) {
+    for (const m of km(x.invert(0), x.invert(width), width / 55)) {
       const px = Math.round(x(m)) + 0.5;
       if (m < 0 || m > w || px < 0 || px > width) continue;
       c.moveTo(px, Math.max(0, y(h)));
@@ -97,7 +96,7 @@ export class MapView {
       c.fillText(`${m / 1000}`, px, Math.min(height - 5, y(0) + 13));
     }
     c.textAlign = "right";
-    for (const m of km(y, height / 80)) {
+    for (const m of km(y.invert(height), y.invert(0), height / 55)) {
       const py = Math.round(y(m)) + 0.5;
       if (m < 0 || m > h || py < 0 || py > height) continue;
       c.moveTo(Math.max(0, x(0)), py);
@@ -193,11 +192,11 @@ export class MapView {
           (s) => agentMark(s, kind, status, turn, r));
       }
     }
-    if (run.agents.length <= 60 || this.transform.k > 4) this.#drawLabels(c, x, y, shown.flat(), r);
+    if (run.agents.length <= 60 || this.view.k > 4) this.#drawLabels(c, x, y, shown.flat(), r);
   }
 
   #drawLabels(c, x, y, shown, r) {
-    if (this.transform.k < 1.8) return;
+    if (this.view.k < 1.8) return;
     c.font = "10px system-ui, sans-serif";
     c.textAlign = "left";
     c.fillStyle = theme.muted;

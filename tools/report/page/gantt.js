@@ -1,7 +1,7 @@
-import { scaleLinear } from "d3-scale";
 import { fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
 import { FAILED, OFFLINE, STATUS, busyMs, faultBands } from "./run.js";
+import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { theme } from "./theme.js";
 
@@ -77,7 +77,7 @@ export class Gantt {
   }
 
   #x(width) {
-    return scaleLinear(this.state.viewRange, [LABEL, width - 8]);
+    return linear(this.state.viewRange, [LABEL, width - 8]);
   }
 
   #moveCursor() {

@@ -1,0 +1,23 @@
+/** Numbers of `domain` to places of `range`, both [from, to]; scale.invert goes back. */
+export function linear([d0, d1], [r0, r1]) {
+  const scale = (value) => r0 + ((value - d0) / (d1 - d0)) * (r1 - r0);
+  scale.invert = (place) => d0 + ((place - r0) / (r1 - r0)) * (d1 - d0);
+  return scale;
+}
+
+const tidy = (value) => Number(value.toPrecision(12));
+
+/** The smallest of `parts` times a power of ten that is not below `least`. */
+function roundStep(least, parts) {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return tidy(([...parts, 10].find((part) => part * power >= least) ?? 10) * power);
+}
+
+/** Round numbers from `from` to `to`, at most `most` steps between them. */
+export function roundTicks([from, to], most, parts = [1, 2, 2.5, 5]) {
+  if (!(to > from) || !(most > 0)) return [];
+  const step = roundStep((to - from) / most, parts);
+  const ticks = [];
+  for (let i = Math.ceil(from / step - 1e-9); i * step <= to + step * 1e-9; ++i) ticks.push(tidy(i * step));
+  return ticks;
+}
