@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "base/random.h"
+#include "base/text.h"
 #include "model/scenario_json.h"
 #include "model/scenario_units.h"
 
@@ -155,10 +156,12 @@ const GeneratorSettings& PresetByName(std::string_view name) {
   for (const GeneratorSettings& preset : Presets()) {
     if (preset.name == name) return preset;
   }
+  std::vector<std::string> names;
+  for (const GeneratorSettings& preset : Presets()) names.push_back(preset.name);
   throw InputError(
       fmt::format("no preset '{}': expected BicycleOrder, DidiOrders, TaxiTrajectories or Random_1 "
-                  "to Random_29",
-                  name));
+                  "to Random_29{}",
+                  name, DidYouMean(name, names)));
 }
 
 GeneratorSettings Scaled(GeneratorSettings settings, double scale) {

@@ -1,9 +1,9 @@
 #include "protocol/fault_switch.h"
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
+#include "base/text.h"
 #include "base/units.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
@@ -57,11 +57,8 @@ std::string HitsText(const std::string& name, std::int64_t packets) {
 std::optional<std::int64_t> HitsOf(const std::string& text) {
   const std::size_t colon = text.rfind(": ");
   if (colon == std::string::npos || !text.ends_with(kPackets)) return {};
-  std::int64_t hits = 0;
-  const char* const last = text.data() + text.size() - kPackets.size();
-  const auto [end, error] = std::from_chars(text.data() + colon + 2, last, hits);
-  if (error != std::errc() || end != last || hits < 0) return {};
-  return hits;
+  return ToInteger(
+      std::string_view(text).substr(colon + 2, text.size() - colon - 2 - kPackets.size()));
 }
 
 FaultSwitch::FaultSwitch(std::int64_t run_id, std::string name, LossyBus* bus,

@@ -10,6 +10,7 @@
 #include <climits>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 
 #include "base/check.h"
 #include "base/program.h"
@@ -63,47 +64,37 @@ Usage HostUsage() {
   return usage;
 }
 
-void AddProcessOptions(cxxopts::Options* options, const std::string& default_name) {
-  options->add_options("Process")("l,lcm-url", "LCM URL",
-                                  cxxopts::value<std::string>()->default_value(DefaultUrl()))(
-      "name", "Sender name of this process",
-      cxxopts::value<std::string>()->default_value(default_name))(
-      "run-id", "Messages of other runs are ignored",
-      cxxopts::value<std::int64_t>()->default_value("1"))(
-      "boot-id", "How often this process was started before",
-      cxxopts::value<std::int64_t>()->default_value("0"))(
-      "window",
-      "Messages that may be out unlogged: only with a recorder, which must be running; 0: none "
-      "records",
-      cxxopts::value<int>()->default_value("0"))("drop",
-                                                 "Share of received packets to drop, 0 to 1",
-                                                 cxxopts::value<double>()->default_value("0"))(
-      "drop-seed", "Seed of --drop", cxxopts::value<std::uint64_t>()->default_value("1"))(
-      "q,quiet", "Say nothing but errors");
+void AddProcessOptions(Options* options, const std::string& default_name) {
+  options->Group("Process");
+  options->Add("l,lcm-url", "URL", "LCM URL").Default(DefaultUrl());
+  options->Add("name", "NAME", "Sender name of this process").Default(default_name);
+  options->Add("run-id", "N", "Messages of other runs are ignored")
+      .Integer(std::numeric_limits<std::int64_t>::min())
+      .Default(1);
+  options->Add("boot-id", "N", "How often this process was started before").Integer(0).Default(0);
+  options
+      ->Add("window", "N",
+            "Messages that may be out unlogged: only with a recorder, which must be running; 0: "
+            "none records")
+      .Integer(0, std::numeric_limits<int>::max())
+      .Default(0);
+  options->Add("drop", "P", "Share of received packets to drop, 0 to 1").Number({0, 1}).Default(0);
+  options->Add("drop-seed", "N", "Seed of --drop").Seed().Default(1);
+  options->Quiet();
 }
 
-ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result, std::string_view only_name) {
+ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name) {
   ProcessFlags flags;
-  flags.identity.run_id = result["run-id"].as<std::int64_t>();
-  flags.identity.name = result["name"].as<std::string>();
-  flags.identity.boot_id = result["boot-id"].as<std::int64_t>();
-  flags.lcm_url = result["lcm-url"].as<std::string>();
-  flags.window = result["window"].as<int>();
-  flags.drop = result["drop"].as<double>();
-  flags.drop_seed = result["drop-seed"].as<std::uint64_t>();
-  flags.quiet = result.count("quiet") > 0;
-  const auto require = [](bool holds, const char* key, const std::string& found,
-                          const char* expected) {
-    if (!holds) throw InputError("command line", key, found, expected);
-  };
-  require(flags.drop >= 0 && flags.drop <= 1, "--drop", fmt::to_string(flags.drop),
-          "a share in [0, 1]");
-  require(flags.window >= 0, "--window", fmt::to_string(flags.window), "0 or more");
-  require(flags.identity.boot_id >= 0, "--boot-id", fmt::to_string(flags.identity.boot_id),
-          "0 or more");
-  require(!flags.identity.name.empty(), "--name", "nothing", "a name");
+  flags.identity.run_id = arguments.Get<std::int64_t>("run-id");
+  flags.identity.name = arguments.Get("name");
+  flags.identity.boot_id = arguments.Get<std::int64_t>("boot-id");
+  flags.lcm_url = arguments.Get("lcm-url");
+  flags.window = arguments.Get<int>("window");
+  flags.drop = arguments.Get<double>("drop");
+  flags.drop_seed = arguments.Get<std::uint64_t>("drop-seed");
+  flags.quiet = arguments.Has("quiet");
   if (!only_name.empty() && flags.identity.name != only_name) {
-    throw InputError("command line", "--name", flags.identity.name,
+    throw InputError("command line", "--name", fmt::format("'{}'", flags.identity.name),
                      fmt::format("{}: nobody listens to another", only_name));
   }
   return flags;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cxxopts.hpp>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "base/options.h"
 #include "lcmtypes/bus/lossy_bus.h"
 #include "protocol/process.h"
 
@@ -27,10 +27,10 @@ struct ProcessFlags {
   bool quiet = false;
 };
 
-void AddProcessOptions(cxxopts::Options* options, const std::string& default_name);
+void AddProcessOptions(Options* options, const std::string& default_name);
 /// Throws InputError on a value that cannot be. `only_name`: what the process must be called, since
 /// nobody listens to another on its channels (channels.h); "": any name.
-ProcessFlags ReadProcessFlags(const cxxopts::ParseResult& result, std::string_view only_name = "");
+ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 
 /// The bus of these flags: LCM, lossy as --drop says.
 std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);

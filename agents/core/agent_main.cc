@@ -2,43 +2,41 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include "agents/core/agent_process.h"
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
+#include "base/text.h"
 #include "protocol/run_process.h"
 
 namespace muster::agents {
 namespace {
 
 IdRange ReadIds(const std::string& text) {
-  std::int32_t first = 0;
-  std::int32_t last = 0;
-  const char* end = text.data() + text.size();
-  std::from_chars_result read = std::from_chars(text.data(), end, first);
-  last = first;
-  if (read.ec == std::errc() && read.ptr != end && *read.ptr == '-') {
-    read = std::from_chars(read.ptr + 1, end, last);
-  }
-  if (read.ec != std::errc() || read.ptr != end || first < 0 || last < first) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  const std::vector<std::string> ends = Split(text, '-');
+  const auto first = ToInteger(ends.front(), 0, kMost);
+  const auto last = ToInteger(ends.back(), first.value_or(0), kMost);
+  if (!first || !last || ends.size() > 2) {
     throw InputError("command line", "--ids", text, "an id or a range, 0-9");
   }
-  return std::pair(first, last);
+  return std::pair(static_cast<std::int32_t>(*first), static_cast<std::int32_t>(*last));
 }
 
 int Run(AgentKind kind, int argc, char** argv) {
   const std::string name(ToString(kind));
-  cxxopts::Options options("muster-" + name,
-                           fmt::format("The {}s of a mission, or some of them", name));
-  options.add_options()("ids", "Ids of the agents that this process moves, 0-9; default: all",
-                        cxxopts::value<std::string>());
+  Options options("muster-" + name, fmt::format("The {}s of a mission, or some of them", name));
+  options.Add("ids", "N-M", "Ids of the agents that this process moves, 0-9; default: all");
   AddProcessOptions(&options, name);
-  const auto result = ParseOptions(&options, argc, argv);
-  if (!result) return kExitOk;
-  const ProcessFlags flags = ReadProcessFlags(*result);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const ProcessFlags flags = ReadProcessFlags(*arguments);
   IdRange ids;
-  if (result->count("ids") > 0) ids = ReadIds((*result)["ids"].as<std::string>());
+  if (arguments->Has("ids")) ids = ReadIds(arguments->Get("ids"));
   AgentProcess process(flags.identity, flags.window, kind, ids);
   const auto bus = OpenBus(flags);
   return RunProcess(&process, bus.get(), flags.quiet);

@@ -9,22 +9,22 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
 
 #include "base/check.h"
+#include "base/text.h"
 
 namespace muster {
 namespace {
 
 template <class Number>
 bool ParseNumber(std::string_view text, Number low, Number high, Number* value) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, *value);
-  return error == std::errc() && stop == end && *value >= low && *value <= high;
+  const auto number = ToInteger(text, low, high);
+  if (number) *value = static_cast<Number>(*number);
+  return number.has_value();
 }
 
 class Socket {

@@ -1,11 +1,13 @@
 #include "scheduler/policies/registry.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <string>
 #include <utility>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "scheduler/policies/baselines/greedy.h"
 #include "scheduler/policies/baselines/kwta.h"
 #include "scheduler/policies/certified/certified_policy.h"
@@ -102,6 +104,12 @@ const Row kPolicies[] = {
      &Greedy<GreedyPolicy::Aim::kNearest>},
 };
 
+std::vector<std::string> Names() {
+  std::vector<std::string> names;
+  for (const Row& row : kPolicies) names.emplace_back(row.info.name);
+  return names;
+}
+
 }  // namespace
 
 const std::vector<PolicyInfo>& Policies() {
@@ -113,14 +121,27 @@ const std::vector<PolicyInfo>& Policies() {
   return policies;
 }
 
+Option& AddPolicyOption(Options* options, std::string_view help) {
+  const std::vector<std::string> names = Names();
+  return options->Add("policy", "NAME", fmt::format("{} {}", help, fmt::join(names, " ")))
+      .Default(kDefaultPolicy);
+}
+
+void AddDeadlineOption(Options* options) {
+  options
+      ->Add("deadline", "MS",
+            "Milliseconds that a decision may take, the best found until then is taken (default: "
+            "none, so that decisions can be repeated)")
+      .Number(Above0(kMostDeadlineMs));
+}
+
 std::unique_ptr<Policy> MakePolicy(std::string_view name) {
-  std::string known;
   for (const Row& row : kPolicies) {
     if (row.info.name == name) return row.make();
-    if (!known.empty()) known += ", ";
-    known += row.info.name;
   }
-  throw InputError(fmt::format("policy: found {}, expected one of {}", name, known));
+  const std::vector<std::string> names = Names();
+  throw InputError(fmt::format("policy: found {}, expected one of {}{}", name,
+                               fmt::join(names, ", "), DidYouMean(name, names)));
 }
 
 void SetDeadline(Policy* policy, std::string_view name, std::optional<double> deadline_ms) {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/options.h"
 #include "scheduler/policy.h"
 
 namespace muster::scheduler {
@@ -19,6 +20,10 @@ inline constexpr std::string_view kDefaultPolicy = "certified";
 
 /// All policies, in the order in which they are listed to users.
 const std::vector<PolicyInfo>& Policies();
+
+/// Declares --policy, whose name MakePolicy checks, and --deadline, milliseconds.
+Option& AddPolicyOption(Options* options, std::string_view help = "How to decide:");
+void AddDeadlineOption(Options* options);
 
 /// Throws InputError naming the known policies when `name` is none of them.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);

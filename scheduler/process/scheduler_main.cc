@@ -1,24 +1,16 @@
 #include "scheduler/process/scheduler_main.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <optional>
 
+#include "base/options.h"
 #include "base/program.h"
 #include "protocol/run_process.h"
 #include "scheduler/process/scheduler_process.h"
 
 namespace muster::scheduler {
 namespace {
-
-std::string PolicyHelp(const std::vector<OwnPolicy>& own) {
-  std::string help = "How to decide:";
-  for (const OwnPolicy& policy : own) help += fmt::format(" {}", policy.name);
-  for (const PolicyInfo& policy : Policies()) help += fmt::format(" {}", policy.name);
-  return help;
-}
 
 std::unique_ptr<Policy> Make(const std::string& name, std::optional<double> deadline_ms,
                              const std::vector<OwnPolicy>& own) {
@@ -31,21 +23,19 @@ std::unique_ptr<Policy> Make(const std::string& name, std::optional<double> dead
 }
 
 int Run(const std::string& program, int argc, char** argv, const std::vector<OwnPolicy>& own) {
-  cxxopts::Options options(program, "The scheduler of a mission");
-  options.add_options()("policy", PolicyHelp(own),
-                        cxxopts::value<std::string>()->default_value(
-                            own.empty() ? std::string(kDefaultPolicy) : own.front().name));
-  options.add_options()("deadline",
-                        "Milliseconds that a decision may take, the best found until then is taken "
-                        "(default: none, so that decisions can be repeated)",
-                        cxxopts::value<double>(), "MS");
+  Options options(program, "The scheduler of a mission");
+  std::string help = "How to decide:";
+  for (const OwnPolicy& policy : own) help += " " + policy.name;
+  Option& option = AddPolicyOption(&options, help);
+  if (!own.empty()) option.Default(own.front().name);
+  AddDeadlineOption(&options);
   AddProcessOptions(&options, "scheduler");
-  const auto result = ParseOptions(&options, argc, argv);
-  if (!result) return kExitOk;
-  const ProcessFlags flags = ReadProcessFlags(*result, "scheduler");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const ProcessFlags flags = ReadProcessFlags(*arguments, "scheduler");
   std::optional<double> deadline_ms;
-  if (result->count("deadline") > 0) deadline_ms = (*result)["deadline"].as<double>();
-  const std::string policy = (*result)["policy"].as<std::string>();
+  arguments->Read("deadline", &deadline_ms);
+  const std::string policy = arguments->Get("policy");
   SchedulerProcess process(flags.identity, flags.window, policy, Make(policy, deadline_ms, own),
                            MonotonicUs);
   const auto bus = OpenBus(flags);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/event_log.h"
 #include "tools/audit/auditor.h"
@@ -54,17 +55,14 @@ nlohmann::ordered_json ToJson(const audit::Auditor& auditor,
 }  // namespace
 
 int AuditCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(argv[0],
-                           "Checks a run's log against every rule of the mission, and report.json "
-                           "against the log.\nExit code 4 when one is broken.");
-  options.add_options()("run", "run directory or log file", cxxopts::value<std::string>())(
-      "json", "print the result as JSON");
-  options.parse_positional({"run"});
-  options.positional_help("RUN");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
-  if (parsed->count("run") == 0) throw InputError("no RUN given: a run directory or a log file");
-  const std::string run = (*parsed)["run"].as<std::string>();
+  Options options(argv[0],
+                  "Checks a run's log against every rule of the mission, and report.json against "
+                  "the log.\nExit code 4 when one is broken.");
+  options.Run();
+  options.Json();
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::string run = arguments->Get("run");
 
   audit::Auditor auditor;
   std::int64_t garbage_bytes = 0;
@@ -80,7 +78,7 @@ int AuditCommand(int argc, const char* const* argv) {
   std::stable_sort(violations.begin(), violations.end(),
                    [](const Violation& a, const Violation& b) { return a.at_us < b.at_us; });
 
-  if (parsed->count("json") > 0) {
+  if (arguments->Has("json")) {
     fmt::print("{}\n",
                ToJson(auditor, violations, has_report && auditor.facts().has_value(), garbage_bytes)
                    .dump(2));

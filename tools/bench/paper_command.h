@@ -1,16 +1,13 @@
 #pragma once
 
-#include <cxxopts.hpp>
+#include "base/options.h"
 
 namespace muster::tools {
 
 /// The options of `muster bench` that only its suites paper and paper-long have.
-void AddPaperOptions(cxxopts::Options* options);
+void AddPaperOptions(Options* options);
 
 /// `muster bench --suite paper` or paper-long: an exit code.
-int PaperCommand(const cxxopts::ParseResult& flags);
-
-/// A whole number from 1 to `most`; throws InputError naming the flag.
-int PositiveOption(const cxxopts::ParseResult& flags, const char* name, int most);
+int PaperCommand(const Arguments& arguments);
 
 }  // namespace muster::tools

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "tools/scenario/settings_options.h"
+#include "base/check.h"
+#include "base/text.h"
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
@@ -142,7 +143,9 @@ PublishedFigures::PublishedFigures(const std::string& file) {
     const bool rate = row[metric].starts_with("task_completion_rate");
     const bool time = row[metric] == "decision_time_s";
     if (!rate && !time) continue;
-    const double number = ParseNumber(file, row[value], "a number");
+    const auto found = ToNumber(row[value]);
+    if (!found) throw InputError(file, "value", "'" + row[value] + "'", "a number");
+    const double number = *found;
     Figure& figure = figures_[{row[section], row[setting], row[algorithm]}];
     if (time) {
       figure.decision_s = number;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/options.h"
 #include "base/program.h"
 #include "tools/bound/upper_bound.h"
 #include "tools/scenario/mission_options.h"
@@ -9,13 +10,13 @@
 namespace muster::tools {
 
 int BoundCommand(int argc, const char* const* argv) {
-  cxxopts::Options parser("muster bound",
-                          "Tells how many of a scenario's tasks any policy could do at most, even "
-                          "one that knows everything beforehand.");
-  AddRuleOptions(&parser);
-  const auto result = ParseOptions(&parser, argc, argv);
-  if (!result) return kExitOk;
-  const Scenario scenario = ResolveScenario(ReadRuleOptions(*result));
+  Options options("muster bound",
+                  "Tells how many of a scenario's tasks any policy could do at most, even one that "
+                  "knows everything beforehand.");
+  AddRuleOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const Scenario scenario = ResolveScenario(ReadRuleOptions(*arguments));
   const std::int64_t bound = UpperBound(scenario);
   const std::size_t tasks = scenario.tasks.size();
   fmt::print("at most {} of {} tasks ({:.1f} %)\n", bound, tasks,

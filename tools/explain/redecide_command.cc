@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "tools/explain/redecide.h"
 #include "tools/explain/words.h"
@@ -155,24 +156,22 @@ int Compare(const std::string& run, const std::vector<Redecided>& decisions,
 }  // namespace
 
 int RedecideCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(
+  Options options(
       argv[0],
       "Makes a run's decisions again from its log.\n"
       "With the log's own policy each must be the same, bit for bit; exit code 4 when one is not.\n"
       "With another policy: a table of what it would have decided.");
-  options.add_options()("run", "Run directory or log file", cxxopts::value<std::string>())(
-      "policy", "Another way to decide (default: the log's own)", cxxopts::value<std::string>(),
-      "NAME")("json", "Print the result as JSON");
-  options.parse_positional({"run"});
-  options.positional_help("RUN");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
-  if (parsed->count("run") == 0) throw InputError("no RUN given: a run directory or a log file");
-  const std::string run = (*parsed)["run"].as<std::string>();
-  const bool json = parsed->count("json") > 0;
+  options.Run();
+  options.Add("policy", "NAME", "Another way to decide (default: the log's own)");
+  options.Json();
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::string run = arguments->Get("run");
+  const bool json = arguments->Has("json");
   LogSource source(run);
   const DecisionLog log = ReadDecisionLog(&source);
-  std::string policy = parsed->count("policy") > 0 ? (*parsed)["policy"].as<std::string>() : "";
+  std::string policy;
+  arguments->Read("policy", &policy);
   std::set<std::string> logged;
   for (const auto& [d, decision] : log.decisions) {
     for (const schedule_t& schedule : decision.schedules) logged.insert(schedule.policy);

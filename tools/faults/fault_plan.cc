@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "model/agent.h"
 
 namespace muster::tools {
@@ -237,13 +237,10 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
   std::string_view rest = std::string_view(text).substr(at + 1);
   const auto take = [&](std::string_view ends) {
     const std::size_t size = std::min(rest.find_first_of(ends), rest.size());
-    double value = 0;
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + size, value);
-    if (error != std::errc() || end != rest.data() + size) {
-      throw InputError("command line", "--fault", text, kForm);
-    }
+    const auto value = ToNumber(rest.substr(0, size));
+    if (!value) throw InputError("command line", "--fault", text, kForm);
     rest.remove_prefix(size);
-    return value;
+    return *value;
   };
   fault.at_us = ToUs(InRange(fault, "MIN", take("+="), kLongestMin, true) * 60);
   if (!rest.empty() && rest.front() == '+') {

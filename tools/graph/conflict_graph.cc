@@ -4,7 +4,6 @@
 #include <fmt/ostream.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <istream>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "base/check.h"
+#include "base/text.h"
 
 namespace muster::tools {
 
@@ -181,13 +181,12 @@ std::vector<std::int32_t> ReadSolution(std::istream& in, const std::string& file
                                        const std::string& form, std::int32_t n_nodes) {
   std::vector<std::int32_t> chosen;
   const auto number = [&](std::string_view text, const std::string& where) {
-    std::int32_t value = -1;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || value < 0 || value >= n_nodes) {
+    const auto value = ToInteger(text, 0, n_nodes - 1);
+    if (!value) {
       throw InputError(file, where, std::string(text),
                        fmt::format("a node number below {}", n_nodes));
     }
-    return value;
+    return static_cast<std::int32_t>(*value);
   };
   std::string line;
   std::int32_t at = 0;

@@ -4,9 +4,11 @@
 
 #include <cerrno>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/registry.h"
@@ -17,56 +19,45 @@
 namespace muster::tools {
 namespace {
 
-void AddDecisionOptions(cxxopts::Options* options) {
-  options->add_options()("mission", "Run directory, log file, or scenario file (.json)",
-                         cxxopts::value<std::string>(), "RUN_OR_SCENARIO")(
-      "decision", "Number of the decision, from 0", cxxopts::value<int>()->default_value("0"), "D")(
-      "policy", "How the decisions before it are made, for a scenario",
-      cxxopts::value<std::string>()->default_value(std::string(scheduler::kDefaultPolicy)), "NAME");
-  options->parse_positional({"mission"});
-  options->positional_help("RUN_OR_SCENARIO");
+void AddDecisionOptions(Options* options) {
+  options->Positional("mission", "RUN_OR_SCENARIO")
+      .Required("a run directory, a log file or a scenario file (.json)");
+  options->Add("decision", "D", "Number of the decision, from 0")
+      .Integer(0, std::numeric_limits<int>::max())
+      .Default(0);
+  scheduler::AddPolicyOption(options, "How the decisions before it are made, for a scenario:");
 }
 
-scheduler::Situation ReadSituation(const cxxopts::ParseResult& flags) {
-  if (flags.count("mission") == 0) {
-    throw InputError("options", "RUN_OR_SCENARIO", "nothing",
-                     "a run directory, a log file or a scenario file");
-  }
-  return SituationOf(flags["mission"].as<std::string>(), flags["policy"].as<std::string>(),
-                     flags["decision"].as<int>());
+scheduler::Situation ReadSituation(const Arguments& arguments) {
+  return SituationOf(arguments.Get("mission"), arguments.Get("policy"),
+                     arguments.Get<int>("decision"));
 }
 
 }  // namespace
 
 int ExportGraphCommand(int argc, const char* const* argv) {
-  cxxopts::Options options("muster export-graph",
-                           "Writes the conflict graph of one decision for other solvers.");
+  Options options("muster export-graph",
+                  "Writes the conflict graph of one decision for other solvers.");
   AddDecisionOptions(&options);
-  options.add_options()("format", "metis, mps or json",
-                        cxxopts::value<std::string>()->default_value("metis"),
-                        "FORMAT")("scale", "METIS: weights are multiplied by this and rounded",
-                                  cxxopts::value<double>()->default_value("1000000"), "S")(
-      "out", "File to write", cxxopts::value<std::string>(), "FILE");
-  const auto flags = ParseOptions(&options, argc, argv);
-  if (!flags) return kExitOk;
-  const auto format = (*flags)["format"].as<std::string>();
-  const auto scale = (*flags)["scale"].as<double>();
-  if (format != "metis" && format != "mps" && format != "json") {
-    throw InputError("options", "--format", format, "metis, mps or json");
-  }
+  options.Add("format", "FORMAT", "metis, mps or json")
+      .OneOf({"metis", "mps", "json"})
+      .Default("metis");
   // The heaviest node weighs about 103, and solvers add weights up in 64 bits or in 32.
-  if (!(scale >= 1 && scale <= 1e12)) {
-    throw InputError("options", "--scale", fmt::to_string(scale), "a number from 1 to 1e12");
-  }
-  if (flags->count("out") == 0) throw InputError("options", "--out", "nothing", "a file to write");
-  const auto out_file = (*flags)["out"].as<std::string>();
+  options.Add("scale", "S", "METIS: weights are multiplied by this and rounded")
+      .Number({1, 1e12})
+      .Default("1000000");
+  options.Out("FILE", "File to write").Required("a file to write");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const auto format = arguments->Get("format");
+  const auto out_file = arguments->Get("out");
 
-  const scheduler::Situation situation = ReadSituation(*flags);
+  const scheduler::Situation situation = ReadSituation(*arguments);
   const ConflictGraph graph(situation);
   PendingFile pending(out_file);
   std::ofstream out(pending.temporary());
   if (!out) FailToWrite(out_file, errno);
-  if (format == "metis") graph.WriteMetis(out, scale);
+  if (format == "metis") graph.WriteMetis(out, arguments->Get<double>("scale"));
   if (format == "mps") graph.WriteMps(out);
   if (format == "json") graph.WriteJson(out);
   out.close();
@@ -77,25 +68,25 @@ int ExportGraphCommand(int argc, const char* const* argv) {
 }
 
 int CheckSolutionCommand(int argc, const char* const* argv) {
-  cxxopts::Options options("muster check-solution",
-                           "Verifies another solver's answer on an exported conflict graph.");
+  Options options("muster check-solution",
+                  "Verifies another solver's answer on an exported conflict graph.");
   AddDecisionOptions(&options);
-  options.add_options()("solution", "The solver's answer", cxxopts::value<std::string>(), "FILE")(
-      "form",
-      "indicator (a line of 0 or 1 a node), nodes (numbers from 0) or mps (lines 'nI value')",
-      cxxopts::value<std::string>()->default_value("indicator"), "FORM");
-  const auto flags = ParseOptions(&options, argc, argv);
-  if (!flags) return kExitOk;
-  if (flags->count("solution") == 0) {
-    throw InputError("options", "--solution", "nothing", "a file with the solver's answer");
-  }
-  const auto file = (*flags)["solution"].as<std::string>();
+  options.Add("solution", "FILE", "The solver's answer")
+      .Required("a file with the solver's answer");
+  options
+      .Add("form", "FORM",
+           "indicator (a line of 0 or 1 a node), nodes (numbers from 0) or mps (lines 'nI value')")
+      .OneOf({"indicator", "nodes", "mps"})
+      .Default("indicator");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const auto file = arguments->Get("solution");
   std::ifstream in(file);
   if (!in) throw SystemError(fmt::format("{}: cannot be read", file));
 
-  const scheduler::Situation situation = ReadSituation(*flags);
+  const scheduler::Situation situation = ReadSituation(*arguments);
   const ConflictGraph graph(situation);
-  const auto chosen = ReadSolution(in, file, (*flags)["form"].as<std::string>(), graph.n_nodes());
+  const auto chosen = ReadSolution(in, file, arguments->Get("form"), graph.n_nodes());
   const ConflictGraph::Verdict verdict = graph.Check(chosen);
   for (const std::string& conflict : verdict.conflicts) fmt::print("conflict: {}\n", conflict);
   const scheduler::Decision ours = scheduler::DecideCertified(situation, {}, nullptr);

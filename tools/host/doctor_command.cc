@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/options.h"
 #include "base/program.h"
 #include "tools/host/host_checks.h"
 
@@ -28,16 +29,15 @@ const char* NameOf(HostCheck::Result result) {
 }  // namespace
 
 int DoctorCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(argv[0],
-                           "Looks whether this host can run missions: networks, LCM, kernel "
-                           "limits, programs. Exits with 4 when a check failed.");
-  options.add_options()("l,lcm-url", "URL that missions on the host's network would use",
-                        cxxopts::value<std::string>()->default_value(DefaultUrl()));
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
+  Options options(argv[0],
+                  "Looks whether this host can run missions: networks, LCM, kernel limits, "
+                  "programs. Exits with 4 when a check failed.");
+  options.Add("l,lcm-url", "URL", "URL that missions on the host's network would use")
+      .Default(DefaultUrl());
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
 
-  const std::vector<HostCheck> checks =
-      CheckHost(ParseMulticastUrl((*parsed)["lcm-url"].as<std::string>()));
+  const std::vector<HostCheck> checks = CheckHost(ParseMulticastUrl(arguments->Get("lcm-url")));
   fmt::print("{:<16} {:<6} {}\n", "check", "result", "found");
   for (const HostCheck& check : checks) {
     fmt::print("{:<16} {:<6} {}\n", check.name, NameOf(check.result), check.found);

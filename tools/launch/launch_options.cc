@@ -4,13 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
+#include "base/text.h"
 #include "lcmtypes/bus/multicast.h"
 #include "model/agent.h"
 #include "model/scenario_json.h"
@@ -24,41 +25,19 @@ namespace {
 constexpr std::string_view kCommandLine = "command line";
 constexpr int kMostProcesses = 64;
 
-/// The whole text as a number; none otherwise.
-template <class T>
-std::optional<T> ToNumber(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-void CheckRate(const std::string& rate) {
-  if (rate == "max") return;
-  const auto value = ToNumber<double>(rate);
-  if (!value || !std::isfinite(*value) || *value <= 0) {
-    throw InputError(kCommandLine, "--rate", rate,
-                     "max, or mission seconds per wall second above 0");
-  }
-}
-
 std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) {
   std::map<AgentKind, int> processes;
   for (const AgentKind kind : kAgentKinds) processes[kind] = 1;
   for (const std::string& entry : entries) {
-    const std::size_t equals = entry.find('=');
-    const std::string_view name = std::string_view(entry).substr(0, equals);
-    std::optional<int> count;
-    if (equals != std::string::npos) {
-      count = ToNumber<int>(std::string_view(entry).substr(equals + 1));
-    }
+    const std::vector<std::string> parts = Split(entry, '=');
+    const auto count = ToInteger(parts.back(), 0, kMostProcesses);
     bool known = false;
     for (const AgentKind kind : kAgentKinds) {
-      if (name != ToString(kind)) continue;
+      if (!count || parts.size() != 2 || parts[0] != ToString(kind)) continue;
+      processes[kind] = static_cast<int>(*count);
       known = true;
-      if (count) processes[kind] = *count;
     }
-    if (!known || !count || *count < 0 || *count > kMostProcesses) {
+    if (!known) {
       throw InputError(
           kCommandLine, "--processes", entry,
           fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}", kMostProcesses));
@@ -85,104 +64,89 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
   return programs;
 }
 
+void AddLaunchOptions(Options* options) {
+  AddMissionOptions(options);
+  scheduler::AddDeadlineOption(options);
+  options->Add("rate", "R", "Mission seconds per wall second, or max")
+      .Number(Above0())
+      .Or("max")
+      .Default("max");
+  options
+      ->Add("processes", "CLASS=N,...",
+            "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them")
+      .List();
+  options
+      ->Add("program", "ROLE=FILE,...",
+            "Your own program in place of muster-ROLE, with the same options, e.g. "
+            "worker=./my-worker (docs/installing.md)")
+      .List();
+  options->Add("drop", "P", "Share of received packets that each process drops, 0 to 1")
+      .Number({0, 1, false, true})
+      .Default(0);
+  options->Add("faults", "FILE", "Fault plan (docs/faults.md)");
+  options->Add("fault", "FAULT", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45")
+      .List();
+  options
+      ->Add("on-loss", "wait|continue",
+            "When an agent process or the scheduler is lost: wait for it, or continue without it "
+            "until it is back")
+      .OneOf({"wait", "continue"})
+      .Default("wait");
+  options->Add("lost-after", "S", "Seconds of silence after which a process is lost")
+      .Number({0.5, 3600})
+      .Default(5);
+  options
+      ->Add("restarts", "N",
+            "How often each process that ends by itself is started again; 0: it ends the mission")
+      .Integer(0, std::numeric_limits<int>::max())
+      .Default(5);
+  options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
+  options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
+  options
+      ->Add("live", "PORT",
+            "Show the mission in browsers of this host, and keep the page after its end until "
+            "Ctrl-C; PORT 0: any free one")
+      .Integer(0, 65535)
+      .Implied(fmt::to_string(kDefaultLivePort));
+}
+
 }  // namespace
 
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv) {
-  cxxopts::Options parser("muster run",
-                          "Runs a whole mission: world, agents and scheduler as processes of "
-                          "their own over LCM, recorded by lcm-logger.");
-  AddMissionOptions(&parser);
-  parser.add_options()("deadline",
-                       "Milliseconds that a decision may take, the best found until then is taken "
-                       "(default: none, so that a mission can be repeated)",
-                       cxxopts::value<double>(), "MS");
-  parser.add_options()("rate", "Mission seconds per wall second, or max",
-                       cxxopts::value<std::string>()->default_value("max"), "R");
-  parser.add_options()("processes",
-                       "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them",
-                       cxxopts::value<std::vector<std::string>>(), "CLASS=N,...");
-  parser.add_options()("program",
-                       "Your own program in place of muster-ROLE, with the same options, e.g. "
-                       "worker=./my-worker (docs/installing.md)",
-                       cxxopts::value<std::vector<std::string>>(), "ROLE=FILE,...");
-  parser.add_options()("drop", "Share of received packets that each process drops, 0 to 1",
-                       cxxopts::value<double>()->default_value("0"), "P");
-  parser.add_options()("faults", "Fault plan (docs/faults.md)", cxxopts::value<std::string>(),
-                       "FILE");
-  parser.add_options()("fault", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45",
-                       cxxopts::value<std::vector<std::string>>(), "FAULT");
-  parser.add_options()("on-loss",
-                       "When an agent process or the scheduler is lost: wait for it, or continue "
-                       "without it until it is back",
-                       cxxopts::value<std::string>()->default_value("wait"), "wait|continue");
-  parser.add_options()("lost-after", "Seconds of silence after which a process is lost",
-                       cxxopts::value<double>()->default_value("5"), "S");
-  parser.add_options()("restarts",
-                       "How often each process that ends by itself is started again; 0: it ends "
-                       "the mission",
-                       cxxopts::value<std::string>()->default_value("5"), "N");
-  parser.add_options()("l,lcm-url", "LCM URL (default: a network of the mission's own)",
-                       cxxopts::value<std::string>(), "URL");
-  parser.add_options()("hosts", "Which process runs on which host (docs/hosts.md)",
-                       cxxopts::value<std::string>(), "FILE");
-  parser.add_options()(
-      "live",
-      "Show the mission in browsers of this host, and keep the page after its end "
-      "until Ctrl-C; PORT 0: any free one",
-      cxxopts::value<std::string>()->implicit_value(std::to_string(kDefaultLivePort)), "PORT");
-  const auto result = ParseOptions(&parser, argc, argv);
-  if (!result) return std::nullopt;
+  Options parser("muster run",
+                 "Runs a whole mission: world, agents and scheduler as processes of their own over "
+                 "LCM, recorded by lcm-logger.");
+  AddLaunchOptions(&parser);
+  const auto arguments = parser.Parse(argc, argv);
+  if (!arguments) return std::nullopt;
 
   LaunchOptions options;
-  if (result->count("program") > 0) {
-    options.programs = ReadPrograms((*result)["program"].as<std::vector<std::string>>());
-  }
+  options.programs = ReadPrograms(arguments->All("program"));
   const bool own_policy = options.programs.contains("scheduler");
-  static_cast<MissionOptions&>(options) = ReadMissionOptions(*result, own_policy);
-  if (own_policy && result->count("policy") == 0) {
+  static_cast<MissionOptions&>(options) = ReadMissionOptions(*arguments, own_policy);
+  if (own_policy && !arguments->Has("policy")) {
     throw InputError(kCommandLine, "--program", "scheduler without --policy",
                      "--policy with it: the name of a policy that your scheduler has");
   }
-  options.rate = (*result)["rate"].as<std::string>();
-  CheckRate(options.rate);
-  if (result->count("deadline") > 0) options.deadline_ms = (*result)["deadline"].as<double>();
+  options.rate = arguments->Get("rate");
+  arguments->Read("deadline", &options.deadline_ms);
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);
-  options.processes = ReadProcesses(result->count("processes") > 0
-                                        ? (*result)["processes"].as<std::vector<std::string>>()
-                                        : std::vector<std::string>());
-  options.drop = (*result)["drop"].as<double>();
-  if (!(options.drop >= 0 && options.drop < 1)) {
-    throw InputError(kCommandLine, "--drop", fmt::to_string(options.drop), "a share in [0, 1)");
+  options.processes = ReadProcesses(arguments->All("processes"));
+  options.drop = arguments->Get<double>("drop");
+  if (arguments->Has("faults")) options.faults = LoadFaultPlan(arguments->Get("faults"));
+  for (const std::string& text : arguments->All("fault")) {
+    options.faults.push_back(ParseFaultFlag(text, options.faults.size()));
   }
-  if (result->count("faults") > 0) {
-    options.faults = LoadFaultPlan((*result)["faults"].as<std::string>());
-  }
-  if (result->count("fault") > 0) {
-    for (const std::string& text : (*result)["fault"].as<std::vector<std::string>>()) {
-      options.faults.push_back(ParseFaultFlag(text, options.faults.size()));
-    }
-  }
-  options.on_loss = (*result)["on-loss"].as<std::string>();
-  if (options.on_loss != "wait" && options.on_loss != "continue") {
-    throw InputError(kCommandLine, "--on-loss", options.on_loss, "wait or continue");
-  }
-  options.lost_after_s = (*result)["lost-after"].as<double>();
-  if (!(options.lost_after_s >= 0.5 && options.lost_after_s <= 3600)) {
-    throw InputError(kCommandLine, "--lost-after", fmt::to_string(options.lost_after_s),
-                     "seconds from 0.5 to 3600");
-  }
-  const std::string restarts = (*result)["restarts"].as<std::string>();
-  options.restarts = ToNumber<int>(restarts).value_or(-1);
-  if (options.restarts < 0) {
-    throw InputError(kCommandLine, "--restarts", restarts, "an integer from 0");
-  }
-  if (result->count("lcm-url") > 0) {
-    options.lcm_url = (*result)["lcm-url"].as<std::string>();
+  options.on_loss = arguments->Get("on-loss");
+  options.lost_after_s = arguments->Get<double>("lost-after");
+  options.restarts = arguments->Get<int>("restarts");
+  if (arguments->Has("lcm-url")) {
+    options.lcm_url = arguments->Get("lcm-url");
     ParseMulticastUrl(options.lcm_url);
   }
-  if (result->count("hosts") > 0) {
-    options.hosts_file = (*result)["hosts"].as<std::string>();
+  if (arguments->Has("hosts")) {
+    options.hosts_file = arguments->Get("hosts");
     options.hosts = LoadHosts(options.hosts_file);
     if (!options.lcm_url.empty()) {
       throw InputError(kCommandLine, "--lcm-url", options.lcm_url,
@@ -190,10 +154,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     }
     options.lcm_url = options.hosts.lcm_url;
   }
-  if (result->count("live") > 0) {
-    RequirePage();
-    options.live_port = ParsePort("--live", (*result)["live"].as<std::string>());
-  }
+  arguments->Read("live", &options.live_port);
+  if (options.live_port) RequirePage();
   for (const auto& [kind, count] : options.processes) {
     if (count == 0 && options.lcm_url.empty()) {
       throw InputError(kCommandLine, "--processes", fmt::format("{}=0", ToString(kind)),

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
 #include "tools/host/stop_signals.h"
@@ -19,22 +20,20 @@ constexpr TimeUs kLookUs = 100'000;
 }  // namespace
 
 int LiveCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(
+  Options options(
       argv[0],
-      "Shows a mission in a browser of this host while it goes on: a run that is being written, "
-      "or\n"
-      "what is heard on the bus (of muster run --lcm-url, or of muster replay). Ctrl-C ends it.");
-  options.add_options()("run", "Run directory, log file or LCM URL (udpm://...)",
-                        cxxopts::value<std::string>()->default_value(DefaultUrl()))(
-      "port", "Port on 127.0.0.1; 0: any free one",
-      cxxopts::value<std::string>()->default_value(std::to_string(kDefaultLivePort)), "N");
-  options.parse_positional({"run"});
-  options.positional_help("[RUN|URL]");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
+      "Shows a mission in a browser of this host while it goes on: a run that is being written,\n"
+      "or what is heard on the bus (of muster run --lcm-url, or of muster replay). Ctrl-C ends "
+      "it.");
+  options.Positional("run", "[RUN|URL]").Default(DefaultUrl());
+  options.Add("port", "N", "Port on 127.0.0.1; 0: any free one")
+      .Integer(0, 65535)
+      .Default(kDefaultLivePort);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
   RequirePage();
-  const int port = ParsePort("--port", (*parsed)["port"].as<std::string>());
-  const auto source = OpenPacketSource((*parsed)["run"].as<std::string>());
+  const int port = arguments->Get<int>("port");
+  const auto source = OpenPacketSource(arguments->Get("run"));
   const StopSignals stop;
   LiveFeed feed(source->name());
   LiveServer server(port);

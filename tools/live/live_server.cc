@@ -61,15 +61,6 @@ class Listener {
 
 }  // namespace
 
-int ParsePort(const char* flag, const std::string& text) {
-  int port = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port < 0 || port > 65535) {
-    throw InputError("command line", flag, text, "a port from 1 to 65535, or 0 for any free one");
-  }
-  return port;
-}
-
 LiveServer::LiveServer(int port) : server_(std::make_unique<httplib::Server>()) {
   server_->set_socket_options([](socket_t fd) {
     const int yes = 1;

@@ -40,7 +40,4 @@ class LiveServer {
   std::thread thread_;
 };
 
-/// A port on the command line: 0 to 65535. Throws InputError that names the flag.
-int ParsePort(const char* flag, const std::string& text);
-
 }  // namespace muster::tools

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <regex>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/multicast.h"
@@ -23,21 +23,6 @@ namespace {
 
 constexpr TimeUs kLongestWaitUs = 100'000;
 
-double ParseRate(const std::string& text) {
-  if (text == "max") return 0;
-  std::size_t end = 0;
-  double rate = 0;
-  try {
-    rate = std::stod(text, &end);
-  } catch (const std::exception&) {
-    end = 0;
-  }
-  if (end != text.size() || !(rate > 0) || !std::isfinite(rate)) {
-    throw InputError("command line", "--rate", text, "a number above 0 or max");
-  }
-  return rate;
-}
-
 std::regex ParseRegex(const std::string& flag, const std::string& text) {
   try {
     return std::regex(text);
@@ -46,20 +31,15 @@ std::regex ParseRegex(const std::string& flag, const std::string& text) {
   }
 }
 
-PlayerOptions ReadPlayerOptions(const cxxopts::ParseResult& parsed) {
+PlayerOptions ReadPlayerOptions(const Arguments& arguments) {
   PlayerOptions options;
-  options.rate = ParseRate(parsed["rate"].as<std::string>());
-  const double offset_s = parsed["start-offset"].as<double>();
-  if (!(offset_s >= 0) || offset_s > 1e9) {
-    throw InputError("command line", "--start-offset", fmt::format("{}", offset_s),
-                     "seconds, at least 0");
-  }
-  options.start_offset_us = ToUs(offset_s);
-  options.paused = parsed.count("start-paused") > 0;
-  options.loop = parsed.count("loop") > 0;
-  const std::regex only = ParseRegex("--channels", parsed["channels"].as<std::string>());
-  const std::regex without = ParseRegex("--without", parsed["without"].as<std::string>());
-  const bool some_left_out = parsed.count("without") > 0;
+  options.rate = arguments.Get("rate") == "max" ? 0 : arguments.Get<double>("rate");
+  options.start_offset_us = ToUs(arguments.Get<double>("start-offset"));
+  options.paused = arguments.Has("start-paused");
+  options.loop = arguments.Has("loop");
+  const std::regex only = ParseRegex("--channels", arguments.Get("channels"));
+  const bool some_left_out = arguments.Has("without");
+  const std::regex without = ParseRegex("--without", some_left_out ? arguments.Get("without") : "");
   options.plays = [=](const std::string& channel) {
     // The bus carries our channels only; LCM's own self test is in every log.
     return FindChannel(channel) != nullptr && std::regex_match(channel, only) &&
@@ -79,33 +59,36 @@ std::string StatusLine(const Player& player, TimeUs now_us) {
 }  // namespace
 
 int ReplayCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(
+  Options options(
       argv[0],
       "Plays a run's log back over LCM, byte for byte, paced by mission time.\n"
       "Keys: space pauses, right arrow steps to the next decision, up and down change the rate, q "
       "ends.");
-  options.add_options()("run", "Run directory or log file", cxxopts::value<std::string>())(
-      "rate", "Mission seconds per second, or max",
-      cxxopts::value<std::string>()->default_value("60"),
-      "R")("start-offset", "Mission time to start at, seconds; the scenario is sent all the same",
-           cxxopts::value<double>()->default_value("0"),
-           "S")("start-paused", "Wait for a key")("loop", "Start over at the end")(
-      "channels", "Play only channels that match this regular expression as a whole",
-      cxxopts::value<std::string>()->default_value(".*"),
-      "REGEX")("without", "Leave out channels that match, say MUSTER_SCHEDULE",
-               cxxopts::value<std::string>()->default_value(""), "REGEX")(
-      "l,lcm-url", "LCM URL", cxxopts::value<std::string>()->default_value(DefaultUrl()), "URL")(
-      "q,quiet", "No progress on stderr, only errors");
-  options.parse_positional({"run"});
-  options.positional_help("RUN");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
-  if (parsed->count("run") == 0) throw InputError("no RUN given: a run directory or a log file");
-  const PlayerOptions player_options = ReadPlayerOptions(*parsed);
-  LogSource source((*parsed)["run"].as<std::string>());
-  const bool quiet = parsed->count("quiet") > 0;
+  options.Run();
+  options.Add("rate", "R", "Mission seconds per second, or max")
+      .Number(Above0())
+      .Or("max")
+      .Default(60);
+  options
+      .Add("start-offset", "S",
+           "Mission time to start at, seconds; the scenario is sent all the same")
+      .Number({0, 1e9})
+      .Default(0);
+  options.Flag("start-paused", "Wait for a key");
+  options.Flag("loop", "Start over at the end");
+  options
+      .Add("channels", "REGEX", "Play only channels that match this regular expression as a whole")
+      .Default(".*");
+  options.Add("without", "REGEX", "Leave out channels that match, say MUSTER_SCHEDULE");
+  options.Add("l,lcm-url", "URL", "LCM URL").Default(DefaultUrl());
+  options.Quiet();
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const PlayerOptions player_options = ReadPlayerOptions(*arguments);
+  LogSource source(arguments->Get("run"));
+  const bool quiet = arguments->Has("quiet");
 
-  LcmBus bus((*parsed)["lcm-url"].as<std::string>());
+  LcmBus bus(arguments->Get("lcm-url"));
   Player player(&source, player_options);
   TerminalKeys keys;
   if (player_options.paused && !keys.usable()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/event_log.h"
 #include "tools/files/log_files.h"
@@ -52,24 +53,17 @@ std::string ReadRun(const std::string& run) {
 }  // namespace
 
 int ReportCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(
+  Options options(
       argv[0],
       "Makes one self-contained page of one or several runs: map, timeline of every agent,\n"
       "curves, decisions. It opens in any browser and loads nothing from anywhere.");
-  options.add_options()("runs", "Run directories or log files",
-                        cxxopts::value<std::vector<std::string>>())(
-      "out", "Page to write", cxxopts::value<std::string>(), "FILE.html");
-  options.parse_positional({"runs"});
-  options.positional_help("RUN [RUN...]");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
-  if (parsed->count("runs") == 0) throw InputError("no RUN given: a run directory or a log file");
-  if (parsed->count("out") == 0 || (*parsed)["out"].as<std::string>().empty()) {
-    throw InputError("command line", "--out", "nothing", "a file to write, FILE.html");
-  }
+  options.Positional("runs", "RUN [RUN...]").Repeated().Required("run directories or log files");
+  options.Out("FILE.html", "Page to write").Required("a file to write, FILE.html");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
   RequirePage();
-  const auto runs = (*parsed)["runs"].as<std::vector<std::string>>();
-  const std::string out = (*parsed)["out"].as<std::string>();
+  const auto runs = arguments->All("runs");
+  const std::string out = arguments->Get("out");
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {

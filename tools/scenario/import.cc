@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "model/scenario_json.h"
-#include "tools/scenario/settings_options.h"
 #include "tools/scenario/window.h"
 
 namespace muster::tools {
@@ -47,11 +46,8 @@ bool IsBlank(std::string_view field) {
 std::optional<double> Degrees(std::string_view field, double limit) {
   field = Trim(field);
   if (field.starts_with('+')) field.remove_prefix(1);
-  double value = 0;
-  const char* end = field.data() + field.size();
-  const auto [at, error] = std::from_chars(field.data(), end, value);
-  if (error != std::errc() || at != end || !(std::abs(value) <= limit)) return std::nullopt;
-  return value;
+  const auto value = ToNumber(field);
+  return value && std::abs(*value) <= limit ? value : std::nullopt;
 }
 
 std::string Shown(const std::vector<RowFilter>& filters) {

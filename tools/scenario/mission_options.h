@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <cxxopts.hpp>
 #include <optional>
 #include <string>
 
+#include "base/options.h"
 #include "model/scenario.h"
 
 namespace muster::tools {
@@ -21,12 +21,12 @@ struct MissionOptions {
   bool quiet = false;
 };
 
-void AddMissionOptions(cxxopts::Options* parser);
+void AddMissionOptions(Options* options);
 /// The scenario file and the overrides of its rules alone.
-void AddRuleOptions(cxxopts::Options* parser);
-MissionOptions ReadRuleOptions(const cxxopts::ParseResult& result);
-/// Throws InputError on a value that cannot be. `own_policy`: any name of a policy will do.
-MissionOptions ReadMissionOptions(const cxxopts::ParseResult& result, bool own_policy = false);
+void AddRuleOptions(Options* options);
+MissionOptions ReadRuleOptions(const Arguments& arguments);
+/// Throws InputError on a policy that is none of ours, unless the scheduler has an `own_policy`.
+MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy = false);
 
 /// Loads the scenario and puts the options' overrides into it. Throws InputError, SystemError.
 Scenario ResolveScenario(const MissionOptions& options);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/options.h"
 #include "base/program.h"
 #include "tools/scenario/settings_options.h"
 
@@ -31,19 +32,20 @@ void ListPresets() {
 }  // namespace
 
 int ScenarioCommand(int argc, const char* const* argv) {
-  cxxopts::Options options("muster scenario", "Writes a random scenario file.");
-  options.add_options()("preset", "Data set of the paper to start from (see --list)",
-                        cxxopts::value<std::string>()->default_value("Random_1"),
-                        "NAME")("list", "Print the presets as a table and exit");
+  Options options("muster scenario", "Writes a random scenario file.");
+  options.Add("preset", "NAME", "Data set of the paper to start from (see --list)")
+      .Default("Random_1");
+  options.Flag("list", "Print the presets as a table and exit");
   AddSettingsOptions(&options);
-  const auto flags = ParseOptions(&options, argc, argv);
-  if (!flags) return kExitOk;
-  if (flags->count("list") > 0) {
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  if (arguments->Has("list")) {
     ListPresets();
     return kExitOk;
   }
-  const GeneratorSettings& preset = PresetByName((*flags)["preset"].as<std::string>());
-  WriteScenario(Generate(SettingsFrom(*flags, preset), SeedFrom(*flags)), *flags);
+  const GeneratorSettings& preset = PresetByName(arguments->Get("preset"));
+  WriteScenario(Generate(SettingsFrom(*arguments, preset), arguments->Get<std::uint64_t>("seed")),
+                *arguments);
   return kExitOk;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
@@ -19,16 +20,16 @@
 namespace muster::tools {
 
 int SimulateCommand(int argc, const char* const* argv) {
-  cxxopts::Options parser(
+  Options parser(
       "muster simulate",
-      "Runs a whole mission in one process, without LCM: the same decisions and "
-      "outcomes as muster run. Writes files only with --out.");
+      "Runs a whole mission in one process, without LCM: the same decisions and outcomes "
+      "as muster run. Writes files only with --out.");
   AddMissionOptions(&parser);
-  parser.add_options()("log", "Record the messages too, as mission.lcm in the run directory");
-  const auto result = ParseOptions(&parser, argc, argv);
-  if (!result) return kExitOk;
-  const MissionOptions options = ReadMissionOptions(*result);
-  if (result->count("log") > 0 && options.out.empty()) {
+  parser.Flag("log", "Record the messages too, as mission.lcm in the run directory");
+  const auto arguments = parser.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const MissionOptions options = ReadMissionOptions(*arguments);
+  if (arguments->Has("log") && options.out.empty()) {
     throw InputError("command line", "--log", "no --out", "--out DIR, where the log goes");
   }
   const std::string json = ScenarioToJson(ResolveScenario(options));
@@ -36,7 +37,7 @@ int SimulateCommand(int argc, const char* const* argv) {
   if (!options.out.empty()) directory = RunDirectory::Take(options.out);
 
   std::optional<EventLogWriter> log;
-  if (result->count("log") > 0) log.emplace(directory->File("mission.lcm"));
+  if (arguments->Has("log")) log.emplace(directory->File("mission.lcm"));
 
   RunRecord record;
   Simulate(json, options.policy, [&](const Packet& packet) {

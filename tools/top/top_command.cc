@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/multicast.h"
 #include "protocol/run_process.h"
@@ -67,20 +68,17 @@ int Once(PacketSource* source, const StopSignals& stop) {
 }  // namespace
 
 int TopCommand(int argc, const char* const* argv) {
-  cxxopts::Options options(
+  Options options(
       argv[0],
       "Shows a mission in the terminal while it goes on: agents by status, processes, rates,\n"
       "losses, ages. q or Ctrl-C ends it. In a pipe it prints a snapshot every two seconds.");
-  options.add_options()("run", "Run directory, log file or LCM URL (udpm://...)",
-                        cxxopts::value<std::string>()->default_value(DefaultUrl()))(
-      "once", "Print one snapshot and exit");
-  options.parse_positional({"run"});
-  options.positional_help("[RUN|URL]");
-  const auto parsed = ParseOptions(&options, argc, argv);
-  if (!parsed) return kExitOk;
-  const auto source = OpenPacketSource((*parsed)["run"].as<std::string>());
+  options.Positional("run", "[RUN|URL]").Default(DefaultUrl());
+  options.Flag("once", "Print one snapshot and exit");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const auto source = OpenPacketSource(arguments->Get("run"));
   const StopSignals stop;
-  if (parsed->count("once") > 0) return Once(source.get(), stop);
+  if (arguments->Has("once")) return Once(source.get(), stop);
 
   TopView view;
   std::optional<Screen> screen;

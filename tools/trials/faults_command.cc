@@ -8,12 +8,12 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cxxopts.hpp>
 #include <filesystem>
 #include <string_view>
 #include <thread>
 
 #include "base/check.h"
+#include "base/options.h"
 #include "base/program.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
@@ -68,37 +68,32 @@ int Run(int argc, const char* const* argv) {
   // What follows -- is for muster run.
   const auto end = std::find(argv, argv + argc, std::string_view("--"));
   const std::vector<std::string> more(end == argv + argc ? end : end + 1, argv + argc);
-  cxxopts::Options parser(
-      "muster faults run",
-      "Runs a mission under each fault plan and scores what the plan expects.\n"
-      "Exit code 4 when something is missed, or a fault had no visible effect.");
-  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>())(
-      "plans", "Fault plans", cxxopts::value<std::vector<std::string>>())(
-      "out", "Where the run directories go, new or empty",
-      cxxopts::value<std::string>()->default_value("runs/faults"), "DIR");
-  parser.positional_help("SCENARIO PLAN... [-- OPTION of muster run...]");
-  parser.parse_positional({"scenario", "plans"});
-  const auto result = ParseOptions(&parser, static_cast<int>(end - argv), argv);
-  if (!result) return kExitOk;
-  if (result->count("scenario") == 0 || result->count("plans") == 0) {
-    throw InputError("command line", "PLAN", "nothing", "a scenario file and fault plans");
-  }
-  const std::string scenario = (*result)["scenario"].as<std::string>();
-  const auto files = (*result)["plans"].as<std::vector<std::string>>();
+  Options options("muster faults run",
+                  "Runs a mission under each fault plan and scores what the plan expects.\n"
+                  "Exit code 4 when something is missed, or a fault had no visible effect.");
+  options.Scenario();
+  options.Positional("plans", "PLAN... [-- OPTION of muster run...]")
+      .Repeated()
+      .Required("a scenario file and fault plans");
+  options.Out("DIR", "Where the run directories go, new or empty").Default("runs/faults");
+  const auto arguments = options.Parse(static_cast<int>(end - argv), argv);
+  if (!arguments) return kExitOk;
+  const std::string scenario = arguments->Get("scenario");
+  const auto files = arguments->All("plans");
   std::vector<FaultPlan> plans;
   for (const std::string& file : files) plans.push_back(LoadFaultPlan(file));
   const StopSignals stop;
-  const RunDirectory out = RunDirectory::Take((*result)["out"].as<std::string>());
+  const RunDirectory out = RunDirectory::Take(arguments->Get("out"));
 
   std::size_t missed = 0;
   for (std::size_t i = 0; i < plans.size() && stop.count() == 0; ++i) {
     const std::string name = fmt::format("{}-{}", i + 1, fs::path(files[i]).stem().string());
     const std::string run = out.File(name);
     const std::string said = out.File(name + ".txt");
-    std::vector<std::string> arguments = {"run",   scenario, "--faults", files[i],
-                                          "--out", run,      "--quiet"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const int code = RunMuster(std::move(arguments), said, stop);
+    std::vector<std::string> command = {"run",   scenario, "--faults", files[i],
+                                        "--out", run,      "--quiet"};
+    command.insert(command.end(), more.begin(), more.end());
+    const int code = RunMuster(std::move(command), said, stop);
     if (stop.count() > 0) break;
     if (code == kExitUsage || !fs::exists(fs::path(run) / "report.json")) {
       fmt::print(stderr, "{}\n", LastLines(said, 3));
@@ -127,74 +122,53 @@ int Run(int argc, const char* const* argv) {
 }
 
 int Draw(int argc, const char* const* argv) {
-  cxxopts::Options parser("muster faults random",
-                          "Draws a fault plan for a scenario and writes it to stdout.");
-  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>())(
-      "seed", "Seed of the draw", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
-      "rate", "Faults per mission hour, on average", cxxopts::value<double>()->default_value("4"),
-      "R")("kinds", "Kinds to draw from (default: all but corruption)",
-           cxxopts::value<std::vector<std::string>>(), "KIND,...")(
-      "on-loss",
-      "What the mission will be run with: with continue some faults last in mission time",
-      cxxopts::value<std::string>()->default_value("wait"), "wait|continue");
-  parser.positional_help("SCENARIO");
-  parser.parse_positional("scenario");
-  const auto result = ParseOptions(&parser, argc, argv);
-  if (!result) return kExitOk;
-  if (result->count("scenario") == 0) {
-    throw InputError("command line", "SCENARIO", "nothing", "a scenario file");
-  }
+  Options options("muster faults random",
+                  "Draws a fault plan for a scenario and writes it to stdout.");
+  options.Scenario();
+  options.Add("seed", "N", "Seed of the draw").Seed().Default(1);
+  options.Add("rate", "R", "Faults per mission hour, on average").Number(Above0(1000)).Default(4);
+  options.Add("kinds", "KIND,...", "Kinds to draw from (default: all but corruption)").List();
+  options
+      .Add("on-loss", "wait|continue",
+           "What the mission will be run with: with continue some faults last in mission time")
+      .OneOf({"wait", "continue"})
+      .Default("wait");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
   RandomPlanSettings settings;
-  settings.seed = (*result)["seed"].as<std::uint64_t>();
-  settings.rate_per_hour = (*result)["rate"].as<double>();
-  if (!(settings.rate_per_hour > 0 && settings.rate_per_hour <= 1000)) {
-    throw InputError("command line", "--rate", fmt::to_string(settings.rate_per_hour),
-                     "a number above 0 to 1000");
-  }
-  const std::string on_loss = (*result)["on-loss"].as<std::string>();
-  if (on_loss != "wait" && on_loss != "continue") {
-    throw InputError("command line", "--on-loss", on_loss, "wait or continue");
-  }
-  settings.goes_on = on_loss == "continue";
+  settings.seed = arguments->Get<std::uint64_t>("seed");
+  settings.rate_per_hour = arguments->Get<double>("rate");
+  settings.goes_on = arguments->Get("on-loss") == "continue";
   settings.kinds = AllSurvivableKinds();
-  if (result->count("kinds") > 0) {
+  if (arguments->Has("kinds")) {
     settings.kinds.clear();
-    for (const std::string& name : (*result)["kinds"].as<std::vector<std::string>>()) {
+    for (const std::string& name : arguments->All("kinds")) {
       settings.kinds.push_back(KindByName(name, "command line", "--kinds"));
     }
   }
-  const Scenario scenario = LoadScenario((*result)["scenario"].as<std::string>());
+  const Scenario scenario = LoadScenario(arguments->Get("scenario"));
   fmt::print("{}", ToJson(DrawPlan(scenario, settings)));
   return kExitOk;
 }
 
 int Drop(int argc, const char* const* argv) {
-  cxxopts::Options parser("muster faults drop",
-                          "Writes a plan by which a share of all agents fails for good at once.");
-  parser.add_options()("scenario", "Scenario file", cxxopts::value<std::string>())(
-      "share", "Share of each class, 0 to 1", cxxopts::value<double>(), "P")(
-      "at-min", "When, mission minutes", cxxopts::value<double>(), "T")(
-      "seed", "Seed of who fails", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
-  parser.positional_help("SCENARIO");
-  parser.parse_positional("scenario");
-  const auto result = ParseOptions(&parser, argc, argv);
-  if (!result) return kExitOk;
-  for (const char* key : {"scenario", "share", "at-min"}) {
-    if (result->count(key) == 0) throw InputError("command line", key, "nothing", "a value");
-  }
-  const double share = (*result)["share"].as<double>();
-  if (!(share >= 0 && share <= 1)) {
-    throw InputError("command line", "--share", fmt::to_string(share), "a share in [0, 1]");
-  }
-  const Scenario scenario = LoadScenario((*result)["scenario"].as<std::string>());
-  const double at_min = (*result)["at-min"].as<double>();
+  Options options("muster faults drop",
+                  "Writes a plan by which a share of all agents fails for good at once.");
+  options.Scenario();
+  options.Add("share", "P", "Share of each class, 0 to 1").Number({0, 1}).Required("a share");
+  options.Add("at-min", "T", "When, mission minutes").Number().Required("mission minutes");
+  options.Add("seed", "N", "Seed of who fails").Seed().Default(1);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const Scenario scenario = LoadScenario(arguments->Get("scenario"));
+  const auto at_min = arguments->Get<double>("at-min");
   if (!(at_min >= 0 && at_min < ToMinutes(scenario.rules.limit_us))) {
     throw InputError(
         "command line", "--at-min", fmt::to_string(at_min),
         fmt::format("from 0 to below the limit, {} min", ToMinutes(scenario.rules.limit_us)));
   }
-  fmt::print("{}", ToJson(DropPlan(scenario, share, ToUs(at_min * 60),
-                                   (*result)["seed"].as<std::uint64_t>())));
+  fmt::print("{}", ToJson(DropPlan(scenario, arguments->Get<double>("share"), ToUs(at_min * 60),
+                                   arguments->Get<std::uint64_t>("seed"))));
   return kExitOk;
 }
 

@@ -250,7 +250,7 @@ TEST_F(RunTest, WorldAndSchedulerMustBeCalledSo) {
     Child child({program, argv, folder_.File("output")});
     ASSERT_TRUE(Eventually([&] { return child.Poll().has_value(); })) << program;
     EXPECT_TRUE(child.Poll()->usage_error()) << program;
-    EXPECT_NE(TextOf(folder_.File("output")).find("--name: found mars, expected "),
+    EXPECT_NE(TextOf(folder_.File("output")).find("--name: found 'mars', expected "),
               std::string::npos)
         << TextOf(folder_.File("output"));
   }

@@ -169,14 +169,15 @@ TEST_F(ScenarioCommandTest, BadFlagsNameThemselves) {
   };
   starts({"--area", "30"}, "command line: --area: found '30', expected WxH");
   starts({"--area", "30x-1"}, "command line: --area: found '30x-1', expected WxH");
-  starts({"--area", "nanx1"}, "command line: --area: found 'nan', expected WxH");
+  starts({"--area", "nanx1"}, "command line: --area: found 'nanx1', expected WxH");
   starts({"--uavs", "0"}, "command line: --uavs: found '0', expected an integer in [1,");
   starts({"--uavs", "3.5"}, "command line: --uavs: found '3.5', expected an integer in [1,");
   starts({"--tasks", "99999999999"}, "command line: --tasks: found '99999999999', expected");
   starts({"--seed", "-1"}, "command line: --seed: found '-1', expected an integer in [0,");
   starts({"--task-cost-km", "4:2"},
          "command line: --task-cost-km: found '4:2', expected A, A:B with");
-  starts({"--task-cost-km", "4:"}, "command line: --task-cost-km: found '', expected A, A:B with");
+  starts({"--task-cost-km", "4:"},
+         "command line: --task-cost-km: found '4:', expected A, A:B with");
   starts({"--online-min", "1:2:3"},
          "command line: --online-min: found '1:2:3', expected A, A:B or A:");
   starts({"--wind", "x"}, "command line: --wind: found 'x', expected A, A:B");
@@ -185,8 +186,8 @@ TEST_F(ScenarioCommandTest, BadFlagsNameThemselves) {
   starts({"--interval", "200"}, "generator settings: interval_min: found 200, expected");
   starts({"--tick", "7"}, "generator settings: rules.tick_s: found 7, expected");
   starts({"--uptime", "late"}, "command line: --uptime: found 'late', expected within or any");
-  starts({"--capacity", "0"}, "command line: --capacity: found '0', expected an integer");
-  starts({"--scale", "0"}, "command line: --scale: found '0', expected a number above 0");
+  starts({"--capacity", "0"}, "command line: --capacity: found '0', expected none or an int");
+  starts({"--scale", "0"}, "command line: --scale: found '0', expected a number in [1e-06, 10");
   starts({"--preset", "Random_99"}, "no preset 'Random_99'");
   starts({"extra"}, "unexpected argument 'extra'");
   EXPECT_THROW(Run(ScenarioCommand, {"--out", File("none/s.json")}), SystemError);
