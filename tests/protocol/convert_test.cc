@@ -5,6 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace muster {
 namespace {
@@ -115,6 +118,280 @@ TEST(Convert, ActionsActivitiesAndRulingsRoundTrip) {
   ruling_t unknown = ToWire(ruling);
   unknown.kind = 2;
   EXPECT_FALSE(FromWire(unknown, limits));
+}
+
+/// A report of an agent of that class with that action under way, all ids the highest there are.
+agent_t Report(const Scenario& scenario, AgentKind kind, ActionKind action, std::int32_t target,
+               std::int32_t partner) {
+  AgentState agent = StartOf(kind, 1, scenario.agents(kind)[1]);
+  agent.depart_us = 100 * kSecondUs;
+  agent.arrive_us = agent.busy_until_us = 200 * kSecondUs;
+  agent.action = action;
+  agent.target = target;
+  agent.partner = partner;
+  return ToWire(agent, 150 * kSecondUs, scenario.tasks);
+}
+
+TEST(Convert, AnActionNeedsItsClassItsTargetAndItsPartner) {
+  // Different numbers of everything, so that no list stands for another.
+  Scenario scenario = TwoOfEach();
+  scenario.workers.resize(3, scenario.workers[0]);
+  scenario.vehicles.resize(4, scenario.vehicles[0]);
+  scenario.tasks.resize(5, scenario.tasks[0]);
+  scenario.charging_points.resize(6, scenario.charging_points[0]);
+  const WireLimits limits(scenario);
+  const std::int32_t none = -1;
+  struct Row {
+    ActionKind action;
+    std::int32_t targets;      ///< how many there are; -1: any number will do
+    std::int32_t partners[3];  ///< by class, how many there are; -1: any number, 0: not its action
+  };
+  const Row rows[] = {
+      {ActionKind::kNone, none, {none, none, none}},
+      {ActionKind::kGoTo, none, {none, none, none}},
+      {ActionKind::kUavStays, none, {0, 0, 0}},
+      {ActionKind::kWorkerStays, none, {0, 0, 0}},
+      {ActionKind::kVehicleStays, none, {0, 0, 0}},
+      {ActionKind::kUavToTask, 5, {none, 0, 0}},
+      {ActionKind::kWorkerToTask, 5, {0, none, 0}},
+      {ActionKind::kUavToCharge, 6, {none, 0, 0}},
+      {ActionKind::kVehicleToCharge, 6, {0, 0, none}},
+      {ActionKind::kSense, 5, {3, 2, 0}},
+      {ActionKind::kCharge, 6, {4, 0, 2}},
+  };
+  for (const Row& row : rows) {
+    for (const AgentKind kind : kAgentKinds) {
+      const std::int32_t partners = row.partners[static_cast<std::size_t>(kind)];
+      const auto taken = [&](std::int32_t target, std::int32_t partner) {
+        return FromWire(Report(scenario, kind, row.action, target, partner), kind, 150 * kSecondUs,
+                        limits)
+            .has_value();
+      };
+      const std::int32_t last = row.targets == none ? 99 : row.targets - 1;
+      const std::int32_t mate = partners == none ? 99 : std::max(partners - 1, 0);
+      const std::string what = std::string(Symbol(row.action)) + std::string(ToString(kind));
+      EXPECT_EQ(taken(last, mate), partners != 0) << what;
+      EXPECT_EQ(taken(0, 0), partners != 0) << what;
+      EXPECT_EQ(taken(last + 1, mate), partners != 0 && row.targets == none) << what;
+      EXPECT_EQ(taken(-1, mate), partners != 0 && row.targets == none) << what;
+      EXPECT_EQ(taken(last, mate + 1), partners == none) << what;
+      EXPECT_EQ(taken(last, -1), partners == none) << what;
+    }
+  }
+}
+
+TEST(Convert, ReportsAtTheEdgeOfThePossible) {
+  const Scenario scenario = TwoOfEach();
+  const WireLimits limits(scenario);
+  const TimeUs t = 150 * kSecondUs;
+  const agent_t good = Report(scenario, AgentKind::kUav, ActionKind::kUavToTask, 1, -1);
+  const auto taken = [&](const std::function<void(agent_t*)>& edit) {
+    agent_t edited = good;
+    edit(&edited);
+    return FromWire(edited, AgentKind::kUav, t, limits).has_value();
+  };
+  EXPECT_TRUE(taken([&](agent_t* a) { a->depart_us = t; }));
+  EXPECT_FALSE(taken([&](agent_t* a) { a->depart_us = t + 1; }));
+  EXPECT_TRUE(taken([](agent_t* a) { a->depart_us = 0; }));
+  EXPECT_FALSE(taken([](agent_t* a) { a->depart_us = -1; }));
+  EXPECT_TRUE(taken([](agent_t* a) { a->arrive_us = a->depart_us; }));
+  EXPECT_FALSE(taken([](agent_t* a) { a->arrive_us = a->depart_us - 1; }));
+  EXPECT_TRUE(taken([](agent_t* a) { a->range_left_m = 0; }));
+  EXPECT_TRUE(taken([](agent_t* a) { a->range_at_departure_m = 0; }));
+  EXPECT_FALSE(taken([](agent_t* a) { a->range_at_departure_m = -1; }));
+  EXPECT_TRUE(taken([](agent_t* a) { a->id = 0; }));
+}
+
+TEST(Convert, ALegEndsAtItsPlaceOrWhereItIsExtrapolatedTo) {
+  const Scenario scenario = TwoOfEach();
+  const WireLimits limits(scenario);
+  const auto to = [&](ActionKind action, std::int32_t target, TimeUs t) {
+    agent_t wire = Report(scenario, AgentKind::kUav, action, target, 0);
+    wire.from_x_m = 0;
+    wire.from_y_m = 0;
+    wire.x_m = 30;
+    wire.y_m = 40;
+    return FromWire(wire, AgentKind::kUav, t, limits)->to;
+  };
+  const TimeUs half = 150 * kSecondUs;
+  EXPECT_EQ(to(ActionKind::kUavToTask, 1, half), scenario.tasks[1].at);
+  EXPECT_EQ(to(ActionKind::kSense, 1, half), scenario.tasks[1].at);
+  EXPECT_EQ(to(ActionKind::kUavToCharge, 1, half), scenario.charging_points[1].at);
+  EXPECT_EQ(to(ActionKind::kCharge, 1, half), scenario.charging_points[1].at);
+  EXPECT_EQ(to(ActionKind::kGoTo, -1, half), (Point{60, 80}));
+  EXPECT_EQ(to(ActionKind::kGoTo, -1, 125 * kSecondUs), (Point{120, 160}));
+  EXPECT_EQ(to(ActionKind::kGoTo, -1, 100 * kSecondUs), (Point{30, 40}));      // not gone yet
+  EXPECT_EQ(to(ActionKind::kUavToTask, 1, 200 * kSecondUs), (Point{30, 40}));  // it is there
+  EXPECT_EQ(to(ActionKind::kGoTo, -1, 200 * kSecondUs), (Point{30, 40}));
+}
+
+TEST(Convert, TheWindOnALegIsDrawnAgain) {
+  Scenario scenario = TwoOfEach();
+  scenario.disturbances.wind = {0.1, 0.4};
+  const WireLimits limits(scenario);
+  const auto per_metre = [&](AgentKind kind, ActionKind action) {
+    agent_t wire = Report(scenario, kind, action, 1, 1);
+    wire.decision = 3;
+    return FromWire(wire, kind, 150 * kSecondUs, limits)->range_per_m;
+  };
+  EXPECT_EQ(per_metre(AgentKind::kUav, ActionKind::kSense),
+            RangePerMetre(UavId(1), 3, scenario.disturbances, scenario.seed));
+  EXPECT_EQ(per_metre(AgentKind::kUav, ActionKind::kNone), 1);
+  EXPECT_EQ(per_metre(AgentKind::kWorker, ActionKind::kSense), 1);
+}
+
+TEST(Convert, FailureIsInTheStatus) {
+  const Scenario scenario = TwoOfEach();
+  const WireLimits limits(scenario);
+  agent_t wire = Report(scenario, AgentKind::kUav, ActionKind::kNone, -1, -1);
+  EXPECT_FALSE(FromWire(wire, AgentKind::kUav, 150 * kSecondUs, limits)->failed);
+  wire.status = static_cast<std::int8_t>(AgentStatus::kFailed);
+  EXPECT_TRUE(FromWire(wire, AgentKind::kUav, 150 * kSecondUs, limits)->failed);
+}
+
+TEST(Convert, EveryIdIsLookedAt) {
+  Scenario scenario = TwoOfEach();
+  scenario.workers.resize(3, scenario.workers[0]);
+  scenario.vehicles.resize(4, scenario.vehicles[0]);
+  scenario.tasks.resize(5, scenario.tasks[0]);
+  scenario.charging_points.resize(6, scenario.charging_points[0]);
+  const WireLimits limits(scenario);
+  const std::pair<std::int32_t action_t::*, std::int32_t> ids[] = {{&action_t::uav_id, 2},
+                                                                   {&action_t::worker_id, 3},
+                                                                   {&action_t::vehicle_id, 4},
+                                                                   {&action_t::task_id, 5},
+                                                                   {&action_t::charge_id, 6}};
+  Action stay;
+  stay.kind = ActionKind::kUavStays;
+  const action_t none = ToWire(stay);
+  EXPECT_TRUE(FromWire(none, limits));
+  for (const auto& [id, n] : ids) {
+    action_t wire = none;
+    for (const std::int32_t good : {-1, 0, n - 1}) {
+      wire.*id = good;
+      EXPECT_TRUE(FromWire(wire, limits)) << n << " of them, id " << good;
+    }
+    for (const std::int32_t bad : {-2, n}) {
+      wire.*id = bad;
+      EXPECT_FALSE(FromWire(wire, limits)) << n << " of them, id " << bad;
+    }
+  }
+  for (const int kind : {-1, 0, 9, 10}) {
+    action_t wire = none;
+    wire.kind = static_cast<std::int8_t>(kind);
+    EXPECT_EQ(FromWire(wire, limits).has_value(), kind >= 0 && kind <= 9) << kind;
+  }
+  for (double action_t::*const place : {&action_t::x_m, &action_t::y_m}) {
+    action_t wire = none;
+    wire.*place = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(FromWire(wire, limits));
+  }
+
+  for (const int kind : {0, 1}) {
+    const std::int32_t partners = kind == 0 ? 3 : 4, sites = kind == 0 ? 5 : 6;
+    const auto taken = [&](std::int32_t uav, std::int32_t partner, std::int32_t site) {
+      activity_t wire{};
+      wire.kind = static_cast<std::int8_t>(kind);
+      wire.uav_id = uav;
+      wire.partner_id = partner;
+      wire.site_id = site;
+      return FromWire(wire, limits).has_value();
+    };
+    EXPECT_TRUE(taken(0, 0, 0));
+    EXPECT_TRUE(taken(1, partners - 1, sites - 1));
+    EXPECT_FALSE(taken(2, 0, 0));
+    EXPECT_FALSE(taken(-1, 0, 0));
+    EXPECT_FALSE(taken(0, partners, 0));
+    EXPECT_FALSE(taken(0, -1, 0));
+    EXPECT_FALSE(taken(0, 0, sites));
+    EXPECT_FALSE(taken(0, 0, -1));
+  }
+  activity_t early{};
+  early.start_us = -1;
+  EXPECT_FALSE(FromWire(early, limits));
+  activity_t unknown{};
+  unknown.kind = 2;
+  EXPECT_FALSE(FromWire(unknown, limits));
+
+  const auto ruled = [&](int agent_kind, std::int32_t id, int kind, TimeUs at_us) {
+    ruling_t wire{};
+    wire.agent_kind = static_cast<std::int8_t>(agent_kind);
+    wire.agent_id = id;
+    wire.kind = static_cast<std::int8_t>(kind);
+    wire.at_us = at_us;
+    return FromWire(wire, limits).has_value();
+  };
+  EXPECT_TRUE(ruled(0, 0, 0, 0));
+  EXPECT_TRUE(ruled(2, 3, 1, 5));
+  EXPECT_FALSE(ruled(2, 4, 1, 5));
+  EXPECT_FALSE(ruled(3, 0, 0, 0));
+  EXPECT_FALSE(ruled(-1, 0, 0, 0));
+  EXPECT_FALSE(ruled(0, -1, 0, 0));
+  EXPECT_FALSE(ruled(0, 0, -1, 0));
+  EXPECT_FALSE(ruled(0, 0, 2, 0));
+  EXPECT_FALSE(ruled(0, 0, 0, -1));
+}
+
+TEST(Convert, AClockIsOfItsMission) {
+  Rules rules;
+  rules.interval_us = 600 * kSecondUs;
+  rules.limit_us = 1810 * kSecondUs;  // decisions 0 to 3; the last tick, 61, is a short one
+  rules.tick_us = 30 * kSecondUs;
+  const auto clock_of = [&](std::int64_t tick, std::int32_t required) {
+    clock_t clock{};
+    clock.tick = tick;
+    clock.tick_us = rules.TimeOf(tick);
+    clock.limit_us = rules.limit_us;
+    clock.decision = rules.DecisionAt(tick);
+    clock.required_decision = required;
+    return clock;
+  };
+  EXPECT_TRUE(Possible(clock_of(0, -1), rules));
+  EXPECT_TRUE(Possible(clock_of(0, 0), rules));
+  EXPECT_FALSE(Possible(clock_of(0, 1), rules));
+  EXPECT_TRUE(Possible(clock_of(61, 3), rules));
+  EXPECT_FALSE(Possible(clock_of(61, 4), rules));
+  EXPECT_FALSE(Possible(clock_of(62, 3), rules));
+  EXPECT_FALSE(Possible(clock_of(-1, -1), rules));
+  for (std::int64_t clock_t::*const field : {&clock_t::tick_us, &clock_t::limit_us}) {
+    clock_t other = clock_of(20, 0);
+    ASSERT_TRUE(Possible(other, rules));
+    other.*field += 1;
+    EXPECT_FALSE(Possible(other, rules));
+  }
+  clock_t other = clock_of(20, 0);
+  other.decision = -1;
+  EXPECT_FALSE(Possible(other, rules));
+
+  const auto world_of = [&](std::int64_t tick, TimeUs late_us) {
+    world_state_t world{};
+    world.tick = tick;
+    world.header.sim_us = rules.TimeOf(tick) + late_us;
+    return Possible(world, rules);
+  };
+  EXPECT_TRUE(world_of(0, 0));
+  EXPECT_TRUE(world_of(61, 0));
+  EXPECT_FALSE(world_of(62, 0));
+  EXPECT_FALSE(world_of(-1, 0));
+  EXPECT_FALSE(world_of(3, 1));
+}
+
+TEST(Convert, StatesAreSaidInPartsOf256) {
+  for (const std::size_t n : {0, 1, 255, 256, 257, 512, 700}) {
+    std::vector<agent_t> agents(n);
+    for (std::size_t i = 0; i < n; ++i) agents[i].id = static_cast<std::int32_t>(i);
+    const auto messages = StatesMessages(AgentKind::kWorker, 7, 2, agents);
+    ASSERT_EQ(messages.size(), (n + 255) / 256);
+    std::size_t id = 0;
+    for (const agent_states_t& message : messages) {
+      EXPECT_EQ(message.kind, 1);
+      EXPECT_EQ(message.tick, 7);
+      EXPECT_EQ(message.applied_decision, 2);
+      EXPECT_EQ(static_cast<std::size_t>(message.n), message.agents.size());
+      for (const agent_t& agent : message.agents) EXPECT_EQ(agent.id, static_cast<int>(id++));
+    }
+    EXPECT_EQ(id, n);
+  }
 }
 
 }  // namespace

@@ -93,5 +93,22 @@ TEST(Inbox, LossIsKnownFromTheNumbersAndEndsWhenTheyCome) {
   EXPECT_EQ(inbox.lost(), 0);
 }
 
+TEST(Inbox, WhoFloodsItWithNamesGetsNoMoreThanSomeThousand) {
+  Inbox inbox(1, "uav");
+  ASSERT_TRUE(inbox.Open(ClockFrom("world", 0)));
+  process_status_t status{};
+  status.header.run_id = 1;
+  status.host = "host";
+  const auto open = [&](int i) {
+    status.header.sender = status.name = "name" + std::to_string(i);
+    return inbox.Open({"MUSTER_PROCESS", Encode(status)}).has_value();
+  };
+  for (int i = 0; i < 9'999; ++i) ASSERT_TRUE(open(i)) << i;
+  EXPECT_FALSE(open(9'999));
+  EXPECT_FALSE(open(10'000));
+  EXPECT_TRUE(open(9'998));
+  EXPECT_TRUE(inbox.Open(ClockFrom("world", 1)));
+}
+
 }  // namespace
 }  // namespace muster

@@ -112,5 +112,51 @@ TEST(Sender, APacketThatStillWaitsIsNotSentTwice) {
   EXPECT_EQ(sender.resent(), 0);
 }
 
+TEST(Sender, RepairsFourAtATimeAndOnlyWhatIsOut) {
+  Sender sender({1, "world", 0}, 6);
+  for (int i = 0; i < 8; ++i) Say(&sender);
+  EXPECT_EQ(FlushAt(&sender, 0).size(), 6u);
+  EXPECT_TRUE(FlushAt(&sender, sender.wake_us() - 1).empty());
+  EXPECT_EQ(FlushAt(&sender, sender.wake_us()).size(), 4u);
+  EXPECT_EQ(sender.resent(), 4);
+  sender.Acknowledge(Mark("world", 0, 6));
+  EXPECT_EQ(FlushAt(&sender, 1000).size(), 2u);  // the rest, for the first time
+  EXPECT_EQ(FlushAt(&sender, sender.wake_us()).size(), 2u);
+  EXPECT_EQ(sender.resent(), 6);
+}
+
+TEST(Sender, BacksOffToHalfASecondAndAnewAfterAnAcknowledgement) {
+  Sender sender({1, "world", 0}, 6);
+  Say(&sender);
+  Say(&sender);
+  FlushAt(&sender, 0);
+  std::vector<TimeUs> waits;
+  TimeUs now = 0;
+  for (int i = 0; i < 8; ++i) {
+    waits.push_back(sender.wake_us() - now);
+    now = sender.wake_us();
+    FlushAt(&sender, now);
+  }
+  EXPECT_EQ(waits, (std::vector<TimeUs>{20'000, 40'000, 80'000, 160'000, 320'000, 500'000, 500'000,
+                                        500'000}));
+  sender.Acknowledge(Mark("world", 0, 1));
+  FlushAt(&sender, now);
+  EXPECT_EQ(sender.wake_us() - now, 20'000);
+}
+
+TEST(Sender, WithoutARecorderNothingIsKept) {
+  Sender sender({1, "world", 0}, 0);
+  const SentPacket packet = Say(&sender);
+  Say(&sender);
+  EXPECT_FALSE(sender.drained());
+  EXPECT_EQ(FlushAt(&sender, 0).size(), 2u);
+  EXPECT_TRUE(sender.drained());
+  sender.Acknowledge(Mark("world", 0, 1));
+  EXPECT_TRUE(FlushAt(&sender, 1'000'000).empty());
+  EXPECT_EQ(sender.wake_us(), kNever);
+  sender.Resend(packet);
+  EXPECT_FALSE(sender.drained());
+}
+
 }  // namespace
 }  // namespace muster
