@@ -11,11 +11,13 @@ namespace muster::scheduler {
 /// max c x, A x <= b, x >= 0 where every column has up to three ones: the linear relaxation of a
 /// packing of elements. Columns may be added between solves; the basis is kept.
 ///
-/// Primal simplex with the inverse of the basis stored by sparse columns, of which only those of
-/// rows whose slack is not basic differ from unit vectors: about two for each UAV of a decision.
-/// What one step costs depends on how far an exchange of agents reaches, not on the size of the
-/// whole: columns are looked at again only where a price fell. Right-hand sides are raised by
-/// different small amounts against stalling; dual prices do not depend on it.
+/// Primal simplex with the inverse of the basis stored by columns, of which only those of rows
+/// whose slack is not basic differ from unit vectors: about two for each UAV of a decision. They
+/// are sparse, so what one step costs depends on how far an exchange of agents reaches, not on the
+/// size of the whole; one that fills up is kept as an array. Columns are looked at again only where
+/// a price fell. Right-hand sides are raised by different small amounts against stalling; dual
+/// prices do not depend on it. Of the rows that may leave, the one with the largest pivot does
+/// (Harris 1973), and the inverse is made anew when it no longer fits the basis.
 class PackingLp {
  public:
   static constexpr std::int32_t kNoRow = -1;
@@ -28,6 +30,10 @@ class PackingLp {
   /// To optimality over the columns so far; false when `work_limit` ran out or at `stop`, which is
   /// asked now and then.
   bool Solve(std::int64_t work_limit, const std::function<bool()>& stop);
+
+  /// Whether values and prices fit the basis up to rounding. If not, both are made anew: Solve
+  /// again.
+  bool Verify();
 
   /// What a closed column costs, more than others are worth. Before the first is closed.
   void set_closed_cost(double cost) { closed_cost_ = cost; }
@@ -72,7 +78,13 @@ class PackingLp {
   void ChangePrice(std::int32_t row, double change);
   /// Notes that a variable's reduced cost may have become positive.
   void Pool(std::int32_t variable);
+  /// Position that the variable in alpha_ takes; -1: none, which is rounding only.
+  std::int32_t Leaving() const;
   void Pivot(std::int32_t entering, std::int32_t position, double reduced);
+  void UpdateSparse(std::int32_t row, std::int32_t position, double factor);
+  double Misfit() const;
+  void ResetToSlacks();
+  void Refactor();
 
   std::int32_t m_;
   std::vector<std::int32_t> capacity_;
@@ -85,14 +97,17 @@ class PackingLp {
   std::vector<std::int32_t> basic_;           ///< [m] variable at a position: column or ~row
   std::vector<double> x_;                     ///< [m] by position
   std::vector<double> price_;                 ///< [m]
-  /// [m] by row; only those of active rows are used. No entry is zero.
+  std::vector<double> raised_;                ///< [m] right-hand sides
+  /// [m] by row; only those of active rows (whose slack is not basic) are used. No entry is zero.
   std::vector<std::vector<Entry>> inverse_;
-  /// [m] rows whose inverse column has, or had, an entry at the position.
+  /// [m] in place of these, by position, where there are many; else empty.
+  std::vector<std::vector<double>> dense_;
+  std::vector<std::int32_t> dense_rows_;
+  /// [m] rows whose sparse inverse column has, or had, an entry at the position.
   std::vector<std::vector<std::int32_t>> rows_at_;
-  std::vector<std::int32_t> active_;        ///< rows whose slack is not basic
-  std::vector<std::int32_t> active_index_;  ///< [m] in active_
-  std::vector<double> alpha_;               ///< [m] zero but for alpha_nonzero_
+  std::vector<double> alpha_;  ///< [m] zero but for alpha_nonzero_
   std::vector<std::int32_t> alpha_nonzero_;
+  std::vector<double> alpha_values_;     ///< of these
   std::vector<std::int32_t> where_;      ///< [m] -1 between uses
   std::vector<std::int64_t> looked_at_;  ///< [m]
   std::int64_t look_ = 0;
@@ -104,7 +119,7 @@ class PackingLp {
   std::vector<char> is_cheaper_;       ///< [m]
   std::vector<std::vector<std::int32_t>> columns_at_;  ///< [m]
   double closed_cost_ = 1e4;
-  std::int64_t work_ = 0, pivots_ = 0;
+  std::int64_t work_ = 0, pivots_ = 0, verified_at_ = 0;
 };
 
 }  // namespace muster::scheduler

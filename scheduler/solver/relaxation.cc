@@ -23,10 +23,12 @@ constexpr int kChunk = 50;  ///< UAVs whose columns are solved for together
 
 constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
 
-/// Rows of the linear program: UAVs, partners, sites.
+/// Rows of the linear program: UAVs, partners, sites. More places than agents are of no use, and
+/// would drown what right-hand sides are raised by.
 std::vector<std::int32_t> Rows(const Instance& instance) {
-  std::vector<std::int32_t> rows(instance.uavs.size() + instance.partners.size(), 1);
-  rows.insert(rows.end(), instance.capacity.begin(), instance.capacity.end());
+  const auto agents = instance.n_uavs() + instance.n_partners();
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(agents), 1);
+  for (const std::int32_t places : instance.capacity) rows.push_back(std::min(places, agents));
   return rows;
 }
 
@@ -147,6 +149,7 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
       }
     }
     if (lp_.n_columns() == before) {
+      if (solved && !lp_.Verify()) continue;
       solved_ = solved;
       break;
     }

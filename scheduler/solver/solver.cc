@@ -17,9 +17,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kWork = 20'000'000;   ///< default limit: this, once more for branching,
-constexpr std::int64_t kWorkPerArc = 130;    ///< and this for each arc
-constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
+constexpr std::int64_t kWork = 80'000'000;        ///< default limit: this
+constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
+constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that
+constexpr double kWorthAnotherStart = 1e-4;       ///< gap, relative
 
 class Search {
  public:
@@ -106,7 +107,7 @@ class Search {
 
   void Branch() {
     if (Proven() || Stop()) return;
-    if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kWork);
+    if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kBranchWork);
     if (relaxation_.known().size() <= kProofColumns) {
       Prove([this] { return Stop(); });
     } else {

@@ -96,9 +96,13 @@ class BruteForce {
   std::vector<std::vector<std::size_t>> of_agent_;
 };
 
+/// What CBC is asked for: the packing problem itself or its linear relaxation.
+enum class Nodes { kWhole, kShared };
+
 /// The optimum by COIN-OR CBC on the explicit packing problem; none when it proves none within
 /// `seconds`.
-inline std::optional<double> CbcOptimum(const Instance& instance, double seconds) {
+inline std::optional<double> CbcOptimum(const Instance& instance, double seconds,
+                                        Nodes shares = Nodes::kWhole) {
   const std::vector<ExplicitNode> nodes = ExplicitNodes(instance);
   const std::vector<std::int32_t> capacity = Capacities(instance);
   std::vector<CoinBigIndex> start = {0};
@@ -120,7 +124,9 @@ inline std::optional<double> CbcOptimum(const Instance& instance, double seconds
                   start.data(), row.data(), ones.data(), low.data(), high.data(), weight.data(),
                   row_low.data(), row_high.data());
   Cbc_setObjSense(model, -1);
-  for (int c = 0; c < static_cast<int>(nodes.size()); ++c) Cbc_setInteger(model, c);
+  for (int c = 0; shares == Nodes::kWhole && c < static_cast<int>(nodes.size()); ++c) {
+    Cbc_setInteger(model, c);
+  }
   Cbc_setAllowableGap(model, 1e-9);
   Cbc_setAllowableFractionGap(model, 0);
   Cbc_setMaximumSeconds(model, seconds);

@@ -1,0 +1,73 @@
+// Decisions whose linear relaxation is degenerate: everybody is online for long, weights tie, and a
+// site, a partner or a UAV is what all wait for.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "scheduler/solver/build.h"
+#include "scheduler/solver/dual.h"
+#include "scheduler/solver/relaxation.h"
+#include "scheduler/solver/solver.h"
+#include "tests/scheduler/solver/explicit_graph.h"
+#include "tests/scheduler/solver/generated_situation.h"
+
+namespace muster::scheduler {
+namespace {
+
+using testing::CbcOptimum;
+using testing::GeneratedSituation;
+
+struct Family {
+  std::string name;
+  GeneratorSettings settings;
+};
+void PrintTo(const Family& family, std::ostream* out) { *out << family.name; }
+
+GeneratorSettings LongOnline(int uavs, int workers, int vehicles, int tasks, double side_km) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.online_min = Always(180);
+  settings.uavs = uavs;
+  settings.workers = workers;
+  settings.vehicles = vehicles;
+  settings.tasks = tasks;
+  settings.width_km = settings.height_km = side_km;
+  settings.worker_speed_km_per_min = settings.vehicle_speed_km_per_min = 1;
+  return settings;
+}
+
+class Degenerate : public ::testing::TestWithParam<Family> {};
+
+TEST_P(Degenerate, RelaxationIsTheLinearProgramsAndTheAnswerWithinAThousandth) {
+  int integral = 0, compared = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation =
+        GeneratedSituation(GetParam().settings, seed, static_cast<std::int32_t>(1 + seed), 0.1);
+    const Instance instance = BuildInstance(situation).instance;
+    const auto value = CbcOptimum(instance, 20, testing::Nodes::kShared);
+    ASSERT_TRUE(value.has_value());
+    Dual dual(instance, 1);
+    Relaxation relaxation(instance, &dual, 1);
+    relaxation.Solve(100'000'000, [] { return false; });
+    EXPECT_TRUE(relaxation.solved()) << CountNodes(instance) << " nodes";
+    EXPECT_NEAR(relaxation.bound(), *value, 1e-8 * *value);
+    const Solution solution = Solve(instance);
+    EXPECT_TRUE(IsValid(instance, solution.assignment));
+    EXPECT_LE(solution.gap(), 1e-3);
+    EXPECT_LE(solution.assignment.weight, *value * (1 + 1e-9));
+    integral += solution.assignment.weight >= *value * (1 - 1e-8);
+    ++compared;
+  }
+  EXPECT_GE(2 * integral, compared);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Degenerate,
+                         ::testing::Values(Family{"EqualSpeeds", LongOnline(30, 15, 20, 60, 30)},
+                                           Family{"SmallArea", LongOnline(30, 15, 20, 30, 10)},
+                                           Family{"ManyUavs", LongOnline(70, 20, 10, 40, 20)},
+                                           Family{"FewPartners", LongOnline(50, 5, 3, 60, 20)}),
+                         [](const auto& family) { return family.param.name; });
+
+}  // namespace
+}  // namespace muster::scheduler
