@@ -31,7 +31,8 @@ function(muster_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(muster_${name} ${ARG_SOURCES})
   add_library(muster::${name} ALIAS muster_${name})
-  target_link_libraries(muster_${name} PUBLIC muster_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  target_link_libraries(muster_${name} PUBLIC "$<BUILD_INTERFACE:muster_options>"
+                        ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
 # muster_program(NAME SOURCES ... LINK ...): executable NAME.

@@ -55,3 +55,11 @@ build() {
   }
   cmake --build --preset "$preset" --target "$target" -j "$(nproc)" || die "cannot build (above)"
 }
+
+# build_programs TARGET: of the preset release. A first build is without the tests and what they
+# need; scripts/test adds them.
+build_programs() {
+  local tests=()
+  [[ -e build/release/CMakeCache.txt ]] || tests=(-DBUILD_TESTING=OFF)
+  build release "$1" "${tests[@]}"
+}

@@ -62,7 +62,7 @@ void PrintUsage() {
       "Muster: disaster-response sensing missions with UAVs, vehicles and workers\n\n"
       "Usage: muster COMMAND [OPTION...]\n\nCommands:\n");
   for (const Command& command : kCommands) {
-    fmt::print("  {:<12} {}\n", command.name, command.summary);
+    fmt::print("  {:<14}  {}\n", command.name, command.summary);
   }
   fmt::print("\n'muster COMMAND --help' tells more of one command.\n");
 }
