@@ -43,7 +43,7 @@ bool Meets(const Action& action, const Demand& demand) {
 
 ExactDecisions::ExactDecisions(const Situation& situation)
     : situation_(situation), built_(BuildInstance(situation)) {
-  const Solution solution = Solve(built_.instance);
+  const SolverResult solution = Solve(built_.instance);
   best_ = {solution.assignment.weight, std::max(solution.bound, solution.assignment.weight),
            ActionsOf(built_, solution.assignment, situation)};
 }
@@ -76,7 +76,7 @@ std::optional<Optimum> ExactDecisions::Forced(const Demand& demand) const {
       arc.solo = false;  // its weight would have the bonus, too
     }
   }
-  const Solution solution = Solve(instance);
+  const SolverResult solution = Solve(instance);
   Optimum optimum;
   optimum.actions = ActionsOf(built_, solution.assignment, situation_);
   const bool met = std::any_of(optimum.actions.begin(), optimum.actions.end(),

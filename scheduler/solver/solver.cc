@@ -38,7 +38,7 @@ class Search {
     work_limit_ = limits.work > 0 ? limits.work : kWork + kWorkPerArc * arcs;
   }
 
-  Solution Run() {
+  SolverResult Run() {
     auto mark = start_;
     // The rest is for assignments, should the relaxation not end.
     const auto relaxation_deadline =
@@ -144,8 +144,8 @@ class Search {
     proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;
   }
 
-  Solution Finish() {
-    Solution solution;
+  SolverResult Finish() {
+    SolverResult solution;
     Assignment& assignment = solution.assignment;
     for (const Column& column : best_.column) {
       assignment.uavs.push_back({column.site, column.uav_arc, column.partner_arc});
@@ -177,7 +177,7 @@ class Search {
 
 }  // namespace
 
-Solution Solve(const Instance& instance, const SolverLimits& limits) {
+SolverResult Solve(const Instance& instance, const SolverLimits& limits) {
   return Search(instance, limits).Run();
 }
 

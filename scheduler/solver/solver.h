@@ -17,7 +17,7 @@ struct SolverLimits {
   int threads = 1;  ///< 1 or 2; no answer depends on it
 };
 
-struct Solution {
+struct SolverResult {
   Assignment assignment;  ///< valid
   double bound = 0;       ///< proven: no assignment weighs more; at least assignment.weight
   std::int64_t work = 0;
@@ -35,6 +35,6 @@ struct Solution {
 /// when it ends. Source: ours; the prices are those of Frieze and Yadegar 1981, Poore and Robertson
 /// 1997, found by simplex steps (PackingLp) as subgradient steps needed ten times longer for a
 /// thousandth of gap.
-Solution Solve(const Instance& instance, const SolverLimits& limits = {});
+SolverResult Solve(const Instance& instance, const SolverLimits& limits = {});
 
 }  // namespace muster::scheduler

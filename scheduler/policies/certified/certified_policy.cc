@@ -1,14 +1,41 @@
 #include "scheduler/policies/certified/certified_policy.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "scheduler/policies/baselines/kwta.h"
+#include "scheduler/policies/paper/paper_policies.h"
 #include "scheduler/solver/actions.h"
 
 namespace muster::scheduler {
 
 namespace {
+
 constexpr std::size_t kWorthThreads = 2000;  ///< agents and tasks
+/// Gap, relative, above which simple rules are asked too: they are never heavier than the bound.
+constexpr double kFloorGap = 1e-6;
+/// With more nodes these rules, which list them (some 50 bytes each), are not asked.
+constexpr std::int64_t kFloorNodes = 2'000'000;
+constexpr int kFloorWinners = 3;
+
+/// Makes the decision at least as heavy as what simple rules decide at once.
+void RaiseToFloor(const Situation& situation, const SolverLimits& limits, Decision* decision) {
+  const auto raise = [&](Policy&& policy) {
+    const bool late = limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline;
+    if (late || decision->bound - decision->weight <= kFloorGap * decision->bound) return;
+    Decision other = policy.Decide(situation);
+    if (other.weight > decision->weight) {
+      decision->actions = std::move(other.actions);
+      decision->weight = other.weight;
+    }
+  };
+  raise(KwtaPolicy(kFloorWinners));
+  if (decision->candidates > kFloorNodes) return;
+  raise(IlsPolicy(0));
+  raise(MpqPolicy(Foundation::kHierarchical, 0));
 }
+
+}  // namespace
 
 Decision DecideCertified(const Situation& situation, const SolverLimits& given,
                          CertifiedProfile* profile) {
@@ -18,11 +45,13 @@ Decision DecideCertified(const Situation& situation, const SolverLimits& given,
   SolverLimits limits = given;
   if (size < kWorthThreads) limits.threads = 1;
   const BuiltInstance built = BuildInstance(situation, limits.threads);
-  const Solution solution = Solve(built.instance, limits);
+  const SolverResult solution = Solve(built.instance, limits);
   Decision decision = MakeDecision(ActionsOf(built, solution.assignment, situation),
                                    CountNodes(built.instance, limits.threads));
   // The actions' weights are summed in another order than the solver's.
   decision.bound = std::max(solution.bound, decision.weight);
+  RaiseToFloor(situation, limits, &decision);
+  decision.bound = std::max(decision.bound, decision.weight);
   if (profile != nullptr) {
     *profile = {built.weights_s, built.candidates_s, solution.bound_s, solution.search_s,
                 solution.work};

@@ -18,7 +18,9 @@ struct CertifiedProfile {
   std::int64_t work = 0;    ///< the solver's steps
 };
 
-/// One decision by BuildInstance and Solve, with its proven bound. `profile` may be null.
+/// One decision by BuildInstance and Solve, with its proven bound. Where that leaves a gap above
+/// 1e-6, it is compared with kwta's and with the first local optima of ils and mpq (the latter two
+/// up to two million nodes), and the heaviest is taken. `profile` may be null.
 Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
                          CertifiedProfile* profile);
 

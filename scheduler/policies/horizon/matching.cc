@@ -317,7 +317,7 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
   Builder builder(situation, participants, open, settings);
   const Instance instance = builder.Build();
   if (candidates != nullptr) *candidates = CountNodes(instance);
-  const Solution solution = Solve(instance);
+  const SolverResult solution = Solve(instance);
   std::vector<Match> matches;
   const auto n_workers = static_cast<std::int32_t>(participants[1].size());
   for (std::size_t u = 0; u < solution.assignment.uavs.size(); ++u) {

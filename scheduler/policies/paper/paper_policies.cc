@@ -28,14 +28,16 @@ Decision IlsPolicy::Decide(const Situation& situation) {
   const Solution solution =
       paper::IteratedLocalSearch(graph, Solution(candidates.elements, candidates.nodes),
                                  Random(situation.site->seed, Stream::kPolicy, 0,
-                                        static_cast<std::uint32_t>(situation.decision)));
+                                        static_cast<std::uint32_t>(situation.decision)),
+                                 max_iterations_);
   return DecisionOf(situation, candidates, solution);
 }
 
 Decision MpqPolicy::Decide(const Situation& situation) {
   const ArcNodes candidates = ListNodes(situation, foundation_);
-  const Solution solution = paper::MultiPriorityQueues(candidates.elements, candidates.nodes,
-                                                       situation.site->seed, situation.decision);
+  const Solution solution =
+      paper::MultiPriorityQueues(candidates.elements, candidates.nodes, situation.site->seed,
+                                 situation.decision, max_iterations_);
   return DecisionOf(situation, candidates, solution);
 }
 

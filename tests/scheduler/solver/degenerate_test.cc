@@ -52,7 +52,7 @@ TEST_P(Degenerate, RelaxationIsTheLinearProgramsAndTheAnswerWithinAThousandth) {
     relaxation.Solve(100'000'000, [] { return false; });
     EXPECT_TRUE(relaxation.solved()) << CountNodes(instance) << " nodes";
     EXPECT_NEAR(relaxation.bound(), *value, 1e-8 * *value);
-    const Solution solution = Solve(instance);
+    const SolverResult solution = Solve(instance);
     EXPECT_TRUE(IsValid(instance, solution.assignment));
     EXPECT_LE(solution.gap(), 1e-3);
     EXPECT_LE(solution.assignment.weight, *value * (1 + 1e-9));

@@ -27,7 +27,7 @@ TEST(Solver, FindsAndProvesTheOptimumOfSmallInstances) {
     const Instance instance =
         RandomInstance(seed, 1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed / 4 % 4),
                        1 + static_cast<int>(seed / 16 % 3));
-    const Solution solution = Solve(instance);
+    const SolverResult solution = Solve(instance);
     const double optimum = BruteForce(instance).Best();
     ASSERT_TRUE(IsValid(instance, solution.assignment));
     ASSERT_NEAR(solution.assignment.weight, optimum, kSame);
@@ -45,7 +45,7 @@ TEST(Solver, BoundHoldsAtAnyWorkLimit) {
     const Instance instance = RandomInstance(seed, 4, 4, 3);
     SolverLimits limits;
     limits.work = 1 + static_cast<std::int64_t>(seed % 40) * 10;
-    const Solution solution = Solve(instance, limits);
+    const SolverResult solution = Solve(instance, limits);
     const double optimum = BruteForce(instance).Best();
     ASSERT_TRUE(IsValid(instance, solution.assignment));
     ASSERT_GE(solution.bound, optimum);
@@ -63,7 +63,7 @@ TEST(Solver, AnyDeadlineGivesAValidAnswerAndABound) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Instance instance = RandomInstance(seed, 4, 4, 3);
-    const Solution solution = Solve(instance, after(static_cast<int>(seed % 30)));
+    const SolverResult solution = Solve(instance, after(static_cast<int>(seed % 30)));
     const double optimum = BruteForce(instance).Best();
     ASSERT_TRUE(IsValid(instance, solution.assignment));
     ASSERT_GE(solution.bound, optimum);
@@ -71,10 +71,10 @@ TEST(Solver, AnyDeadlineGivesAValidAnswerAndABound) {
   }
   const Instance large =
       BuildInstance(GeneratedSituation(Scaled(PresetByName("Random_29"), 8), 3, 6, 0.5)).instance;
-  const Solution whole = Solve(large);
+  const SolverResult whole = Solve(large);
   for (const int microseconds : {-1000, 0, 100, 1000, 5000, 20000}) {
     SCOPED_TRACE(std::to_string(microseconds) + " us");
-    const Solution solution = Solve(large, after(microseconds));
+    const SolverResult solution = Solve(large, after(microseconds));
     EXPECT_TRUE(IsValid(large, solution.assignment));
     EXPECT_GE(solution.bound, whole.assignment.weight);
     EXPECT_LE(solution.assignment.weight, whole.bound);
@@ -101,7 +101,7 @@ TEST(Solver, EqualsCbcOnMissionsUpTo10000Nodes) {
     most_nodes = std::max(most_nodes, nodes);
     SolverLimits limits;
     limits.work = 200'000'000;
-    const Solution solution = Solve(built.instance, limits);
+    const SolverResult solution = Solve(built.instance, limits);
     EXPECT_TRUE(IsValid(built.instance, solution.assignment));
     EXPECT_NEAR(solution.assignment.weight, *optimum, kSame) << nodes << " nodes";
     EXPECT_GE(solution.bound, *optimum - kSame);
@@ -121,7 +121,7 @@ TEST(Solver, EqualsCbcOnDenseRandomInstances) {
     ASSERT_TRUE(optimum.has_value());
     SolverLimits limits;
     limits.work = 200'000'000;
-    const Solution solution = Solve(instance, limits);
+    const SolverResult solution = Solve(instance, limits);
     EXPECT_TRUE(IsValid(instance, solution.assignment));
     EXPECT_NEAR(solution.assignment.weight, *optimum, kSame);
     EXPECT_GE(solution.bound, *optimum - kSame);
@@ -144,7 +144,7 @@ TEST(Solver, BoundsCountPartnersThatAreNotListed) {
     }
     const Instance all = BuildInstance(situation).instance;
     const Instance near = BuildInstance(situation, 1, kExactPlaces, 0).instance;
-    const Solution optimum = Solve(all), solution = Solve(near);
+    const SolverResult optimum = Solve(all), solution = Solve(near);
     EXPECT_TRUE(IsValid(near, solution.assignment));
     EXPECT_GE(solution.bound, optimum.assignment.weight - kSame);
     EXPECT_LE(solution.assignment.weight, optimum.bound + kSame);
@@ -166,9 +166,9 @@ TEST(Solver, TwoThreadsGiveTheAnswerOfOne) {
   }
   SolverLimits limits;
   limits.work = 20'000'000;
-  const Solution a = Solve(one.instance, limits);
+  const SolverResult a = Solve(one.instance, limits);
   limits.threads = 2;
-  const Solution b = Solve(two.instance, limits);
+  const SolverResult b = Solve(two.instance, limits);
   EXPECT_EQ(a.assignment.weight, b.assignment.weight);
   EXPECT_EQ(a.bound, b.bound);
   for (std::size_t u = 0; u < a.assignment.uavs.size(); ++u) {

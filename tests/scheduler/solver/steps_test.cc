@@ -18,7 +18,7 @@ namespace {
 std::string Found(const Instance& instance) {
   SolverLimits limits;
   limits.work = 1'000'000;
-  const Solution solution = Solve(instance, limits);
+  const SolverResult solution = Solve(instance, limits);
   EXPECT_TRUE(IsValid(instance, solution.assignment));
   return fmt::format("{:.10g} {:.10g} {}", solution.assignment.weight, solution.bound,
                      solution.work);

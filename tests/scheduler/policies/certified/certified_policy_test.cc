@@ -8,6 +8,9 @@
 #include <string>
 
 #include "scheduler/checker.h"
+#include "scheduler/policies/baselines/kwta.h"
+#include "scheduler/policies/paper/paper_policies.h"
+#include "scheduler/solver/build.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -52,6 +55,28 @@ TEST(CertifiedPolicy, IsNeverBelowThePapersPoliciesByMoreThanItsGap) {
       EXPECT_GE(ours.weight, theirs.weight - 1e-6 - (ours.bound - ours.weight)) << name;
     }
   }
+}
+
+TEST(CertifiedPolicy, IsNotBelowSimpleRulesHoweverLittleItMayWork) {
+  int raised = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation = RandomSituation(seed, {12, 10, 5, 12, 4, 20});
+    SolverLimits limits;
+    limits.work = 1;
+    const Decision ours = CertifiedPolicy(limits).Decide(situation);
+    for (const Violation& violation : CheckActions(situation, ours.actions)) {
+      ADD_FAILURE() << violation.message;
+    }
+    const BuiltInstance built = BuildInstance(situation);
+    raised += ours.weight > Solve(built.instance, limits).assignment.weight + 1e-6;
+    for (const auto& rule : {IlsPolicy(0).Decide(situation), KwtaPolicy(3).Decide(situation),
+                             MpqPolicy(Foundation::kHierarchical, 0).Decide(situation)}) {
+      EXPECT_GE(ours.weight, rule.weight * (1 - 1e-6));
+    }
+    EXPECT_GE(ours.bound, MakePolicy("certified")->Decide(situation).weight - 1e-9);
+  }
+  EXPECT_GT(raised, 0);
 }
 
 TEST(CertifiedPolicy, NobodyIsIdle) {
