@@ -70,6 +70,8 @@ TEST(Sender, HoldsBackBeyondTheWindowUntilTheLogHasIt) {
   sender.Acknowledge(Mark("world", 0, 5));
   EXPECT_TRUE(sender.drained());
   EXPECT_EQ(sender.wake_us(), kNever);
+  EXPECT_TRUE(FlushAt(&sender, 300).empty());
+  EXPECT_EQ(sender.wake_us(), kNever);
 }
 
 TEST(Sender, AnothersMarkIsNotItsOwn) {

@@ -67,6 +67,16 @@ TEST(Solution, CPlacesAdmitCAndTheLightestGoes) {
   EXPECT_EQ(solution.nodes(), (std::vector<NodeId>{0, 1}));
 }
 
+TEST(Solution, OfEquallyLightTheLastGoes) {
+  ChargingRow row(3);
+  for (int i = 0; i < 3; ++i) row.nodes[static_cast<std::size_t>(i)].weight = 10;
+  for (const std::vector<NodeId>& order : {std::vector<NodeId>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
+    Solution solution(row.elements, row.nodes);
+    for (const NodeId node : order) solution.Add(node);
+    EXPECT_EQ(List(solution.Conflicts(3)), std::vector<NodeId>{2});
+  }
+}
+
 TEST(Solution, UnlimitedPlacesNeverConflict) {
   const ChargingRow row(std::numeric_limits<std::int32_t>::max());
   Solution solution(row.elements, row.nodes);

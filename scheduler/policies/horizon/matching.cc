@@ -19,6 +19,8 @@ std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// of the worth per unit of base in these parts, so a worth is off by at most 0.2 %.
 constexpr double kParts = 256;
 
+/// Ways that end too late with any partner are left out, which only makes the instance smaller:
+/// Instance::Compatible refuses every pair that ends too late.
 class Builder {
  public:
   Builder(const Situation& situation, const Participants& participants, const OpenSites& open,

@@ -60,6 +60,45 @@ TEST(Steps, OfRandomInstancesAreThoseTheyWere) {
   }
 }
 
+/// Twenty at a time: sums of weights, bounds and steps.
+TEST(Steps, OfManySmallInstancesAreThoseTheyWere) {
+  struct Case {
+    int uavs, partners, sites;
+    std::int64_t work;  ///< limit
+    double weight, bound;
+    std::int64_t steps;
+  };
+  const Case cases[] = {
+      {12, 12, 9, 30000, 10700.86578, 10725.71578, 169618},
+      {12, 12, 9, 300000, 10212.49445, 10212.49445, 134084},
+      {16, 18, 14, 300000, 18368.42321, 18368.42321, 1358104},
+      {18, 9, 12, 300000, 13058.40528, 13058.40528, 171908},
+      {9, 18, 12, 300000, 11199.53707, 11199.53707, 312292},
+      {20, 20, 8, 300000, 11981.75674, 11981.75674, 164497},
+      {24, 26, 24, 500000, 38770.75421, 39972.2228, 8804634},
+      {16, 16, 30, 300000, 27726.44825, 27884.65081, 1403273},
+      {30, 30, 20, 20000, 35232.10402, 41648.03023, 636613},
+      {30, 30, 20, 3000, 31094.25796, 54709.38225, 350266},
+  };
+  std::uint64_t seed = 100;
+  for (const Case& c : cases) {
+    double weight = 0, bound = 0;
+    std::int64_t steps = 0;
+    for (int i = 0; i < 20; ++i) {
+      SolverLimits limits;
+      limits.work = c.work;
+      const Solution solution =
+          Solve(testing::RandomInstance(seed++, c.uavs, c.partners, c.sites), limits);
+      weight += solution.assignment.weight;
+      bound += solution.bound;
+      steps += solution.work;
+    }
+    EXPECT_EQ(fmt::format("{:.10g}, {:.10g}, {}", weight, bound, steps),
+              fmt::format("{:.10g}, {:.10g}, {}", c.weight, c.bound, c.steps))
+        << c.uavs << " UAVs";
+  }
+}
+
 /// Number of arcs and sums over them, each weighed by its place so that order counts.
 std::string Told(const Instance& instance) {
   double uavs = 0, partners = 0, places = 1;

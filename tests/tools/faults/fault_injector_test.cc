@@ -186,6 +186,73 @@ TEST(FaultSwitch, LargestShareHoldsAndTheEndRestores) {
   EXPECT_DOUBLE_EQ(bus.faults().loss, 0.1) << "as it was before";
 }
 
+TEST(FaultSwitch, EachKindHasItsOwnShareAndCount) {
+  auto* const queue = new muster::testing::QueueBus;
+  LossyBus bus(std::unique_ptr<Bus>(queue), 1, "uav", [] { return std::int64_t{0}; });
+  std::int64_t rejected = 5;
+  FaultSwitch faults(1, "uav", &bus, [&] { return rejected; });
+  fault_t fault{};
+  fault.target = "uav";
+  fault.probability = 0.25;
+  fault.for_us = 1;
+  for (const FaultKind kind : {FaultKind::kLoss, FaultKind::kDuplication, FaultKind::kDelay,
+                               FaultKind::kReordering, FaultKind::kCorruption}) {
+    fault.kind = static_cast<std::int8_t>(kind);
+    fault.fault_id = std::to_string(fault.kind);
+    ASSERT_TRUE(faults.Take(fault)) << fault.fault_id;
+  }
+  const PacketFaults all{
+      .loss = 0.25, .duplication = 0.25, .reorder = 0.25, .corrupt = 0.25, .delay_us = 250'000};
+  EXPECT_EQ(bus.faults(), all);
+  fault.kind = static_cast<std::int8_t>(FaultKind::kForeign);
+  fault.fault_id = "foreign";
+  ASSERT_TRUE(faults.Take(fault));
+  EXPECT_EQ(bus.faults(), all);
+  rejected = 12;
+  fault.for_us = 0;
+  EXPECT_EQ(faults.Take(fault)->detail, "uav: 7 packets");
+  EXPECT_FALSE(faults.Take(fault)) << "it has ended";
+  for (const FaultKind kind :
+       {FaultKind::kAgentFails, FaultKind::kAgentSilent, FaultKind::kProcessKilled,
+        FaultKind::kProcessStopped, FaultKind::kDiskFull}) {
+    fault.kind = static_cast<std::int8_t>(kind);
+    fault.for_us = 1;
+    EXPECT_FALSE(faults.Take(fault)) << int{fault.kind};
+  }
+}
+
+TEST(FaultSwitch, OnlyFaultsOfItsRunCount) {
+  LossyBus bus(std::make_unique<muster::testing::QueueBus>(), 1, "uav",
+               [] { return std::int64_t{0}; });
+  FaultSwitch faults(1, "uav", &bus, [] { return std::int64_t{0}; });
+  fault_t fault{};
+  fault.header.sender = "launcher";
+  fault.fault_id = "a";
+  fault.kind = static_cast<std::int8_t>(FaultKind::kLoss);
+  fault.target = "*";
+  fault.probability = 0.5;
+  fault.for_us = 1;
+  for (const std::int64_t run : {2, 1}) {
+    fault.header.run_id = run;
+    EXPECT_FALSE(faults.Take(Packet{"MUSTER_CLOCK", Encode(fault)}));
+    EXPECT_EQ(faults.Take(Packet{"MUSTER_FAULT", Encode(fault)}).has_value(), run == 1);
+  }
+}
+
+TEST(FaultSwitch, SidesOfAPartition) {
+  using Names = std::set<std::string>;
+  EXPECT_FALSE(SidesOf("uav"));
+  EXPECT_EQ(SidesOf("uav|world"), std::pair(Names{"uav"}, Names{"world"}));
+  EXPECT_EQ(SidesOf("a+b+c|d"), std::pair(Names({"a", "b", "c"}), Names{"d"}));
+  EXPECT_EQ(SidesOf("++a++|"), std::pair(Names{"a"}, Names{}));
+  fault_t cut{};
+  cut.kind = static_cast<std::int8_t>(FaultKind::kPartition);
+  cut.target = "a+b|c";
+  for (const char* name : {"a", "b", "c"}) EXPECT_TRUE(Concerns(cut, name)) << name;
+  EXPECT_FALSE(Concerns(cut, "d"));
+  EXPECT_FALSE(Concerns(cut, "*"));
+}
+
 TEST(FaultSwitch, HitsComeBackFromTheirText) {
   EXPECT_EQ(HitsOf(HitsText("uav-1", 12)), 12);
   for (const char* text : {"uav", "uav: packets", "uav: x packets", "uav: -1 packets", ""}) {
