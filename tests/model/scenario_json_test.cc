@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "base/check.h"
 #include "base/random.h"
@@ -260,6 +262,80 @@ TEST(ScenarioJson, NamesKeyFoundAndExpected) {
         << bad.pointer << " gave: " << error << "\nwanted: " << bad.message;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
+}
+
+TEST(ScenarioJson, TheEdgeOfWhatIsPossibleIsPossible) {
+  const std::pair<const char*, json> edges[] = {
+      {"/origin", {{"latitude_deg", 90}, {"longitude_deg", 180}}},
+      {"/origin", {{"latitude_deg", -90}, {"longitude_deg", -180}}},
+      {"/limit_min", 10},
+      {"/limit_min", 1e9},  // with intervals of a thousand minutes, below
+      {"/interval_min", 180},
+      {"/interval_min", 0.00018},  // a million decisions
+      {"/rules", {{"tick_s", 600}}},
+      {"/disturbances", {{"wind", {0, 0}}}},
+      {"/disturbances", {{"wind", {0.4, 0.4}}}},
+      {"/disturbances", {{"agent_failure", {0, 1}}}},
+      {"/disturbances", {{"match_failure", {1, 1}}}},
+      {"/seed", 0},
+      {"/uavs/0/x_km", 0},
+      {"/uavs/0/x_km", 4},
+      {"/uavs/0/y_km", 3.5},
+      {"/uavs/0/range_km", 0},
+      {"/uavs/0/range_km", 30},
+      {"/uavs/0/online_until_min", 1e9},
+      {"/workers/0/online_until_min", 1.5},
+      {"/tasks/0/cost_km", 0},
+      {"/charging_points/1/capacity", 1},
+      {"/charging_points/1/capacity", 2147483647},
+  };
+  for (const auto& [pointer, value] : edges) {
+    json file = json::parse(kSmall);
+    file[json::json_pointer(pointer)] = value;
+    if (value == 1e9 && std::string(pointer) == "/limit_min") file["interval_min"] = 1000;
+    if (value == 0.00018) file["rules"] = {{"tick_s", 0.0108}};
+    EXPECT_EQ(ErrorOf(file.dump()), "no error") << pointer << " " << value;
+  }
+  // What a scenario made in memory may hold and a file cannot.
+  const Scenario small = ParseScenario(kSmall, "f.json");
+  const auto error = [&](const std::function<void(Scenario*)>& edit) {
+    Scenario scenario = small;
+    edit(&scenario);
+    try {
+      ValidateScenario(scenario, "made");
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const TimeUs longest = 1'000'000'000 * kMinuteUs;
+  EXPECT_EQ(error([](Scenario*) {}), "");
+  EXPECT_EQ(error([&](Scenario* s) { s->uavs[0].online_until_us = longest; }), "");
+  EXPECT_EQ(error([&](Scenario* s) {
+              s->uavs[0].online_until_us = longest + 1;
+            }).find("made: uavs[0].online_until_min: found"),
+            0u);
+  EXPECT_EQ(error([&](Scenario* s) {
+              s->uavs[0].online_from_us = s->uavs[0].online_until_us = longest + 1;
+            }).find("made: uavs[0].online_from_min: found"),
+            0u);
+  EXPECT_EQ(error([](Scenario* s) {
+              s->uavs[0].online_from_us = -1;
+            }).find("made: uavs[0].online_from_min: found"),
+            0u);
+  EXPECT_EQ(
+      error([&](Scenario* s) { s->rules.limit_us = longest + 1; }).find("made: limit_min: found"),
+      0u);
+  EXPECT_EQ(error([](Scenario* s) {
+              s->charging_points[1].capacity = 0;
+            }).find("made: charging_points[1].capacity: found 0"),
+            0u);
+  EXPECT_EQ(error([](Scenario* s) { s->rules.tick_us = -30; }).find("made: rules.tick_s: found"),
+            0u);
+  EXPECT_EQ(error([](Scenario* s) {
+              s->tasks[1].cost_m = HUGE_VAL;
+            }).find("made: tasks[1].cost_km: found inf, expected a finite number"),
+            0u);
 }
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
