@@ -33,8 +33,11 @@ endif()
 
 install(FILES tools/cli/completion.bash RENAME muster COMPONENT muster
   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
-install(FILES tools/cli/completion.zsh RENAME _muster COMPONENT muster
-  DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+# Debian's zsh looks into the second below /usr, and into the first below /usr/local.
+foreach(folder site-functions vendor-completions)
+  install(FILES tools/cli/completion.zsh RENAME _muster COMPONENT muster
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/${folder}")
+endforeach()
 
 # Python: module muster, for any Python 3. Debian's own looks into dist-packages.
 set(MUSTER_PYTHON_DIR "lib/python3/dist-packages" CACHE STRING
