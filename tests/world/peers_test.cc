@@ -29,6 +29,14 @@ TEST_F(PeersTest, WhoOwesNothingMayBeSilent) {
   EXPECT_TRUE(peers_.Overdue("uav", now_us_));
 }
 
+TEST_F(PeersTest, WhoIsSilentForAsLongAsItOwesAnAnswerIsOverdue) {
+  peers_.Hear("uav", 0);
+  peers_.AwaitFrom(0);
+  RunTo(kSecondUs);
+  EXPECT_FALSE(peers_.Overdue("uav", kSecondUs - 1));
+  EXPECT_TRUE(peers_.Overdue("uav", kSecondUs));
+}
+
 TEST_F(PeersTest, WhoSpeaksButDoesNotAnswerHasThreeTimesAsLong) {
   peers_.AwaitFrom(0);
   for (int second = 0; second < 3; ++second) {
