@@ -180,13 +180,14 @@ ConflictGraph::Verdict ConflictGraph::Check(std::span<const std::int32_t> chosen
 std::vector<std::int32_t> ReadSolution(std::istream& in, const std::string& file,
                                        const std::string& form, std::int32_t n_nodes) {
   std::vector<std::int32_t> chosen;
+  const std::int32_t first = form == "nodes-from-1" ? 1 : 0;
   const auto number = [&](std::string_view text, const std::string& where) {
-    const auto value = ToInteger(text, 0, n_nodes - 1);
+    const auto value = ToInteger(text, first, first + n_nodes - 1);
     if (!value) {
       throw InputError(file, where, std::string(text),
-                       fmt::format("a node number below {}", n_nodes));
+                       fmt::format("a node number from {} to {}", first, first + n_nodes - 1));
     }
-    return static_cast<std::int32_t>(*value);
+    return static_cast<std::int32_t>(*value) - first;
   };
   std::string line;
   std::int32_t at = 0;
@@ -205,7 +206,7 @@ std::vector<std::int32_t> ReadSolution(std::istream& in, const std::string& file
       }
       if (word == "1") chosen.push_back(at);
       ++at;
-    } else if (form == "nodes") {
+    } else if (form == "nodes" || form == "nodes-from-1") {
       while (words >> word) chosen.push_back(number(word, where));
     } else if (form == "mps") {
       while (words >> word) {
@@ -220,7 +221,7 @@ std::vector<std::int32_t> ReadSolution(std::istream& in, const std::string& file
         break;
       }
     } else {
-      throw InputError("options", "--form", form, "indicator, nodes or mps");
+      throw InputError("options", "--form", form, "indicator, nodes, nodes-from-1 or mps");
     }
   }
   if (form == "indicator" && at != n_nodes) {

@@ -52,6 +52,7 @@ class ConflictGraph {
 /// What a solver's answer lists as chosen, in one of these forms:
 ///   indicator  one line a node, 0 or 1 (as solvers of METIS graphs write)
 ///   nodes      node numbers counted from 0, separated by white space
+///   nodes-from-1  the same counted from 1, as in the METIS file (CHILS writes them so)
 ///   mps        lines that hold a column's name nI and then its value, as MILP solvers write
 /// Throws InputError naming `file` and what is wrong in it.
 std::vector<std::int32_t> ReadSolution(std::istream& in, const std::string& file,

@@ -75,8 +75,9 @@ int CheckSolutionCommand(int argc, const char* const* argv) {
       .Required("a file with the solver's answer");
   options
       .Add("form", "FORM",
-           "indicator (a line of 0 or 1 a node), nodes (numbers from 0) or mps (lines 'nI value')")
-      .OneOf({"indicator", "nodes", "mps"})
+           "indicator (a line of 0 or 1 a node), nodes (numbers from 0), nodes-from-1 (as CHILS "
+           "writes them) or mps (lines 'nI value')")
+      .OneOf({"indicator", "nodes", "nodes-from-1", "mps"})
       .Default("indicator");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

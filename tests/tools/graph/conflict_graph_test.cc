@@ -145,6 +145,7 @@ TEST(ReadSolution, TakesEachForm) {
   const std::vector<std::int32_t> expected = {1, 3};
   EXPECT_EQ(Read("0\n1\n0\n1\n", "indicator", 4), expected);
   EXPECT_EQ(Read("1 3\n", "nodes", 4), expected);
+  EXPECT_EQ(Read("2\n4\n", "nodes-from-1", 4), expected);
   EXPECT_EQ(
       Read("Optimal - objective value -2\n  0 n1 1 -3\n  7 n3 0.99999 -1\n  8 n2 0 0\n", "mps", 4),
       expected);
@@ -158,6 +159,8 @@ TEST(ReadSolution, NamesWhatIsWrong) {
                                                         {"4\n", "nodes"},
                                                         {"-1\n", "nodes"},
                                                         {"x\n", "nodes"},
+                                                        {"0\n", "nodes-from-1"},
+                                                        {"5\n", "nodes-from-1"},
                                                         {"n9 1\n", "mps"},
                                                         {"n1 0.5\n", "mps"},
                                                         {"n1\n", "mps"},
