@@ -155,6 +155,7 @@ class Search {
     }
     assignment.weight = scheduler::WeightOf(instance_, assignment);
     solution.bound = std::max(assignment.weight, std::min(relaxation_.bound(), proven_bound_));
+    if (relaxation_.solved()) solution.relaxation = relaxation_.bound();
     solution.work = Work();
     solution.bound_s = bound_s_;
     solution.search_s = search_s_;

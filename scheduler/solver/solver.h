@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "scheduler/solver/instance.h"
@@ -20,6 +21,8 @@ struct SolverLimits {
 struct SolverResult {
   Assignment assignment;  ///< valid
   double bound = 0;       ///< proven: no assignment weighs more; at least assignment.weight
+  /// Value of the linear relaxation; NaN: not reached within the limits.
+  double relaxation = std::numeric_limits<double>::quiet_NaN();
   std::int64_t work = 0;
   double bound_s = 0;   ///< wall time spent on prices
   double search_s = 0;  ///< on assignments

@@ -11,6 +11,7 @@
 #include "base/options.h"
 #include "base/program.h"
 #include "scheduler/policies/registry.h"
+#include "tools/bench/hard_suite.h"
 #include "tools/bench/paper_command.h"
 #include "tools/bench/suites.h"
 
@@ -27,10 +28,10 @@ void WriteWhole(const std::string& file, const std::string& text) {
 void AddBenchOptions(Options* options) {
   options
       ->Add("suite", "SUITE",
-            "decisions (of missions on the paper's data sets), scale (growing Random_29), paper "
-            "(its experiments: completion rates) or paper-long (the runs of those that take "
-            "longest)")
-      .OneOf({"decisions", "scale", "paper", "paper-long"})
+            "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
+            "(families that are hard to prove), random (drawn settings), paper (its experiments: "
+            "completion rates) or paper-long (the runs of those that take longest)")
+      .OneOf({"decisions", "scale", "hard", "random", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale: times Random_29's size")
@@ -40,6 +41,9 @@ void AddBenchOptions(Options* options) {
   options->Add("methods", "NAME,...", "Policies (default: certified; paper: all)").List();
   options->Add("seeds", "N", "Scenarios of each setting (default: 1; paper: 10)")
       .Integer(1, 10'000);
+  options->Add("cbc", "WHAT", "hard: what COIN-OR CBC is asked for, where it is installed")
+      .OneOf({"nothing", "relaxation", "optimum"})
+      .Default("optimum");
   options->Add("first-seed", "N", "Their first seed").Integer(1, 1'000'000).Default(1);
   options->Add("repetitions", "N", "Runs of each decision").Integer(1, 10'000).Default(1);
   options->Add("threads", "N", "certified: 1 or 2").Integer(1, 2).Default(1);
@@ -73,6 +77,44 @@ BenchOptions ReadBenchOptions(const Arguments& arguments) {
   return bench;
 }
 
+int HardCommand(const Arguments& arguments, const std::string& suite) {
+  HardOptions options;
+  arguments.Read("seeds", &options.seeds);
+  options.first_seed = arguments.Get<int>("first-seed");
+  options.threads = arguments.Get<int>("threads");
+  const auto ask = arguments.Get("cbc");
+  options.ask = ask == "nothing"      ? AskCbc::kNothing
+                : ask == "relaxation" ? AskCbc::kRelaxation
+                                      : AskCbc::kOptimum;
+  std::ofstream csv;
+  if (arguments.Has("out")) {
+    csv.open(arguments.Get("out"));
+    if (!csv) throw SystemError(fmt::format("{}: cannot be written", arguments.Get("out")));
+    csv << HardCsvHeader();
+  }
+  std::vector<HardRow> rows;
+  const auto report = [&](const HardRow& row) {
+    rows.push_back(row);
+    if (csv.is_open()) csv << ToCsv(row) << std::flush;
+  };
+  fmt::print("seeds {} to {}; times are processor time\n", options.first_seed,
+             options.first_seed + options.seeds - 1);
+  if (suite == "hard") {
+    for (const HardFamily& family : HardFamilies()) {
+      fmt::print("{}: {}\n", family.name, family.flags);
+    }
+    if (!RunHard(options, report)) {
+      fmt::print("COIN-OR CBC (libCbcSolver.so.3) is not installed: nothing to compare with\n");
+    }
+  } else {
+    fmt::print("{}", RandomSettingsLimits());
+    RunRandomSettings(options, report);
+  }
+  if (csv.is_open() && !csv) throw SystemError("the CSV file cannot be written");
+  fmt::print("{}", SummaryOf(rows));
+  return kExitOk;
+}
+
 }  // namespace
 
 int BenchCommand(int argc, const char* const* argv) {
@@ -86,6 +128,7 @@ int BenchCommand(int argc, const char* const* argv) {
   if (arguments->Has("merge")) {
     throw InputError("command line", "--merge", "suite " + suite, "--suite paper");
   }
+  if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite);
   const BenchOptions bench = ReadBenchOptions(*arguments);
   if (arguments->Has("plot") && !arguments->Has("out")) {
     throw InputError("command line", "--out", "nothing", "the CSV file that --plot draws");

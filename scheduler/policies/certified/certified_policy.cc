@@ -53,8 +53,8 @@ Decision DecideCertified(const Situation& situation, const SolverLimits& given,
   RaiseToFloor(situation, limits, &decision);
   decision.bound = std::max(decision.bound, decision.weight);
   if (profile != nullptr) {
-    *profile = {built.weights_s, built.candidates_s, solution.bound_s, solution.search_s,
-                solution.work};
+    *profile = {built.weights_s,   built.candidates_s, solution.bound_s,
+                solution.search_s, solution.work,      solution.relaxation};
   }
   return decision;
 }

@@ -16,6 +16,7 @@ struct CertifiedProfile {
   double bound_s = 0;       ///< the linear relaxation and its bounds
   double search_s = 0;      ///< assignments
   std::int64_t work = 0;    ///< the solver's steps
+  double relaxation = 0;    ///< value of the linear relaxation; NaN: not reached
 };
 
 /// One decision by BuildInstance and Solve, with its proven bound. Where that leaves a gap above

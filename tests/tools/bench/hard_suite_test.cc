@@ -1,0 +1,58 @@
+#include "tools/bench/hard_suite.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "scheduler/solver/nodes.h"
+#include "tools/bench/general_solver.h"
+#include "tools/bench/suites.h"
+
+namespace muster::tools {
+namespace {
+
+TEST(HardSuite, DrawnSettingsAreDecidedWithinTheirBoundAndNoneBelowOthers) {
+  HardOptions options;
+  options.seeds = 8;
+  std::vector<HardRow> rows;
+  RunRandomSettings(options, [&](const HardRow& row) { rows.push_back(row); });
+  ASSERT_GE(rows.size(), 6u);
+  for (const HardRow& row : rows) {
+    SCOPED_TRACE("seed " + std::to_string(row.seed));
+    EXPECT_GE(row.bound, row.weight);
+    EXPECT_LE(row.gap(), 1e-3);
+    EXPECT_FALSE(row.others > row.weight * (1 + 1e-6));
+    const std::string line = ToCsv(row), header = HardCsvHeader();
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(header.begin(), header.end(), ','));
+  }
+  EXPECT_NE(rows[0].nodes, rows[1].nodes);
+  EXPECT_NE(SummaryOf(rows).find("random"), std::string::npos);
+}
+
+TEST(HardSuite, EachFamilysSettingsAreValidAndItsOwn) {
+  ASSERT_GE(HardFamilies().size(), 6u);
+  for (const HardFamily& family : HardFamilies()) {
+    SCOPED_TRACE(family.name);
+    const Scenario scenario = Generate(family.settings, 1);
+    EXPECT_FALSE(scenario.uavs.empty());
+    EXPECT_NE(family.flags.find("--online-min 180"), std::string::npos);
+  }
+}
+
+TEST(GeneralSolver, ItsOptimumAndRelaxationBoundEachOther) {
+  const auto cbc = GeneralSolver::Load();
+  if (cbc == nullptr) GTEST_SKIP() << "COIN-OR CBC is not installed";
+  const scheduler::ArcNodes graph =
+      scheduler::ListNodes(MidMission(Scaled(PresetByName("Random_1"), 0.3), 1));
+  const auto whole = cbc->Heaviest(graph.nodes, graph.elements, false, 20);
+  const auto shares = cbc->Heaviest(graph.nodes, graph.elements, true, 20);
+  ASSERT_TRUE(whole.weight && shares.weight);
+  EXPECT_GT(*whole.weight, 0);
+  EXPECT_LE(*whole.weight, *shares.weight + 1e-6);
+}
+
+}  // namespace
+}  // namespace muster::tools
