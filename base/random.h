@@ -21,6 +21,8 @@ enum class Stream : std::uint32_t {
   kMatchFailure = 13,
   kPolicy = 20,
   kPacketFault = 30,
+  kLatency = 31,
+  kSoak = 32,
   kTest = 99,
 };
 

@@ -4,28 +4,25 @@
 #include <memory>
 #include <vector>
 
-#include "agents/core/agent_process.h"
 #include "base/check.h"
 #include "protocol/run_process.h"
-#include "scheduler/process/scheduler_process.h"
-#include "world/world_process.h"
+#include "simulation/start_process.h"
 
 namespace muster::tools {
 
 void Simulate(const std::string& json, const std::string& policy,
-              const std::function<void(const Packet&)>& observe) {
-  const auto identity = [](const char* name) { return Identity{1, name, 0}; };
+              const std::function<void(const Packet&)>& observe,
+              const std::vector<world::Outage>& outages) {
+  simulation::ProcessSettings settings;
+  settings.scenario_json = json;
+  settings.policy = policy;
+  settings.stopwatch = MonotonicUs;
+  settings.world.outages = outages;
   std::vector<std::unique_ptr<Process>> processes;
-  auto world =
-      std::make_unique<world::WorldProcess>(identity("world"), 0, json, world::WorldOptions());
-  const world::WorldProcess& clock = *world;
-  processes.push_back(std::move(world));
-  for (const AgentKind kind : kAgentKinds) {
-    processes.push_back(std::make_unique<agents::AgentProcess>(
-        identity(std::string(ToString(kind)).c_str()), 0, kind, agents::IdRange()));
+  for (const std::string& name : simulation::ProcessNames()) {
+    processes.push_back(simulation::StartProcess({1, name, 0}, settings));
   }
-  processes.push_back(
-      std::make_unique<scheduler::SchedulerProcess>(identity("scheduler"), 0, policy, MonotonicUs));
+  const Process& world = *processes.front();
 
   struct Sent {
     std::size_t by;
@@ -50,7 +47,8 @@ void Simulate(const std::string& json, const std::string& policy,
       if (i != sent.by) step(i, {sent.packet});
     }
   }
-  MUSTER_CHECK(clock.ended(), "nothing is under way and the mission has not ended");
+  MUSTER_CHECK(world.state() == ProcessState::kEnded,
+               "nothing is under way and the mission has not ended");
 }
 
 }  // namespace muster::tools

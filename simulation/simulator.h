@@ -2,9 +2,10 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "lcmtypes/bus/bus.h"
-#include "scheduler/policy.h"
+#include "world/referee.h"
 
 namespace muster::tools {
 
@@ -12,8 +13,9 @@ namespace muster::tools {
 /// in-memory bus that loses nothing, with no clock but a counter. `json` is a scenario file's text,
 /// `policy` a policy's name. Every published packet goes to `observe`, once, in order. The same
 /// decisions and outcomes as `muster run`. Throws InputError on a scenario or policy that cannot
-/// be.
+/// be. `outages`: agents that fail by order.
 void Simulate(const std::string& json, const std::string& policy,
-              const std::function<void(const Packet&)>& observe);
+              const std::function<void(const Packet&)>& observe,
+              const std::vector<world::Outage>& outages = {});
 
 }  // namespace muster::tools

@@ -12,14 +12,14 @@
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
 #include "tests/simulation/audited.h"
-#include "tests/simulation/virtual_network.h"
+#include "tests/simulation/crew.h"
 #include "tools/record/digest.h"
 
 namespace muster::tools {
 namespace {
 
+using testing::Crew;
 using testing::StartProcess;
-using testing::VirtualNetwork;
 
 constexpr std::int64_t kRun = 1;
 
@@ -171,7 +171,7 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
 
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    VirtualNetwork network({.loss = 0.05}, seed);
+    Crew network({.loss = 0.05}, seed);
     std::map<std::string, Process*> processes;
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
       auto process = StartProcess(name, 0, json);

@@ -10,7 +10,7 @@
 #include "simulation/simulator.h"
 #include "tests/simulation/archivist.h"
 #include "tests/simulation/audited.h"
-#include "tests/simulation/virtual_network.h"
+#include "tests/simulation/crew.h"
 #include "tools/record/digest.h"
 #include "world/world_process.h"
 
@@ -18,9 +18,9 @@ namespace muster::tools {
 namespace {
 
 using testing::Archivist;
-using testing::NetworkFaults;
+using testing::Crew;
+using testing::Lossy;
 using testing::StartProcess;
-using testing::VirtualNetwork;
 
 Scenario SmallScenario() { return Generate(PresetByName("Random_10"), 5); }
 
@@ -48,9 +48,9 @@ struct Kill {
   TimeUs apart_us = 0;
 };
 
-Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::string& json,
+Outcome RunOver(const PacketFaults& faults, std::uint64_t seed, const std::string& json,
                 const std::optional<Kill>& kill = {}) {
-  VirtualNetwork network(faults, seed);
+  Crew network(faults, seed);
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
     network.Add(StartProcess(name, 0, json));
   }
@@ -85,9 +85,9 @@ Outcome RunOver(const NetworkFaults& faults, std::uint64_t seed, const std::stri
 TEST(Lockstep, OutcomeDoesNotDependOnLossDuplicationOrOrder) {
   const std::string json = ScenarioToJson(SmallScenario());
   const std::string expected = SimulatedDigest(json);
-  const NetworkFaults none;
+  const PacketFaults none;
   EXPECT_EQ(RunOver(none, 1, json).digest, expected);
-  const NetworkFaults bad{.loss = 0.3, .duplication = 0.1, .longest_delay_us = 3000};
+  const PacketFaults bad = Lossy(0.3, 0.1, 3000);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Outcome outcome = RunOver(bad, seed, json);
     EXPECT_TRUE(outcome.ended) << "seed " << seed;
@@ -99,7 +99,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
   const std::string json = ScenarioToJson(SmallScenario());
   const std::string expected = SimulatedDigest(json);
   for (const double loss : {0.0, 0.2}) {
-    const NetworkFaults faults{.loss = loss, .longest_delay_us = 200};
+    const PacketFaults faults = Lossy(loss, 0, 150);
     const int sent = RunOver(faults, 1, json).sent;
     Random random(1, Stream::kTest);
     for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
@@ -130,7 +130,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledBeforeTheMissionBegins) {
 TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
   const std::string json = ScenarioToJson(SmallScenario());
   const std::string expected = SimulatedDigest(json);
-  const NetworkFaults faults{.longest_delay_us = 200};
+  const PacketFaults faults = Lossy(0, 0, 150);
   const int sent = RunOver(faults, 1, json).sent;
   Random random(2, Stream::kTest);
   for (int i = 0; i < 120; ++i) {
@@ -182,7 +182,7 @@ TEST(Lockstep, WhoHasJustBeenToldItsStateDoesNotSayThatNothingHasBegun) {
 
 TEST(Lockstep, AClassMayBeSplitOverProcesses) {
   const std::string json = ScenarioToJson(SmallScenario());
-  VirtualNetwork network({.loss = 0.1}, 1);
+  Crew network({.loss = 0.1}, 1);
   for (const char* name : {"world", "worker", "vehicle", "scheduler"}) {
     network.Add(StartProcess(name, 0, json));
   }
@@ -208,7 +208,7 @@ TEST(Lockstep, AClassMayBeSplitOverProcesses) {
 
 TEST(Lockstep, TwoProcessesForOneAgentAreAnError) {
   const std::string json = ScenarioToJson(SmallScenario());
-  VirtualNetwork network({}, 1);
+  Crew network({}, 1);
   network.Add(StartProcess("world", 0, json));
   for (const char* name : {"a", "b"}) {
     network.Add(std::make_unique<agents::AgentProcess>(Identity{1, name, 0}, 0, AgentKind::kUav,

@@ -2,15 +2,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "agents/core/agent_process.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
-#include "scheduler/process/scheduler_process.h"
 #include "simulation/simulator.h"
 #include "tests/simulation/archivist.h"
-#include "tests/simulation/virtual_network.h"
+#include "tests/simulation/crew.h"
 #include "tests/tools/explain/mission_log.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
@@ -18,13 +16,12 @@
 #include "tools/explain/story.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
-#include "world/world_process.h"
 
 namespace muster::tools {
 namespace {
 
-using testing::NetworkFaults;
-using testing::VirtualNetwork;
+using testing::Crew;
+using testing::Lossy;
 
 constexpr int kProcessLost = 11;
 constexpr int kProcessBack = 12;
@@ -33,33 +30,20 @@ constexpr int kProcessBack = 12;
 /// that are lost for one second.
 class Mission {
  public:
-  explicit Mission(const NetworkFaults& faults = {}, std::uint64_t seed = 1)
+  explicit Mission(const PacketFaults& faults = {}, std::uint64_t seed = 1)
       : scenario_(Generate(PresetByName("Random_10"), 5)),
         json_(ScenarioToJson(scenario_)),
         network_(faults, seed) {
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) Start(name);
-    network_.Add(std::make_unique<testing::Archivist>(scenario_, true));
-    network_.Spare("recorder");
+    // It hears everything, as the recorder does in the end: its senders repeat what the log lacks.
+    network_.Add(std::make_unique<testing::Archivist>(scenario_, true), PacketFaults());
   }
 
   void Start(const std::string& name) {
-    const Identity identity{1, name, boots_[name]++};
-    if (name == "world") {
-      world::WorldOptions options;
-      options.goes_on = true;
-      options.lost_after_us = kSecondUs;
-      network_.Add(std::make_unique<world::WorldProcess>(identity, 0, json_, options));
-    } else if (name == "scheduler") {
-      network_.Add(std::make_unique<scheduler::SchedulerProcess>(identity, 0, "mpq",
-                                                                 [] { return TimeUs{0}; }));
-    } else {
-      for (const AgentKind kind : kAgentKinds) {
-        if (name == ToString(kind)) {
-          network_.Add(
-              std::make_unique<agents::AgentProcess>(identity, 0, kind, agents::IdRange()));
-        }
-      }
-    }
+    world::WorldOptions options;
+    options.goes_on = true;
+    options.lost_after_us = kSecondUs;
+    network_.Add(testing::StartProcess(name, boots_[name]++, json_, options));
   }
   void Kill(const std::string& name) { network_.Kill(name); }
   void Isolate(const std::string& name, bool isolated) { network_.Isolate(name, isolated); }
@@ -137,7 +121,7 @@ class Mission {
 
   Scenario scenario_;
   std::string json_;
-  VirtualNetwork network_;
+  Crew network_;
   std::map<std::string, std::int64_t> boots_;
   RunRecord record_;
   audit::Auditor auditor_;
@@ -172,7 +156,7 @@ TEST(OnLoss, NothingChangesWhereNobodyIsLost) {
   const std::string expected = UndisturbedDigest();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    Mission mission({.loss = 0.3, .duplication = 0.1, .longest_delay_us = 3000}, seed);
+    Mission mission(Lossy(0.3, 0.1, 2950), seed);
     ASSERT_TRUE(mission.RunToEnd());
     EXPECT_EQ(mission.Count(kProcessLost), 0);
     EXPECT_EQ(Digest(mission.record()), expected);
@@ -185,7 +169,7 @@ TEST(OnLoss, TheMissionGoesOnWithoutAClassAndTakesItBack) {
     for (const double loss : {0.0, 0.2}) {
       const std::string name(ToString(kind));
       SCOPED_TRACE(name);
-      Mission mission({.loss = loss, .longest_delay_us = 200});
+      Mission mission(Lossy(loss, 0, 150));
       ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
       mission.Kill(name);
       ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
@@ -268,7 +252,7 @@ TEST(OnLoss, AQuickRestartIsNoLoss) {
   const std::string expected = UndisturbedDigest();
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
     SCOPED_TRACE(name);
-    Mission mission({.loss = 0.1, .longest_delay_us = 200});
+    Mission mission(Lossy(0.1, 0, 150));
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     mission.Kill(name);
     mission.Start(name);
@@ -336,7 +320,7 @@ TEST(OnLoss, LossesAtRandomBreakNoInvariant) {
   Random random(1, Stream::kTest);
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
-    Mission mission({.loss = random.Uniform() * 0.3, .longest_delay_us = 500}, seed);
+    Mission mission(Lossy(random.Uniform() * 0.3, 0, 450), seed);
     TimeUs t = 0;
     while (true) {
       t += static_cast<TimeUs>(random.Uniform(1, 40) * kMinuteUs);

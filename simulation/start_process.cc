@@ -1,0 +1,31 @@
+#include "simulation/start_process.h"
+
+#include "agents/core/agent_process.h"
+#include "base/check.h"
+
+namespace muster::simulation {
+
+const std::vector<std::string>& ProcessNames() {
+  static const std::vector<std::string> names = {"world", "uav", "worker", "vehicle", "scheduler"};
+  return names;
+}
+
+std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSettings& settings) {
+  if (identity.name == "world") {
+    return std::make_unique<world::WorldProcess>(identity, settings.world_window,
+                                                 settings.scenario_json, settings.world);
+  }
+  if (identity.name == "scheduler") {
+    return std::make_unique<scheduler::SchedulerProcess>(identity, settings.window, settings.policy,
+                                                         settings.stopwatch);
+  }
+  for (const AgentKind kind : kAgentKinds) {
+    if (identity.name != ToString(kind)) continue;
+    return std::make_unique<agents::AgentProcess>(identity, settings.window, kind,
+                                                  agents::IdRange());
+  }
+  MUSTER_CHECK(false, "{}", identity.name);
+  return nullptr;
+}
+
+}  // namespace muster::simulation

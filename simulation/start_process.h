@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/process.h"
+#include "scheduler/process/scheduler_process.h"
+#include "world/world_process.h"
+
+namespace muster::simulation {
+
+/// The processes of a mission with one process per agent class: world, uav, worker, vehicle,
+/// scheduler.
+const std::vector<std::string>& ProcessNames();
+
+/// What they are started with.
+struct ProcessSettings {
+  std::string scenario_json;
+  std::string policy;
+  /// How long decisions took is measured by it; the log is to be a function of its seed: always 0.
+  scheduler::Stopwatch stopwatch = [] { return TimeUs{0}; };
+  world::WorldOptions world = {};
+  int world_window = 0;  ///< see Sender
+  int window = 0;        ///< of the others
+};
+
+/// The core of that name of those: agent classes with all their agents.
+std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSettings& settings);
+
+}  // namespace muster::simulation
