@@ -11,8 +11,8 @@
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_scenarios.h"
-#include "tools/bench/worker_pool.h"
 #include "tools/host/progress.h"
+#include "tools/host/worker_pool.h"
 #include "tools/record/report_json.h"
 
 namespace muster::tools {

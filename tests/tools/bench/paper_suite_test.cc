@@ -18,7 +18,7 @@
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_tables.h"
-#include "tools/bench/worker_pool.h"
+#include "tools/host/worker_pool.h"
 
 namespace muster::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/bench/worker_pool.h"
+#include "tools/host/worker_pool.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -72,11 +72,12 @@ std::string EndOf(const Worker& worker) {
 
 void RunInProcesses(std::size_t n, int jobs, const std::function<std::string(std::size_t)>& work,
                     const std::function<void(std::size_t, const std::string&)>& done,
-                    const std::function<void(std::size_t, const std::string&)>& failed) {
+                    const std::function<void(std::size_t, const std::string&)>& failed,
+                    const std::function<bool()>& stop) {
   std::vector<Worker> workers;
   std::size_t next = 0;
-  while (next < n || !workers.empty()) {
-    while (next < n && workers.size() < static_cast<std::size_t>(jobs)) {
+  while ((next < n && !stop()) || !workers.empty()) {
+    while (next < n && !stop() && workers.size() < static_cast<std::size_t>(jobs)) {
       workers.push_back(Start(next, work));
       ++next;
     }
