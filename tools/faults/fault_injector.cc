@@ -16,10 +16,6 @@ bool Kills(FaultKind kind) {
   return kind == FaultKind::kProcessKilled || kind == FaultKind::kDiskFull;
 }
 
-bool IsAgentFault(FaultKind kind) {
-  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
-}
-
 }  // namespace
 
 FaultInjector::FaultInjector(FaultPlan plan, std::vector<std::string> names)

@@ -32,10 +32,6 @@ constexpr double kLongest_s = 3600;
   throw InputError(fault.where, key, found, expected);
 }
 
-bool IsAgentFault(FaultKind kind) {
-  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
-}
-
 std::optional<FaultKind> KindOf(std::string_view name) {
   const auto found = std::find(std::begin(kNames), std::end(kNames), name);
   if (found == std::end(kNames)) return {};

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <string_view>
 
 #include "base/check.h"
@@ -80,26 +79,7 @@ void AddLaunchOptions(Options* options) {
             "Your own program in place of muster-ROLE, with the same options, e.g. "
             "worker=./my-worker (docs/installing.md)")
       .List();
-  options->Add("drop", "P", "Share of received packets that each process drops, 0 to 1")
-      .Number({0, 1, false, true})
-      .Default(0);
-  options->Add("faults", "FILE", "Fault plan (docs/faults.md)");
-  options->Add("fault", "FAULT", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45")
-      .List();
-  options
-      ->Add("on-loss", "wait|continue",
-            "When an agent process or the scheduler is lost: wait for it, or continue without it "
-            "until it is back")
-      .OneOf({"wait", "continue"})
-      .Default("wait");
-  options->Add("lost-after", "S", "Seconds of silence after which a process is lost")
-      .Number({0.5, 3600})
-      .Default(5);
-  options
-      ->Add("restarts", "N",
-            "How often each process that ends by itself is started again; 0: it ends the mission")
-      .Integer(0, std::numeric_limits<int>::max())
-      .Default(5);
+  AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
   options
@@ -122,6 +102,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
 
   LaunchOptions options;
   options.programs = ReadPrograms(arguments->All("program"));
+  static_cast<FaultOptions&>(options) = ReadFaultOptions(*arguments);
   const bool own_policy = options.programs.contains("scheduler");
   static_cast<MissionOptions&>(options) = ReadMissionOptions(*arguments, own_policy);
   if (own_policy && !arguments->Has("policy")) {
@@ -133,14 +114,6 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);
   options.processes = ReadProcesses(arguments->All("processes"));
-  options.drop = arguments->Get<double>("drop");
-  if (arguments->Has("faults")) options.faults = LoadFaultPlan(arguments->Get("faults"));
-  for (const std::string& text : arguments->All("fault")) {
-    options.faults.push_back(ParseFaultFlag(text, options.faults.size()));
-  }
-  options.on_loss = arguments->Get("on-loss");
-  options.lost_after_s = arguments->Get<double>("lost-after");
-  options.restarts = arguments->Get<int>("restarts");
   if (arguments->Has("lcm-url")) {
     options.lcm_url = arguments->Get("lcm-url");
     ParseMulticastUrl(options.lcm_url);

@@ -7,21 +7,16 @@
 #include <vector>
 
 #include "model/scenario.h"
-#include "tools/faults/fault_plan.h"
+#include "tools/launch/fault_options.h"
 #include "tools/launch/hosts.h"
 #include "tools/scenario/mission_options.h"
 
 namespace muster::tools {
 
 /// What `muster run` was asked for.
-struct LaunchOptions : MissionOptions {
+struct LaunchOptions : MissionOptions, FaultOptions {
   std::string rate;                   ///< as muster-world takes it
   std::optional<double> deadline_ms;  ///< of each decision
-  double drop = 0;                    ///< share of received packets that each process drops
-  int restarts = 5;                   ///< how often a process that ended by itself is started again
-  std::string on_loss = "wait";       ///< or continue, as muster-world takes it
-  double lost_after_s = 5;
-  FaultPlan faults;  ///< not checked against the mission yet
   std::map<AgentKind, int> processes;
   /// Your own in place of muster-ROLE, absolute; by role: world, uav, worker, vehicle, scheduler.
   std::map<std::string, std::string> programs;

@@ -201,9 +201,7 @@ int RunCommand(int argc, const char* const* argv) {
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(plan, programs, bus.get(), stop, &progress);
 
-  for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
-  for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);
-  if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
+  PrintProblems(result);
   directory.Write("report.json", Report(result.record).dump(2) + "\n");
   fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());
   if (server && stop.count() == 0) {

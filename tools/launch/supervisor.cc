@@ -451,6 +451,12 @@ int ExitCodeOf(const MissionResult& result) {
                                                                                  : kExitCheckFailed;
 }
 
+void PrintProblems(const MissionResult& result) {
+  for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
+  for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);
+  if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
+}
+
 MissionResult Supervise(const MissionPlan& plan, MissionHost* host) {
   return Supervisor(plan, host).Run();
 }

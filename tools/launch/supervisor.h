@@ -49,6 +49,8 @@ struct MissionResult {
 /// The exit code of a mission: 0, 3 failed, 4 something is missing in its log or a fault hit
 /// nothing, 130 interrupted.
 int ExitCodeOf(const MissionResult& result);
+/// What went wrong, on stderr.
+void PrintProblems(const MissionResult& result);
 
 /// Starts the processes, takes the recorder's part, injects the plan's faults, starts again who
 /// ended by itself (and says so, also by event_t), waits for the end or until it is asked to stop,
