@@ -23,7 +23,7 @@ auto KeyOf(const event_t& e) {
 }
 
 /// The first scenario of the log.
-void ReadScenario(LogSource* source, DecisionLog* log) {
+void ReadScenario(MessageSource* source, DecisionLog* log) {
   source->Rewind();
   while (const auto message = source->Next()) {
     if (message->packet.channel != channel::kScenario || !message->header) continue;
@@ -34,12 +34,12 @@ void ReadScenario(LogSource* source, DecisionLog* log) {
     log->scenario_packet = message->packet;
     return;
   }
-  throw InputError(source->files()[0] + ": the log has no scenario");
+  throw InputError(source->name() + ": the log has no scenario");
 }
 
 }  // namespace
 
-DecisionLog ReadDecisionLog(LogSource* source) {
+DecisionLog ReadDecisionLog(MessageSource* source) {
   DecisionLog log;
   ReadScenario(source, &log);
   const Rules& rules = log.scenario.rules;

@@ -43,7 +43,7 @@ struct DecisionLog {
 /// Reads a run's log. Order, repeats and restarts of processes do not matter. Memory grows with
 /// agents times decisions and with events, not with the log. Throws InputError when it has no
 /// scenario.
-DecisionLog ReadDecisionLog(LogSource* source);
+DecisionLog ReadDecisionLog(MessageSource* source);
 
 /// What a decision's messages lack, in words: "clock_t, states of worker:3 and 2 more workers";
 /// empty when they are whole.

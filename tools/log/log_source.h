@@ -25,6 +25,8 @@ class MessageSource {
   virtual ~MessageSource() = default;
   virtual std::optional<LoggedMessage> Next() = 0;
   virtual void Rewind() = 0;
+  /// For messages to people.
+  virtual std::string name() const { return "log"; }
 };
 
 /// The messages of all log files of a run, one file after the other. Memory stays within a few of
@@ -37,6 +39,7 @@ class LogSource : public MessageSource {
 
   std::optional<LoggedMessage> Next() override;
   void Rewind() override;
+  std::string name() const override { return files_[0]; }
 
   const std::vector<std::string>& files() const { return files_; }
   /// Index in files() of the last message's file.

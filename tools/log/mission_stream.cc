@@ -38,7 +38,7 @@ MissionHead ReadMissionHead(LogSource* source) {
   return head;
 }
 
-void ForEachMessage(LogSource* source, std::int64_t run_id,
+void ForEachMessage(MessageSource* source, std::int64_t run_id,
                     const std::function<void(const Message&, const Packet&)>& visit) {
   source->Rewind();
   Inbox inbox(run_id, "");

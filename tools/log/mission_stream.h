@@ -21,7 +21,7 @@ struct MissionHead {
 MissionHead ReadMissionHead(LogSource* source);
 
 /// Calls visit(message, packet) for every message of the mission, once, in the log's order.
-void ForEachMessage(LogSource* source, std::int64_t run_id,
+void ForEachMessage(MessageSource* source, std::int64_t run_id,
                     const std::function<void(const Message&, const Packet&)>& visit);
 
 /// "2024-09-01T12:00:00.250Z"

@@ -24,6 +24,7 @@
 #include "tools/host/stop_signals.h"
 #include "tools/log/log_source.h"
 #include "tools/record/digest.h"
+#include "tools/trials/soak_command.h"
 
 namespace muster::tools {
 namespace {
@@ -34,7 +35,8 @@ constexpr std::string_view kUsage =
     "Faults on purpose (docs/faults.md)\n\n"
     "Usage: muster faults run SCENARIO PLAN... [OPTION...] [-- OPTION of muster run...]\n"
     "       muster faults random SCENARIO [OPTION...]\n"
-    "       muster faults drop SCENARIO --share P --at-min T [--seed N]\n";
+    "       muster faults drop SCENARIO --share P --at-min T [--seed N]\n"
+    "       muster faults soak [--missions N] [--seed S] [OPTION...]\n";
 
 /// Runs `muster run` and waits for it; a signal to us is handed on.
 int RunMuster(std::vector<std::string> arguments, const std::string& output_file,
@@ -179,12 +181,13 @@ int FaultsCommand(int argc, const char* const* argv) {
   if (name == "run") return Run(argc - 1, argv + 1);
   if (name == "random") return Draw(argc - 1, argv + 1);
   if (name == "drop") return Drop(argc - 1, argv + 1);
+  if (name == "soak") return SoakCommand(argc - 1, argv + 1);
   if (name == "--help" || name == "-h") {
     fmt::print("{}", kUsage);
     return kExitOk;
   }
   throw InputError("command line", "faults", name.empty() ? "nothing" : name,
-                   "run, random or drop");
+                   "run, random, drop or soak");
 }
 
 }  // namespace muster::tools

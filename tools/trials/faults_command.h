@@ -2,7 +2,7 @@
 
 namespace muster::tools {
 
-/// muster faults run | random.
+/// muster faults run | random | drop | soak.
 int FaultsCommand(int argc, const char* const* argv);
 
 }  // namespace muster::tools

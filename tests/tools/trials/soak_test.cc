@@ -1,0 +1,35 @@
+#include "tools/trials/soak.h"
+
+#include <gtest/gtest.h>
+
+#include "model/scenario_json.h"
+
+namespace muster::tools {
+namespace {
+
+TEST(Soak, AMissionIsAFunctionOfItsSeed) {
+  const VirtualMission one = DrawMission({}, 7);
+  const VirtualMission again = DrawMission({}, 7);
+  EXPECT_EQ(ScenarioToJson(one.scenario), ScenarioToJson(again.scenario));
+  EXPECT_EQ(ToJson(one.faults), ToJson(again.faults));
+  EXPECT_EQ(one.policy, again.policy);
+  EXPECT_NE(ToJson(one.faults), ToJson(DrawMission({}, 8).faults));
+}
+
+TEST(Soak, RandomMissionsBreakNoPromise) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (const std::string& finding : FindingsOf(DrawMission({}, seed))) {
+      ADD_FAILURE() << "seed " << seed << ": " << finding;
+    }
+  }
+}
+
+TEST(Soak, WhatBreaksAPromiseIsFound) {
+  VirtualMission mission = DrawMission({}, 1);
+  mission.goes_on = false;
+  mission.faults = {ParseFaultFlag("corruption:*@1=0.2", 0)};
+  EXPECT_FALSE(FindingsOf(mission).empty()) << "damaged packets pass for true ones";
+}
+
+}  // namespace
+}  // namespace muster::tools

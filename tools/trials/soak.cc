@@ -1,0 +1,137 @@
+#include "tools/trials/soak.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "base/random.h"
+#include "lcmtypes/bus/codec.h"
+#include "tools/audit/auditor.h"
+#include "tools/audit/report_check.h"
+#include "tools/explain/redecide.h"
+#include "tools/faults/random_plan.h"
+#include "tools/record/digest.h"
+#include "tools/record/report_json.h"
+
+namespace muster::tools {
+namespace {
+
+/// Quick enough for thousands of missions, each another way to decide.
+constexpr const char* kPolicies[] = {"certified", "mpq", "mpq-uniform", "kwta", "greedy-sum"};
+constexpr TimeUs kLostAfterUs = kSecondUs / 2;
+
+/// Small and crowded, so that much happens in little time.
+GeneratorSettings DrawSettings(Random* random) {
+  const auto between = [&](int low, int high) {
+    return low + static_cast<int>(random->Below(static_cast<std::uint32_t>(high - low + 1)));
+  };
+  GeneratorSettings settings;
+  settings.name = "soak";
+  settings.width_km = between(5, 20);
+  settings.height_km = between(5, 20);
+  settings.uavs = between(1, 12);
+  settings.workers = between(1, 15);
+  settings.vehicles = between(1, 6);
+  settings.tasks = between(1, 50);
+  settings.charging_points = between(1, 6);
+  settings.online_min = {static_cast<double>(between(20, 60)), kUpToLimit};
+  settings.task_cost_km = {1, static_cast<double>(between(1, 6))};
+  settings.start_fraction = {0.3, 1};
+  if (random->Below(4) == 0) settings.capacity.reset();
+  if (random->Below(2) == 0) settings.placement = Placement::kContinuous;
+  if (random->Below(2) == 0) settings.uptime = Uptime::kAnyTime;
+  Rules& rules = settings.rules;
+  rules.limit_us = between(6, 18) * 10 * kMinuteUs;
+  rules.interval_us = (random->Below(2) == 0 ? 5 : 10) * kMinuteUs;
+  rules.tick_us = (random->Below(2) == 0 ? 30 : 15) * kSecondUs;
+  if (random->Below(2) == 0) rules.availability = Availability::kStrict;
+  Disturbances& disturbances = settings.disturbances;
+  if (random->Below(3) == 0) disturbances.wind = {0.1, 0.4};
+  if (random->Below(3) == 0) disturbances.communication_m = {100, 500};
+  if (random->Below(3) == 0) disturbances.agent_failure = {0.01, 0.05};
+  if (random->Below(3) == 0) disturbances.match_failure = {0.05, 0.1};
+  return settings;
+}
+
+/// A log in memory.
+class PacketSource : public MessageSource {
+ public:
+  explicit PacketSource(const std::vector<Packet>& packets) : packets_(packets) {}
+  std::optional<LoggedMessage> Next() override {
+    if (next_ == packets_.size()) return {};
+    const Packet& packet = packets_[next_++];
+    return LoggedMessage{0, packet, DecodeHeader(packet)};
+  }
+  void Rewind() override { next_ = 0; }
+
+ private:
+  const std::vector<Packet>& packets_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
+  Random random(seed, Stream::kSoak);
+  VirtualMission mission;
+  mission.goes_on = settings.goes_on.value_or(seed % 2 == 0);
+  mission.policy = settings.policy.empty()
+                       ? kPolicies[random.Below(static_cast<std::uint32_t>(std::size(kPolicies)))]
+                       : settings.policy;
+  if (settings.scenario) {
+    mission.scenario = *settings.scenario;
+  } else {
+    mission.scenario = Generate(settings.preset ? *settings.preset : DrawSettings(&random), seed);
+  }
+  mission.lost_after_us = kLostAfterUs;
+  mission.drop = settings.drop;
+  mission.fault_seed = seed;
+  RandomPlanSettings plan;
+  plan.seed = seed;
+  plan.rate_per_hour = settings.rate_per_hour;
+  plan.kinds = AllSurvivableKinds();
+  // Who has failed by chance cannot fail by order.
+  if (mission.scenario.disturbances.agent_failure.on()) std::erase_if(plan.kinds, IsAgentFault);
+  plan.goes_on = mission.goes_on;
+  mission.faults = DrawPlan(mission.scenario, plan);
+  return mission;
+}
+
+std::vector<std::string> FindingsOf(const VirtualMission& mission) {
+  std::vector<Packet> packets;
+  audit::Auditor auditor;
+  VirtualMission watched = mission;
+  watched.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
+    packets.push_back(*event.packet);
+    auditor.Add(*event.packet);
+  };
+  const MissionResult result = RunVirtualMission(watched);
+
+  std::vector<std::string> findings = result.problems;
+  findings.insert(findings.end(), result.without_effect.begin(), result.without_effect.end());
+  const auto log = result.record.CheckComplete();
+  if (!log.complete) {
+    findings.push_back(fmt::format("the log is not complete: {} gaps, {} missing, {} said twice",
+                                   log.gaps.size(), log.n_missing, log.repeated));
+  }
+  for (const audit::Violation& v : auditor.Finish()) {
+    findings.push_back(
+        fmt::format("audit, {:.1f} min: {}: {}", ToMinutes(v.at_us), v.invariant, v.text));
+  }
+  if (auditor.facts()) {
+    for (const audit::Violation& v :
+         audit::CheckReportFile(Report(result.record), *auditor.facts())) {
+      findings.push_back(fmt::format("report: {}: {}", v.invariant, v.text));
+    }
+  }
+  PacketSource source(packets);
+  for (const Divergence& d : DivergencesOf(Redecide(ReadDecisionLog(&source), ""))) {
+    findings.push_back(fmt::format("decision {} made again: {}", d.decision, d.what));
+  }
+  if (!mission.goes_on && Digest(result.record) != UndisturbedDigest(mission)) {
+    findings.push_back("decisions or outcomes are not those without faults");
+  }
+  return findings;
+}
+
+}  // namespace muster::tools
