@@ -17,7 +17,9 @@ std::optional<Message> DecodeAs(const Packet& packet) {
   return Message(std::move(*message));
 }
 
-std::optional<Message> DecodePacket(const Packet& packet) {
+}  // namespace
+
+std::optional<Message> DecodeMessage(const Packet& packet) {
   const std::string_view name = packet.channel;
   if (name == channel::kClock) return DecodeAs<clock_t>(packet);
   if (name == channel::kWorld) return DecodeAs<world_state_t>(packet);
@@ -36,8 +38,6 @@ std::optional<Message> DecodePacket(const Packet& packet) {
   return std::nullopt;
 }
 
-}  // namespace
-
 const header_t& HeaderOf(const Message& message) {
   return std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
 }
@@ -46,20 +46,25 @@ Inbox::Inbox(std::int64_t run_id, std::string own_name)
     : run_id_(run_id), own_name_(std::move(own_name)) {}
 
 std::optional<Message> Inbox::Open(const Packet& packet) {
-  std::optional<Message> message = DecodePacket(packet);
+  std::optional<Message> message = DecodeMessage(packet);
+  if (!Admit(packet, message)) message.reset();
+  return message;
+}
+
+bool Inbox::Admit(const Packet& packet, const std::optional<Message>& message) {
   if (!message) {
     ++counters_.rejected;
-    return std::nullopt;
+    return false;
   }
   const header_t& header = HeaderOf(*message);
-  if (header.sender == own_name_) return std::nullopt;
+  if (header.sender == own_name_) return false;
   if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
       !Count(*message)) {
     ++counters_.rejected;
-    return std::nullopt;
+    return false;
   }
   ++counters_.received;
-  return message;
+  return true;
 }
 
 bool Inbox::Count(const Message& message) {

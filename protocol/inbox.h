@@ -29,6 +29,9 @@ using Message =
                  fault_t, process_status_t, log_status_t, request_t, restore_t>;
 const header_t& HeaderOf(const Message& message);
 
+/// The message that the packet is; none where it is not a valid one of its channel's type.
+std::optional<Message> DecodeMessage(const Packet& packet);
+
 /// A process's door: opens packets, counts and drops what is not for it. What comes through is
 /// decoded, of this run, from somebody else who may publish there, within the ranges that need no
 /// scenario, and not numbered as if mission time ran backwards. Doubles come through, since a
@@ -43,6 +46,8 @@ class Inbox {
   Inbox(std::int64_t run_id, std::string own_name);
 
   std::optional<Message> Open(const Packet& packet);
+  /// The same of a packet that somebody has decoded already: whether its message comes through.
+  bool Admit(const Packet& packet, const std::optional<Message>& message);
 
   const Counters& counters() const { return counters_; }
   /// Messages of others known to exist and not seen (yet).

@@ -12,12 +12,22 @@ Process::Process(Identity identity, int window)
 void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out) {
   for (const Packet& packet : arrived) {
     const std::optional<Message> message = inbox_.Open(packet);
-    if (!message) continue;
-    if (const auto* status = std::get_if<log_status_t>(&*message)) sender_.Acknowledge(*status);
-    OnMessage(*message, packet, now);
+    if (message) Take(*message, packet, now);
   }
   OnStep(now);
   sender_.Flush(now, out);
+}
+
+void Process::Step(const Packet& packet, const std::optional<Message>& message, const Now& now,
+                   std::vector<Packet>* out) {
+  if (inbox_.Admit(packet, message)) Take(*message, packet, now);
+  OnStep(now);
+  sender_.Flush(now, out);
+}
+
+void Process::Take(const Message& message, const Packet& packet, const Now& now) {
+  if (const auto* status = std::get_if<log_status_t>(&message)) sender_.Acknowledge(*status);
+  OnMessage(message, packet, now);
 }
 
 TimeUs Process::wake_us() const { return std::min(OwnWakeUs(), sender_.wake_us()); }

@@ -44,6 +44,10 @@ class Process {
   /// one agent, say).
   void Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out);
 
+  /// The same with one packet, decoded once (DecodeMessage) for all who hear it.
+  void Step(const Packet& packet, const std::optional<Message>& message, const Now& now,
+            std::vector<Packet>* out);
+
   /// Latest monotonic time of the next Step even if nothing arrives.
   TimeUs wake_us() const;
 
@@ -75,6 +79,8 @@ class Process {
   void set_sim_us(TimeUs sim_us) { sim_us_ = sim_us; }
 
  private:
+  void Take(const Message& message, const Packet& packet, const Now& now);
+
   Sender sender_;
   Inbox inbox_;
   ProcessState state_ = ProcessState::kStarting;

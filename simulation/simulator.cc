@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/check.h"
@@ -31,20 +32,25 @@ void Simulate(const std::string& json, const std::string& policy,
   std::deque<Sent> queue;
   const Now now;
   std::vector<Packet> out;
-  const auto step = [&](std::size_t i, const std::vector<Packet>& arrived) {
-    processes[i]->Step(arrived, now, &out);
+  const auto publish = [&](std::size_t by) {
     for (Packet& packet : out) {
       observe(packet);
-      queue.push_back({i, std::move(packet)});
+      queue.push_back({by, std::move(packet)});
     }
     out.clear();
   };
-  for (std::size_t i = 0; i < processes.size(); ++i) step(i, {});
+  for (std::size_t i = 0; i < processes.size(); ++i) {
+    processes[i]->Step({}, now, &out);
+    publish(i);
+  }
   while (!queue.empty()) {
     const Sent sent = std::move(queue.front());
     queue.pop_front();
+    const std::optional<Message> message = DecodeMessage(sent.packet);
     for (std::size_t i = 0; i < processes.size(); ++i) {
-      if (i != sent.by) step(i, {sent.packet});
+      if (i == sent.by) continue;
+      processes[i]->Step(sent.packet, message, now, &out);
+      publish(i);
     }
   }
   MUSTER_CHECK(world.state() == ProcessState::kEnded,
