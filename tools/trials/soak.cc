@@ -90,8 +90,11 @@ VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
   plan.seed = seed;
   plan.rate_per_hour = settings.rate_per_hour;
   plan.kinds = AllSurvivableKinds();
-  // Who has failed by chance cannot fail by order.
-  if (mission.scenario.disturbances.agent_failure.on()) std::erase_if(plan.kinds, IsAgentFault);
+  // Who has failed by chance, or has run dry on the way, cannot fail by order.
+  const Disturbances& chances = mission.scenario.disturbances;
+  if (chances.agent_failure.on() || chances.wind.on() || chances.communication_m.on()) {
+    std::erase_if(plan.kinds, IsAgentFault);
+  }
   plan.goes_on = mission.goes_on;
   mission.faults = DrawPlan(mission.scenario, plan);
   return mission;
