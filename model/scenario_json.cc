@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
@@ -402,7 +403,17 @@ Scenario LoadScenario(const std::string& file) {
   std::ostringstream text;
   if (in.is_open() && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
   if (!in.is_open() || in.bad() || (text.str().empty() && errno != 0)) {
-    throw SystemError(fmt::format("cannot read {}: {}", file, std::strerror(errno)));
+    namespace fs = std::filesystem;
+    std::error_code ignored;
+    const fs::path inside = fs::path(file) / "scenario.json";
+    if (fs::is_regular_file(inside, ignored)) {
+      throw InputError(
+          fmt::format("{}: found a run directory, expected a scenario file; its "
+                      "scenario is {}",
+                      file, inside.string()));
+    }
+    throw InputError(
+        fmt::format("{}: cannot read a scenario from it: {}", file, std::strerror(errno)));
   }
   return ParseScenario(text.str(), file);
 }

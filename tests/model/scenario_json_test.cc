@@ -523,8 +523,8 @@ TEST(ScenarioJson, LoadsFilesAndSaysWhyItCannot) {
   std::ofstream(path, std::ios::trunc).close();
   EXPECT_THROW(LoadScenario(path), InputError);
   std::remove(path.c_str());
-  EXPECT_THROW(LoadScenario(path), SystemError);
-  EXPECT_THROW(LoadScenario(folder.path()), SystemError);
+  EXPECT_THROW(LoadScenario(path), InputError);
+  EXPECT_THROW(LoadScenario(folder.path()), InputError);
 }
 
 std::string ReadAll(const std::string& path) {

@@ -2,13 +2,9 @@
 # Completion for muster and the programs that it starts. All of it is read from their --help, so it
 # is always that of the program at hand.
 
-# _muster_commands HELP PROGRAM [WORD...]: the commands below `PROGRAM WORD...`, whose --help that is.
+# _muster_commands HELP
 _muster_commands() {
-  local help=$1 shown=${2##*/}
-  shift 2
-  [[ $# == 0 ]] || shown="$shown $*"
-  sed -n '/^Commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p' <<<"$help"
-  sed -n "s/^\(Usage:\| \) *$shown \([a-z][a-z-]*\) .*/\2/p" <<<"$help"
+  sed -n '/^Commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p' <<<"$1"
 }
 
 # _muster_options HELP
@@ -40,7 +36,7 @@ _muster() {
   local help commands at=1 path=("$program")
   while true; do
     help=$("${path[@]}" --help 2>/dev/null)
-    commands=$(_muster_commands "$help" "${path[@]}")
+    commands=$(_muster_commands "$help")
     ((at < COMP_CWORD)) && grep -qx -e "${COMP_WORDS[at]}" <<<"$commands" || break
     path+=("${COMP_WORDS[at]}")
     ((++at))

@@ -1,16 +1,9 @@
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <string>
-#include <string_view>
 #include <vector>
 
-#include "base/check.h"
 #include "base/program.h"
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
 #include "tools/bound/bound_command.h"
-#include "tools/cli/command.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
 #include "tools/graph/graph_commands.h"
@@ -28,12 +21,6 @@
 
 namespace muster::tools {
 namespace {
-
-struct Command {
-  std::string_view name;
-  std::string_view summary;
-  CommandBody body;
-};
 
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
 const std::vector<Command> kCommands = {
@@ -57,43 +44,13 @@ const std::vector<Command> kCommands = {
     {"top", "shows a mission in the terminal while it goes on", TopCommand},
 };
 
-void PrintUsage() {
-  fmt::print(
-      "Muster: disaster-response sensing missions with UAVs, vehicles and workers\n\n"
-      "Usage: muster COMMAND [OPTION...]\n\nCommands:\n");
-  for (const Command& command : kCommands) {
-    fmt::print("  {:<14}  {}\n", command.name, command.summary);
-  }
-  fmt::print("\n'muster COMMAND --help' tells more of one command.\n");
-}
-
-int Main(int argc, char** argv) {
-  const std::string_view name = argc > 1 ? argv[1] : "";
-  if (name == "--help" || name == "-h" || name == "help") {
-    PrintUsage();
-    return kExitOk;
-  }
-  if (name == "--version") {
-    fmt::print("muster {}\n", MUSTER_VERSION);
-    return kExitOk;
-  }
-  for (const Command& command : kCommands) {
-    if (command.name != name) continue;
-    const std::string program = fmt::format("muster {}", name);
-    std::vector<const char*> arguments(argv + 1, argv + argc);
-    arguments[0] = program.c_str();
-    return command.body(static_cast<int>(arguments.size()), arguments.data());
-  }
-  if (name.empty()) {
-    PrintUsage();
-    return kExitUsage;
-  }
-  throw InputError(fmt::format("no command '{}' (see muster --help)", name));
-}
-
 }  // namespace
 }  // namespace muster::tools
 
 int main(int argc, char** argv) {
-  return muster::GuardedMain("muster", [&] { return muster::tools::Main(argc, argv); });
+  return muster::GuardedMain("muster", [&] {
+    return muster::RunCommandOf(
+        "muster", "Muster: disaster-response sensing missions with UAVs, vehicles and workers",
+        muster::tools::kCommands, argc, argv);
+  });
 }

@@ -174,7 +174,11 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
 
 FaultKind KindByName(const std::string& name, const std::string& file, std::string_view key) {
   const auto kind = KindOf(name);
-  if (!kind) throw InputError(file, key, name, fmt::format("{}", fmt::join(kNames, ", ")));
+  if (!kind) {
+    throw InputError(file, key, name,
+                     fmt::format("{}{}", fmt::join(kNames, ", "),
+                                 DidYouMean(name, {std::begin(kNames), std::end(kNames)})));
+  }
   return *kind;
 }
 

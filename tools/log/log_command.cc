@@ -109,35 +109,17 @@ int Export(int argc, const char* const* argv) {
   return kExitOk;
 }
 
-struct Subcommand {
-  std::string_view name;
-  std::string_view summary;
-  int (*body)(int argc, const char* const* argv);
-};
-constexpr Subcommand kSubcommands[] = {
-    {"info", "sums a log up by channel and sender", Info},
-    {"repair", "writes one clean log of a damaged, doubled or split one", Repair},
-    {"cut", "copies the part between two mission times", Cut},
-    {"export", "to CSV, GeoJSON or MCAP", Export},
-};
-
 }  // namespace
 
 int LogCommand(int argc, const char* const* argv) {
-  const std::string_view name = argc > 1 ? argv[1] : "--help";
-  if (name == "--help" || name == "-h") {
-    fmt::print("Usage: muster log COMMAND RUN [OPTION...]\n\nCommands:\n");
-    for (const Subcommand& s : kSubcommands) fmt::print("  {:<8} {}\n", s.name, s.summary);
-    return argc > 1 ? kExitOk : kExitUsage;
-  }
-  for (const Subcommand& s : kSubcommands) {
-    if (s.name != name) continue;
-    const std::string program = fmt::format("muster log {}", name);
-    std::vector<const char*> arguments(argv + 1, argv + argc);
-    arguments[0] = program.c_str();
-    return s.body(static_cast<int>(arguments.size()), arguments.data());
-  }
-  throw InputError(fmt::format("no command 'log {}' (see muster log --help)", name));
+  static const std::vector<Command> commands = {
+      {"info", "sums a log up by channel and sender", Info},
+      {"repair", "writes one clean log of a damaged, doubled or split one", Repair},
+      {"cut", "copies the part between two mission times", Cut},
+      {"export", "to CSV, GeoJSON or MCAP", Export},
+  };
+  return RunCommandOf(argv[0], "Sums up, repairs, cuts and exports the logs of runs", commands,
+                      argc, argv);
 }
 
 }  // namespace muster::tools

@@ -347,7 +347,13 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
     if (runs[owner].first < 0) runs[owner].first = first;
     runs[owner].last = last;
   };
-  for (const IntervalSet::Range& range : covered_ticks_.Missing(0, last_tick())) {
+  const std::int64_t newest =
+      std::max(covered_ticks_.max(), open_ticks_.empty() ? -1 : open_ticks_.rbegin()->first);
+  result.ended = end_announced_;
+  result.last_tick = end_announced_ || newest >= last_tick()
+                         ? last_tick()
+                         : std::max<std::int64_t>(-1, newest - 1);
+  for (const IntervalSet::Range& range : covered_ticks_.Missing(0, result.last_tick)) {
     for (std::int64_t tick = range.first; tick <= range.last; ++tick) {
       const auto open = open_ticks_.find(tick);
       const TickCover none;
@@ -366,6 +372,7 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
   for (std::size_t owner = 0; owner < n_owners; ++owner) finish(owner);
   for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
     if (schedules_.contains(d) || skipped_.contains(d)) continue;
+    if (d * scenario_->rules.interval_us > scenario_->rules.TimeOf(result.last_tick)) break;
     ++result.n_missing;
     if (result.missing.size() < kMaxListed) result.missing.push_back({"schedule", d, d});
   }

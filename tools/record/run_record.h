@@ -122,7 +122,9 @@ class RunRecord {
   };
   struct Completeness {
     bool complete = false;
-    std::vector<Gap> gaps;  ///< by sender and boot, ascending
+    bool ended = false;           ///< the mission's end was announced
+    std::int64_t last_tick = -1;  ///< the newest that everything is asked of
+    std::vector<Gap> gaps;        ///< by sender and boot, ascending
     /// Gaps of starts that a later start of the same sender followed: nobody could say that again.
     std::vector<Gap> lost_tails;
     std::vector<Missing> missing;  ///< at most kMaxListed, the earliest
@@ -135,8 +137,10 @@ class RunRecord {
   /// Whether everything that the mission said is here: no sender's seq has a gap, every tick has
   /// clock, world state, rulings and each agent once (unless it is ruled to have failed, as a lost
   /// process's agents are), every decision its schedule (unless it was skipped), and the end was
-  /// announced. A sender without any message is found by its ticks. What a killed start had sent
-  /// and nobody logged is reported apart where it is known, and its ticks count.
+  /// announced. What comes after the newest tick of a mission without an end, and that tick, are
+  /// not asked for: they need not have been. A sender without any message is found by its ticks.
+  /// What a killed start had sent and nobody logged is reported apart where it is known, and its
+  /// ticks count.
   Completeness CheckComplete() const;
 
  private:

@@ -26,16 +26,27 @@ std::string LogLine(const RunRecord& record) {
   const RunRecord::Completeness log = record.CheckComplete();
   if (log.complete) return fmt::format("complete, {} messages", record.counts().messages);
   std::string text = fmt::format("NOT COMPLETE, {} messages", record.counts().messages);
+  std::int64_t n_missing = log.n_missing;
+  if (record.scenario() && !log.ended) {
+    --n_missing;  // the end itself
+    const Rules& rules = record.scenario()->rules;
+    const std::int64_t last_tick = std::max<std::int64_t>(0, log.last_tick);
+    text += fmt::format("; ends at {:.1f} of {:.0f} min{}", ToMinutes(rules.TimeOf(last_tick)),
+                        ToMinutes(rules.limit_us),
+                        n_missing == 0 && log.gaps.empty() && log.damage.empty()
+                            ? ", all until then is there"
+                            : "");
+  }
   if (!log.damage.empty()) text += fmt::format("; {}", log.damage.front());
   if (!log.gaps.empty()) {
     const RunRecord::Gap& gap = log.gaps.front();
     text += fmt::format("; {} gaps, first: {} (start {}) {}", log.gaps.size(), gap.sender,
                         gap.boot_id, Range("seq", gap.first_seq, gap.last_seq));
   }
-  if (!log.missing.empty()) {
+  if (n_missing > 0) {
     const RunRecord::Missing& m = log.missing.front();
     text +=
-        fmt::format("; {} missing, first: {} {}", log.n_missing, m.owner,
+        fmt::format("; {} missing, first: {} {}", n_missing, m.owner,
                     Range(m.owner == "schedule" ? "decision" : "tick", m.first_tick, m.last_tick));
   }
   if (log.repeated > 0) text += fmt::format("; {} agent states said twice", log.repeated);

@@ -77,7 +77,7 @@ void RequirePage() {
 std::string StaticPage(const std::string& title, const std::vector<std::string>& chunks) {
   std::string data;
   for (const std::string& chunk : chunks) {
-    data += "<script type=\"text/x-muster-run\">" + Base64(Deflate(chunk)) + "</script>\n";
+    data.append(kPageMark).append(Base64(Deflate(chunk))).append("</script>\n");
   }
   return Fill(title, "'none'", data);
 }

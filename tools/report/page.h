@@ -9,6 +9,9 @@ namespace muster::tools {
 /// The page's template, bundled when Muster was built; "" when it was built without esbuild.
 std::string_view PageTemplate();
 
+/// Every page with runs holds this text.
+inline constexpr std::string_view kPageMark = "<script type=\"text/x-muster-run\">";
+
 /// Throws InputError that says why there are no pages, when there is no template.
 void RequirePage();
 

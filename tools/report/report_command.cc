@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,16 @@ std::string NameOf(const std::string& run) {
   if (!path.has_filename()) path = path.parent_path();
   if (path.filename() == "mission.lcm") path = path.parent_path();
   return path.filename().string();
+}
+
+/// Pages may be made again; whatever else is at `out` stays.
+void RequirePageOrNothing(const std::string& out) {
+  std::ifstream file(out, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) return;  // nothing, or nothing in it
+  if (text.str().find(kPageMark) != std::string::npos) return;
+  throw InputError("command line", "--out", out + ", a file that is no page of Muster",
+                   "a new file, or a page to write again");
 }
 
 std::string ReadRun(const std::string& run) {
@@ -64,6 +76,7 @@ int ReportCommand(int argc, const char* const* argv) {
   RequirePage();
   const auto runs = arguments->All("runs");
   const std::string out = arguments->Get("out");
+  RequirePageOrNothing(out);
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {

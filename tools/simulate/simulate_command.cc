@@ -90,6 +90,7 @@ int SimulateCommand(int argc, const char* const* argv) {
       "Runs a whole mission in one process, without LCM: the same decisions and outcomes "
       "as muster run. With faults, in virtual time. Writes files only with --out.");
   AddMissionOptions(&parser);
+  parser.Json();
   parser.Flag("log", "Record the messages too, as mission.lcm in the run directory");
   AddFaultOptions(&parser);
   parser
@@ -126,7 +127,8 @@ int SimulateCommand(int argc, const char* const* argv) {
     directory->Write("scenario.json", ScenarioToJson(scenario));
     directory->Write("report.json", Report(result.record).dump(2) + "\n");
   }
-  fmt::print("{}", Summary(result.record));
+  fmt::print(
+      "{}", arguments->Has("json") ? Report(result.record).dump(2) + "\n" : Summary(result.record));
   return is_virtual ? ExitCodeOf(result) : kExitOk;
 }
 

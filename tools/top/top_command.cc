@@ -40,7 +40,7 @@ void Print(const TopView& view) {
 }
 
 /// All that is in a log, or what is heard in a while; then one snapshot.
-int Once(PacketSource* source, const StopSignals& stop) {
+int Once(PacketSource* source, const StopSignals& stop, bool json) {
   TopView view;
   const TimeUs start_us = MonotonicUs();
   TimeUs ready_us = kNever;
@@ -61,7 +61,11 @@ int Once(PacketSource* source, const StopSignals& stop) {
                                        : fmt::format("no mission was heard within {} s",
                                                      kPatienceUs / kSecondUs));
   }
-  Print(view);
+  if (json) {
+    fmt::print("{}\n", view.Json(HostNow().wall_us));
+  } else {
+    Print(view);
+  }
   return kExitOk;
 }
 
@@ -74,11 +78,14 @@ int TopCommand(int argc, const char* const* argv) {
       "losses, ages. q or Ctrl-C ends it. In a pipe it prints a snapshot every two seconds.");
   options.Positional("run", "[RUN|URL]").Default(DefaultUrl());
   options.Flag("once", "Print one snapshot and exit");
+  options.Flag("json", "Print one snapshot as JSON and exit");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const auto source = OpenPacketSource(arguments->Get("run"));
   const StopSignals stop;
-  if (arguments->Has("once")) return Once(source.get(), stop);
+  if (arguments->Has("once") || arguments->Has("json")) {
+    return Once(source.get(), stop, arguments->Has("json"));
+  }
 
   TopView view;
   std::optional<Screen> screen;

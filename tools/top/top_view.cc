@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "lcmtypes/bus/codec.h"
 #include "tools/host/progress.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::array<const char*, 5> kStates = {"starting", "ready", "running", "degraded",
                                                 "ended"};
+constexpr std::array<const char*, 7> kStatuses = {"offline", "idle",     "moving", "waiting",
+                                                  "sensing", "charging", "failed"};
 constexpr int kDegraded = 3;
 constexpr int kEnded = 4;
 /// A process says something about once a second.
@@ -85,12 +88,17 @@ std::string TopView::MissionLine() const {
   return line;
 }
 
-std::string TopView::TaskLine() const {
+std::array<int, 4> TopView::TaskCounts() const {
   std::array<int, 4> count{};
   for (const auto& task : feed_.timeline().tasks()) {
     const int status = task.rows.empty() ? 0 : task.rows.back().status;
     ++count[static_cast<std::size_t>(std::clamp(status, 0, 3))];
   }
+  return count;
+}
+
+std::string TopView::TaskLine() const {
+  const std::array<int, 4> count = TaskCounts();
   return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open", count[3],
                      feed_.timeline().tasks().size(), count[2], count[1], count[0]);
 }
@@ -102,23 +110,54 @@ std::string TopView::BusLine(std::int64_t now_us) const {
                      rate.bytes / 1000, Age(std::max(0.0, Seconds(now_us - all_.last_us))));
 }
 
+std::array<int, 7> TopView::AgentCounts(AgentKind kind) const {
+  const Timeline& timeline = feed_.timeline();
+  std::array<int, 7> count{};
+  const std::size_t n = timeline.scenario().agents(kind).size();
+  for (std::size_t id = 0; id < n; ++id) {
+    const auto& last = timeline.agents()[timeline.IndexOf(kind, id)].last;
+    ++count[last ? static_cast<std::size_t>(std::clamp<int>(last->status, 0, 6)) : 0];
+  }
+  return count;
+}
+
 void TopView::AddAgents(std::vector<Line>* lines) const {
   constexpr const char* kRow = "{:<10}{:>7}{:>7}{:>8}{:>9}{:>9}{:>10}{:>8}{:>9}";
   lines->push_back({fmt::format(kRow, "AGENTS", "all", "idle", "moving", "waiting", "sensing",
                                 "charging", "failed", "offline"),
                     Look::kHead});
-  const Timeline& timeline = feed_.timeline();
   for (const AgentKind kind : kAgentKinds) {
-    std::array<int, 7> count{};
-    const std::size_t n = timeline.scenario().agents(kind).size();
-    for (std::size_t id = 0; id < n; ++id) {
-      const auto& last = timeline.agents()[timeline.IndexOf(kind, id)].last;
-      ++count[last ? static_cast<std::size_t>(std::clamp<int>(last->status, 0, 6)) : 0];
-    }
+    const std::array<int, 7> count = AgentCounts(kind);
+    const std::size_t n = feed_.timeline().scenario().agents(kind).size();
     lines->push_back({fmt::format(kRow, std::string(ToString(kind)) + "s", n, count[1], count[2],
                                   count[3], count[4], count[5], count[6], count[0]),
                       count[6] > 0 ? Look::kBad : Look::kPlain});
   }
+}
+
+std::vector<TopView::ProcessRow> TopView::Processes(std::int64_t now_us) const {
+  std::vector<ProcessRow> processes;
+  for (const auto& [name, samples] : feed_.timeline().processes()) {
+    const auto& rows = samples.rows;
+    ProcessRow row;
+    row.name = name;
+    row.last = &rows.back();
+    if (rows.size() > 1 && rows[rows.size() - 2].boot_id == row.last->boot_id) {
+      const auto& before = rows[rows.size() - 2];
+      const double wall_s = Seconds(row.last->wall_us - before.wall_us);
+      if (wall_s > 0) row.cpu_frac = (row.last->cpu_s - before.cpu_s) / wall_s;
+    }
+    const auto found = senders_.find(name);
+    const Traffic traffic = found == senders_.end() ? Traffic() : found->second;
+    if (traffic.last_us != 0) row.age_s = std::max(0.0, Seconds(now_us - traffic.last_us));
+    row.rate = RateOf(traffic, now_us);
+    row.late = row.age_s > kLateS && row.last->state != kEnded;
+    row.state = row.late
+                    ? "silent"
+                    : kStates[static_cast<std::size_t>(std::clamp(row.last->state, 0, kEnded))];
+    processes.push_back(std::move(row));
+  }
+  return processes;
 }
 
 void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const {
@@ -126,32 +165,70 @@ void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const 
   lines->push_back({fmt::format(kRow, "PROCESS", "state", "age", "msg/s", "kB/s", "received",
                                 "lost", "rejected", "resent", "starts", "CPU %", "memory"),
                     Look::kHead});
-  for (const auto& [name, samples] : feed_.timeline().processes()) {
-    const auto& rows = samples.rows;
-    const Timeline::ProcessSample& now = rows.back();
-    std::string cpu = "-";
-    if (rows.size() > 1 && rows[rows.size() - 2].boot_id == now.boot_id) {
-      const auto& before = rows[rows.size() - 2];
-      const double wall_s = Seconds(now.wall_us - before.wall_us);
-      if (wall_s > 0) cpu = fmt::format("{:.0f}", 100 * (now.cpu_s - before.cpu_s) / wall_s);
-    }
-    const auto found = senders_.find(name);
-    const Traffic traffic = found == senders_.end() ? Traffic() : found->second;
-    const double age_s =
-        traffic.last_us == 0 ? -1 : std::max(0.0, Seconds(now_us - traffic.last_us));
-    const Rate rate = RateOf(traffic, now_us);
-    const bool late = age_s > kLateS && now.state != kEnded;
-    const auto state = static_cast<std::size_t>(std::clamp(now.state, 0, kEnded));
+  for (const ProcessRow& row : Processes(now_us)) {
+    const Timeline::ProcessSample& now = *row.last;
+    const std::string cpu = row.cpu_frac < 0 ? "-" : fmt::format("{:.0f}", 100 * row.cpu_frac);
     const std::string memory =
         now.rss_bytes <= 0 ? "-"
                            : fmt::format("{:.1f} MB", static_cast<double>(now.rss_bytes) / 1e6);
-    lines->push_back(
-        {fmt::format(kRow, Printable(name), late ? "silent" : kStates[state], Age(age_s),
-                     fmt::format("{:.0f}", rate.messages), fmt::format("{:.1f}", rate.bytes / 1000),
-                     Amount(now.received), Amount(now.lost), Amount(now.rejected),
-                     Amount(now.resent), now.boot_id + 1, cpu, memory),
-         late || now.state == kDegraded ? Look::kBad : Look::kPlain});
+    lines->push_back({fmt::format(kRow, Printable(row.name), row.state, Age(row.age_s),
+                                  fmt::format("{:.0f}", row.rate.messages),
+                                  fmt::format("{:.1f}", row.rate.bytes / 1000),
+                                  Amount(now.received), Amount(now.lost), Amount(now.rejected),
+                                  Amount(now.resent), now.boot_id + 1, cpu, memory),
+                      row.late || now.state == kDegraded ? Look::kBad : Look::kPlain});
   }
+}
+
+std::int64_t TopView::ToldUs(std::int64_t now_us) const {
+  return ended() || all_.last_us == 0 ? all_.last_us : now_us;
+}
+
+std::string TopView::Json(std::int64_t now_us) const {
+  using Json = nlohmann::ordered_json;
+  now_us = ToldUs(now_us);
+  const Timeline& timeline = feed_.timeline();
+  const auto or_null = [](double value) { return value < 0 ? Json() : Json(value); };
+  Json json = {{"version", 1},
+               {"scenario", timeline.scenario().name},
+               {"at_s", static_cast<double>(timeline.now_ms()) * 1e-3},
+               {"limit_s", ToSeconds(timeline.scenario().rules.limit_us)},
+               {"ended", timeline.ended()},
+               {"decision", nullptr},
+               {"policy", nullptr}};
+  if (const auto& schedules = timeline.schedules().rows; !schedules.empty()) {
+    json["decision"] = schedules.back().decision;
+    json["policy"] = schedules.back().policy;
+  }
+  const std::array<int, 4> tasks = TaskCounts();
+  json["tasks"] = {
+      {"open", tasks[0]}, {"reserved", tasks[1]}, {"being_sensed", tasks[2]}, {"done", tasks[3]}};
+  for (const AgentKind kind : kAgentKinds) {
+    const std::array<int, 7> count = AgentCounts(kind);
+    Json& agents = json["agents"][std::string(ToString(kind))];
+    for (std::size_t i = 0; i < count.size(); ++i) agents[kStatuses[i]] = count[i];
+  }
+  const Rate rate = RateOf(all_, now_us);
+  json["bus"] = {{"messages_per_s", rate.messages},
+                 {"bytes_per_s", rate.bytes},
+                 {"age_s", or_null(all_.last_us == 0 ? -1 : Seconds(now_us - all_.last_us))}};
+  json["processes"] = Json::array();
+  for (const ProcessRow& row : Processes(now_us)) {
+    json["processes"].push_back({{"name", row.name},
+                                 {"state", row.state},
+                                 {"age_s", or_null(row.age_s)},
+                                 {"messages_per_s", row.rate.messages},
+                                 {"bytes_per_s", row.rate.bytes},
+                                 {"received", row.last->received},
+                                 {"lost", row.last->lost},
+                                 {"rejected", row.last->rejected},
+                                 {"resent", row.last->resent},
+                                 {"starts", row.last->boot_id + 1},
+                                 {"cpu_frac", or_null(row.cpu_frac)},
+                                 {"rss_bytes", row.last->rss_bytes}});
+  }
+  // Names come from the bus: whatever is not UTF-8 is replaced.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 std::vector<TopView::Line> TopView::Lines(std::int64_t now_us, std::size_t width) const {
@@ -160,8 +237,7 @@ std::vector<TopView::Line> TopView::Lines(std::int64_t now_us, std::size_t width
     lines.push_back(
         {feed_.heard_run_id() ? "heard a mission; waiting for its scenario" : "nothing heard yet"});
   } else {
-    // A mission that is over is told as of its last message.
-    if (ended() || all_.last_us == 0) now_us = all_.last_us;
+    now_us = ToldUs(now_us);
     lines.push_back({MissionLine(), Look::kHead});
     lines.push_back({TaskLine()});
     lines.push_back({BusLine(now_us)});

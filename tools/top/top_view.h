@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -27,6 +28,9 @@ class TopView {
   /// 0: as wide as it gets. ASCII.
   std::vector<Line> Lines(std::int64_t now_us, std::size_t width) const;
 
+  /// The same facts as a JSON object; ready() only.
+  std::string Json(std::int64_t now_us) const;
+
   /// The mission's scenario is known and the world has told its state.
   bool ready() const { return feed_.ready() && feed_.timeline().done().version > 0; }
   bool ended() const { return feed_.ready() && feed_.timeline().ended(); }
@@ -45,6 +49,20 @@ class TopView {
   };
   static void Forget(Traffic* traffic, std::int64_t before_us);
   static Rate RateOf(const Traffic& traffic, std::int64_t now_us);
+  struct ProcessRow {
+    std::string name;
+    const char* state = "";
+    double age_s = -1;  // of its newest message; -1: none
+    bool late = false;
+    Rate rate;
+    double cpu_frac = -1;  // of one core since its last status; -1: not known
+    const Timeline::ProcessSample* last = nullptr;
+  };
+  /// The time of which a display tells: a mission that is over, of its last message.
+  std::int64_t ToldUs(std::int64_t now_us) const;
+  std::array<int, 4> TaskCounts() const;                 // [open, reserved, being sensed, done]
+  std::array<int, 7> AgentCounts(AgentKind kind) const;  // by status, kStatuses
+  std::vector<ProcessRow> Processes(std::int64_t now_us) const;
   std::string MissionLine() const;
   std::string TaskLine() const;
   std::string BusLine(std::int64_t now_us) const;

@@ -31,13 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kUsage =
-    "Faults on purpose (docs/faults.md)\n\n"
-    "Usage: muster faults run SCENARIO PLAN... [OPTION...] [-- OPTION of muster run...]\n"
-    "       muster faults random SCENARIO [OPTION...]\n"
-    "       muster faults drop SCENARIO --share P --at-min T [--seed N]\n"
-    "       muster faults soak [--missions N] [--seed S] [OPTION...]\n";
-
 /// Runs `muster run` and waits for it; a signal to us is handed on.
 int RunMuster(std::vector<std::string> arguments, const std::string& output_file,
               const StopSignals& stop) {
@@ -85,6 +78,7 @@ int Run(int argc, const char* const* argv) {
   std::vector<FaultPlan> plans;
   for (const std::string& file : files) plans.push_back(LoadFaultPlan(file));
   const StopSignals stop;
+  LoadScenario(scenario);  // what cannot be is said before the first file
   const RunDirectory out = RunDirectory::Take(arguments->Get("out"));
 
   std::size_t missed = 0;
@@ -177,17 +171,13 @@ int Drop(int argc, const char* const* argv) {
 }  // namespace
 
 int FaultsCommand(int argc, const char* const* argv) {
-  const std::string_view name = argc > 1 ? argv[1] : "";
-  if (name == "run") return Run(argc - 1, argv + 1);
-  if (name == "random") return Draw(argc - 1, argv + 1);
-  if (name == "drop") return Drop(argc - 1, argv + 1);
-  if (name == "soak") return SoakCommand(argc - 1, argv + 1);
-  if (name == "--help" || name == "-h") {
-    fmt::print("{}", kUsage);
-    return kExitOk;
-  }
-  throw InputError("command line", "faults", name.empty() ? "nothing" : name,
-                   "run, random, drop or soak");
+  static const std::vector<Command> commands = {
+      {"run", "runs a mission under fault plans and scores what they expect", Run},
+      {"random", "draws a fault plan", Draw},
+      {"drop", "writes a plan by which a share of all agents fails", Drop},
+      {"soak", "audits missions under random plans, by the thousand", SoakCommand},
+  };
+  return RunCommandOf(argv[0], "Faults on purpose (docs/faults.md)", commands, argc, argv);
 }
 
 }  // namespace muster::tools

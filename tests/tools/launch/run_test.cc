@@ -183,7 +183,11 @@ TEST_F(RunTest, CtrlCEndsItCleanly) {
   EXPECT_FALSE(log.end_announced);
   EXPECT_EQ(log.pids.size(), 6u);
   for (const auto& [name, pid] : log.pids) EXPECT_EQ(kill(pid, 0), -1) << name;
-  EXPECT_FALSE(Report()["log"]["complete"].get<bool>());
+  const auto report = Report();
+  EXPECT_FALSE(report["log"]["complete"].get<bool>());
+  EXPECT_EQ(report["log"]["n_missing"], 1) << report["log"]["missing"];
+  EXPECT_NE(muster.output().find(" min, all until then is there\n"), std::string::npos)
+      << muster.output();
 }
 
 TEST_F(RunTest, NoProcessIsLeftWhenTheLauncherIsKilled) {

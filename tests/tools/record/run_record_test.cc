@@ -9,6 +9,7 @@
 #include "lcmtypes/channels.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/record/digest.h"
+#include "tools/record/summary.h"
 
 namespace muster::tools {
 namespace {
@@ -174,6 +175,33 @@ TEST(RunRecord, SeesEveryKindOfMissingMessageWithoutAGap) {
     EXPECT_EQ(result.missing[0].owner, c.owner);
     EXPECT_EQ(result.n_missing, 1) << c.owner;
   }
+}
+
+TEST(RunRecord, AsksAMissionWithoutAnEndForNothingThatNeverWas) {
+  constexpr std::int64_t kStopped = 12;
+  FakeLog log = MakeFakeMission();
+  std::erase_if(log, [](FakeMessage& m) {
+    return m.channel != channel::kScenario && m.header().sim_us > kStopped * 60'000'000;
+  });
+  // The newest tick was under way: not everybody had told of it.
+  std::erase_if(log,
+                [](const FakeMessage& m) { return IsStates(m, channel::kVehicles, kStopped); });
+  Renumber(&log);
+  const RunRecord record = RecordOf(log);
+  const RunRecord::Completeness result = record.CheckComplete();
+  EXPECT_FALSE(result.complete);
+  EXPECT_FALSE(result.ended);
+  EXPECT_EQ(result.last_tick, kStopped - 1);
+  ASSERT_EQ(result.missing.size(), 1u);
+  EXPECT_EQ(result.missing[0].owner, "end");
+  EXPECT_EQ(result.n_missing, 1);
+  EXPECT_NE(Summary(record).find("; ends at 11.0 of 30 min, all until then is there\n"),
+            std::string::npos)
+      << Summary(record);
+  // What is missing before it still is.
+  std::erase_if(log, [](const FakeMessage& m) { return IsStates(m, channel::kVehicles, 5); });
+  Renumber(&log);
+  EXPECT_EQ(RecordOf(log).CheckComplete().missing[0].owner, "vehicle:0");
 }
 
 TEST(RunRecord, TakesTheSameTickFromARestartedProcessOnly) {

@@ -1,0 +1,178 @@
+// What users get back from the real program.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/temporary_folder.h"
+#include "tests/tools/host/child_process.h"
+
+namespace muster::tools {
+namespace {
+
+ChildResult Muster(const std::vector<std::string>& arguments) {
+  return RunInChild([&]() -> int { Exec(MUSTER_PROGRAM, arguments); });
+}
+
+std::string TextOf(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    const ChildResult made =
+        Muster({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",
+                "--charging-points", "1", "--limit", "30", "-o", scenario_});
+    ASSERT_EQ(made.exit_code, 0) << made.output;
+  }
+
+  /// A run directory with a log.
+  std::string MakeRun() {
+    const std::string run = folder_.File("run");
+    const ChildResult result = Muster({"simulate", scenario_, "--log", "--out", run});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return run;
+  }
+
+  TemporaryFolder folder_;
+  const std::string scenario_ = folder_.File("s.json");
+};
+
+TEST_F(CommandLine, NamesWhatTheUserMayHaveMeant) {
+  const struct {
+    std::vector<std::string> arguments;
+    std::string meant;
+  } cases[] = {
+      {{"runn", scenario_}, "muster: no command 'muster runn' (did you mean 'run'?)\n"},
+      {{"log", "inof"}, "muster: no command 'muster log inof' (did you mean 'info'?)\n"},
+      {{"help", "simulat"}, "muster: no command 'muster simulat' (did you mean 'simulate'?)\n"},
+      {{"frobnicate"}, "muster: no command 'muster frobnicate' (see muster --help)\n"},
+      {{"simulate", scenario_, "--polcy", "ils"},
+       "muster: no option '--polcy' (did you mean '--policy'?)\n"},
+      {{"simulate", scenario_, "--policy", "rolout"}, "(did you mean 'rollout'?)\n"},
+      {{"run", scenario_, "--policy", "rolout"}, "(did you mean 'rollout'?)\n"},
+      {{"scenario", "--preset", "Radnom_3"}, "(did you mean 'Random_3'?)\n"},
+      {{"run", scenario_, "--on-loss", "contniue"}, "(did you mean 'continue'?)\n"},
+      {{"faults", "random", scenario_, "--kinds", "los"}, "(did you mean 'loss'?)\n"},
+  };
+  for (const auto& c : cases) {
+    const ChildResult result = Muster(c.arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_TRUE(result.output.ends_with(c.meant)) << result.output;
+  }
+}
+
+TEST_F(CommandLine, HelpOfACommandIsItsHelp) {
+  EXPECT_EQ(Muster({"help"}).output, Muster({"--help"}).output);
+  EXPECT_EQ(Muster({"help", "run"}).output, Muster({"run", "--help"}).output);
+  EXPECT_EQ(Muster({"help", "log", "cut"}).output, Muster({"log", "cut", "--help"}).output);
+  EXPECT_EQ(Muster({"log", "help", "cut"}).output, Muster({"log", "cut", "--help"}).output);
+  EXPECT_EQ(Muster({"-v"}).output, Muster({"--version"}).output);
+  const ChildResult cut = Muster({"log", "cut", "--help"});
+  EXPECT_EQ(cut.exit_code, 0);
+  EXPECT_TRUE(cut.output.starts_with("Usage: muster log cut [OPTION...] RUN\n\n")) << cut.output;
+  EXPECT_TRUE(Muster({"bench", "--help"}).output.starts_with("Usage: muster bench [OPTION...]\n"));
+  const ChildResult none = Muster({});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_EQ(none.output, Muster({"--help"}).output);
+}
+
+TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
+  const std::string run = MakeRun();
+  const std::string garbage = folder_.File("garbage.json");
+  std::ofstream(garbage) << R"({"version": 1, "name": "x"})";
+  const std::string plan = folder_.File("plan.json");
+  std::ofstream(plan) << Muster({"faults", "random", scenario_}).output;
+  const std::string out = folder_.File("out");
+  const std::vector<std::vector<std::string>> commands = {
+      {"run"},
+      {"simulate"},
+      {"bound"},
+      {"faults", "random"},
+      {"faults", "drop", "--share", "0.5", "--at-min", "5"},
+      {"faults", "run", "--out", out, "--"},
+      {"export-graph", "--out", out},
+  };
+  for (const std::string& scenario : {folder_.File("none.json"), garbage, run}) {
+    for (std::vector<std::string> command : commands) {
+      if (command[0] == "export-graph" && scenario == run) continue;  // takes runs too
+      if (command.back() == "--") {
+        command.pop_back();
+        command.insert(command.end(), {scenario, plan});
+      } else {
+        command.push_back(scenario);
+      }
+      const ChildResult result = Muster(command);
+      EXPECT_EQ(result.exit_code, 2) << command[0] << " " << scenario << "\n" << result.output;
+      EXPECT_TRUE(Contains(result.output, scenario)) << result.output;
+      if (scenario == run) {
+        EXPECT_TRUE(Contains(result.output, "its scenario is " + run + "/scenario.json"))
+            << result.output;
+      }
+      EXPECT_FALSE(std::filesystem::exists(out)) << command[0];
+    }
+  }
+  for (const char* command : {"explain", "audit", "redecide", "replay"}) {
+    std::vector<std::string> arguments = {command, folder_.File("none")};
+    if (arguments[0] == "explain") arguments.insert(arguments.end(), {"--task", "0"});
+    EXPECT_EQ(Muster(arguments).exit_code, 2) << command;
+  }
+}
+
+TEST_F(CommandLine, SimulatePrintsItsReportAsJson) {
+  const std::string run = folder_.File("run");
+  const ChildResult result = Muster({"simulate", scenario_, "--json", "-o", run});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(result.output, TextOf(run + "/report.json"));
+}
+
+TEST_F(CommandLine, TopTellsOneSnapshotAsJson) {
+  const ChildResult result = Muster({"top", MakeRun(), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto top = nlohmann::json::parse(result.output);
+  EXPECT_EQ(top["version"], 1);
+  EXPECT_EQ(top["limit_s"], 1800);
+  EXPECT_EQ(top["at_s"], 1800);
+  EXPECT_EQ(top["ended"], true);
+  EXPECT_EQ(top["decision"], 2);
+  EXPECT_EQ(top["policy"], "certified");
+  int tasks = 0;
+  for (const auto& [status, count] : top["tasks"].items()) tasks += count.get<int>();
+  EXPECT_EQ(tasks, 3);
+  int uavs = 0;
+  for (const auto& [status, count] : top["agents"]["uav"].items()) uavs += count.get<int>();
+  EXPECT_EQ(uavs, 2);
+  EXPECT_TRUE(top["processes"].is_array());
+}
+
+TEST_F(CommandLine, ReportWritesOverPagesOnly) {
+  const std::string run = MakeRun();
+  const std::string page = folder_.File("page.html");
+  const ChildResult first = Muster({"report", run, "-o", page});
+  if (Contains(first.output, "built without esbuild")) GTEST_SKIP() << first.output;
+  EXPECT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(Muster({"report", run, "-o", page}).exit_code, 0) << "a page may be made again";
+  std::ofstream(page, std::ios::trunc).close();
+  EXPECT_EQ(Muster({"report", run, "-o", page}).exit_code, 0) << "an empty file too";
+
+  const std::string scenario = TextOf(scenario_);
+  const ChildResult refused = Muster({"report", run, "-o", scenario_});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(Contains(refused.output, "--out: found " + scenario_)) << refused.output;
+  EXPECT_EQ(TextOf(scenario_), scenario);
+}
+
+}  // namespace
+}  // namespace muster::tools
