@@ -61,7 +61,7 @@ else()
 endif()
 
 # Libraries and headers.
-set(libraries base program model types bus protocol scheduler solver policies scheduler_process
+set(libraries base program words model types bus protocol scheduler solver policies scheduler_process
   agents)
 set(pc_libraries "")
 foreach(library IN LISTS libraries)

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "lcmtypes/words.h"
+
 namespace muster {
 
 /// The channel table: name, type, who publishes, how often, largest encoded message that is
@@ -17,7 +19,8 @@ struct Channel {
   /// Whether that sender may publish on it: where the publisher is one process it is the sender's
   /// name, and whoever else speaks there is an intruder.
   constexpr bool AcceptsFrom(std::string_view sender) const {
-    const bool one = publisher == "world" || publisher == "scheduler" || publisher == "recorder";
+    const bool one = publisher == process_name::kWorld || publisher == process_name::kScheduler ||
+                     publisher == process_name::kRecorder;
     return !one || sender == publisher;
   }
 };
@@ -41,19 +44,19 @@ inline constexpr std::string_view kRestore = "MUSTER_RESTORE";
 
 inline constexpr std::int64_t kMiB = 1 << 20;
 inline constexpr Channel kChannels[] = {
-    {channel::kScenario, "scenario_t", "world", "at start, on request", 64 * kMiB},
-    {channel::kClock, "clock_t", "world", "every tick", 1024},
-    {channel::kWorld, "world_state_t", "world", "every tick", 16 * kMiB},
-    {channel::kRulings, "rulings_t", "world", "every tick", 4 * kMiB},
+    {channel::kScenario, "scenario_t", process_name::kWorld, "at start, on request", 64 * kMiB},
+    {channel::kClock, "clock_t", process_name::kWorld, "every tick", 1024},
+    {channel::kWorld, "world_state_t", process_name::kWorld, "every tick", 16 * kMiB},
+    {channel::kRulings, "rulings_t", process_name::kWorld, "every tick", 4 * kMiB},
     {channel::kUavs, "agent_states_t", "UAV processes", "every tick", 1 * kMiB},
     {channel::kWorkers, "agent_states_t", "worker processes", "every tick", 1 * kMiB},
     {channel::kVehicles, "agent_states_t", "vehicle processes", "every tick", 1 * kMiB},
-    {channel::kSchedule, "schedule_t", "scheduler", "every decision", 16 * kMiB},
+    {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB},
     {channel::kEvent, "event_t", "world, launcher", "when it happens", 4096},
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
     {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
      4096},
-    {channel::kLog, "log_status_t", "recorder", "when the log grew", 64 * 1024},
+    {channel::kLog, "log_status_t", process_name::kRecorder, "when the log grew", 64 * 1024},
     {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024},
     {channel::kRestore, "restore_t", "whoever holds the message", "when requested", 64 * kMiB},
 };

@@ -2,41 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "base/check.h"
-
 namespace muster {
 
-std::string_view Symbol(ActionKind kind) {
-  switch (kind) {
-    case ActionKind::kNone:
-      return "none";
-    case ActionKind::kUavStays:
-      return "Ui";
-    case ActionKind::kWorkerStays:
-      return "Wj";
-    case ActionKind::kVehicleStays:
-      return "Vk";
-    case ActionKind::kUavToTask:
-      return "UiTx";
-    case ActionKind::kWorkerToTask:
-      return "WjTx";
-    case ActionKind::kUavToCharge:
-      return "UiCy";
-    case ActionKind::kVehicleToCharge:
-      return "VkCy";
-    case ActionKind::kSense:
-      return "UiTxWj";
-    case ActionKind::kCharge:
-      return "UiCyVk";
-    case ActionKind::kGoTo:
-      return "go";
-  }
-  MUSTER_CHECK(false, "kind={}", static_cast<int>(kind));
-  return {};
-}
-
 std::string ToString(const Action& action) {
-  std::string text(Symbol(action.kind));
+  std::string text(ToString(action.kind));
   const auto add = [&text](const char* name, std::int32_t id) {
     if (id >= 0) text += fmt::format(" {}:{}", name, id);
   };

@@ -49,40 +49,6 @@ bool Takes(const AgentState& agent, const Activity& activity) {
 
 }  // namespace
 
-std::string_view ToString(AgentKind kind) {
-  switch (kind) {
-    case AgentKind::kUav:
-      return "uav";
-    case AgentKind::kWorker:
-      return "worker";
-    case AgentKind::kVehicle:
-      return "vehicle";
-  }
-  MUSTER_CHECK(false, "kind={}", static_cast<int>(kind));
-  return {};
-}
-
-std::string_view ToString(AgentStatus status) {
-  switch (status) {
-    case AgentStatus::kOffline:
-      return "offline";
-    case AgentStatus::kIdle:
-      return "idle";
-    case AgentStatus::kMoving:
-      return "moving";
-    case AgentStatus::kWaiting:
-      return "waiting";
-    case AgentStatus::kSensing:
-      return "sensing";
-    case AgentStatus::kCharging:
-      return "charging";
-    case AgentStatus::kFailed:
-      return "failed";
-  }
-  MUSTER_CHECK(false, "status={}", static_cast<int>(status));
-  return {};
-}
-
 AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec) {
   AgentState agent;
   agent.kind = kind;

@@ -12,25 +12,9 @@
 
 namespace muster {
 
-/// The numbers are the wire's.
-enum class AgentStatus : std::int8_t {
-  kOffline = 0,
-  kIdle = 1,
-  kMoving = 2,
-  kWaiting = 3,
-  kSensing = 4,
-  kCharging = 5,
-  kFailed = 6,
-};
-
-enum class TaskStatus : std::int8_t { kOpen = 0, kReserved = 1, kSensing = 2, kDone = 3 };
-
-std::string_view ToString(AgentKind kind);  ///< "uav", "worker", "vehicle"
-std::string_view ToString(AgentStatus status);
-
 /// A pair's sensing or charging, exact and known from the moment that both legs are.
 struct Activity {
-  enum class Kind : std::int8_t { kSensing = 0, kCharging = 1 };
+  using Kind = ActivityKind;
   Kind kind = Kind::kSensing;
   UavId uav;
   std::int32_t partner = -1;  ///< worker or vehicle
@@ -47,10 +31,7 @@ inline AgentKind PartnerKind(Activity::Kind kind) {
 
 /// The world's word on one agent, which that agent cannot know by itself.
 struct Ruling {
-  enum class Kind : std::int8_t {
-    kFailed = 0,    ///< failed at at_us; holds as long as the ruling is listed
-    kReleased = 1,  ///< its action ended at at_us without effect
-  };
+  using Kind = RulingKind;
   AgentKind agent_kind = AgentKind::kUav;
   std::int32_t agent = -1;
   Kind kind = Kind::kFailed;

@@ -9,13 +9,9 @@
 #include "base/geometry.h"
 #include "base/ids.h"
 #include "base/units.h"
+#include "lcmtypes/words.h"
 
 namespace muster {
-
-/// An agent class. The numbers are the wire's.
-enum class AgentKind : std::int8_t { kUav = 0, kWorker = 1, kVehicle = 2 };
-inline constexpr AgentKind kAgentKinds[] = {AgentKind::kUav, AgentKind::kWorker,
-                                            AgentKind::kVehicle};
 
 /// What the scenario says of one agent. Online in [online_from_us, online_until_us).
 /// range_* only for UAVs (distance in metres, as in the paper), charge_rate_m_s only for vehicles

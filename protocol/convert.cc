@@ -115,7 +115,7 @@ std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
   for (std::size_t first = 0; first < agents.size(); first += kAgentsPerMessage) {
     const auto part = agents.subspan(first, std::min(kAgentsPerMessage, agents.size() - first));
     agent_states_t& states = messages.emplace_back();
-    states.kind = static_cast<std::int8_t>(kind);
+    states.kind = NumberOf(kind);
     states.tick = tick;
     states.applied_decision = applied_decision;
     states.agents.assign(part.begin(), part.end());
@@ -154,13 +154,13 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
     agent.range_per_m =
         RangePerMetre(UavId(wire.id), wire.decision, limits.disturbances, limits.seed);
   }
-  agent.failed = static_cast<AgentStatus>(wire.status) == AgentStatus::kFailed;
+  agent.failed = wire.status == AgentStatus::kFailed;
   return agent;
 }
 
 activity_t ToWire(const Activity& activity) {
   activity_t wire{};
-  wire.kind = static_cast<std::int8_t>(activity.kind);
+  wire.kind = NumberOf(activity.kind);
   wire.uav_id = activity.uav.value;
   wire.partner_id = activity.partner;
   wire.site_id = activity.site;
@@ -170,9 +170,8 @@ activity_t ToWire(const Activity& activity) {
 }
 
 std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits) {
-  const bool sensing = wire.kind == static_cast<std::int8_t>(Activity::Kind::kSensing);
-  if (!sensing && wire.kind != static_cast<std::int8_t>(Activity::Kind::kCharging)) return {};
-  if (!Below(wire.uav_id, limits.uavs) ||
+  const bool sensing = wire.kind == ActivityKind::kSensing;
+  if (!IsWord<ActivityKind>(wire.kind) || !Below(wire.uav_id, limits.uavs) ||
       !Below(wire.partner_id, sensing ? limits.workers : limits.vehicles) ||
       !Below(wire.site_id, sensing ? limits.tasks.size() : limits.charging_points.size()) ||
       wire.start_us < 0 || wire.end_us < wire.start_us) {
@@ -190,15 +189,15 @@ std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limit
 
 ruling_t ToWire(const Ruling& ruling) {
   ruling_t wire{};
-  wire.agent_kind = static_cast<std::int8_t>(ruling.agent_kind);
+  wire.agent_kind = NumberOf(ruling.agent_kind);
   wire.agent_id = ruling.agent;
-  wire.kind = static_cast<std::int8_t>(ruling.kind);
+  wire.kind = NumberOf(ruling.kind);
   wire.at_us = ruling.at_us;
   return wire;
 }
 
 std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits) {
-  if (wire.agent_kind < 0 || wire.agent_kind > 2 || wire.kind < 0 || wire.kind > 1) return {};
+  if (!IsWord<AgentKind>(wire.agent_kind) || !IsWord<RulingKind>(wire.kind)) return {};
   const auto kind = static_cast<AgentKind>(wire.agent_kind);
   if (!Below(wire.agent_id, limits.agents(kind)) || wire.at_us < 0) return {};
   return Ruling{kind, wire.agent_id, static_cast<Ruling::Kind>(wire.kind), wire.at_us};
@@ -206,7 +205,7 @@ std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits) {
 
 action_t ToWire(const Action& action) {
   action_t wire{};
-  wire.kind = static_cast<std::int8_t>(action.kind);
+  wire.kind = NumberOf(action.kind);
   wire.uav_id = action.uav.value;
   wire.worker_id = action.worker.value;
   wire.vehicle_id = action.vehicle.value;
@@ -219,8 +218,8 @@ action_t ToWire(const Action& action) {
 }
 
 std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits) {
-  if (wire.kind < 0 || wire.kind > 9) return {};
-  if (!NoneOrBelow(wire.uav_id, limits.uavs) || !NoneOrBelow(wire.worker_id, limits.workers) ||
+  if (!IsWord<ActionKind>(wire.kind) || !NoneOrBelow(wire.uav_id, limits.uavs) ||
+      !NoneOrBelow(wire.worker_id, limits.workers) ||
       !NoneOrBelow(wire.vehicle_id, limits.vehicles) ||
       !NoneOrBelow(wire.task_id, limits.tasks.size()) ||
       !NoneOrBelow(wire.charge_id, limits.charging_points.size()) || !std::isfinite(wire.x_m) ||

@@ -11,9 +11,6 @@
 namespace muster {
 namespace {
 
-constexpr std::int8_t kApplied = 13;
-constexpr std::int8_t kEnded = 14;
-
 std::set<std::string> Names(std::string_view list) {
   std::set<std::string> names;
   while (!list.empty()) {
@@ -83,7 +80,7 @@ std::optional<event_t> FaultSwitch::Take(const fault_t& fault) {
   if (ends == (active == active_.end())) return {};
   const std::int64_t hits = Hits(static_cast<FaultKind>(fault.kind));
   event_t event{};
-  event.kind = ends ? kEnded : kApplied;
+  event.kind = NumberOf(ends ? EventKind::kFaultEnded : EventKind::kFaultApplied);
   event.at_us = fault.at_us;
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
   event.fault_id = fault.fault_id;

@@ -10,30 +10,9 @@
 #include <utility>
 
 #include "lcmtypes/bus/lossy_bus.h"
+#include "lcmtypes/words.h"
 
 namespace muster {
-
-/// The wire's numbers of fault_t's kind.
-enum class FaultKind : std::int8_t {
-  kAgentFails = 0,
-  kAgentSilent = 1,
-  kProcessKilled = 2,
-  kProcessStopped = 3,
-  kPartition = 4,
-  kLoss = 5,
-  kDuplication = 6,
-  kDelay = 7,
-  kReordering = 8,
-  kCorruption = 9,
-  kDiskFull = 10,
-  kForeign = 11,
-};
-
-/// Kinds that a process sees in the packets that it receives, and confirms.
-constexpr bool IsPacketFault(FaultKind kind) {
-  return (kind >= FaultKind::kPartition && kind <= FaultKind::kCorruption) ||
-         kind == FaultKind::kForeign;
-}
 
 /// Whether a fault on packets concerns that process. Targets: a name, "*" (all), and for a
 /// partition "one+two|three".

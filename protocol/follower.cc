@@ -24,8 +24,9 @@ void Follower::OnStep(const Now& now) {
 }
 
 void Follower::Follow(const clock_t& clock) {
-  if (clock.phase == 2) set_state(ProcessState::kEnded);
-  if (clock.phase == 1 && state() == ProcessState::kReady) set_state(ProcessState::kRunning);
+  if (clock.phase == ClockPhase::kEnded) set_state(ProcessState::kEnded);
+  if (clock.phase == ClockPhase::kRunning && state() == ProcessState::kReady)
+    set_state(ProcessState::kRunning);
 }
 
 void Follower::Ask(std::string_view name, TimeUs sim_us, const Now& now) {

@@ -8,18 +8,11 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/words.h"
 #include "protocol/inbox.h"
 #include "protocol/sender.h"
 
 namespace muster {
-
-enum class ProcessState : std::int8_t {
-  kStarting = 0,
-  kReady = 1,
-  kRunning = 2,
-  kDegraded = 3,
-  kEnded = 4,
-};
 
 /// What the operating system knows of a process; measured at the edge, only reported.
 struct Usage {

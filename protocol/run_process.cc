@@ -30,11 +30,6 @@ void CatchStopSignals() {
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
-std::string_view NameOf(ProcessState state) {
-  constexpr std::string_view kNames[] = {"starting", "ready", "running", "degraded", "ended"};
-  return kNames[static_cast<int>(state)];
-}
-
 }  // namespace
 
 TimeUs MonotonicUs() {
@@ -64,10 +59,10 @@ Usage HostUsage() {
   return usage;
 }
 
-void AddProcessOptions(Options* options, const std::string& default_name) {
+void AddProcessOptions(Options* options, std::string_view default_name) {
   options->Group("Process");
   options->Add("l,lcm-url", "URL", "LCM URL").Default(DefaultUrl());
-  options->Add("name", "NAME", "Sender name of this process").Default(default_name);
+  options->Add("name", "NAME", "Sender name of this process").Default(std::string(default_name));
   options->Add("run-id", "N", "Messages of other runs are ignored")
       .Integer(std::numeric_limits<std::int64_t>::min())
       .Default(1);
@@ -114,7 +109,7 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   while (!stop_requested) {
     const Now now = HostNow();
     if (drive.Turn(arrived, now, HostUsage) && !quiet) {
-      fmt::print(stderr, "{}: {}\n", process->identity().name, NameOf(process->state()));
+      fmt::print(stderr, "{}: {}\n", process->identity().name, ToString(process->state()));
     }
     const TimeUs wait_us = drive.wake_us(now.monotonic_us) - MonotonicUs();
     arrived = bus->Receive(std::max<TimeUs>(wait_us, 0));

@@ -27,7 +27,7 @@ struct ProcessFlags {
   bool quiet = false;
 };
 
-void AddProcessOptions(Options* options, const std::string& default_name);
+void AddProcessOptions(Options* options, std::string_view default_name);
 /// Throws InputError on a value that cannot be. `only_name`: what the process must be called, since
 /// nobody listens to another on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");

@@ -13,7 +13,6 @@ namespace {
 
 /// Ticks kept. The newest may have been told in part, and it takes the verdict on the one before.
 constexpr std::size_t kTicks = 4;
-constexpr std::string_view kWorldName = "world";
 /// A damaged name makes a sender that is none.
 constexpr std::size_t kMostSources = 1000;
 constexpr TimeUs kPatienceUs = 2 * kSecondUs;
@@ -106,7 +105,7 @@ std::optional<std::int64_t> Archive::Consistent() const {
 }
 
 bool Archive::AnswersAtOnce(const request_t& request) const {
-  return goes_on_ && request.header.sender == kWorldName;
+  return goes_on_ && request.header.sender == process_name::kWorld;
 }
 
 std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) {

@@ -57,10 +57,10 @@ int Main(int argc, char** argv) {
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
            "An agent fails in [FROM, UNTIL), by order of that fault")
       .Repeated();
-  AddProcessOptions(&options, "world");
+  AddProcessOptions(&options, process_name::kWorld);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  ProcessFlags flags = ReadProcessFlags(*arguments, "world");
+  ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kWorld);
   WorldOptions world;
   world.rate = arguments->Get("rate") == "max" ? 0 : arguments->Get<double>("rate");
   world.recorded = arguments->Has("recorder");

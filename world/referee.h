@@ -11,25 +11,9 @@
 
 namespace muster::world {
 
-/// Something that happened, at its exact time. The numbers of Kind are the wire's.
+/// Something that happened, at its exact time.
 struct Event {
-  enum class Kind : std::int8_t {
-    kAgentOnline = 0,
-    kAgentOffline = 1,
-    kAgentFailed = 2,
-    kAgentBack = 3,
-    kSensingStarted = 4,
-    kSensingDone = 5,
-    kSensingAborted = 6,
-    kChargingStarted = 7,
-    kChargingDone = 8,
-    kChargingAborted = 9,
-    kMatchFailed = 10,
-    kProcessLost = 11,
-    kProcessBack = 12,
-    kFaultApplied = 13,
-    kFaultEnded = 14,
-  };
+  using Kind = EventKind;
   Kind kind = Kind::kAgentOnline;
   TimeUs at_us = 0;
   UavId uav;

@@ -8,12 +8,6 @@
 #include "lcmtypes/channels.h"
 
 namespace muster::world {
-namespace {
-
-constexpr std::string_view kOwnName = "world";
-
-}  // namespace
-
 Restoring::Restoring(const Scenario& scenario, std::int64_t run_id)
     : scenario_(scenario), limits_(scenario), run_id_(run_id) {
   for (const AgentKind kind : kAgentKinds) {
@@ -34,7 +28,7 @@ bool Restoring::Take(const restore_t& restore) {
       return false;
     }
     // An earlier start's word on lost agents, meant for their process.
-    if (states->header.sender == kOwnName) return true;
+    if (states->header.sender == process_name::kWorld) return true;
     std::vector<AgentState> agents;
     for (const agent_t& wire : states->agents) {
       const auto agent = FromWire(wire, kind, scenario_.rules.TimeOf(states->tick), limits_);

@@ -25,7 +25,7 @@ std::string LostDetail(const std::string& process) { return process + " is lost"
 
 event_t ToWire(const Event& event) {
   event_t wire{};
-  wire.kind = static_cast<std::int8_t>(event.kind);
+  wire.kind = NumberOf(event.kind);
   wire.at_us = event.at_us;
   wire.uav_id = event.uav.value;
   wire.worker_id = event.worker.value;
@@ -241,7 +241,7 @@ void WorldProcess::PublishClock(const Now& now) {
   clock.limit_us = scenario_.rules.limit_us;
   clock.decision = DecisionAt(tick_);
   clock.required_decision = required_decision_;
-  clock.phase = static_cast<std::int8_t>(phase_);
+  clock.phase = NumberOf(phase_);
   set_sim_us(clock.tick_us);
   clock_packet_ = sender().Send(channel::kClock, clock, clock.tick_us, now);
 }
@@ -297,8 +297,7 @@ void WorldProcess::PublishEvents(const Now& now) {
                     [&](const Outage& outage) { return outage.detail == event.detail; });
     if (!ordered) continue;
     event_t confirmation = ToWire(event);
-    confirmation.kind =
-        static_cast<std::int8_t>(failed ? Event::Kind::kFaultApplied : Event::Kind::kFaultEnded);
+    confirmation.kind = NumberOf(failed ? EventKind::kFaultApplied : EventKind::kFaultEnded);
     confirmation.fault_id = event.detail;
     confirmation.detail = identity().name;
     sender().Send(channel::kEvent, std::move(confirmation), tick_us(tick_), now);

@@ -42,7 +42,7 @@ class WorldProcess : public Process {
   std::int64_t tick() const override { return tick_; }
 
  private:
-  enum class Phase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
+  using Phase = ClockPhase;
   enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
   enum class Heard : char { kNot, kYes, kNotAwaited };
   void Take(const agent_states_t& states, const Packet& packet);
@@ -103,7 +103,7 @@ class WorldProcess : public Process {
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
   BackOff repeat_{2'000, 40'000};
   Peers peers_;
-  std::string scheduler_name_ = "scheduler";
+  std::string scheduler_name_{process_name::kScheduler};
   TimeUs look_us_ = 0;
   std::int32_t judged_applied_ = -1;  ///< decision in force at judged_tick_
 

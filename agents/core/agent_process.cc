@@ -136,7 +136,7 @@ void AgentProcess::Take(const clock_t& clock) {
   if (!Possible(clock, scenario()->rules)) return inbox().Reject();
   if (!restored_) return;
   Follow(clock);
-  if (clock.phase < 2 && (clock.tick == tick_ || clock.tick == tick_ - 1)) {
+  if (clock.phase != ClockPhase::kEnded && (clock.tick == tick_ || clock.tick == tick_ - 1)) {
     repeat_tick_ = clock.tick;
   }
   if (clock.tick == tick_ + 1) clock_ = clock;

@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "lcmtypes/channels.h"
+#include "lcmtypes/words.h"
 
 namespace muster {
 namespace {
@@ -204,18 +205,22 @@ bool ValidAgent(const agent_t& a) {
          NotNegative(a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
                      a.range_at_departure_m, a.depart_us, a.arrive_us, a.online_from_us,
                      a.online_until_us, a.busy_until_us) &&
-         In(a.status, 0, 6) && In(a.action, -1, 9) && AreIds(a.target_id, a.partner_id, a.decision);
+         IsWord<AgentStatus>(a.status) &&
+         (a.action == ActionKind::kNone || IsWord<ActionKind>(a.action)) &&
+         AreIds(a.target_id, a.partner_id, a.decision);
 }
 bool ValidAction(const action_t& a) {
-  return In(a.kind, 0, 9) && AreIds(a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id) &&
+  return IsWord<ActionKind>(a.kind) &&
+         AreIds(a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id) &&
          Finite(a.x_m, a.y_m, a.weight);
 }
 bool ValidActivity(const activity_t& a) {
-  return In(a.kind, 0, 1) && NotNegative(a.uav_id, a.partner_id, a.site_id, a.start_us) &&
-         a.end_us >= a.start_us;
+  return IsWord<ActivityKind>(a.kind) &&
+         NotNegative(a.uav_id, a.partner_id, a.site_id, a.start_us) && a.end_us >= a.start_us;
 }
 bool ValidRuling(const ruling_t& r) {
-  return In(r.agent_kind, 0, 2) && In(r.kind, 0, 1) && NotNegative(r.agent_id, r.at_us);
+  return IsWord<AgentKind>(r.agent_kind) && IsWord<RulingKind>(r.kind) &&
+         NotNegative(r.agent_id, r.at_us);
 }
 
 }  // namespace
@@ -249,20 +254,20 @@ bool Valid(const header_t& h) {
          NotNegative(h.boot_id, h.seq, h.sim_us, h.wall_us);
 }
 bool Valid(const agent_states_t& m) {
-  return Valid(m.header) && In(m.kind, 0, 2) && m.tick >= 0 && m.applied_decision >= -1 &&
+  return Valid(m.header) && IsWord<AgentKind>(m.kind) && m.tick >= 0 && m.applied_decision >= -1 &&
          std::all_of(m.agents.begin(), m.agents.end(), ValidAgent);
 }
 bool Valid(const clock_t& m) {
   return Valid(m.header) && NotNegative(m.tick, m.tick_us, m.limit_us) && m.decision >= -1 &&
-         m.required_decision >= -1 && In(m.phase, 0, 2);
+         m.required_decision >= -1 && IsWord<ClockPhase>(m.phase);
 }
 bool Valid(const event_t& m) {
-  return Valid(m.header) && In(m.kind, 0, 14) && m.at_us >= 0 &&
+  return Valid(m.header) && IsWord<EventKind>(m.kind) && m.at_us >= 0 &&
          AreIds(m.uav_id, m.worker_id, m.vehicle_id, m.task_id, m.charge_id) &&
          IsName(m.fault_id) && IsText(m.detail, kMaxDetail);
 }
 bool Valid(const fault_t& m) {
-  return Valid(m.header) && IsName(m.fault_id) && In(m.kind, 0, 11) && IsName(m.target) &&
+  return Valid(m.header) && IsName(m.fault_id) && IsWord<FaultKind>(m.kind) && IsName(m.target) &&
          NotNegative(m.at_us, m.for_us) && m.probability >= 0 && m.probability <= 1;
 }
 bool Valid(const log_status_t& m) {
@@ -272,8 +277,8 @@ bool Valid(const log_status_t& m) {
          });
 }
 bool Valid(const process_status_t& m) {
-  return Valid(m.header) && IsName(m.name) && IsName(m.host) && m.pid >= 0 && In(m.state, 0, 4) &&
-         m.tick >= -1 &&
+  return Valid(m.header) && IsName(m.name) && IsName(m.host) && m.pid >= 0 &&
+         IsWord<ProcessState>(m.state) && m.tick >= -1 &&
          NotNegative(m.received, m.lost, m.rejected, m.resent, m.cpu_s, m.rss_bytes) &&
          Finite(m.cpu_s);
 }
@@ -296,8 +301,7 @@ bool Valid(const schedule_t& m) {
 }
 bool Valid(const world_state_t& m) {
   return Valid(m.header) && m.tick >= 0 && In(m.done, 0, m.n_tasks) &&
-         std::all_of(m.task_status.begin(), m.task_status.end(),
-                     [](std::int8_t status) { return In(status, 0, 3); }) &&
+         std::all_of(m.task_status.begin(), m.task_status.end(), IsWord<TaskStatus>) &&
          std::all_of(m.activities.begin(), m.activities.end(), ValidActivity);
 }
 

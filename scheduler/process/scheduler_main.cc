@@ -29,10 +29,10 @@ int Run(const std::string& program, int argc, char** argv, const std::vector<Own
   Option& option = AddPolicyOption(&options, help);
   if (!own.empty()) option.Default(own.front().name);
   AddDeadlineOption(&options);
-  AddProcessOptions(&options, "scheduler");
+  AddProcessOptions(&options, process_name::kScheduler);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  const ProcessFlags flags = ReadProcessFlags(*arguments, "scheduler");
+  const ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kScheduler);
   std::optional<double> deadline_ms;
   arguments->Read("deadline", &deadline_ms);
   const std::string policy = arguments->Get("policy");

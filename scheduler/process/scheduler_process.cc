@@ -39,7 +39,7 @@ void SchedulerProcess::Take(const clock_t& clock) {
   // may still be sent again for the log.
   if (clock.header.boot_id < world_boot_) return;
   const bool is_new_start = clock.header.boot_id > world_boot_;
-  if (clock.phase < 2 && clock.tick <= tick_) repeat_tick_ = clock.tick;
+  if (clock.phase != ClockPhase::kEnded && clock.tick <= tick_) repeat_tick_ = clock.tick;
   if (clock.tick <= tick_ && !is_new_start) return;
   world_boot_ = clock.header.boot_id;
   tick_ = clock.tick;

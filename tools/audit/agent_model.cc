@@ -7,7 +7,7 @@
 
 namespace muster::tools::audit {
 
-std::string AgentModel::name() const { return fmt::format("{}:{}", kClassNames[kind], id); }
+std::string AgentModel::name() const { return fmt::format("{}:{}", ToString<AgentKind>(kind), id); }
 
 Place AgentModel::At(std::int64_t t) const {
   if (t >= arrive_us) return to;
@@ -26,18 +26,19 @@ double AgentModel::RangeAt(std::int64_t t) const {
                           ? 1.0
                           : static_cast<double>(t - activity->start_us) /
                                 static_cast<double>(activity->end_us - activity->start_us);
-  return activity->kind == 0 ? arrived - part * cost_m
-                             : arrived + part * (spec->range_full_m - arrived);
+  return activity->senses() ? arrived - part * cost_m
+                            : arrived + part * (spec->range_full_m - arrived);
 }
 
-int AgentModel::StatusAt(std::int64_t t) const {
-  if (failed) return 6;
+AgentStatus AgentModel::StatusAt(std::int64_t t) const {
+  if (failed) return AgentStatus::kFailed;
   if (busy_until_us <= t) {
-    return spec->online_from_us <= t && t < spec->online_until_us ? 1 : 0;
+    const bool online = spec->online_from_us <= t && t < spec->online_until_us;
+    return online ? AgentStatus::kIdle : AgentStatus::kOffline;
   }
-  if (t < arrive_us) return 2;
-  if (!activity || t < activity->start_us) return 3;
-  return activity->kind == 0 ? 4 : 5;
+  if (t < arrive_us) return AgentStatus::kMoving;
+  if (!activity || t < activity->start_us) return AgentStatus::kWaiting;
+  return activity->senses() ? AgentStatus::kSensing : AgentStatus::kCharging;
 }
 
 void AgentModel::StopAt(std::int64_t t) {
@@ -47,7 +48,7 @@ void AgentModel::StopAt(std::int64_t t) {
   range_at_departure_m = range;
   range_per_m = 1;
   way_seen = true;
-  action = kNoAction;
+  action = ActionKind::kNone;
   target = partner = -1;
   activity.reset();
 }

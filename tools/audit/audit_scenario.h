@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/words.h"
+
 namespace muster::tools::audit {
 
-// The audit shares no code with the world and the scheduler: it reads the scenario with its own
-// parser and computes with its own types. SI units, microseconds.
+// The audit shares the wire's words with the world and the scheduler, and no rule: it reads the
+// scenario with its own parser and computes with its own types. SI units, microseconds.
 
 inline constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
 
@@ -18,9 +20,12 @@ struct Place {
 };
 double Way(Place a, Place b);  ///< metres
 
-/// Classes of agents, as on the wire.
-enum Class : int { kUav = 0, kWorker = 1, kVehicle = 2 };
-inline constexpr const char* kClassNames[] = {"uav", "worker", "vehicle"};
+/// Classes of agents, as indices.
+enum Class : int {
+  kUav = NumberOf(AgentKind::kUav),
+  kWorker = NumberOf(AgentKind::kWorker),
+  kVehicle = NumberOf(AgentKind::kVehicle)
+};
 
 struct Interval {
   double low = 0;

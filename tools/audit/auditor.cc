@@ -18,11 +18,6 @@ constexpr std::size_t kMaxViolations = 1000;
 /// A resend is looked for among this many messages.
 constexpr std::size_t kRecent = 4096;
 
-constexpr const char* kEventNames[] = {"agent online",     "agent offline",    "agent failed",
-                                       "agent back",       "sensing started",  "sensing done",
-                                       "sensing aborted",  "charging started", "charging done",
-                                       "charging aborted", "match failed"};
-
 std::size_t HashOf(const Packet& packet) {
   const std::string_view bytes(reinterpret_cast<const char*>(packet.bytes.data()),
                                packet.bytes.size());
@@ -48,9 +43,9 @@ EventKey KeyOf(const event_t& e) {
   return {e.at_us, e.kind, e.uav_id, e.worker_id, e.vehicle_id, e.task_id, e.charge_id};
 }
 
-std::string ToString(const EventKey& key) {
+std::string Name(const EventKey& key) {
   const auto& [at, kind, uav, worker, vehicle, task, charge] = key;
-  std::string text = kind >= 0 && kind <= 10 ? kEventNames[kind] : fmt::format("kind {}", kind);
+  std::string text = Spaced(ToString<EventKind>(kind));
   const auto add = [&text](const char* name, int id) {
     if (id >= 0) text += fmt::format(" {}:{}", name, id);
   };
@@ -120,9 +115,9 @@ void Auditor::Take(const Packet& packet) {
   }
   if (name == channel::kClock) {
     const auto m = Admit<clock_t>(packet);
-    if (m && m->phase == 2) ended_ = true;
+    if (m && m->phase == ClockPhase::kEnded) ended_ = true;
     if (m) clock_sender_ = m->header.sender;
-    if (m && m->phase == 1) {
+    if (m && m->phase == ClockPhase::kRunning) {
       if (TickData* data = DataOf(m->tick)) data->clock = *m;
     }
   } else if (name == channel::kWorld) {
@@ -182,10 +177,10 @@ void Auditor::TakeScenario(const scenario_t& message) {
       models_[kind].push_back(model);
       if (spec.online_from_us >= spec.online_until_us) continue;
       if (spec.online_from_us <= scenario_->limit_us) {
-        Expect(spec.online_from_us, 0, AgentKey{kind, model.id});
+        Expect(spec.online_from_us, EventKind::kAgentOnline, AgentKey{kind, model.id});
       }
       if (spec.online_until_us <= scenario_->limit_us) {
-        Expect(spec.online_until_us, 1, AgentKey{kind, model.id});
+        Expect(spec.online_until_us, EventKind::kAgentOffline, AgentKey{kind, model.id});
       }
     }
     last_seen_[kind].resize(models_[kind].size());
@@ -215,7 +210,7 @@ void Auditor::TakeReports(const agent_states_t& message, int kind) {
   if (message.kind != kind) {
     Violate(t, "lockstep",
             fmt::format("agents of class {} on the channel of {}s, tick {}", message.kind,
-                        kClassNames[kind], message.tick));
+                        ToString<AgentKind>(kind), message.tick));
     return;
   }
   TickData* data = DataOf(message.tick);
@@ -225,7 +220,7 @@ void Auditor::TakeReports(const agent_states_t& message, int kind) {
     if (agent.id < 0 || static_cast<std::size_t>(agent.id) >= models_[kind].size()) {
       Violate(t, "lockstep",
               fmt::format("{} reports {}:{}, which the scenario does not have",
-                          message.header.sender, kClassNames[kind], agent.id));
+                          message.header.sender, ToString<AgentKind>(kind), agent.id));
       continue;
     }
     if (data == nullptr) {
@@ -240,7 +235,7 @@ void Auditor::TakeReports(const agent_states_t& message, int kind) {
         Violate(t, "lockstep",
                 fmt::format("{}:{} is reported twice for tick {}, by {} (start {}) and {} (start "
                             "{})",
-                            kClassNames[kind], agent.id, message.tick, report->sender,
+                            ToString<AgentKind>(kind), agent.id, message.tick, report->sender,
                             report->boot_id, message.header.sender, message.header.boot_id));
       }
       continue;
@@ -281,7 +276,8 @@ bool Auditor::Complete(std::int64_t tick, const TickData& data) const {
       if (data.reports[kind][id]) continue;
       // Only a lost process's agents have no report: the world rules that they failed.
       const auto lost = [&](const ruling_t& r) {
-        return r.agent_kind == kind && r.agent_id == static_cast<int>(id) && r.kind == 0;
+        return r.agent_kind == kind && r.agent_id == static_cast<int>(id) &&
+               r.kind == RulingKind::kFailed;
       };
       if (std::none_of(data.rulings->rulings.begin(), data.rulings->rulings.end(), lost)) {
         return false;
@@ -304,8 +300,8 @@ void Auditor::CheckSkipped() {
     std::set<std::string> lost;
     for (const event_t& event : events_) {
       if (event.at_us > t || event.header.sender != clock_sender_) continue;
-      if (event.kind == 11) lost.insert(event.detail);
-      if (event.kind == 12) lost.erase(event.detail);
+      if (event.kind == EventKind::kProcessLost) lost.insert(event.detail);
+      if (event.kind == EventKind::kProcessBack) lost.erase(event.detail);
     }
     if (lost.empty()) {
       Violate(t, "lockstep",
@@ -329,7 +325,7 @@ std::string Auditor::WhatIsMissing(std::int64_t tick) const {
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (std::size_t id = 0; id < models_[kind].size(); ++id) {
       if (data.reports[kind].empty() || !data.reports[kind][id]) {
-        add(fmt::format("state of {}:{}", kClassNames[kind], id));
+        add(fmt::format("state of {}:{}", ToString<AgentKind>(kind), id));
         break;  // one of a class is enough to say
       }
     }
@@ -451,20 +447,20 @@ void Auditor::CompareEvents() {
   const std::int64_t until = stopped_ ? before_us_ : scenario_->limit_us;
   std::set<EventKey> seen;
   for (const event_t& event : events_) {
-    if (event.kind > 10) continue;
+    if (!IsOutcome(static_cast<EventKind>(event.kind))) continue;
     const EventKey key = KeyOf(event);
     const std::int64_t at = event.at_us;
     if (!seen.insert(key).second) {
-      Violate(at, "events", fmt::format("said twice: {}", ToString(key)));
+      Violate(at, "events", fmt::format("said twice: {}", Name(key)));
     }
-    if (at > until || event.kind == 3) continue;
+    if (at > until || event.kind == EventKind::kAgentBack) continue;
     if (!expected_.contains(key)) {
-      Violate(at, "events", fmt::format("said but not so: {}", ToString(key)));
+      Violate(at, "events", fmt::format("said but not so: {}", Name(key)));
     }
   }
   for (const EventKey& key : expected_) {
     if (std::get<0>(key) <= until && !seen.contains(key)) {
-      Violate(std::get<0>(key), "events", fmt::format("not said: {}", ToString(key)));
+      Violate(std::get<0>(key), "events", fmt::format("not said: {}", Name(key)));
     }
   }
   // When an agent comes back is the fault injector's word; it must lie in the tick that shows it.
@@ -473,20 +469,20 @@ void Auditor::CompareEvents() {
     const auto [kind, id] = agent;
     const auto fits = [kind = kind, id = id, from = after, to = at](const EventKey& key) {
       const int ids[] = {std::get<2>(key), std::get<3>(key), std::get<4>(key)};
-      return std::get<1>(key) == 3 && ids[kind] == id && std::get<0>(key) > from &&
-             std::get<0>(key) <= to;
+      return std::get<1>(key) == EventKind::kAgentBack && ids[kind] == id &&
+             std::get<0>(key) > from && std::get<0>(key) <= to;
     };
     if (std::any_of(seen.begin(), seen.end(), fits)) {
       ++n_back;
     } else {
       Violate(at, "events",
-              fmt::format("not said: agent back {}:{} in ({}, {}] us", kClassNames[kind], id, after,
-                          at));
+              fmt::format("not said: agent back {}:{} in ({}, {}] us", ToString<AgentKind>(kind),
+                          id, after, at));
     }
   }
   const auto n_said =
       static_cast<std::size_t>(std::count_if(seen.begin(), seen.end(), [&](const EventKey& key) {
-        return std::get<1>(key) == 3 && std::get<0>(key) <= until;
+        return std::get<1>(key) == EventKind::kAgentBack && std::get<0>(key) <= until;
       }));
   if (n_said > n_back) {
     Violate(until, "events",

@@ -28,7 +28,7 @@ struct Violation {
 /// An outcome as in event_t: at_us, kind, uav, worker, vehicle, task, charge.
 using EventKey = std::tuple<std::int64_t, int, int, int, int, int, int>;
 EventKey KeyOf(const event_t& event);
-std::string ToString(const EventKey& key);
+std::string Name(const EventKey& key);
 
 /// What the log shows, for comparison with what was reported.
 struct Facts {
@@ -142,8 +142,8 @@ class Auditor {
   bool CheckShape(const action_t& action, const std::string& name);
   void CheckAction(const action_t& action, const std::string& name);
   void ExpectEvents();
-  void Expect(std::int64_t at_us, int kind, const Activity& activity);
-  void Expect(std::int64_t at_us, int kind, AgentKey agent);
+  void Expect(std::int64_t at_us, EventKind kind, const Activity& activity);
+  void Expect(std::int64_t at_us, EventKind kind, AgentKey agent);
   void CompareEvents();
 
   AgentModel& Model(int kind, int id) { return models_[kind][static_cast<std::size_t>(id)]; }

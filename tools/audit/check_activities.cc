@@ -38,19 +38,19 @@ void Auditor::CheckActivities(const world_state_t& world) {
       }
       Violate(now_us_, "activities",
               fmt::format("{} of decision {} has neither an activity nor a release for {}",
-                          kSymbols[model.action], model.decision, model.name()));
+                          ToString(model.action), model.decision, model.name()));
     }
   }
 }
 
 bool Auditor::CheckNewActivity(const Activity& activity) {
-  const char* invariant = activity.kind == 0 ? "sensing" : "charging";
+  const std::string invariant(ToString(activity.kind));
   const auto wrong = [&](const std::string& what) {
     Violate(now_us_, invariant, fmt::format("{}: {}", Name(activity), what));
   };
   const int partner_class = activity.partner_class();
   const std::size_t n_sites =
-      activity.kind == 0 ? scenario_->tasks.size() : scenario_->charges.size();
+      activity.senses() ? scenario_->tasks.size() : scenario_->charges.size();
   if (activity.uav < 0 || static_cast<std::size_t>(activity.uav) >= models_[kUav].size() ||
       activity.partner < 0 ||
       static_cast<std::size_t>(activity.partner) >= models_[partner_class].size() ||
@@ -61,8 +61,9 @@ bool Auditor::CheckNewActivity(const Activity& activity) {
   AgentModel& uav = Model(kUav, activity.uav);
   AgentModel& partner = Model(partner_class, activity.partner);
   const Scenario::Task* task =
-      activity.kind == 0 ? &scenario_->tasks[static_cast<std::size_t>(activity.site)] : nullptr;
-  if (task != nullptr && task_status_[static_cast<std::size_t>(activity.site)] == 3) {
+      activity.senses() ? &scenario_->tasks[static_cast<std::size_t>(activity.site)] : nullptr;
+  if (task != nullptr &&
+      task_status_[static_cast<std::size_t>(activity.site)] == TaskStatus::kDone) {
     Violate(now_us_, "task-twice", fmt::format("{}: the task is done", Name(activity)));
     return false;
   }
@@ -124,10 +125,10 @@ void Auditor::CheckMeeting(const Activity& activity) {
   };
   const auto site_id = static_cast<std::size_t>(activity.site);
   const Place site =
-      activity.kind == 0 ? scenario_->tasks[site_id].at : scenario_->charges[site_id].at;
+      activity.senses() ? scenario_->tasks[site_id].at : scenario_->charges[site_id].at;
   for (const AgentModel* member : {&uav, &partner}) {
-    if (member->StatusAt(now_us_) != 1) {
-      wrong(fmt::format("{} is {}", member->name(), kStatusNames[member->StatusAt(now_us_)]));
+    if (member->StatusAt(now_us_) != AgentStatus::kIdle) {
+      wrong(fmt::format("{} is {}", member->name(), ToString(member->StatusAt(now_us_))));
     }
     if (!SameCell(member->At(now_us_), site)) {
       wrong(fmt::format("{} is in another cell", member->name()));
@@ -139,7 +140,7 @@ void Auditor::CheckMeeting(const Activity& activity) {
   }
   const double range = uav.RangeAt(now_us_);
   std::int64_t duration = 0;
-  if (activity.kind == 0) {
+  if (activity.senses()) {
     const Scenario::Task& task = scenario_->tasks[site_id];
     duration = DurationUs(task.cost_m, uav.spec->speed_m_s);
     if (task.cost_m + task.to_charge_m > range + kTolerance_m) {
@@ -153,7 +154,8 @@ void Auditor::CheckMeeting(const Activity& activity) {
     duration = DurationUs(uav.spec->range_full_m - range, partner.spec->charge_rate_m_s);
     const std::int64_t load =
         std::count_if(models_[kUav].begin(), models_[kUav].end(), [&](const AgentModel& other) {
-          return other.action == kChargeUp && other.target == activity.site && !other.failed;
+          return other.action == ActionKind::kCharge && other.target == activity.site &&
+                 !other.failed;
         });
     if (load >= scenario_->charges[site_id].capacity) {
       Violate(now_us_, "capacity",
@@ -184,11 +186,11 @@ void Auditor::AbortActivities() {
     }
     if (at == kForever) continue;
     tracked.aborted = true;
-    const bool sensing = a.kind == 0;
+    const bool sensing = a.senses();
     if (a.start_us <= at && (tracked.is_new || a.start_us > before_us_)) {
-      Expect(a.start_us, sensing ? 4 : 7, a);
+      Expect(a.start_us, sensing ? EventKind::kSensingStarted : EventKind::kChargingStarted, a);
     }
-    Expect(at, sensing ? 6 : 9, a);
+    Expect(at, sensing ? EventKind::kSensingAborted : EventKind::kChargingAborted, a);
   }
 }
 

@@ -18,7 +18,8 @@ void Auditor::CheckDecision(const schedule_t& schedule) {
   std::map<std::int32_t, std::size_t> tasks;
   std::vector<std::int64_t> load(scenario_->charges.size(), 0);
   for (const AgentModel& uav : models_[kUav]) {
-    if (uav.action == kChargeUp && !uav.failed) ++load[static_cast<std::size_t>(uav.target)];
+    if (uav.action == ActionKind::kCharge && !uav.failed)
+      ++load[static_cast<std::size_t>(uav.target)];
   }
   double weight = 0;
   for (std::size_t i = 0; i < schedule.actions.size(); ++i) {
@@ -37,11 +38,11 @@ void Auditor::CheckDecision(const schedule_t& schedule) {
         Violate(now_us_, "one-action-per-agent",
                 fmt::format("{}: {} is in action {} too", name, model.name(), first->second));
       }
-      if (model.StatusAt(now_us_) == 1) continue;
+      if (model.StatusAt(now_us_) == AgentStatus::kIdle) continue;
       usable = false;
       Violate(now_us_, "idle-agents-only",
               fmt::format("{}: {} is {}, busy until {} us, online in [{}, {}) us", name,
-                          model.name(), kStatusNames[model.StatusAt(now_us_)], model.busy_until_us,
+                          model.name(), ToString(model.StatusAt(now_us_)), model.busy_until_us,
                           model.spec->online_from_us, model.spec->online_until_us));
     }
     if (action.task_id >= 0) {
@@ -50,9 +51,10 @@ void Auditor::CheckDecision(const schedule_t& schedule) {
         Violate(now_us_, "task-open",
                 fmt::format("{}: the task is in action {} too", name, first->second));
       }
-      const int status = task_status_[static_cast<std::size_t>(action.task_id)];
-      if (status != 0) {
-        Violate(now_us_, "task-open", fmt::format("{}: the task is {}", name, kTaskNames[status]));
+      const std::int8_t status = task_status_[static_cast<std::size_t>(action.task_id)];
+      if (status != TaskStatus::kOpen) {
+        Violate(now_us_, "task-open",
+                fmt::format("{}: the task is {}", name, ToString<TaskStatus>(status)));
       }
     }
     if (action.charge_id >= 0) {
@@ -92,14 +94,14 @@ bool Auditor::CheckShape(const action_t& a, const std::string& name) {
     Violate(now_us_, "decision", fmt::format("{}: {}", name, what));
     return false;
   };
-  if (a.kind < 0 || a.kind > 9) return wrong("no such kind");
+  if (!IsWord<ActionKind>(a.kind)) return wrong("no such kind");
   const auto fits = [](int id, std::size_t n) { return id < static_cast<int>(n) && id >= -1; };
   if (!fits(a.uav_id, models_[kUav].size()) || !fits(a.worker_id, models_[kWorker].size()) ||
       !fits(a.vehicle_id, models_[kVehicle].size()) || !fits(a.task_id, scenario_->tasks.size()) ||
       !fits(a.charge_id, scenario_->charges.size())) {
     return wrong("names what the scenario does not have");
   }
-  if (a.kind == kGoTo) {
+  if (a.kind == ActionKind::kGoTo) {
     const int n_agents = (a.uav_id >= 0) + (a.worker_id >= 0) + (a.vehicle_id >= 0);
     if (n_agents != 1 || a.task_id >= 0 || a.charge_id >= 0) return wrong("names not one agent");
     return true;
@@ -124,17 +126,18 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
   const Place expected = task != nullptr ? task->at
                          : a.charge_id >= 0
                              ? scenario_->charges[static_cast<std::size_t>(a.charge_id)].at
-                         : a.kind == kGoTo ? to
-                                           : members[0]->to;
-  const bool outside = a.kind == kGoTo && (a.x_m < 0 || a.y_m < 0 || a.x_m > scenario_->width_m ||
-                                           a.y_m > scenario_->height_m);
+                         : a.kind == ActionKind::kGoTo ? to
+                                                       : members[0]->to;
+  const bool outside =
+      a.kind == ActionKind::kGoTo &&
+      (a.x_m < 0 || a.y_m < 0 || a.x_m > scenario_->width_m || a.y_m > scenario_->height_m);
   if (Way(to, expected) > kTolerance_m || outside) {
     Violate(now_us_, "decision",
             fmt::format("{}: leads to ({:.3f}, {:.3f}) m, expected {}", name, a.x_m, a.y_m,
                         outside ? "a place inside the area"
                                 : fmt::format("({:.3f}, {:.3f}) m", expected.x_m, expected.y_m)));
   }
-  if (a.kind <= kVehicleStays) {
+  if (a.kind <= NumberOf(ActionKind::kVehicleStays)) {
     for (AgentModel* member : members) member->decision = schedules_.at(due_).decision;
     return;
   }
@@ -159,8 +162,8 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
       Violate(now_us_, "constraint-5",
               fmt::format("{}: {:.3f} m of way, {:.3f} m of range", name, way, range));
     }
-    if (a.kind == kSense) end += DurationUs(task->cost_m, uav.spec->speed_m_s);
-    if (a.kind == kChargeUp) {
+    if (a.kind == ActionKind::kSense) end += DurationUs(task->cost_m, uav.spec->speed_m_s);
+    if (a.kind == ActionKind::kCharge) {
       const double missing = uav.spec->range_full_m - std::max(0.0, range - way);
       end += DurationUs(missing, members[1]->spec->charge_rate_m_s);
     }

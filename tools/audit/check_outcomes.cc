@@ -12,7 +12,7 @@ void Auditor::ReadRulings(const rulings_t& rulings) {
   std::map<AgentKey, Failure> failed;
   released_.clear();
   for (const ruling_t& r : rulings.rulings) {
-    if (r.agent_kind < 0 || r.agent_kind > 2 || r.agent_id < 0 ||
+    if (!IsWord<AgentKind>(r.agent_kind) || r.agent_id < 0 ||
         static_cast<std::size_t>(r.agent_id) >= models_[r.agent_kind].size()) {
       Violate(now_us_, "rulings",
               fmt::format("a ruling names agent {} of class {}", r.agent_id, r.agent_kind));
@@ -20,7 +20,7 @@ void Auditor::ReadRulings(const rulings_t& rulings) {
     }
     const AgentKey agent{r.agent_kind, r.agent_id};
     const std::string name = Model(r.agent_kind, r.agent_id).name();
-    if (r.kind == 1) {
+    if (r.kind == RulingKind::kReleased) {
       released_[agent] = r.at_us;
       continue;
     }
@@ -38,7 +38,7 @@ void Auditor::ReadRulings(const rulings_t& rulings) {
               fmt::format("{} is said to have failed at {} us, after {} us", name, r.at_us,
                           before_us_));
     }
-    Expect(r.at_us, 2, agent);
+    Expect(r.at_us, EventKind::kAgentFailed, agent);
   }
   for (const auto& [agent, failure] : failed_) {
     if (!failed.contains(agent)) expected_back_.emplace_back(agent, before_us_, now_us_);
@@ -61,7 +61,7 @@ void Auditor::SettleAgents() {
         model.StopAt(at);
       }
       const auto release = released_.find(agent);
-      if (release != released_.end() && model.action != kNoAction &&
+      if (release != released_.end() && model.action != ActionKind::kNone &&
           release->second >= model.depart_us) {
         const bool cause =
             model.pair() &&
@@ -80,11 +80,11 @@ void Auditor::SettleAgents() {
         model.StopAt(release->second);
       }
       model.failed = fails;
-      if (model.busy_until_us < now_us_ && model.action == kNoAction) {
+      if (model.busy_until_us < now_us_ && model.action == ActionKind::kNone) {
         was_[kind][static_cast<std::size_t>(model.id)].first = model.to;
       }
       CheckRangeLeft(model);
-      if (model.action != kNoAction && model.busy_until_us <= now_us_) {
+      if (model.action != ActionKind::kNone && model.busy_until_us <= now_us_) {
         model.StopAt(model.busy_until_us);
       }
     }
@@ -108,26 +108,29 @@ void Auditor::CheckTasks(const world_state_t& world) {
                         task_status_.size()));
     return;
   }
-  for (std::int8_t& status : task_status_) status = status == 3 ? 3 : 0;
+  for (std::int8_t& status : task_status_) {
+    if (status != TaskStatus::kDone) status = NumberOf(TaskStatus::kOpen);
+  }
   for (const Tracked& tracked : activities_) {
     const Activity& a = tracked.activity;
-    if (a.kind != 0 || tracked.aborted) continue;
+    if (!a.senses() || tracked.aborted) continue;
     std::int8_t& status = task_status_[static_cast<std::size_t>(a.site)];
-    if (status != 0) {
+    if (status != TaskStatus::kOpen) {
       Violate(now_us_, "task-twice",
-              fmt::format("{}: the task is {} already", Name(a), kTaskNames[status]));
+              fmt::format("{}: the task is {} already", Name(a), ToString<TaskStatus>(status)));
     }
-    status = a.end_us <= now_us_ ? 3 : a.start_us <= now_us_ ? 2 : 1;
+    status = NumberOf(a.end_us <= now_us_     ? TaskStatus::kDone
+                      : a.start_us <= now_us_ ? TaskStatus::kSensing
+                                              : TaskStatus::kReserved);
   }
   std::int32_t done = 0;
   for (std::size_t x = 0; x < task_status_.size(); ++x) {
-    done += task_status_[x] == 3 ? 1 : 0;
+    done += task_status_[x] == TaskStatus::kDone ? 1 : 0;
     const int said = world.task_status[x];
     if (said == task_status_[x]) continue;
     Violate(now_us_, "task-status",
-            fmt::format("task:{} is said to be {}, it is {}", x,
-                        said >= 0 && said <= 3 ? kTaskNames[said] : "unknown",
-                        kTaskNames[task_status_[x]]));
+            fmt::format("task:{} is said to be {}, it is {}", x, ToString<TaskStatus>(said),
+                        ToString<TaskStatus>(task_status_[x])));
   }
   if (world.done != done) {
     Violate(now_us_, "task-status",
@@ -135,15 +138,15 @@ void Auditor::CheckTasks(const world_state_t& world) {
   }
 }
 
-void Auditor::Expect(std::int64_t at_us, int kind, const Activity& a) {
-  const bool sensing = a.kind == 0;
-  expected_.insert({at_us, kind, a.uav, sensing ? a.partner : -1, sensing ? -1 : a.partner,
-                    sensing ? a.site : -1, sensing ? -1 : a.site});
+void Auditor::Expect(std::int64_t at_us, EventKind kind, const Activity& a) {
+  const bool sensing = a.senses();
+  expected_.insert({at_us, NumberOf(kind), a.uav, sensing ? a.partner : -1,
+                    sensing ? -1 : a.partner, sensing ? a.site : -1, sensing ? -1 : a.site});
 }
 
-void Auditor::Expect(std::int64_t at_us, int kind, AgentKey agent) {
+void Auditor::Expect(std::int64_t at_us, EventKind kind, AgentKey agent) {
   const auto [of, id] = agent;
-  expected_.insert({at_us, kind, of == kUav ? id : -1, of == kWorker ? id : -1,
+  expected_.insert({at_us, NumberOf(kind), of == kUav ? id : -1, of == kWorker ? id : -1,
                     of == kVehicle ? id : -1, -1, -1});
 }
 
@@ -152,9 +155,10 @@ void Auditor::ExpectEvents() {
     if (tracked.aborted) continue;
     const Activity& a = tracked.activity;
     if (a.start_us <= now_us_ && (tracked.is_new || a.start_us > before_us_)) {
-      Expect(a.start_us, a.kind == 0 ? 4 : 7, a);
+      Expect(a.start_us, a.senses() ? EventKind::kSensingStarted : EventKind::kChargingStarted, a);
     }
-    if (a.end_us <= now_us_) Expect(a.end_us, a.kind == 0 ? 5 : 8, a);
+    if (a.end_us <= now_us_)
+      Expect(a.end_us, a.senses() ? EventKind::kSensingDone : EventKind::kChargingDone, a);
   }
 }
 

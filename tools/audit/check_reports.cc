@@ -11,7 +11,7 @@ namespace muster::tools::audit {
 
 void Auditor::CheckReports(const TickData& data) {
   for (const ruling_t& r : data.rulings->rulings) {
-    if (r.agent_kind == kUav && r.kind == 0 && r.at_us > before_us_) {
+    if (r.agent_kind == kUav && r.kind == RulingKind::kFailed && r.at_us > before_us_) {
       failing_.insert({next_tick_, r.agent_id});
     }
   }
@@ -105,13 +105,14 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
   const Command command = found->second;
   commands_.erase(found);
   const action_t& action = command.action;
-  const bool pair = action.kind == kSense || action.kind == kChargeUp;
+  const bool pair = action.kind == ActionKind::kSense || action.kind == ActionKind::kCharge;
   const bool obeys = a.action == action.kind && a.depart_us == command.at_us;
   if (!obeys && pair && scenario_->match_failure.high > 0) {
     // The match failed; its event is looked for at the end.
-    const bool sense = action.kind == kSense;
-    Expect(command.at_us, 10,
-           Activity{sense ? 0 : 1, action.uav_id, sense ? action.worker_id : action.vehicle_id,
+    const bool sense = action.kind == ActionKind::kSense;
+    Expect(command.at_us, EventKind::kMatchFailed,
+           Activity{sense ? ActivityKind::kSensing : ActivityKind::kCharging, action.uav_id,
+                    sense ? action.worker_id : action.vehicle_id,
                     sense ? action.task_id : action.charge_id, 0, 0});
     return;
   }
@@ -142,12 +143,12 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
   model->range_at_departure_m = range_m;
   model->range_per_m = 1;
   model->way_seen = model->kind != kUav || scenario_->wind.high <= 0;
-  model->action = action.kind;
+  model->action = static_cast<ActionKind>(action.kind);
   model->target = action.task_id >= 0 ? action.task_id : action.charge_id;
-  model->partner = !pair                   ? -1
-                   : model->kind != kUav   ? action.uav_id
-                   : action.kind == kSense ? action.worker_id
-                                           : action.vehicle_id;
+  model->partner = !pair                               ? -1
+                   : model->kind != kUav               ? action.uav_id
+                   : action.kind == ActionKind::kSense ? action.worker_id
+                                                       : action.vehicle_id;
   model->decision = command.decision;
   model->activity.reset();
   model->busy_until_us = pair ? kForever : model->arrive_us;
@@ -173,7 +174,8 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
   const auto differs = [&](const char* invariant, const std::string& what) {
     Violate(now_us_, invariant,
             fmt::format("{} ({} since decision {}): {}", model.name(),
-                        model.action < 0 ? "free" : kSymbols[model.action], model.decision, what));
+                        model.action == ActionKind::kNone ? "free" : ToString(model.action),
+                        model.decision, what));
   };
   const Place expected = model.At(now_us_);
   if (Way(expected, {a.x_m, a.y_m}) > kTolerance_m) {
@@ -183,9 +185,11 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
     return;
   }
   if (a.action != model.action) {
-    differs("motion", fmt::format("reports action {}, expected {}", a.action, model.action));
+    differs("motion", fmt::format("reports action {}, expected {}", ToString<ActionKind>(a.action),
+                                  ToString(model.action)));
   }
-  if (a.action != kNoAction && (a.target_id != model.target || a.partner_id != model.partner)) {
+  if (a.action != ActionKind::kNone &&
+      (a.target_id != model.target || a.partner_id != model.partner)) {
     differs("motion", fmt::format("reports target {} and partner {}, expected {} and {}",
                                   a.target_id, a.partner_id, model.target, model.partner));
   }
@@ -199,10 +203,10 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
     differs("motion", fmt::format("reports to be busy until {} us, expected {} us", a.busy_until_us,
                                   model.busy_until_us));
   }
-  const int status = model.StatusAt(now_us_);
+  const AgentStatus status = model.StatusAt(now_us_);
   if (a.status != status) {
-    const char* said = a.status >= 0 && a.status <= 6 ? kStatusNames[a.status] : "unknown";
-    differs("motion", fmt::format("reports to be {}, expected {}", said, kStatusNames[status]));
+    differs("motion", fmt::format("reports to be {}, expected {}", ToString<AgentStatus>(a.status),
+                                  ToString(status)));
   }
   if (model.kind != kUav) return;
   if (model.way_seen && !Near(a.range_left_m, std::max(0.0, model.RangeAt(now_us_)))) {

@@ -44,7 +44,7 @@ std::string DigestOf(const Facts& facts, const std::vector<std::int64_t>& done_u
   }
   std::set<EventKey> outcomes;
   for (const event_t& event : facts.events) {
-    if (event.kind >= 0 && event.kind <= 10) outcomes.insert(KeyOf(event));
+    if (IsOutcome(static_cast<EventKind>(event.kind))) outcomes.insert(KeyOf(event));
   }
   for (const auto& [at, kind, uav, worker, vehicle, task, charge] : outcomes) {
     bytes += 'E';
@@ -109,7 +109,8 @@ class Comparison {
 
   void CompareOutcomes() {
     const std::size_t total = facts_.task_status.size();
-    const auto done = std::count(facts_.task_status.begin(), facts_.task_status.end(), 3);
+    const auto done =
+        std::count(facts_.task_status.begin(), facts_.task_status.end(), TaskStatus::kDone);
     Exact("tasks_total", total);
     Exact("tasks_done", done);
     Near("completion_rate",
@@ -119,7 +120,9 @@ class Comparison {
     for (const event_t& event : facts_.events) {
       ++counts[event.kind];
       const auto x = static_cast<std::size_t>(event.task_id);
-      if (event.kind != 5 || event.task_id < 0 || x >= total || done_us[x] >= 0) continue;
+      if (event.kind != EventKind::kSensingDone || event.task_id < 0 || x >= total ||
+          done_us[x] >= 0)
+        continue;
       done_us[x] = event.at_us;
       Exact(fmt::format("tasks/{}/status", x), "done", event.at_us);
       Exact(fmt::format("tasks/{}/done_s", x), static_cast<double>(event.at_us) * 1e-6,
@@ -134,14 +137,10 @@ class Comparison {
         Differ(0, fmt::format("tasks/{}/status", x), "done", "that it was not");
       }
     }
-    constexpr const char* kNames[] = {"agent_online",     "agent_offline",    "agent_failed",
-                                      "agent_back",       "sensing_started",  "sensing_done",
-                                      "sensing_aborted",  "charging_started", "charging_done",
-                                      "charging_aborted", "match_failed"};
-    for (int kind = 0; kind <= 10; ++kind) {
-      Exact(fmt::format("events/{}", kNames[kind]), counts[kind]);
+    for (int kind = 0; IsOutcome(static_cast<EventKind>(kind)); ++kind) {
+      Exact(fmt::format("events/{}", ToString<EventKind>(kind)), counts[kind]);
     }
-    Exact("charges", counts[8]);
+    Exact("charges", counts[NumberOf(EventKind::kChargingDone)]);
     double flown = 0;
     for (std::size_t id = 0; id < facts_.flown_m.size(); ++id) {
       flown += facts_.flown_m[id];

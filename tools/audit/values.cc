@@ -24,7 +24,8 @@ bool SameCell(Place a, Place b) {
 }
 
 std::string Name(const action_t& a) {
-  std::string text = a.kind >= 0 && a.kind <= 9 ? kSymbols[a.kind] : fmt::format("kind {}", a.kind);
+  std::string text = IsWord<ActionKind>(a.kind) ? std::string(ToString<ActionKind>(a.kind))
+                                                : fmt::format("kind {}", a.kind);
   const auto add = [&text](const char* name, int id) {
     if (id >= 0) text += fmt::format(" {}:{}", name, id);
   };
@@ -37,13 +38,14 @@ std::string Name(const action_t& a) {
 }
 
 std::string Name(const Activity& a) {
-  return fmt::format("{} of uav:{} and {}:{} at {}:{} in [{}, {}] us",
-                     a.kind == 0 ? "sensing" : "charging", a.uav, kClassNames[a.partner_class()],
-                     a.partner, a.kind == 0 ? "task" : "charge", a.site, a.start_us, a.end_us);
+  return fmt::format("{} of uav:{} and {}:{} at {}:{} in [{}, {}] us", ToString(a.kind), a.uav,
+                     ToString<AgentKind>(a.partner_class()), a.partner,
+                     a.senses() ? "task" : "charge", a.site, a.start_us, a.end_us);
 }
 
 Activity FromWire(const activity_t& a) {
-  return {a.kind, a.uav_id, a.partner_id, a.site_id, a.start_us, a.end_us};
+  return {
+      static_cast<ActivityKind>(a.kind), a.uav_id, a.partner_id, a.site_id, a.start_us, a.end_us};
 }
 
 }  // namespace muster::tools::audit

@@ -13,12 +13,6 @@ namespace muster::tools::audit {
 inline constexpr double kTolerance_m = 1e-3;
 inline constexpr std::int64_t kToleranceUs = 2;
 
-inline constexpr const char* kSymbols[] = {"Ui",   "Wj",   "Vk",     "UiTx",   "WjTx",
-                                           "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"};
-inline constexpr const char* kStatusNames[] = {"offline", "idle",     "moving", "waiting",
-                                               "sensing", "charging", "failed"};
-inline constexpr const char* kTaskNames[] = {"open", "reserved", "being sensed", "done"};
-
 /// Equal but for rounding.
 bool Near(double a_m, double b_m);
 bool NearUs(std::int64_t a, std::int64_t b);

@@ -60,11 +60,13 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
     Handle(
         message,
         [&](const clock_t& clock) {
-          LoggedDecision* decision = clock.phase == 1 ? decision_at(clock.tick) : nullptr;
+          LoggedDecision* decision =
+              clock.phase == ClockPhase::kRunning ? decision_at(clock.tick) : nullptr;
           if (decision != nullptr && clock.decision == decision->decision) {
             decision->clock = packet;
           }
-          LoggedDecision* before = clock.phase == 1 ? decision_at(clock.tick - 1) : nullptr;
+          LoggedDecision* before =
+              clock.phase == ClockPhase::kRunning ? decision_at(clock.tick - 1) : nullptr;
           if (before != nullptr) before->in_force = clock.required_decision >= before->decision;
         },
         [&](const agent_states_t& states) { told(states.tick, packet); },
@@ -101,7 +103,7 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
       // Who is ruled to have failed may say nothing.
       const auto list = DecodeValid<rulings_t>(packet.bytes);
       for (const ruling_t& r : list->rulings) {
-        if (r.kind != 0) continue;
+        if (r.kind != RulingKind::kFailed) continue;
         auto& of_kind = heard[r.agent_kind];
         const auto id = static_cast<std::size_t>(r.agent_id);
         if (id < of_kind.size()) of_kind[id] = true;

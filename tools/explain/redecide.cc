@@ -80,7 +80,7 @@ using ActionKey = std::tuple<int, int, int, int, int, int, double, double>;
 std::set<ActionKey> MovesOf(const schedule_t& schedule) {
   std::set<ActionKey> moves;
   for (const action_t& a : schedule.actions) {
-    if (a.kind <= 2) continue;
+    if (IsStay(static_cast<ActionKind>(a.kind))) continue;
     moves.insert(
         {a.kind, a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id, a.x_m, a.y_m});
   }

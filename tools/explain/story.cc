@@ -27,7 +27,7 @@ std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& s
 /// Whether an event lies between a decision and the next. What happens at a decision's very time
 /// was there before it, but for a match that fails, which is its consequence.
 bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs next_us) {
-  if (event.kind == 10) return at_us <= event.at_us && event.at_us < next_us;
+  if (event.kind == EventKind::kMatchFailed) return at_us <= event.at_us && event.at_us < next_us;
   return (at_us < event.at_us || decision == 0) && event.at_us <= next_us;
 }
 
@@ -91,10 +91,10 @@ TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t 
     story.last_status = static_cast<TaskStatus>(log.last_world->task_status[story.task.index()]);
   }
   const auto concerns = [task](const event_t& event) {
-    return event.task_id == task && event.kind >= 4 && event.kind <= 10;
+    return event.task_id == task && IsOutcome(static_cast<EventKind>(event.kind));
   };
   for (const event_t& event : log.events) {
-    if (concerns(event) && event.kind == 5) story.done = event;
+    if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
   }
   story.chapters = Tell<scheduler::TaskAnswer>(
       log, run, decision,
@@ -122,7 +122,7 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
         const std::int32_t member = kind == AgentKind::kUav      ? event.uav_id
                                     : kind == AgentKind::kWorker ? event.worker_id
                                                                  : event.vehicle_id;
-        return member == id && event.kind >= 0 && event.kind <= 10;
+        return member == id && IsOutcome(static_cast<EventKind>(event.kind));
       });
   return story;
 }

@@ -115,7 +115,7 @@ void AddEvents(const Chapter<Answer>& chapter, Json* json) {
   Json events = Json::array();
   for (const event_t& event : chapter.events) {
     events.push_back({{"at_s", ToSeconds(event.at_us)},
-                      {"kind", EventWords(event.kind)},
+                      {"kind", Spaced(ToString<EventKind>(event.kind))},
                       {"uav", event.uav_id},
                       {"worker", event.worker_id},
                       {"vehicle", event.vehicle_id},
@@ -151,7 +151,7 @@ void Add(const AgentAnswer& answer, Json* json) {
   if (answer.condition == AgentCondition::kBusy && answer.state) {
     const AgentState& state = *answer.state;
     (*json)["under_way"] = {{"kind", static_cast<int>(state.action)},
-                            {"symbol", Symbol(state.action)},
+                            {"symbol", ToString(state.action)},
                             {"target", state.target},
                             {"partner", state.partner},
                             {"since_decision", state.decision},

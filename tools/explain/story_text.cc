@@ -151,7 +151,8 @@ void AddEvents(const Chapter<Answer>& chapter, Lines* lines) {
     add("vehicle", event.vehicle_id);
     add("task", event.task_id);
     add("charge", event.charge_id);
-    lines->Add(fmt::format("* {} {}{}", ClockWords(event.at_us), EventWords(event.kind), who));
+    lines->Add(fmt::format("* {} {}{}", ClockWords(event.at_us),
+                           Spaced(ToString<EventKind>(event.kind)), who));
   }
 }
 

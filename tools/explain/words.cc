@@ -52,21 +52,14 @@ std::string Words(const Action& action) {
   return "nothing";
 }
 
-std::string_view EventWords(int kind) {
-  constexpr std::string_view kWords[] = {"agent online",     "agent offline",    "agent failed",
-                                         "agent back",       "sensing started",  "sensing done",
-                                         "sensing aborted",  "charging started", "charging done",
-                                         "charging aborted", "match failed"};
-  return kind >= 0 && kind <= 10 ? kWords[kind] : "other";
-}
-
 int MovesIn(const schedule_t& schedule) {
-  return static_cast<int>(std::count_if(schedule.actions.begin(), schedule.actions.end(),
-                                        [](const action_t& a) { return a.kind > 2; }));
+  return static_cast<int>(
+      std::count_if(schedule.actions.begin(), schedule.actions.end(),
+                    [](const action_t& a) { return !IsStay(static_cast<ActionKind>(a.kind)); }));
 }
 
 nlohmann::ordered_json ActionJson(const action_t& action) {
-  return {{"kind", action.kind},          {"symbol", Symbol(static_cast<ActionKind>(action.kind))},
+  return {{"kind", action.kind},          {"symbol", ToString<ActionKind>(action.kind)},
           {"uav", action.uav_id},         {"worker", action.worker_id},
           {"vehicle", action.vehicle_id}, {"task", action.task_id},
           {"charge", action.charge_id},   {"weight", action.weight}};

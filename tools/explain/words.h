@@ -20,9 +20,6 @@ std::string AgentName(AgentKind kind, std::int32_t id);
 /// What an action is, without jargon: "uav:3 and worker:7 sense task:4".
 std::string Words(const Action& action);
 
-/// event_t's kinds: "agent online", ..., "match failed".
-std::string_view EventWords(int kind);
-
 /// Actions of a schedule that are not stays.
 int MovesIn(const schedule_t& schedule);
 

@@ -8,9 +8,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr std::int8_t kApplied = 13;
-constexpr std::int8_t kEnded = 14;
-
 /// Confirmed when the target dies of it.
 bool Kills(FaultKind kind) {
   return kind == FaultKind::kProcessKilled || kind == FaultKind::kDiskFull;
@@ -57,7 +54,7 @@ void FaultInjector::End(Injection* injection, TimeUs monotonic_us, FaultActions*
   end.for_us = 0;
   injection->end = actions->Publish(end);
   injection->repeat.Start(monotonic_us);
-  if (!IsPacketFault(fault.kind)) actions->Confirm(kEnded, fault.id);
+  if (!IsPacketFault(fault.kind)) actions->Confirm(EventKind::kFaultEnded, fault.id);
 }
 
 bool FaultInjector::Owed(const Injection& injection, const FaultActions& actions) const {
@@ -86,7 +83,7 @@ void FaultInjector::Step(TimeUs mission_us, TimeUs monotonic_us, FaultActions* a
     if (injection.phase == Phase::kActive && fault.kind == FaultKind::kProcessStopped &&
         !injection.confirmed && actions->IsStopped(fault.target)) {
       injection.confirmed = true;
-      actions->Confirm(kApplied, fault.id);
+      actions->Confirm(EventKind::kFaultApplied, fault.id);
     }
     if (monotonic_us >= injection.repeat.due_us() && Owed(injection, *actions)) {
       injection.repeat.Fire(monotonic_us);
@@ -102,19 +99,21 @@ bool FaultInjector::OnDeath(const std::string& name, FaultActions* actions) {
     if (!Kills(fault.kind) || fault.target != name || injection.confirmed) continue;
     if (injection.phase == Phase::kWaiting) continue;
     planned = injection.confirmed = true;
-    actions->Confirm(kApplied, fault.id);
+    actions->Confirm(EventKind::kFaultApplied, fault.id);
   }
   return planned;
 }
 
 void FaultInjector::OnEvent(const event_t& event) {
-  if (event.kind != kApplied && event.kind != kEnded) return;
+  if (event.kind != EventKind::kFaultApplied && event.kind != EventKind::kFaultEnded) return;
   for (Injection& injection : injections_) {
     if (injection.fault.id != event.fault_id) continue;
-    const bool is_new = (event.kind == kApplied ? injection.applied : injection.ended)
-                            .insert({event.header.sender, event.header.boot_id})
-                            .second;
-    if (is_new && event.kind == kEnded) injection.hits += HitsOf(event.detail).value_or(0);
+    const bool is_new =
+        (event.kind == EventKind::kFaultApplied ? injection.applied : injection.ended)
+            .insert({event.header.sender, event.header.boot_id})
+            .second;
+    if (is_new && event.kind == EventKind::kFaultEnded)
+      injection.hits += HitsOf(event.detail).value_or(0);
   }
 }
 
@@ -136,7 +135,7 @@ std::vector<std::string> FaultInjector::WithoutEffect() const {
     const PlannedFault& fault = injection.fault;
     const auto add = [&](std::string_view why) {
       lines.push_back(
-          fmt::format("fault {} ({} {}): {}", fault.id, NameOf(fault.kind), fault.target, why));
+          fmt::format("fault {} ({} {}): {}", fault.id, ToString(fault.kind), fault.target, why));
     };
     if (injection.phase == Phase::kWaiting) {
       add("its time did not come");

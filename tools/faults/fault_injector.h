@@ -22,7 +22,7 @@ class FaultActions {
   virtual SentPacket Publish(const fault_t& fault) = 0;
   virtual void SendAgain(const SentPacket& packet) = 0;
   /// Confirms what the launcher itself does, 13 applied or 14 ended.
-  virtual void Confirm(std::int8_t kind, const std::string& fault_id) = 0;
+  virtual void Confirm(EventKind kind, const std::string& fault_id) = 0;
   /// False: the process does not run now.
   virtual bool SignalProcess(const std::string& name, int signal) = 0;
   /// Do not start it again before ReleaseRestart.

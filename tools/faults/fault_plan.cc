@@ -20,22 +20,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kNames[] = {
-    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
-    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
-constexpr std::string_view kLogger = "lcm-logger";
 constexpr double kLongestMin = 1e6;
 constexpr double kLongest_s = 3600;
 
 [[noreturn]] void Refuse(const PlannedFault& fault, std::string_view key, std::string_view found,
                          std::string_view expected) {
   throw InputError(fault.where, key, found, expected);
-}
-
-std::optional<FaultKind> KindOf(std::string_view name) {
-  const auto found = std::find(std::begin(kNames), std::end(kNames), name);
-  if (found == std::end(kNames)) return {};
-  return static_cast<FaultKind>(found - std::begin(kNames));
 }
 
 /// While it lasts, the mission waits for somebody.
@@ -46,7 +36,7 @@ bool HoldsTheClock(const PlannedFault& fault) {
 
 /// No mission goes on without its target, whatever --on-loss says.
 bool NeverMissed(const PlannedFault& fault) {
-  return fault.target == "world" || fault.target == kLogger;
+  return fault.target == process_name::kWorld || fault.target == process_name::kLogger;
 }
 
 void SetKind(PlannedFault* fault, const std::string& name) {
@@ -173,16 +163,15 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
 }  // namespace
 
 FaultKind KindByName(const std::string& name, const std::string& file, std::string_view key) {
-  const auto kind = KindOf(name);
+  const auto kind = FromString<FaultKind>(name);
   if (!kind) {
+    constexpr auto& names = kNames<FaultKind>;
     throw InputError(file, key, name,
-                     fmt::format("{}{}", fmt::join(kNames, ", "),
-                                 DidYouMean(name, {std::begin(kNames), std::end(kNames)})));
+                     fmt::format("{}{}", fmt::join(names, ", "),
+                                 DidYouMean(name, {names.begin(), names.end()})));
   }
   return *kind;
 }
-
-std::string_view NameOf(FaultKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
 FaultPlan ParseFaultPlan(const std::string& text, const std::string& file) {
   Json json;
@@ -310,15 +299,16 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
         Refuse(fault, "target", target, fmt::format("ONE+...|OTHER+... of {}", processes));
       }
     } else if (fault.kind == FaultKind::kDiskFull) {
-      if (target != kLogger) Refuse(fault, "target", target, kLogger);
+      if (target != process_name::kLogger) Refuse(fault, "target", target, process_name::kLogger);
     } else if (fault.kind == FaultKind::kForeign) {
       if (target != "*") Refuse(fault, "target", target, "*: everybody hears them");
     } else if (IsPacketFault(fault.kind)) {
       if (target != "*" && !is_process(target)) {
         Refuse(fault, "target", target, fmt::format("* or one of {}", processes));
       }
-    } else if (target != kLogger && !is_process(target)) {
-      Refuse(fault, "target", target, fmt::format("one of {}, {}", processes, kLogger));
+    } else if (target != process_name::kLogger && !is_process(target)) {
+      Refuse(fault, "target", target,
+             fmt::format("one of {}, {}", processes, process_name::kLogger));
     }
   }
   std::stable_sort(plan->begin(), plan->end(),
@@ -328,7 +318,7 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
 fault_t ToWire(const PlannedFault& fault) {
   fault_t wire{};
   wire.fault_id = fault.id;
-  wire.kind = static_cast<std::int8_t>(fault.kind);
+  wire.kind = NumberOf(fault.kind);
   wire.target = fault.target;
   wire.at_us = fault.at_us;
   wire.for_us = fault.for_us > 0        ? fault.for_us
@@ -342,7 +332,7 @@ std::string ToJson(const FaultPlan& plan) {
   nlohmann::ordered_json faults = nlohmann::ordered_json::array();
   for (const PlannedFault& fault : plan) {
     nlohmann::ordered_json row = {{"id", fault.id},
-                                  {"kind", NameOf(fault.kind)},
+                                  {"kind", ToString(fault.kind)},
                                   {"target", fault.target},
                                   {"at_min", ToMinutes(fault.at_us)}};
     if (fault.for_us > 0) row["for_min"] = ToMinutes(fault.for_us);

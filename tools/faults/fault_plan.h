@@ -36,12 +36,6 @@ struct PlannedFault {
 /// In order of time, then as written.
 using FaultPlan = std::vector<PlannedFault>;
 
-/// Kinds that the world carries out.
-constexpr bool IsAgentFault(FaultKind kind) {
-  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
-}
-
-std::string_view NameOf(FaultKind kind);
 /// Throws InputError naming file, key and what is expected.
 FaultKind KindByName(const std::string& name, const std::string& file, std::string_view key);
 

@@ -9,10 +9,10 @@ namespace muster::tools {
 Packet ForeignPacket(std::int64_t run_id, std::uint64_t n) {
   clock_t clock{};
   clock.header.run_id = run_id + 1;
-  clock.header.sender = "world";
+  clock.header.sender = process_name::kWorld;
   clock.header.seq = static_cast<std::int64_t>(n);
   clock.tick = 1'000'000;
-  clock.phase = 2;
+  clock.phase = NumberOf(ClockPhase::kEnded);
   switch (n % 4) {
     case 0:
       return {std::string(channel::kClock), Encode(clock)};

@@ -15,7 +15,9 @@
 namespace muster::tools {
 namespace {
 
-constexpr std::array kMembers = {"uav", "worker", "vehicle", "scheduler", "world", "lcm-logger"};
+constexpr std::array<std::string_view, 6> kMembers = {
+    ToString(AgentKind::kUav), ToString(AgentKind::kWorker), ToString(AgentKind::kVehicle),
+    process_name::kScheduler,  process_name::kWorld,         process_name::kLogger};
 constexpr std::uint32_t kReplaceable = 4;  ///< of those: without these a mission may go on
 constexpr TimeUs kBetweenHoldsUs = 3 * kMinuteUs;
 /// Apart from the draws for packets, which count from 0.
@@ -82,11 +84,12 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
         (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
         break;
       case FaultKind::kPartition:
-        fault.target = fmt::format("{}|world", kMembers[random.Below(kReplaceable)]);
+        fault.target =
+            fmt::format("{}|{}", kMembers[random.Below(kReplaceable)], process_name::kWorld);
         (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
         break;
       case FaultKind::kDiskFull:
-        fault.target = "lcm-logger";
+        fault.target = process_name::kLogger;
         fault.for_real_us = real_us;
         break;
       case FaultKind::kForeign:

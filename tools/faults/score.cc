@@ -15,22 +15,7 @@
 namespace muster::tools {
 namespace {
 
-// The wire's numbers of events.
-constexpr int kAgentFailed = 2;
-constexpr int kSensingDone = 5;
-constexpr int kSensingAborted = 6;
-constexpr int kChargingAborted = 9;
-constexpr int kProcessLost = 11;
-constexpr int kProcessBack = 12;
-constexpr int kFaultApplied = 13;
-constexpr int kFaultEnded = 14;
-constexpr int kTaskDone = 3;
-
 using Agent = std::pair<AgentKind, std::int32_t>;
-
-bool IsAgentFault(FaultKind kind) {
-  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
-}
 
 Agent AgentOf(const event_t& event) {
   if (event.uav_id >= 0) return {AgentKind::kUav, event.uav_id};
@@ -44,8 +29,9 @@ class Case {
   Case(const PlannedFault& fault, const FaultEvidence& evidence)
       : fault_(fault), evidence_(evidence), record_(evidence.record) {
     for (const event_t& event : record_.events()) {
-      if (event.fault_id == fault.id && event.kind == kFaultApplied && !applied_) applied_ = &event;
-      if (event.fault_id == fault.id && event.kind == kFaultEnded) {
+      if (event.fault_id == fault.id && event.kind == EventKind::kFaultApplied && !applied_)
+        applied_ = &event;
+      if (event.fault_id == fault.id && event.kind == EventKind::kFaultEnded) {
         ended_ = &event;
         packets_ += HitsOf(event.detail).value_or(0);
       }
@@ -76,7 +62,7 @@ class Case {
     for (const event_t& event : record_.events()) {
       const bool target =
           event.detail == fault_.target || event.detail.rfind(fault_.target + ",", 0) == 0;
-      if (event.kind == kProcessBack && target && event.header.wall_us >= from) {
+      if (event.kind == EventKind::kProcessBack && target && event.header.wall_us >= from) {
         return fmt::format("back after {:.2f} s", ToSeconds(event.header.wall_us - from));
       }
     }
@@ -98,12 +84,14 @@ class Case {
       }
     };
     for (const event_t& event : record_.events()) {
-      if (IsAgentFault(fault_.kind) && event.kind == kAgentFailed && event.detail == fault_.id) {
+      if (IsAgentFault(fault_.kind) && event.kind == EventKind::kAgentFailed &&
+          event.detail == fault_.id) {
         take(event);
       }
       const bool target =
           event.detail == fault_.target || event.detail.rfind(fault_.target + " ", 0) == 0;
-      if (!IsAgentFault(fault_.kind) && event.kind == kProcessLost && target) take(event);
+      if (!IsAgentFault(fault_.kind) && event.kind == EventKind::kProcessLost && target)
+        take(event);
     }
     if (!said_us) return -1;
     const TimeUs tick_us = record_.scenario()->rules.tick_us;
@@ -145,14 +133,14 @@ class Case {
   std::pair<TimeUs, int> Interrupted() const {
     std::set<std::int32_t> tasks;
     for (const event_t* aborted : aborted_) {
-      if (aborted->kind == kSensingAborted) tasks.insert(aborted->task_id);
+      if (aborted->kind == EventKind::kSensingAborted) tasks.insert(aborted->task_id);
     }
     TimeUs last = -1;
     int open = 0;
     for (const std::int32_t task : tasks) {
       const auto done = std::find_if(
           record_.events().begin(), record_.events().end(),
-          [&](const event_t& e) { return e.kind == kSensingDone && e.task_id == task; });
+          [&](const event_t& e) { return e.kind == EventKind::kSensingDone && e.task_id == task; });
       if (done == record_.events().end()) {
         ++open;
       } else {
@@ -168,7 +156,7 @@ class Case {
     std::set<std::pair<Agent, TimeUs>> when;
     const TimeUs until_us = fault_.for_us > 0 ? fault_.at_us + fault_.for_us : kNever;
     for (const event_t& event : record_.events()) {
-      if (event.kind != kAgentFailed) continue;
+      if (event.kind != EventKind::kAgentFailed) continue;
       const bool by_loss = event.detail.rfind(fault_.target + " is lost", 0) == 0 &&
                            event.header.sim_us >= fault_.at_us && event.at_us < until_us;
       if (event.detail != fault_.id && !by_loss) continue;
@@ -176,7 +164,8 @@ class Case {
       when.insert({AgentOf(event), event.at_us});
     }
     for (const event_t& event : record_.events()) {
-      if (event.kind != kSensingAborted && event.kind != kChargingAborted) continue;
+      if (event.kind != EventKind::kSensingAborted && event.kind != EventKind::kChargingAborted)
+        continue;
       for (const Agent& agent : MembersOf(event)) {
         if (when.count({agent, event.at_us}) > 0) {
           aborted_.push_back(&event);
@@ -187,8 +176,9 @@ class Case {
   }
   static std::array<Agent, 2> MembersOf(const event_t& event) {
     const Agent uav{AgentKind::kUav, event.uav_id};
-    return {uav, event.kind == kSensingAborted ? Agent{AgentKind::kWorker, event.worker_id}
-                                               : Agent{AgentKind::kVehicle, event.vehicle_id}};
+    return {uav, event.kind == EventKind::kSensingAborted
+                     ? Agent{AgentKind::kWorker, event.worker_id}
+                     : Agent{AgentKind::kVehicle, event.vehicle_id}};
   }
   Agent PartnerIn(const event_t& event) const {
     const auto [one, other] = MembersOf(event);
@@ -215,12 +205,13 @@ void FaultEvidence::Add(const Packet& packet) {
     if (!states) return;
     for (const agent_t& agent : states->agents) {
       words[{static_cast<AgentKind>(states->kind), agent.id}][states->header.sim_us] = {
-          static_cast<AgentStatus>(agent.status) == AgentStatus::kIdle, agent.decision};
+          agent.status == AgentStatus::kIdle, agent.decision};
     }
   }
   if (packet.channel != channel::kClock) return;
   const auto clock = DecodeValid<clock_t>(packet.bytes);
-  if (clock && clock->phase == 1) clock_wall_us.try_emplace(clock->tick_us, clock->header.wall_us);
+  if (clock && clock->phase == ClockPhase::kRunning)
+    clock_wall_us.try_emplace(clock->tick_us, clock->header.wall_us);
 }
 
 std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& evidence) {
@@ -229,7 +220,7 @@ std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& 
   MUSTER_CHECK(record.scenario(), "no scenario");
   for (const PlannedFault& fault : plan) {
     const Case that(fault, evidence);
-    const std::string name = fmt::format("{} {} {}", fault.id, NameOf(fault.kind), fault.target);
+    const std::string name = fmt::format("{} {} {}", fault.id, ToString(fault.kind), fault.target);
     const auto add = [&](std::string check, std::string expected, std::string observed, bool met) {
       scores.push_back({name, std::move(check), std::move(expected), std::move(observed), met, ""});
     };
@@ -265,7 +256,7 @@ std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& 
       double rate = 0;
       if (record.final_world() && !record.final_world()->task_status.empty()) {
         const auto& status = record.final_world()->task_status;
-        rate = static_cast<double>(std::count(status.begin(), status.end(), kTaskDone)) /
+        rate = static_cast<double>(std::count(status.begin(), status.end(), TaskStatus::kDone)) /
                static_cast<double>(status.size());
       }
       add("completion rate at least", fmt::format("{:.3f}", *expect.completion_rate),

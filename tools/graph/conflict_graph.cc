@@ -138,7 +138,7 @@ void ConflictGraph::WriteJson(std::ostream& out) const {
   for (std::int32_t i = 0; i < n_nodes(); ++i) {
     const Node& node = nodes()[static_cast<std::size_t>(i)];
     nlohmann::ordered_json line;
-    line["kind"] = Symbol(node.kind);
+    line["kind"] = ToString(node.kind);
     line["weight"] = node.weight;
     line["elements"] = nlohmann::ordered_json::array();
     for (const std::int32_t e : ElementsOf(node, candidates_.elements)) {

@@ -46,7 +46,9 @@ std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) 
 }
 
 std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& entries) {
-  static constexpr std::string_view kRoles[] = {"world", "uav", "worker", "vehicle", "scheduler"};
+  static constexpr std::string_view kRoles[] = {
+      process_name::kWorld, ToString(AgentKind::kUav), ToString(AgentKind::kWorker),
+      ToString(AgentKind::kVehicle), process_name::kScheduler};
   namespace fs = std::filesystem;
   std::map<std::string, std::string> programs;
   for (const std::string& entry : entries) {
@@ -103,7 +105,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   LaunchOptions options;
   options.programs = ReadPrograms(arguments->All("program"));
   static_cast<FaultOptions&>(options) = ReadFaultOptions(*arguments);
-  const bool own_policy = options.programs.contains("scheduler");
+  const bool own_policy = options.programs.contains(process_name::kScheduler);
   static_cast<MissionOptions&>(options) = ReadMissionOptions(*arguments, own_policy);
   if (own_policy && !arguments->Has("policy")) {
     throw InputError(kCommandLine, "--program", "scheduler without --policy",
@@ -164,7 +166,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   for (const std::string& outage : OutagesOf(options.faults)) {
     world.insert(world.end(), {"--outage", outage});
   }
-  add("world", "world", std::move(world));
+  add(process_name::kWorld, process_name::kWorld, std::move(world));
   for (const AgentKind kind : kAgentKinds) {
     const std::string class_name(ToString(kind));
     const int n = static_cast<int>(scenario.agents(kind).size());
@@ -189,7 +191,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   if (options.deadline_ms) {
     scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
   }
-  add("scheduler", "scheduler", std::move(scheduler));
+  add(process_name::kScheduler, process_name::kScheduler, std::move(scheduler));
   return plans;
 }
 

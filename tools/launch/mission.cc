@@ -71,7 +71,7 @@ Child& RealHost::Find(const std::string& name) {
 }
 
 const ChildSpec& RealHost::SpecOf(const std::string& name) const {
-  if (name == kLoggerName) return programs_.logger;
+  if (name == process_name::kLogger) return programs_.logger;
   const auto found = std::find_if(programs_.processes.begin(), programs_.processes.end(),
                                   [&](const ChildSpec& spec) { return spec.name == name; });
   MUSTER_CHECK(found != programs_.processes.end(), "{}", name);
@@ -81,7 +81,7 @@ const ChildSpec& RealHost::SpecOf(const std::string& name) const {
 void RealHost::Start(const std::string& name, std::int64_t starts) {
   ChildSpec spec = SpecOf(name);
   spec.append = starts > 0;
-  if (name == kLoggerName) {
+  if (name == process_name::kLogger) {
     // Always a new file: behind a torn event, what follows would be hidden.
     log_files_.push_back(
         {starts == 0 ? programs_.log_file : fmt::format("{}.{}", programs_.log_file, starts)});
@@ -111,7 +111,8 @@ void RealHost::SetDiskFull(bool full) {
   const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
   rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
   if (full) limit.rlim_cur = error ? 0 : static_cast<rlim_t>(size);
-  if (prlimit(Find(kLoggerName).pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 && errno != ESRCH) {
+  if (prlimit(Find(process_name::kLogger).pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 &&
+      errno != ESRCH) {
     throw SystemError(fmt::format("cannot limit the log's size: {}", std::strerror(errno)));
   }
 }

@@ -14,11 +14,9 @@
 namespace muster::tools {
 
 /// Where a mission's processes and its logger run and its packets go: this host and its network, or
-/// virtual time. Processes are known by name; the logger is kLoggerName.
+/// virtual time. Processes are known by name; the logger is process_name::kLogger.
 class MissionHost {
  public:
-  static constexpr const char* kLoggerName = "lcm-logger";
-
   virtual ~MissionHost() = default;
 
   virtual Now now() const = 0;

@@ -14,8 +14,8 @@ void MissionView::Add(const Packet& packet) {
   if (packet.channel == channel::kClock) {
     const auto clock = DecodeValid<clock_t>(packet.bytes);
     if (!clock) return;
-    if (clock->phase == 2) end_announced_ = true;
-    if (clock->phase == 0 || clock->tick < tick_) return;
+    if (clock->phase == ClockPhase::kEnded) end_announced_ = true;
+    if (clock->phase == ClockPhase::kReady || clock->tick < tick_) return;
     tick_ = clock->tick;
     tick_us_ = clock->tick_us;
     limit_us_ = clock->limit_us;

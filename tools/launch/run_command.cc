@@ -111,7 +111,7 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
   MissionPrograms programs;
   programs.hosts = options.hosts;
   programs.log_file = directory.File("mission.lcm");
-  programs.logger = {MissionHost::kLoggerName,
+  programs.logger = {process_name::kLogger,
                      {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
                      directory.File("lcm-logger.stderr")};
   const fs::path folder = ProgramFolder();
@@ -143,7 +143,7 @@ int RunCommand(int argc, const char* const* argv) {
   // All that can be wrong with the request or the host comes before the first file.
   const Scenario scenario = ResolveScenario(*options);
   const std::string logger = FindLogger();
-  std::vector<std::string> names = {"recorder"};
+  std::vector<std::string> names = {process_name::kRecorder};
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
     names.push_back(process.name);
   }
@@ -159,7 +159,7 @@ int RunCommand(int argc, const char* const* argv) {
   mission.lcm_url = FindNetwork(*options);
   mission.run_id = start.wall_us;
   ProcessFlags flags;
-  flags.identity = {mission.run_id, "recorder", 0};
+  flags.identity = {mission.run_id, process_name::kRecorder, 0};
   flags.lcm_url = mission.lcm_url;
   flags.drop = options->drop;
   flags.drop_seed = scenario.seed;

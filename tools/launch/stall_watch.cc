@@ -35,8 +35,8 @@ void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
   } else if (name == channel::kClock) {
     peer.role = Role::kOther;
     const auto clock = DecodeValid<clock_t>(packet.bytes);
-    if (!clock || clock->phase == 0) return;
-    ended_ |= clock->phase == 2;
+    if (!clock || clock->phase == ClockPhase::kReady) return;
+    ended_ |= clock->phase == ClockPhase::kEnded;
     if (clock->tick_us <= clock_us_) return;
     clock_us_ = clock->tick_us;
     decision_due_ = clock->decision >= 0;

@@ -28,12 +28,6 @@ constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
 constexpr TimeUs kForeignUs = 2'000;
 
-constexpr std::string_view kWorldName = "world";
-
-/// The wire's numbers.
-constexpr std::int8_t kProcessLost = 11;
-constexpr std::int8_t kProcessBack = 12;
-
 /// A process of the mission, or the logger, over all its starts.
 struct Member {
   std::string name;
@@ -73,12 +67,12 @@ class Supervisor : private FaultActions {
   bool OnEnd(Member* member, const Now& now);
   void NoteBack(Member* member, const Now& now);
   /// Publishes an event_t about a process.
-  void Announce(std::int8_t kind, std::string detail, const Now& now);
+  void Announce(EventKind kind, std::string detail, const Now& now);
   void Say(const std::string& line) { host_->Say(line); }
   Member* Find(const std::string& name);
   SentPacket Publish(const fault_t& fault) override;
   void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
-  void Confirm(std::int8_t kind, const std::string& fault_id) override;
+  void Confirm(EventKind kind, const std::string& fault_id) override;
   bool SignalProcess(const std::string& name, int signal) override;
   void HoldRestart(const std::string& name) override { Find(name)->held = true; }
   void ReleaseRestart(const std::string& name) override { Find(name)->held = false; }
@@ -117,14 +111,14 @@ class Supervisor : private FaultActions {
 Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
       host_(host),
-      recorder_({plan.run_id, "recorder", 0}),
+      recorder_({plan.run_id, process_name::kRecorder, 0}),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
       stall_watch_(plan.processes, plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, plan.processes),
-      own_faults_(plan.run_id, "recorder", &host->bus(),
+      own_faults_(plan.run_id, process_name::kRecorder, &host->bus(),
                   [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
-  members_.push_back({MissionHost::kLoggerName});
+  members_.push_back({process_name::kLogger});
   for (const std::string& name : plan.processes) members_.push_back({name});
 }
 
@@ -240,21 +234,21 @@ Member* Supervisor::Find(const std::string& name) {
 SentPacket Supervisor::Publish(const fault_t& fault) {
   const Now now = host_->now();
   Say(fmt::format("fault {} {}: {} {}", fault.fault_id, fault.for_us == 0 ? "ends" : "begins",
-                  NameOf(static_cast<FaultKind>(fault.kind)), fault.target));
+                  ToString<FaultKind>(fault.kind), fault.target));
   // The recorder counts what it hears: damaged headers would make it wait for what never was.
-  if (static_cast<FaultKind>(fault.kind) != FaultKind::kCorruption) {
+  if (fault.kind != FaultKind::kCorruption) {
     if (std::optional<event_t> event = own_faults_.Take(fault)) recorder_.Announce(*event, now);
   }
   return recorder_.Publish(fault, now);
 }
 
-void Supervisor::Confirm(std::int8_t kind, const std::string& fault_id) {
+void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {
   event_t event{};
-  event.kind = kind;
+  event.kind = NumberOf(kind);
   event.at_us = heard_us_;
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
   event.fault_id = fault_id;
-  event.detail = "launcher";
+  event.detail = process_name::kLauncher;
   recorder_.Announce(std::move(event), host_->now());
 }
 
@@ -277,9 +271,9 @@ std::int64_t Supervisor::BootOf(const std::string& name) const {
   return found == members_.end() ? 0 : found->starts - 1;
 }
 
-void Supervisor::Announce(std::int8_t kind, std::string detail, const Now& now) {
+void Supervisor::Announce(EventKind kind, std::string detail, const Now& now) {
   event_t event{};
-  event.kind = kind;
+  event.kind = NumberOf(kind);
   event.at_us = heard_us_;
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
   event.detail = std::move(detail);
@@ -290,7 +284,8 @@ void Supervisor::NoteBack(Member* member, const Now& now) {
   if (!member->back_due) return;
   member->back_due = false;
   Say(fmt::format("{} is back", member->name));
-  Announce(kProcessBack, fmt::format("{}, start {}", member->name, member->starts - 1), now);
+  Announce(EventKind::kProcessBack, fmt::format("{}, start {}", member->name, member->starts - 1),
+           now);
 }
 
 std::string Supervisor::Obituary(const Member& member, const ChildEnd& end) const {
@@ -308,10 +303,11 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
     if (member->starts > 1) {
       text += fmt::format("\nit was started again {} times", member->starts - 1);
     }
-    if (plan_.goes_on && !end.usage_error() && !is_logger(*member) && name != kWorldName) {
+    if (plan_.goes_on && !end.usage_error() && !is_logger(*member) &&
+        name != process_name::kWorld) {
       member->gone = true;
       Say(fmt::format("{}\nthe mission goes on without it", text));
-      Announce(kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
+      Announce(EventKind::kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
       recorder_.OnEnd(name, member->starts - 1, now);
       return true;
     }
@@ -329,7 +325,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
                   : planned    ? fmt::format("in {:.1f} s", ToSeconds(wait_us))
                             : fmt::format("in {:.1f} s ({} of {})", ToSeconds(wait_us), unplanned,
                                           plan_.restarts.most)));
-  Announce(kProcessLost, fmt::format("{} {}", name, end.Text()), now);
+  Announce(EventKind::kProcessLost, fmt::format("{} {}", name, end.Text()), now);
   if (!is_logger(*member)) recorder_.OnEnd(name, member->starts - 1, now);
   return true;
 }

@@ -48,9 +48,8 @@ void ExportCsv(LogSource* source, const std::string& out) {
     if (const auto* m = std::get_if<agent_states_t>(&message)) {
       for (const agent_t& a : m->agents) {
         agents.Write(fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\r\n", m->tick,
-                                 Seconds(m->header.sim_us),
-                                 ToString(static_cast<AgentKind>(m->kind)), a.id, a.x_m, a.y_m,
-                                 a.range_left_m, ToString(static_cast<AgentStatus>(a.status)),
+                                 Seconds(m->header.sim_us), ToString<AgentKind>(m->kind), a.id,
+                                 a.x_m, a.y_m, a.range_left_m, ToString<AgentStatus>(a.status),
                                  a.action, a.target_id, a.partner_id, a.decision));
       }
     } else if (const auto* s = std::get_if<schedule_t>(&message)) {
@@ -60,20 +59,19 @@ void ExportCsv(LogSource* source, const std::string& out) {
                                   s->candidates, Seconds(s->solve_us), s->actions.size()));
       for (const action_t& a : s->actions) {
         actions.Write(fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", s->decision, a.kind,
-                                  Symbol(static_cast<ActionKind>(a.kind)), a.uav_id, a.worker_id,
-                                  a.vehicle_id, a.task_id, a.charge_id, a.x_m, a.y_m, a.weight));
+                                  ToString<ActionKind>(a.kind), a.uav_id, a.worker_id, a.vehicle_id,
+                                  a.task_id, a.charge_id, a.x_m, a.y_m, a.weight));
       }
     } else if (const auto* e = std::get_if<event_t>(&message)) {
-      events.Write(fmt::format("{},{},{},{},{},{},{},{},{}\r\n", Seconds(e->at_us), e->kind,
-                               e->uav_id, e->worker_id, e->vehicle_id, e->task_id, e->charge_id,
-                               Quoted(e->fault_id), Quoted(e->detail)));
+      events.Write(fmt::format("{},{},{},{},{},{},{},{},{}\r\n", Seconds(e->at_us),
+                               ToString<EventKind>(e->kind), e->uav_id, e->worker_id, e->vehicle_id,
+                               e->task_id, e->charge_id, Quoted(e->fault_id), Quoted(e->detail)));
     } else if (const auto* w = std::get_if<world_state_t>(&message)) {
-      constexpr const char* kNames[] = {"open", "reserved", "sensing", "done"};
       for (std::size_t x = 0; x < status.size() && x < w->task_status.size(); ++x) {
         if (status[x] == w->task_status[x]) continue;
         status[x] = w->task_status[x];
         tasks.Write(fmt::format("{},{},{},{}\r\n", w->tick, Seconds(w->header.sim_us), x,
-                                kNames[status[x] & 3]));
+                                ToString<TaskStatus>(status[x])));
       }
     } else if (const auto* p = std::get_if<process_status_t>(&message)) {
       processes.Write(fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", Seconds(p->header.sim_us),

@@ -102,18 +102,18 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
   std::map<std::int32_t, event_t> done;
   ForEachMessage(source, head.run_id, [&](const Message& message, const Packet&) {
     if (const auto* e = std::get_if<event_t>(&message)) {
-      if (e->kind == 5) done.try_emplace(e->task_id, *e);
+      if (e->kind == EventKind::kSensingDone) done.try_emplace(e->task_id, *e);
     }
     const auto* m = std::get_if<agent_states_t>(&message);
     if (m == nullptr) return;
     const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
     for (const agent_t& a : m->agents) {
-      const std::string_view kind = ToString(static_cast<AgentKind>(m->kind));
+      const std::string_view kind = ToString<AgentKind>(m->kind);
       positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
                                           {"sim_s", static_cast<double>(m->header.sim_us) * 1e-6},
                                           {"agent", fmt::format("{}:{}", kind, a.id)},
                                           {"class", kind},
-                                          {"status", ToString(static_cast<AgentStatus>(a.status))},
+                                          {"status", ToString<AgentStatus>(a.status)},
                                           {"range_left_m", a.range_left_m}});
       trips[{m->kind, a.id}].Add({a.x_m, a.y_m, unix_us});
     }
@@ -130,7 +130,7 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
       coordinates.push_back(std::move(at));
     }
     if (coordinates.empty()) continue;
-    const std::string_view kind = ToString(static_cast<AgentKind>(agent.first));
+    const std::string_view kind = ToString<AgentKind>(agent.first);
     lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
               {{"agent", fmt::format("{}:{}", kind, agent.second)}, {"class", kind}});
   }

@@ -98,15 +98,15 @@ class Scene {
     if (const auto* m = std::get_if<agent_states_t>(&message)) {
       constexpr const std::array<double, 3>* kColors[] = {&kBlue, &kOrange, &kGreen};
       for (const agent_t& a : m->agents) {
-        const bool out = a.status == 0 || a.status == 6;
+        const bool out = a.status == AgentStatus::kOffline || a.status == AgentStatus::kFailed;
         // An entity stays until it is said again.
         const std::tuple shown(a.x_m, a.y_m, out);
         const auto [known, is_new] = shown_.try_emplace({m->kind, a.id}, shown);
         if (!is_new && known->second == shown) continue;
         known->second = shown;
-        entities.push_back(
-            Entity(fmt::format("{}:{}", ToString(static_cast<AgentKind>(m->kind)), a.id), "spheres",
-                   a.x_m, a.y_m, out ? 100 : 250, out ? kGrey : *kColors[m->kind], unix_us));
+        entities.push_back(Entity(fmt::format("{}:{}", ToString<AgentKind>(m->kind), a.id),
+                                  "spheres", a.x_m, a.y_m, out ? 100 : 250,
+                                  out ? kGrey : *kColors[m->kind], unix_us));
       }
     } else if (const auto* w = std::get_if<world_state_t>(&message)) {
       for (std::size_t x = 0; x < status_.size() && x < w->task_status.size(); ++x) {
@@ -114,8 +114,8 @@ class Scene {
         status_[x] = w->task_status[x];
         const Point at = scenario_.tasks[x].at;
         entities.push_back(Entity(fmt::format("task:{}", x), "cubes", at.x_m, at.y_m,
-                                  status_[x] == 3 ? 120 : 300, status_[x] == 3 ? kGrey : kVermilion,
-                                  unix_us));
+                                  status_[x] == TaskStatus::kDone ? 120 : 300,
+                                  status_[x] == TaskStatus::kDone ? kGrey : kVermilion, unix_us));
       }
     }
     return {{"deletions", ordered_json::array()}, {"entities", std::move(entities)}};

@@ -30,7 +30,8 @@ MissionHead ReadMissionHead(LogSource* source) {
     }
     if (!found || message->packet.channel != channel::kClock) continue;
     const auto clock = DecodeValid<clock_t>(message->packet.bytes);
-    if (!clock || clock->header.run_id != head.run_id || clock->phase == 0) continue;
+    if (!clock || clock->header.run_id != head.run_id || clock->phase == ClockPhase::kReady)
+      continue;
     head.epoch_us = clock->header.wall_us == 0 ? 0 : clock->header.wall_us - clock->tick_us;
     return head;
   }

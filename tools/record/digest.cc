@@ -14,9 +14,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr int kLastOutcomeKind = 10;
-constexpr int kSensingDone = 5;
-
 class Bytes {
  public:
   void Text(std::string_view text) { text_ += text; }
@@ -73,7 +70,7 @@ std::string Digest(const RunRecord& record) {
   std::vector<std::int64_t> done_us(n_tasks, -1);
   const event_t* previous = nullptr;
   for (const event_t& event : record.events()) {
-    if (event.kind < 0 || event.kind > kLastOutcomeKind) continue;
+    if (!IsOutcome(static_cast<EventKind>(event.kind))) continue;
     const auto same = [&] {
       return previous->at_us == event.at_us && previous->kind == event.kind &&
              Ids(*previous) == Ids(event);
@@ -85,7 +82,8 @@ std::string Digest(const RunRecord& record) {
     bytes.I8(event.kind);
     AddIds(event, &bytes);
     const auto task = static_cast<std::size_t>(event.task_id);
-    if (event.kind == kSensingDone && event.task_id >= 0 && task < n_tasks && done_us[task] < 0) {
+    if (event.kind == EventKind::kSensingDone && event.task_id >= 0 && task < n_tasks &&
+        done_us[task] < 0) {
       done_us[task] = event.at_us;
     }
   }

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
-#include <iterator>
-#include <map>
 #include <set>
 #include <vector>
 
@@ -19,31 +18,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* kEventNames[] = {
-    "agent_online", "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
-    "sensing_done", "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
-    "match_failed", "process_lost",    "process_back",     "fault_applied", "fault_ended",
-};
-constexpr const char* kTaskStatusNames[] = {"open", "reserved", "sensing", "done"};
-constexpr const char* kFaultNames[] = {
-    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
-    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
-
-constexpr int kSensingDone = 5;
-constexpr int kChargingDone = 8;
-constexpr int kProcessEnded = 4;
-constexpr int kTaskDone = 3;
-
 double Seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
 
 /// JSON has neither NaN nor infinity.
 ordered_json Number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json();
-}
-
-template <std::size_t n>
-std::string NameOf(const char* const (&names)[n], int kind) {
-  return kind >= 0 && static_cast<std::size_t>(kind) < n ? names[kind] : fmt::format("{}", kind);
 }
 
 ordered_json Decisions(const RunRecord& record) {
@@ -79,15 +58,15 @@ ordered_json Tasks(const RunRecord& record) {
   std::vector<const event_t*> done(n_tasks, nullptr);
   for (const event_t& event : record.events()) {
     const auto task = static_cast<std::size_t>(event.task_id);
-    if (event.kind == kSensingDone && event.task_id >= 0 && task < n_tasks && !done[task]) {
+    if (event.kind == EventKind::kSensingDone && event.task_id >= 0 && task < n_tasks &&
+        !done[task]) {
       done[task] = &event;
     }
   }
   ordered_json list = ordered_json::array();
   for (std::size_t task = 0; task < n_tasks; ++task) {
     const int status = record.final_world() ? record.final_world()->task_status[task] : -1;
-    ordered_json row = {{"id", task},
-                        {"status", status < 0 ? "unknown" : NameOf(kTaskStatusNames, status)}};
+    ordered_json row = {{"id", task}, {"status", ToString<TaskStatus>(status)}};
     if (const event_t* event = done[task]) {
       row["done_s"] = Seconds(event->at_us);
       row["uav"] = event->uav_id;
@@ -103,7 +82,7 @@ ordered_json Faults(const RunRecord& record) {
   for (const auto& [id, fault] : record.faults()) {
     ordered_json row = {
         {"id", id},
-        {"kind", NameOf(kFaultNames, fault.kind)},
+        {"kind", ToString<FaultKind>(fault.kind)},
         {"target", fault.target},
         {"at_s", Seconds(fault.at_us)},
         {"for_s", fault.for_us == kNever ? ordered_json() : ordered_json(Seconds(fault.for_us))},
@@ -113,9 +92,12 @@ ordered_json Faults(const RunRecord& record) {
         {"packets", nullptr}};
     for (const event_t& event : record.events()) {
       if (event.fault_id != id) continue;
-      if (event.kind == 13 && row["applied_s"].is_null()) row["applied_s"] = Seconds(event.at_us);
-      if (event.kind == 14) row["ended_s"] = Seconds(event.at_us);
-      if (const auto hits = event.kind == 14 ? HitsOf(event.detail) : std::nullopt) {
+      const bool ends = event.kind == EventKind::kFaultEnded;
+      if (event.kind == EventKind::kFaultApplied && row["applied_s"].is_null()) {
+        row["applied_s"] = Seconds(event.at_us);
+      }
+      if (ends) row["ended_s"] = Seconds(event.at_us);
+      if (const auto hits = ends ? HitsOf(event.detail) : std::nullopt) {
         row["packets"] =
             (row["packets"].is_null() ? 0 : row["packets"].get<std::int64_t>()) + *hits;
       }
@@ -150,7 +132,7 @@ ordered_json Processes(const RunRecord& record) {
                     {"rejected", rejected},
                     {"resent", resent},
                     {"restarts", newest->header.boot_id},
-                    {"ended", newest->state == kProcessEnded},
+                    {"ended", newest->state == ProcessState::kEnded},
                     {"cpu_s", Number(cpu_s)},
                     {"rss_bytes", rss}});
   }
@@ -196,8 +178,6 @@ std::string PolicyOf(const RunRecord& record) {
 
 }  // namespace
 
-std::string EventName(int kind) { return NameOf(kEventNames, kind); }
-
 DecisionTime DecisionTimeOf(const RunRecord& record) {
   std::vector<std::int64_t> us;
   for (const auto& [index, schedule] : record.schedules()) us.push_back(schedule.solve_us);
@@ -235,13 +215,14 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   std::size_t done = 0;
   if (record.final_world()) {
     const auto& status = record.final_world()->task_status;
-    done = static_cast<std::size_t>(std::count(status.begin(), status.end(), kTaskDone));
+    done = static_cast<std::size_t>(std::count(status.begin(), status.end(), TaskStatus::kDone));
   }
-  std::map<int, std::int64_t> counts;
-  for (std::size_t kind = 0; kind < std::size(kEventNames); ++kind) counts[static_cast<int>(kind)];
-  for (const event_t& event : record.events()) ++counts[event.kind];
+  std::array<std::int64_t, kNames<EventKind>.size()> counts{};
+  for (const event_t& event : record.events()) ++counts[static_cast<std::size_t>(event.kind)];
   ordered_json events = ordered_json::object();
-  for (const auto& [kind, n] : counts) events[EventName(kind)] = n;
+  for (std::size_t kind = 0; kind < counts.size(); ++kind) {
+    events[std::string(kNames<EventKind>[kind])] = counts[kind];
+  }
 
   ordered_json uavs = ordered_json::array();
   double flown_m = 0;
@@ -258,7 +239,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["tasks_done"] = done;
   report["completion_rate"] =
       total == 0 ? 0.0 : static_cast<double>(done) / static_cast<double>(total);
-  report["charges"] = counts[kChargingDone];
+  report["charges"] = counts[NumberOf(EventKind::kChargingDone)];
   report["flown_m"] = Number(flown_m);
   report["wall_s"] = record.wall_s();
   report["decision_time"] = {{"median_s", time.median_s}, {"max_s", time.max_s}};

@@ -17,7 +17,6 @@ inline constexpr int kReportVersion = 1;
 nlohmann::ordered_json Report(const RunRecord& record);
 
 /// Name of an event kind in reports: "sensing_done", ...; the number when unknown.
-std::string EventName(int kind);
 
 /// Decision time of one run, median and largest, in seconds; both 0 without decisions.
 struct DecisionTime {

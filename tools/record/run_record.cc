@@ -187,16 +187,17 @@ void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
   const std::size_t n_uavs = scenario_->uavs.size();
   const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario_->workers.size(), said_.size()};
   for (const ruling_t& ruling : message.rulings) {
-    if (ruling.kind != 0 || ruling.agent_kind > 2 || ruling.agent_id < 0) continue;
+    if (ruling.kind != RulingKind::kFailed) continue;
     const std::size_t i = offsets[ruling.agent_kind] + static_cast<std::size_t>(ruling.agent_id);
     if (i >= offsets[ruling.agent_kind + 1]) continue;
     cover->excused.push_back(i);
-    if (ruling.agent_kind == 0 && ruling.at_us > before_us) tracks_[i].Exclude(message.tick);
+    if (ruling.agent_kind == AgentKind::kUav && ruling.at_us > before_us)
+      tracks_[i].Exclude(message.tick);
   }
 }
 
 void RunRecord::TakeClock(const clock_t& message) {
-  if (message.phase == 0) return;
+  if (message.phase == ClockPhase::kReady) return;
   // Decisions before this tick that it does not require never were in force.
   const Rules& rules = scenario_->rules;
   const std::int32_t before =
@@ -211,7 +212,7 @@ void RunRecord::TakeClock(const clock_t& message) {
   const std::pair<std::int64_t, std::int64_t> when(message.tick, message.header.wall_us);
   if (!first_clock_ || when < *first_clock_) first_clock_ = when;
   if (!last_clock_ || when > *last_clock_) last_clock_ = when;
-  if (message.phase == 2) end_announced_ = true;
+  if (message.phase == ClockPhase::kEnded) end_announced_ = true;
   if (TickCover* cover = Cover(message.tick)) {
     cover->clock = true;
     Collapse(message.tick);

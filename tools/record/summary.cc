@@ -72,7 +72,8 @@ std::string Summary(const RunRecord& record) {
     done = static_cast<std::size_t>(std::count(status.begin(), status.end(), 3));
   }
   std::size_t charges = 0;
-  for (const event_t& event : record.events()) charges += event.kind == 8 ? 1 : 0;
+  for (const event_t& event : record.events())
+    charges += event.kind == EventKind::kChargingDone ? 1 : 0;
   double flown_m = 0;
   for (const Track& track : record.tracks()) flown_m += track.length_m();
   double weight = 0;

@@ -37,7 +37,7 @@ void MissionFeed::Take(const Packet& packet) {
   if (!message) return;
   timeline_->Add(*message);
   const auto* clock = std::get_if<clock_t>(&*message);
-  if (clock == nullptr || clock->phase == 0 || epoch_known_) return;
+  if (clock == nullptr || clock->phase == ClockPhase::kReady || epoch_known_) return;
   epoch_known_ = true;
   epoch_us_ = header->wall_us == 0 ? 0 : header->wall_us - clock->tick_us;
 }

@@ -83,6 +83,14 @@ ordered_json Places(const Scenario& scenario) {
   return place;
 }
 
+/// The names of the numbers that the page's rows hold.
+ordered_json Words() {
+  return {{"agents", kNames<AgentKind>},
+          {"statuses", kNames<AgentStatus>},
+          {"tasks", kNames<TaskStatus>},
+          {"actions", kNames<ActionKind>}};
+}
+
 ordered_json Numbers(const RunRecord& record) {
   ordered_json report = Report(record);
   for (const char* list : {"tasks", "uavs", "decisions"}) report.erase(list);
@@ -112,6 +120,7 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
   if (!cursor->begun) {
     chunk["version"] = 1;
     chunk["name"] = name;
+    chunk["words"] = Words();
     chunk["scenario"] = Places(timeline.scenario());
     cursor->begun = true;
   }
@@ -156,8 +165,8 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
        });
   Flat("events", timeline.events(), &cursor->events, &chunk,
        [](const event_t& e, ordered_json* list) {
-         list->push_back({EventName(e.kind), Ms(e.at_us), e.uav_id, e.worker_id, e.vehicle_id,
-                          e.task_id, e.charge_id, e.fault_id, e.detail});
+         list->push_back({ToString<EventKind>(e.kind), Ms(e.at_us), e.uav_id, e.worker_id,
+                          e.vehicle_id, e.task_id, e.charge_id, e.fault_id, e.detail});
        });
   ordered_json processes = ordered_json::array();
   for (const auto& [process, samples] : timeline.processes()) {
@@ -174,7 +183,8 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
   if (cursor->faults != timeline.faults().size()) {
     ordered_json faults = ordered_json::array();
     for (const auto& [id, f] : timeline.faults()) {
-      faults.push_back({id, f.kind, f.target, Ms(f.at_us), Ms(f.for_us), Number(f.probability)});
+      faults.push_back({id, ToString<FaultKind>(f.kind), f.target, Ms(f.at_us), Ms(f.for_us),
+                        Number(f.probability)});
     }
     chunk["faults"] = std::move(faults);
     cursor->faults = timeline.faults().size();

@@ -11,7 +11,6 @@ namespace {
 
 /// How far a stop may lie off the straight line through its neighbours and still be left out.
 constexpr double kStraightM = 0.5;
-constexpr int kEnded = 2;  // clock_t phase
 
 std::int64_t Ms(std::int64_t us) { return us / 1000; }
 
@@ -87,8 +86,7 @@ void Timeline::Add(const Message& message) {
       },
       [&](const rulings_t& m) {
         for (const ruling_t& ruling : m.rulings) {
-          if (ruling.kind != static_cast<int>(Ruling::Kind::kFailed)) continue;
-          if (ruling.agent_kind < 0 || ruling.agent_kind > 2 || ruling.agent_id < 0) continue;
+          if (ruling.kind != RulingKind::kFailed) continue;
           const auto kind = static_cast<AgentKind>(ruling.agent_kind);
           const auto id = static_cast<std::size_t>(ruling.agent_id);
           if (id < scenario_.agents(kind).size()) {
@@ -110,8 +108,8 @@ void Timeline::Add(const Message& message) {
       [&](const fault_t& m) { faults_.try_emplace(m.fault_id, m); },
       [&](const process_status_t& m) { TakeProcess(m); },
       [&](const clock_t& m) {
-        if (m.phase != 0) now_ms_ = std::max(now_ms_, Ms(m.tick_us));
-        ended_ = ended_ || m.phase == kEnded;
+        if (m.phase != ClockPhase::kReady) now_ms_ = std::max(now_ms_, Ms(m.tick_us));
+        ended_ = ended_ || m.phase == ClockPhase::kEnded;
       });
 }
 
@@ -129,7 +127,7 @@ void Timeline::Finish() {
 }
 
 void Timeline::TakeAgents(const agent_states_t& message) {
-  if (message.kind < 0 || message.kind > 2 || message.tick > scenario_.rules.last_tick()) return;
+  if (message.tick > scenario_.rules.last_tick()) return;
   const auto kind = static_cast<AgentKind>(message.kind);
   const std::size_t n = scenario_.agents(kind).size();
   for (const agent_t& agent : message.agents) {
@@ -159,7 +157,7 @@ void Timeline::Move(Agent* agent, const agent_t& now, std::int64_t now_us) {
       // Where it stands now is where that leg led; its range falls on the way only.
       const double on_way = std::hypot(now.x_m - last.x_m, now.y_m - last.y_m);
       const double range =
-          now.status == static_cast<int>(AgentStatus::kWaiting)
+          now.status == AgentStatus::kWaiting
               ? now.range_left_m
               : std::max(0.0, last.range_left_m - (last.range_full_m > 0 ? on_way : 0));
       Append(&agent->stops, {Ms(last.arrive_us), now.x_m, now.y_m, range});

@@ -12,12 +12,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr std::array<const char*, 5> kStates = {"starting", "ready", "running", "degraded",
-                                                "ended"};
-constexpr std::array<const char*, 7> kStatuses = {"offline", "idle",     "moving", "waiting",
-                                                  "sensing", "charging", "failed"};
-constexpr int kDegraded = 3;
-constexpr int kEnded = 4;
 /// A process says something about once a second.
 constexpr double kLateS = 3;
 
@@ -88,19 +82,22 @@ std::string TopView::MissionLine() const {
   return line;
 }
 
-std::array<int, 4> TopView::TaskCounts() const {
-  std::array<int, 4> count{};
+std::array<int, kNames<TaskStatus>.size()> TopView::TaskCounts() const {
+  std::array<int, kNames<TaskStatus>.size()> count{};
   for (const auto& task : feed_.timeline().tasks()) {
     const int status = task.rows.empty() ? 0 : task.rows.back().status;
-    ++count[static_cast<std::size_t>(std::clamp(status, 0, 3))];
+    ++count[static_cast<std::size_t>(status)];
   }
   return count;
 }
 
 std::string TopView::TaskLine() const {
-  const std::array<int, 4> count = TaskCounts();
-  return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open", count[3],
-                     feed_.timeline().tasks().size(), count[2], count[1], count[0]);
+  const auto n = [count = TaskCounts()](TaskStatus status) {
+    return count[static_cast<std::size_t>(status)];
+  };
+  return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open",
+                     n(TaskStatus::kDone), feed_.timeline().tasks().size(), n(TaskStatus::kSensing),
+                     n(TaskStatus::kReserved), n(TaskStatus::kOpen));
 }
 
 std::string TopView::BusLine(std::int64_t now_us) const {
@@ -110,13 +107,13 @@ std::string TopView::BusLine(std::int64_t now_us) const {
                      rate.bytes / 1000, Age(std::max(0.0, Seconds(now_us - all_.last_us))));
 }
 
-std::array<int, 7> TopView::AgentCounts(AgentKind kind) const {
+std::array<int, kNames<AgentStatus>.size()> TopView::AgentCounts(AgentKind kind) const {
   const Timeline& timeline = feed_.timeline();
-  std::array<int, 7> count{};
+  std::array<int, kNames<AgentStatus>.size()> count{};
   const std::size_t n = timeline.scenario().agents(kind).size();
   for (std::size_t id = 0; id < n; ++id) {
     const auto& last = timeline.agents()[timeline.IndexOf(kind, id)].last;
-    ++count[last ? static_cast<std::size_t>(std::clamp<int>(last->status, 0, 6)) : 0];
+    ++count[last ? static_cast<std::size_t>(last->status) : 0];
   }
   return count;
 }
@@ -127,11 +124,16 @@ void TopView::AddAgents(std::vector<Line>* lines) const {
                                 "charging", "failed", "offline"),
                     Look::kHead});
   for (const AgentKind kind : kAgentKinds) {
-    const std::array<int, 7> count = AgentCounts(kind);
-    const std::size_t n = feed_.timeline().scenario().agents(kind).size();
-    lines->push_back({fmt::format(kRow, std::string(ToString(kind)) + "s", n, count[1], count[2],
-                                  count[3], count[4], count[5], count[6], count[0]),
-                      count[6] > 0 ? Look::kBad : Look::kPlain});
+    const auto of = [count = AgentCounts(kind)](AgentStatus status) {
+      return count[static_cast<std::size_t>(status)];
+    };
+    const int failed = of(AgentStatus::kFailed);
+    lines->push_back(
+        {fmt::format(kRow, std::string(ToString(kind)) + "s",
+                     feed_.timeline().scenario().agents(kind).size(), of(AgentStatus::kIdle),
+                     of(AgentStatus::kMoving), of(AgentStatus::kWaiting), of(AgentStatus::kSensing),
+                     of(AgentStatus::kCharging), failed, of(AgentStatus::kOffline)),
+         failed > 0 ? Look::kBad : Look::kPlain});
   }
 }
 
@@ -151,10 +153,8 @@ std::vector<TopView::ProcessRow> TopView::Processes(std::int64_t now_us) const {
     const Traffic traffic = found == senders_.end() ? Traffic() : found->second;
     if (traffic.last_us != 0) row.age_s = std::max(0.0, Seconds(now_us - traffic.last_us));
     row.rate = RateOf(traffic, now_us);
-    row.late = row.age_s > kLateS && row.last->state != kEnded;
-    row.state = row.late
-                    ? "silent"
-                    : kStates[static_cast<std::size_t>(std::clamp(row.last->state, 0, kEnded))];
+    row.late = row.age_s > kLateS && row.last->state != ProcessState::kEnded;
+    row.state = row.late ? "silent" : ToString<ProcessState>(row.last->state);
     processes.push_back(std::move(row));
   }
   return processes;
@@ -176,7 +176,7 @@ void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const 
                                   fmt::format("{:.1f}", row.rate.bytes / 1000),
                                   Amount(now.received), Amount(now.lost), Amount(now.rejected),
                                   Amount(now.resent), now.boot_id + 1, cpu, memory),
-                      row.late || now.state == kDegraded ? Look::kBad : Look::kPlain});
+                      row.late || now.state == ProcessState::kDegraded ? Look::kBad : Look::kPlain});
   }
 }
 
@@ -200,13 +200,12 @@ std::string TopView::Json(std::int64_t now_us) const {
     json["decision"] = schedules.back().decision;
     json["policy"] = schedules.back().policy;
   }
-  const std::array<int, 4> tasks = TaskCounts();
-  json["tasks"] = {
-      {"open", tasks[0]}, {"reserved", tasks[1]}, {"being_sensed", tasks[2]}, {"done", tasks[3]}};
+  const auto tasks = TaskCounts();
+  for (std::size_t i = 0; i < tasks.size(); ++i) json["tasks"][kNames<TaskStatus>[i]] = tasks[i];
   for (const AgentKind kind : kAgentKinds) {
-    const std::array<int, 7> count = AgentCounts(kind);
+    const auto count = AgentCounts(kind);
     Json& agents = json["agents"][std::string(ToString(kind))];
-    for (std::size_t i = 0; i < count.size(); ++i) agents[kStatuses[i]] = count[i];
+    for (std::size_t i = 0; i < count.size(); ++i) agents[kNames<AgentStatus>[i]] = count[i];
   }
   const Rate rate = RateOf(all_, now_us);
   json["bus"] = {{"messages_per_s", rate.messages},

@@ -5,9 +5,11 @@
 #include <deque>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "lcmtypes/words.h"
 #include "tools/report/mission_feed.h"
 
 namespace muster::tools {
@@ -51,7 +53,7 @@ class TopView {
   static Rate RateOf(const Traffic& traffic, std::int64_t now_us);
   struct ProcessRow {
     std::string name;
-    const char* state = "";
+    std::string_view state;
     double age_s = -1;  // of its newest message; -1: none
     bool late = false;
     Rate rate;
@@ -60,8 +62,8 @@ class TopView {
   };
   /// The time of which a display tells: a mission that is over, of its last message.
   std::int64_t ToldUs(std::int64_t now_us) const;
-  std::array<int, 4> TaskCounts() const;                 // [open, reserved, being sensed, done]
-  std::array<int, 7> AgentCounts(AgentKind kind) const;  // by status, kStatuses
+  std::array<int, kNames<TaskStatus>.size()> TaskCounts() const;
+  std::array<int, kNames<AgentStatus>.size()> AgentCounts(AgentKind kind) const;
   std::vector<ProcessRow> Processes(std::int64_t now_us) const;
   std::string MissionLine() const;
   std::string TaskLine() const;

@@ -16,8 +16,8 @@ struct FakeMission : FaultActions {
     return std::make_shared<const Packet>(Packet{fault.fault_id, {}});
   }
   void SendAgain(const SentPacket& packet) override { again.push_back(packet->channel); }
-  void Confirm(std::int8_t kind, const std::string& id) override {
-    confirmed.push_back({kind, id});
+  void Confirm(EventKind kind, const std::string& id) override {
+    confirmed.push_back({NumberOf(kind), id});
   }
   bool SignalProcess(const std::string& name, int signal) override {
     if (down) return false;

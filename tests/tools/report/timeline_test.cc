@@ -216,6 +216,24 @@ TEST(PageChunk, HasTheNumbersOfTheReport) {
   EXPECT_EQ(chunk["done"][1].back(), 2);
 }
 
+TEST(PageChunk, NamesTheNumbersOfItsRows) {
+  FakeLog log = MakeFakeMission();
+  fault_t fault{};
+  fault.header = log.back().header();
+  fault.fault_id = "f";
+  fault.kind = NumberOf(FaultKind::kForeign);
+  log.push_back({std::string(channel::kFault), fault});
+  Renumber(&log);
+  PageCursor cursor;
+  const nlohmann::json chunk = PageChunk(FeedOf(Encoded(log)), "name", &cursor, false);
+  EXPECT_EQ(chunk["faults"][0][1], "foreign");
+  EXPECT_EQ(chunk["events"][1][0][0], "agent_online");
+  EXPECT_EQ(chunk["words"]["agents"], nlohmann::json({"uav", "worker", "vehicle"}));
+  EXPECT_EQ(chunk["words"]["statuses"][6], "failed");
+  EXPECT_EQ(chunk["words"]["tasks"][1], "reserved");
+  EXPECT_EQ(chunk["words"]["actions"][8], "UiCyVk");
+}
+
 TEST(PageChunk, LeavesOutADecisionThatNeverWasInForce) {
   FakeLog log = MakeFakeMission();
   ForEach<clock_t>(&log, [](clock_t& clock) {

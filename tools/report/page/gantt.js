@@ -1,6 +1,6 @@
 import { fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
-import { FAILED, OFFLINE, STATUS, busyMs, faultBands } from "./run.js";
+import { FAILED, OFFLINE, busyMs, faultBands } from "./run.js";
 import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { theme } from "./theme.js";
@@ -205,7 +205,8 @@ export class Gantt {
     const until = Math.min(to, run.nowMs);
     const order = [4, 5, 3, 2, 1, 6];
     const step = (to - from) / columns;
-    const counts = new Uint16Array(columns * STATUS.length);
+    const statuses = run.words.statuses.length;
+    const counts = new Uint16Array(columns * statuses);
     for (const agent of this.rows) {
       const { spans } = agent;
       let s = 0;
@@ -213,20 +214,20 @@ export class Gantt {
         const t = from + (i + 0.5) * step;
         if (t > until || spans.length === 0 || spans[0] > t) continue;
         while (s + 2 < spans.length && spans[s + 2] <= t) s += 2;
-        ++counts[i * STATUS.length + spans[s + 1]];
+        ++counts[i * statuses + spans[s + 1]];
       }
     }
     let most = 1;
     for (let i = 0; i < columns; ++i) {
       let sum = 0;
-      for (const status of order) sum += counts[i * STATUS.length + status];
+      for (const status of order) sum += counts[i * statuses + status];
       most = Math.max(most, sum);
     }
     const scale = (height - 4) / most;
     for (let i = 0; i < columns; ++i) {
       let y = height - 2;
       for (const status of order) {
-        const tall = counts[i * STATUS.length + status] * scale;
+        const tall = counts[i * statuses + status] * scale;
         c.fillStyle = theme.status[status];
         c.fillRect(x(from + i * step), y - tall, x(from + step) - x(from) + 0.3, tall);
         y -= tall;
@@ -262,7 +263,7 @@ export class Gantt {
         const i = rowAt(agent.spans, 2, t);
         if (i >= 0) {
           const end = 2 * i + 2 < agent.spans.length ? agent.spans[2 * i + 2] : this.state.run.nowMs;
-          text = `${agent.label} ${STATUS[agent.spans[2 * i + 1]]} ${clockText(agent.spans[2 * i])} – ${clockText(end)}`;
+          text = `${agent.label} ${this.state.run.words.statuses[agent.spans[2 * i + 1]]} ${clockText(agent.spans[2 * i])} – ${clockText(end)}`;
         }
       }
     }

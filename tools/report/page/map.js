@@ -1,6 +1,6 @@
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
-import { FAILED, IDLE, MOVING, OFFLINE, STATUS, TASK_STATUS, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { linear, roundTicks } from "./scale.js";
 import { Sprites } from "./sprites.js";
 import { rowAt } from "./time.js";
@@ -360,11 +360,11 @@ export function describe(run, item, t) {
     const place = placeAt(agent, t);
     const range = agent.kind === 0 && place
       ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
-    return `${agent.label}: ${STATUS[statusAt(agent, t)]}${range}`;
+    return `${agent.label}: ${run.words.statuses[statusAt(agent, t)]}${range}`;
   }
   if (item.type === "task") {
     const task = run.tasks[item.id];
-    return `task ${item.id}: ${TASK_STATUS[taskStatusAt(task, t)]}, takes ${(task.cost / 1000).toFixed(1)} km of range`;
+    return `task ${item.id}: ${run.words.tasks[taskStatusAt(task, t)]}, takes ${(task.cost / 1000).toFixed(1)} km of range`;
   }
   const point = run.charging[item.id];
   return `charging point ${item.id}: ${point.capacity === null ? "any number of" : point.capacity} UAV${point.capacity === 1 ? "" : "s"} at a time`;

@@ -1,7 +1,7 @@
 import { firstDifference, numbersOf } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
 import { describe } from "./map.js";
-import { KIND_NAMES, STATUS, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
+import { KIND_NAMES, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
 
@@ -90,7 +90,7 @@ export class Panels {
     const below = 1 - decision.weight / decision.bound;
     const gap = !(decision.bound > 0) ? "" : below < 1e-9 ? " (reached: optimal)" : ` (${number(100 * below, 2)} % below it)`;
     const head = ["what", "who", "where", "#weight"];
-    const actions = actionsOf(decision).filter((a) => a.kind > 2).sort((a, b) => b.weight - a.weight);
+    const actions = actionsOf(run, decision).filter((a) => a.kind > 2).sort((a, b) => b.weight - a.weight);
     const staying = decision.actions.length / 9 - actions.length;
     const rows = actions.slice(0, MOST_ROWS).map((a) =>
       element("tr", { tabindex: 0, onclick: () => this.#selectAction(run, a), onkeydown: (e) => e.key === "Enter" && this.#selectAction(run, a) },
@@ -186,7 +186,6 @@ export class Legend {
       return { button, count };
     });
     byId("classes").append(...this.buttons.map((b) => b.button));
-    byId("statuses").append(...STATUS.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), name, " ", element("b", { id: `count-${name}` }))));
     clock.subscribe(() => this.draw());
     state.on("run data classes", () => this.draw());
   }
@@ -195,7 +194,11 @@ export class Legend {
     const { run, classes } = this.state;
     if (!run) return;
     const online = [0, 0, 0];
-    const byStatus = new Array(STATUS.length).fill(0);
+    const { statuses } = run.words;
+    if (!byId("statuses").hasChildNodes()) {
+      byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), name, " ", element("b", { id: `count-${name}` }))));
+    }
+    const byStatus = new Array(statuses.length).fill(0);
     for (const agent of run.agents) {
       const status = statusAt(agent, this.clock.t);
       if (status === 0) continue;
@@ -207,7 +210,7 @@ export class Legend {
       button.setAttribute("aria-pressed", String(classes[kind]));
       count.textContent = ` ${online[kind]}/${total[kind]}`;
     });
-    STATUS.forEach((name, i) => {
+    statuses.forEach((name, i) => {
       if (i > 0) byId(`count-${name}`).textContent = byStatus[i];
     });
   }

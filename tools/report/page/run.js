@@ -1,9 +1,7 @@
 import { rowAt } from "./time.js";
 
-export const KINDS = ["uav", "worker", "vehicle"];
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
-export const STATUS = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
-export const TASK_STATUS = ["open", "reserved", "sensing", "done"];
+// Numbers of statuses; their names are in the first chunk's words.
 export const OFFLINE = 0;
 export const IDLE = 1;
 export const MOVING = 2;
@@ -24,6 +22,7 @@ export class Run {
   constructor() {
     this.name = "";
     this.scenario = null;
+    this.words = null; // names of the wire's numbers: agents, statuses, tasks, actions
     this.report = null;
     this.nowMs = 0;
     this.epochMs = 0;
@@ -82,13 +81,14 @@ export class Run {
     this.name = chunk.name;
     const s = chunk.scenario;
     this.scenario = s;
+    this.words = chunk.words;
     this.limitMs = s.limit_ms;
     this.intervalMs = s.interval_ms;
     this.tickMs = s.tick_ms;
     [s.uavs, s.workers, s.vehicles].forEach((n, kind) => {
       for (let id = 0; id < n; ++id) {
         const fullRange = kind === 0 ? s.range_full_m[id] : 0;
-        this.agents.push({ index: this.agents.length, kind, id, label: `${KINDS[kind]}:${id}`,
+        this.agents.push({ index: this.agents.length, kind, id, label: `${this.words.agents[kind]}:${id}`,
           fullRange, stops: [], spans: [] });
       }
     });
@@ -169,15 +169,14 @@ export function decisionAt(run, t) {
   return found;
 }
 
-const ACTION_SYMBOLS = ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "to x, y"];
 const ACTION_NAMES = ["stays", "stays", "stays", "goes ahead", "goes ahead", "goes to charge", "goes to charge", "sense", "charge", "goes"];
 
 /** A decision's actions as objects. */
-export function actionsOf(decision) {
+export function actionsOf(run, decision) {
   const list = [];
   for (let i = 0; i < decision.actions.length; i += ACTION) {
     const [kind, uav, worker, vehicle, task, charge, x, y, weight] = decision.actions.slice(i, i + ACTION);
-    list.push({ kind, symbol: ACTION_SYMBOLS[kind] ?? String(kind), name: ACTION_NAMES[kind] ?? String(kind), uav, worker, vehicle, task, charge, x, y, weight });
+    list.push({ kind, symbol: run.words.actions[kind], name: ACTION_NAMES[kind] ?? String(kind), uav, worker, vehicle, task, charge, x, y, weight });
   }
   return list;
 }
@@ -252,20 +251,16 @@ function findBands(run) {
   }
   for (const [id, band] of faults) {
     const kind = run.faults.find((fault) => fault.id === id)?.kind;
-    if (kind < KILLED) band.kind = "agent"; // of one agent alone
+    if (kind?.startsWith("agent_")) band.kind = "agent"; // of one agent alone
     // How long a killed process is away is a band of its own.
-    if (kind === KILLED) band.to = band.from;
+    if (kind === "process_killed") band.to = band.from;
   }
   return bands;
 }
 
-const KILLED = 2;
-const FAULTS = ["agent fails", "agent silent", "process killed", "process stopped", "partition", "loss",
-  "duplication", "delay", "reordering", "corruption", "disk full"];
-
 function faultText(run, id) {
   const fault = run.faults.find((other) => other.id === id);
-  return fault ? `${id}: ${FAULTS[fault.kind] ?? `fault ${fault.kind}`} ${fault.target}` : `fault ${id}`;
+  return fault ? `${id}: ${fault.kind.replace("_", " ")} ${fault.target}` : `fault ${id}`;
 }
 
 /** "uav:3, worker:5" of an event or action. */

@@ -15,9 +15,14 @@ const SCENARIO = {
   uavs: 1, workers: 1, vehicles: 1, tasks: [100, 100, 50, 900, 900, 60], charging_points: [500, 500, null], range_full_m: [30000],
 };
 
+const WORDS = {
+  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving"], tasks: ["open"],
+  actions: ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"],
+};
+
 function begun(more = {}) {
   const run = new Run();
-  run.apply({ version: 1, name: "r", scenario: SCENARIO, now_ms: 0, epoch_ms: 0, ended: false, ...more });
+  run.apply({ version: 1, name: "r", scenario: SCENARIO, words: WORDS, now_ms: 0, epoch_ms: 0, ended: false, ...more });
   return run;
 }
 
@@ -83,7 +88,7 @@ test("decisions are in order however they come, each once", () => {
   assert.deepEqual(run.decisions.map((d) => [d.index, d.weight]), [[0, 1], [1, 2], [2, 4]]);
   assert.equal(decisionAt(run, 1199999).index, 1);
   assert.equal(decisionAt(run, -1), null);
-  const [action] = actionsOf(run.decisions[0]);
+  const [action] = actionsOf(run, run.decisions[0]);
   assert.deepEqual([action.symbol, action.uav, action.worker, action.task, action.weight], ["UiTxWj", 0, 0, 1, 1]);
 });
 
@@ -103,13 +108,13 @@ test("bus counters are summed over processes and their starts", () => {
 
 test("a fault is one band, from the first who felt it to the last", () => {
   const event = (kind, t, fault, detail = "") => [kind, t, -1, -1, -1, -1, -1, fault, detail];
-  const run = begun({ now_ms: 1000, faults: [["f", 5, "*", 10, 20, 0.3], ["k", 2, "uav", 40, null, 0]], events: [0, [
+  const run = begun({ now_ms: 1000, faults: [["f", "disk_full", "lcm-logger", 10, 20, 0], ["k", "process_killed", "uav", 40, null, 0]], events: [0, [
     event("fault_applied", 10, "f"), event("fault_applied", 12, "f"), event("fault_ended", 30, "f"), event("fault_ended", 31, "f"),
     event("fault_applied", 40, "k"), event("process_lost", 40, "", "uav was killed"), event("process_back", 55, "", "uav, start 1"),
     event("fault_ended", 1000, "k"), event("process_lost", 900, "", "world ended")]] });
   assert.deepEqual(faultBands(run).map((b) => [b.kind, b.from, b.to]),
     [["fault", 10, 31], ["fault", 40, 40], ["process", 40, 55], ["process", 900, 1000]]);
-  assert.equal(faultBands(run)[0].label, "f: loss *");
+  assert.equal(faultBands(run)[0].label, "f: disk full lcm-logger");
 });
 
 test("a process that launcher and world miss is one band, until the last has it back", () => {

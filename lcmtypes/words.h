@@ -1,0 +1,220 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace muster {
+
+// The wire's words: what the numbers of the types' fields mean, and the names that reports, plans
+// and exports use for them. docs/wire.md lists the same. Numbers and names do not change.
+
+/// An agent class: agent_states_t.kind, ruling_t.agent_kind.
+enum class AgentKind : std::int8_t { kUav = 0, kWorker = 1, kVehicle = 2 };
+inline constexpr AgentKind kAgentKinds[] = {AgentKind::kUav, AgentKind::kWorker,
+                                            AgentKind::kVehicle};
+
+/// agent_t.status
+enum class AgentStatus : std::int8_t {
+  kOffline = 0,
+  kIdle = 1,
+  kMoving = 2,
+  kWaiting = 3,  ///< for its partner
+  kSensing = 4,
+  kCharging = 5,
+  kFailed = 6,
+};
+
+/// action_t.kind, agent_t.action: the nine node types of the conflict graph (paper section 4.1.1)
+/// and the free move of policies that work by cells. Their names are the paper's symbols.
+enum class ActionKind : std::int8_t {
+  kNone = -1,            ///< agent_t only
+  kUavStays = 0,         ///< Ui
+  kWorkerStays = 1,      ///< Wj
+  kVehicleStays = 2,     ///< Vk
+  kUavToTask = 3,        ///< UiTx
+  kWorkerToTask = 4,     ///< WjTx
+  kUavToCharge = 5,      ///< UiCy
+  kVehicleToCharge = 6,  ///< VkCy
+  kSense = 7,            ///< UiTxWj
+  kCharge = 8,           ///< UiCyVk
+  kGoTo = 9,             ///< one agent goes to a point
+};
+
+/// activity_t.kind
+enum class ActivityKind : std::int8_t { kSensing = 0, kCharging = 1 };
+
+/// world_state_t.task_status
+enum class TaskStatus : std::int8_t {
+  kOpen = 0,
+  kReserved = 1,  ///< a pair is on its way
+  kSensing = 2,
+  kDone = 3,
+};
+
+/// ruling_t.kind
+enum class RulingKind : std::int8_t {
+  kFailed = 0,    ///< failed at at_us; holds as long as the ruling is listed
+  kReleased = 1,  ///< its action ended at at_us without effect
+};
+
+/// clock_t.phase
+enum class ClockPhase : std::int8_t { kReady = 0, kRunning = 1, kEnded = 2 };
+
+/// event_t.kind
+enum class EventKind : std::int8_t {
+  kAgentOnline = 0,
+  kAgentOffline = 1,
+  kAgentFailed = 2,
+  kAgentBack = 3,
+  kSensingStarted = 4,
+  kSensingDone = 5,
+  kSensingAborted = 6,
+  kChargingStarted = 7,
+  kChargingDone = 8,
+  kChargingAborted = 9,
+  kMatchFailed = 10,
+  kProcessLost = 11,
+  kProcessBack = 12,
+  kFaultApplied = 13,
+  kFaultEnded = 14,
+};
+
+/// fault_t.kind
+enum class FaultKind : std::int8_t {
+  kAgentFails = 0,
+  kAgentSilent = 1,
+  kProcessKilled = 2,
+  kProcessStopped = 3,
+  kPartition = 4,
+  kLoss = 5,
+  kDuplication = 6,
+  kDelay = 7,
+  kReordering = 8,
+  kCorruption = 9,
+  kDiskFull = 10,
+  kForeign = 11,
+};
+
+/// process_status_t.state
+enum class ProcessState : std::int8_t {
+  kStarting = 0,
+  kReady = 1,
+  kRunning = 2,
+  kDegraded = 3,
+  kEnded = 4,
+};
+
+/// Whether it happened to agents and tasks, rather than to processes and faults. Outcomes make a
+/// mission's digest.
+constexpr bool IsOutcome(EventKind kind) { return kind <= EventKind::kMatchFailed; }
+
+/// Kinds that a process sees in the packets that it receives, and confirms.
+constexpr bool IsPacketFault(FaultKind kind) {
+  return (kind >= FaultKind::kPartition && kind <= FaultKind::kCorruption) ||
+         kind == FaultKind::kForeign;
+}
+constexpr bool IsAgentFault(FaultKind kind) {
+  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
+}
+
+/// Names of the processes of which a mission has one. Those of agents are named by their class,
+/// "uav", or several "uav-1", "uav-2", ...
+namespace process_name {
+inline constexpr const char* kWorld = "world";
+inline constexpr const char* kScheduler = "scheduler";
+inline constexpr const char* kRecorder = "recorder";
+inline constexpr const char* kLauncher = "launcher";  ///< in an event's detail; no sender
+inline constexpr const char* kLogger = "lcm-logger";  ///< in a fault's target; no sender
+}  // namespace process_name
+
+/// A word's names, in the order of its numbers, which begin at 0.
+template <class Word>
+inline constexpr std::array<std::string_view, 0> kNames = {};
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<AgentKind> = {"uav", "worker", "vehicle"};
+template <>
+inline constexpr std::array<std::string_view, 7> kNames<AgentStatus> = {
+    "offline", "idle", "moving", "waiting", "sensing", "charging", "failed"};
+template <>
+inline constexpr std::array<std::string_view, 10> kNames<ActionKind> = {
+    "Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<ActivityKind> = {"sensing", "charging"};
+template <>
+inline constexpr std::array<std::string_view, 4> kNames<TaskStatus> = {"open", "reserved",
+                                                                       "sensing", "done"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<RulingKind> = {"failed", "released"};
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
+template <>
+inline constexpr std::array<std::string_view, 15> kNames<EventKind> = {
+    "agent_online", "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
+    "sensing_done", "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
+    "match_failed", "process_lost",    "process_back",     "fault_applied", "fault_ended"};
+template <>
+inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
+    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
+    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
+template <>
+inline constexpr std::array<std::string_view, 5> kNames<ProcessState> = {
+    "starting", "ready", "running", "degraded", "ended"};
+
+template <class T>
+concept WireWord = std::is_enum_v<T> && !kNames<T>.empty();
+
+/// As in a message's field.
+template <WireWord Word>
+constexpr std::int8_t NumberOf(Word word) {
+  return static_cast<std::int8_t>(word);
+}
+/// A field's number may be compared with its word as it stands.
+template <std::integral Number, WireWord Word>
+constexpr bool operator==(Number number, Word word) {
+  return std::cmp_equal(number, NumberOf(word));
+}
+
+/// Whether the number is one of the words that have names.
+template <WireWord Word>
+constexpr bool IsWord(std::int64_t number) {
+  return number >= 0 && std::cmp_less(number, kNames<Word>.size());
+}
+
+/// The name of a field's number; "unknown" for one that is no word.
+template <WireWord Word>
+constexpr std::string_view ToString(std::int64_t number) {
+  if constexpr (std::is_same_v<Word, ActionKind>) {
+    if (number == ActionKind::kNone) return "none";
+  }
+  return IsWord<Word>(number) ? kNames<Word>[static_cast<std::size_t>(number)] : "unknown";
+}
+template <WireWord Word>
+constexpr std::string_view ToString(Word word) {
+  return ToString<Word>(std::int64_t{NumberOf(word)});
+}
+
+/// The word of that name, exactly.
+template <WireWord Word>
+constexpr std::optional<Word> FromString(std::string_view name) {
+  for (std::size_t i = 0; i < kNames<Word>.size(); ++i) {
+    if (kNames<Word>[i] == name) return static_cast<Word>(i);
+  }
+  return std::nullopt;
+}
+
+/// A name as words of a sentence: "sensing done".
+inline std::string Spaced(std::string_view name) {
+  std::string words(name);
+  for (char& c : words) {
+    if (c == '_') c = ' ';
+  }
+  return words;
+}
+
+}  // namespace muster

@@ -1,0 +1,93 @@
+#include "lcmtypes/words.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+namespace muster {
+namespace {
+
+/// Calls visit(word, where): the field that holds it, as docs/wire.md says.
+template <class Visit>
+void ForEachWord(Visit visit) {
+  visit(AgentKind::kVehicle, "`agent_states_t.kind`, `ruling_t.agent_kind`");
+  visit(AgentStatus::kFailed, "`agent_t.status`");
+  visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
+  visit(ActivityKind::kCharging, "`activity_t.kind`");
+  visit(TaskStatus::kDone, "`world_state_t.task_status`");
+  visit(RulingKind::kReleased, "`ruling_t.kind`");
+  visit(ClockPhase::kEnded, "`clock_t.phase`");
+  visit(EventKind::kFaultEnded, "`event_t.kind`");
+  visit(FaultKind::kForeign, "`fault_t.kind`");
+  visit(ProcessState::kEnded, "`process_status_t.state`");
+}
+
+TEST(Words, EveryNumberHasANameOfItsOwnAndBack) {
+  ForEachWord([](auto last, const std::string& where) {
+    using Word = decltype(last);
+    ASSERT_EQ(kNames<Word>.size(), static_cast<std::size_t>(NumberOf(last)) + 1) << where;
+    std::set<std::string_view> names;
+    for (std::int8_t number = 0; number <= NumberOf(last); ++number) {
+      const auto name = ToString<Word>(number);
+      EXPECT_TRUE(IsWord<Word>(number));
+      EXPECT_TRUE(!name.empty() && name != "unknown" && names.insert(name).second)
+          << where << " " << int{number};
+      EXPECT_EQ(ToString(static_cast<Word>(number)), name);
+      EXPECT_EQ(FromString<Word>(name), static_cast<Word>(number));
+    }
+    EXPECT_FALSE(IsWord<Word>(NumberOf(last) + 1)) << where;
+    EXPECT_FALSE(IsWord<Word>(-1)) << where;
+    EXPECT_EQ(ToString<Word>(NumberOf(last) + 1), "unknown");
+    EXPECT_EQ(FromString<Word>("unknown"), std::nullopt);
+  });
+  EXPECT_EQ(ToString(ActionKind::kNone), "none");
+}
+
+TEST(Words, AFieldIsComparedAsItStands) {
+  const std::int8_t kind = 11;
+  EXPECT_TRUE(kind == EventKind::kProcessLost);
+  EXPECT_TRUE(kind != EventKind::kProcessBack);
+  EXPECT_FALSE(std::size_t{267} == EventKind::kProcessLost);  // 11 in eight bits
+}
+
+TEST(Words, OutcomesAndFaultsAreToldApart) {
+  std::set<std::string_view> others;
+  for (std::size_t i = 0; i < kNames<EventKind>.size(); ++i) {
+    if (!IsOutcome(static_cast<EventKind>(i))) others.insert(kNames<EventKind>[i]);
+  }
+  EXPECT_EQ(others, (std::set<std::string_view>{"process_lost", "process_back", "fault_applied",
+                                                "fault_ended"}));
+  std::set<std::string_view> of_processes;
+  for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    EXPECT_FALSE(IsAgentFault(kind) && IsPacketFault(kind));
+    if (!IsAgentFault(kind) && !IsPacketFault(kind)) of_processes.insert(kNames<FaultKind>[i]);
+  }
+  EXPECT_EQ(of_processes,
+            (std::set<std::string_view>{"process_killed", "process_stopped", "disk_full"}));
+}
+
+TEST(WireDocument, HasEveryWord) {
+  std::ifstream file(MUSTER_WIRE_DOCUMENT);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_FALSE(text.empty()) << MUSTER_WIRE_DOCUMENT;
+  ForEachWord([&](auto last, const std::string& where) {
+    std::string row = "| " + where + " | ";
+    for (std::size_t i = 0; i < kNames<decltype(last)>.size(); ++i) {
+      row += fmt::format("{}{} `{}`", i == 0 ? "" : ", ", i, kNames<decltype(last)>[i]);
+    }
+    EXPECT_NE(text.find(row + " |\n"), std::string::npos) << row;
+  });
+  for (const std::string_view name :
+       {process_name::kWorld, process_name::kScheduler, process_name::kRecorder,
+        process_name::kLauncher, process_name::kLogger}) {
+    EXPECT_NE(text.find(fmt::format("`{}`", name)), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace muster
