@@ -169,7 +169,7 @@ TEST(Convert, AnActionNeedsItsClassItsTargetAndItsPartner) {
       };
       const std::int32_t last = row.targets == none ? 99 : row.targets - 1;
       const std::int32_t mate = partners == none ? 99 : std::max(partners - 1, 0);
-      const std::string what = std::string(Symbol(row.action)) + std::string(ToString(kind));
+      const std::string what = std::string(ToString(row.action)) + std::string(ToString(kind));
       EXPECT_EQ(taken(last, mate), partners != 0) << what;
       EXPECT_EQ(taken(0, 0), partners != 0) << what;
       EXPECT_EQ(taken(last + 1, mate), partners != 0 && row.targets == none) << what;

@@ -117,7 +117,7 @@ void Auditor::CheckTasks(const world_state_t& world) {
     std::int8_t& status = task_status_[static_cast<std::size_t>(a.site)];
     if (status != TaskStatus::kOpen) {
       Violate(now_us_, "task-twice",
-              fmt::format("{}: the task is {} already", Name(a), ToString<TaskStatus>(status)));
+              fmt::format("{}: the task is {} already", Name(a), TaskWords(status)));
     }
     status = NumberOf(a.end_us <= now_us_     ? TaskStatus::kDone
                       : a.start_us <= now_us_ ? TaskStatus::kSensing
@@ -129,8 +129,8 @@ void Auditor::CheckTasks(const world_state_t& world) {
     const int said = world.task_status[x];
     if (said == task_status_[x]) continue;
     Violate(now_us_, "task-status",
-            fmt::format("task:{} is said to be {}, it is {}", x, ToString<TaskStatus>(said),
-                        ToString<TaskStatus>(task_status_[x])));
+            fmt::format("task:{} is said to be {}, it is {}", x, TaskWords(said),
+                        TaskWords(task_status_[x])));
   }
   if (world.done != done) {
     Violate(now_us_, "task-status",

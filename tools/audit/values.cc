@@ -43,6 +43,10 @@ std::string Name(const Activity& a) {
                      a.senses() ? "task" : "charge", a.site, a.start_us, a.end_us);
 }
 
+std::string_view TaskWords(std::int8_t status) {
+  return status == TaskStatus::kSensing ? "being sensed" : ToString<TaskStatus>(status);
+}
+
 Activity FromWire(const activity_t& a) {
   return {
       static_cast<ActivityKind>(a.kind), a.uav_id, a.partner_id, a.site_id, a.start_us, a.end_us};

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "lcmtypes/bus/codec.h"
 #include "tools/audit/agent_model.h"
@@ -23,6 +24,8 @@ bool SameCell(Place a, Place b);
 std::string Name(const action_t& action);
 /// "sensing of uav:3 and worker:5 at task:17 in [400000000, 700000000] us"
 std::string Name(const Activity& activity);
+/// What a task is by that number: "open", "being sensed".
+std::string_view TaskWords(std::int8_t status);
 
 Activity FromWire(const activity_t& activity);
 

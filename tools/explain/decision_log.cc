@@ -9,10 +9,9 @@
 #include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "model/scenario_json.h"
+#include "protocol/mission_reader.h"
 #include "protocol/process.h"
 #include "scheduler/process/fusion.h"
-#include "tools/log/mission_stream.h"
 
 namespace muster::tools {
 namespace {
@@ -22,26 +21,10 @@ auto KeyOf(const event_t& e) {
                   e.fault_id, e.detail);
 }
 
-/// The first scenario of the log.
-void ReadScenario(MessageSource* source, DecisionLog* log) {
-  source->Rewind();
-  while (const auto message = source->Next()) {
-    if (message->packet.channel != channel::kScenario || !message->header) continue;
-    const auto scenario = DecodeValid<scenario_t>(message->packet.bytes);
-    if (!scenario) continue;
-    log->run_id = scenario->header.run_id;
-    log->scenario = ParseScenario(scenario->json, "MUSTER_SCENARIO");
-    log->scenario_packet = message->packet;
-    return;
-  }
-  throw InputError(source->name() + ": the log has no scenario");
-}
-
 }  // namespace
 
 DecisionLog ReadDecisionLog(MessageSource* source) {
   DecisionLog log;
-  ReadScenario(source, &log);
   const Rules& rules = log.scenario.rules;
   const auto decision_at = [&](std::int64_t tick) -> LoggedDecision* {
     if (tick < 0 || tick > rules.limit_us / rules.tick_us) return nullptr;
@@ -56,9 +39,16 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
   const auto told = [&](std::int64_t tick, const Packet& packet) {
     if (LoggedDecision* decision = decision_at(tick)) decision->told.push_back(packet);
   };
-  ForEachMessage(source, log.run_id, [&](const Message& message, const Packet& packet) {
+  source->Rewind();
+  MissionReader reader;
+  const auto visit = [&](const Message& message, const Packet& packet) {
     Handle(
         message,
+        [&](const scenario_t&) {
+          if (!log.scenario_packet.bytes.empty()) return;
+          log.scenario = *reader.scenario();
+          log.scenario_packet = packet;
+        },
         [&](const clock_t& clock) {
           LoggedDecision* decision =
               clock.phase == ClockPhase::kRunning ? decision_at(clock.tick) : nullptr;
@@ -80,7 +70,10 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
           if (decision != nullptr) decision->schedules.push_back(schedule);
         },
         [&](const event_t& event) { log.events.push_back(event); });
-  });
+  };
+  while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
+  if (!reader.scenario()) throw InputError(source->name() + ": the log has no scenario");
+  log.run_id = *reader.run_id();
   std::stable_sort(log.events.begin(), log.events.end(),
                    [](const event_t& a, const event_t& b) { return KeyOf(a) < KeyOf(b); });
   log.events.erase(

@@ -7,9 +7,8 @@
 #include <tuple>
 
 #include "base/check.h"
-#include "lcmtypes/bus/codec.h"
-#include "lcmtypes/channels.h"
 #include "model/agent.h"
+#include "protocol/process.h"
 #include "tools/record/digest.h"
 
 namespace muster::tools {
@@ -198,20 +197,20 @@ class Case {
 }  // namespace
 
 void FaultEvidence::Add(const Packet& packet) {
-  record.Add(packet);
-  if (packet.channel == channel::kUavs || packet.channel == channel::kWorkers ||
-      packet.channel == channel::kVehicles) {
-    const auto states = DecodeValid<agent_states_t>(packet.bytes);
-    if (!states) return;
-    for (const agent_t& agent : states->agents) {
-      words[{static_cast<AgentKind>(states->kind), agent.id}][states->header.sim_us] = {
-          agent.status == AgentStatus::kIdle, agent.decision};
-    }
-  }
-  if (packet.channel != channel::kClock) return;
-  const auto clock = DecodeValid<clock_t>(packet.bytes);
-  if (clock && clock->phase == ClockPhase::kRunning)
-    clock_wall_us.try_emplace(clock->tick_us, clock->header.wall_us);
+  record.Add(packet, [&](const Message& message, const Packet&) {
+    Handle(
+        message,
+        [&](const agent_states_t& states) {
+          for (const agent_t& agent : states.agents) {
+            words[{static_cast<AgentKind>(states.kind), agent.id}][states.header.sim_us] = {
+                agent.status == AgentStatus::kIdle, agent.decision};
+          }
+        },
+        [&](const clock_t& clock) {
+          if (clock.phase != ClockPhase::kRunning) return;
+          clock_wall_us.try_emplace(clock.tick_us, clock.header.wall_us);
+        });
+  });
 }
 
 std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& evidence) {

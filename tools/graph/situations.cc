@@ -6,53 +6,38 @@
 #include <filesystem>
 
 #include "base/check.h"
-#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
-#include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
+#include "protocol/process.h"
 #include "simulation/simulator.h"
 #include "tools/files/log_files.h"
 
 namespace muster::tools {
 
 void SituationRecorder::Add(const Packet& packet) {
-  if (scenario_) {
-    Take(packet);
-    return;
-  }
-  if (packet.channel != channel::kScenario) {
-    held_back_.push_back(packet);
-    return;
-  }
-  const auto message = DecodeValid<scenario_t>(packet.bytes);
-  if (!message) return;
-  scenario_ = std::make_unique<Scenario>(ParseScenario(message->json, "scenario"));
+  const auto take = [&](const auto& message) {
+    const Rules& rules = scenario_->rules;
+    if (message.tick > rules.last_tick()) return;
+    const TimeUs t = rules.TimeOf(message.tick);
+    if (t % rules.interval_us != 0) return;
+    const auto d = static_cast<std::size_t>(t / rules.interval_us);
+    // What cannot be is left out, as the scheduler leaves it out.
+    if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(message));
+  };
+  reader_.Add(packet, [&](const Message& message, const Packet&) {
+    if (!scenario_) Begin();
+    Handle(
+        message, [&](const agent_states_t& m) { take(m); },
+        [&](const world_state_t& m) { take(m); }, [&](const rulings_t& m) { take(m); });
+  });
+}
+
+void SituationRecorder::Begin() {
+  scenario_ = std::make_unique<Scenario>(*reader_.scenario());
   for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
     const TimeUs t = d * scenario_->rules.interval_us;
     fusions_.emplace_back(*scenario_);
     fusions_.back().Start(t / scenario_->rules.tick_us, t, d);
-  }
-  for (const Packet& held : held_back_) Take(held);
-  held_back_.clear();
-}
-
-void SituationRecorder::Take(const Packet& packet) {
-  const auto take = [&](const auto& message) {
-    const Rules& rules = scenario_->rules;
-    if (!message || message->tick < 0 || message->tick > rules.last_tick()) return;
-    const TimeUs t = rules.TimeOf(message->tick);
-    if (t % rules.interval_us != 0) return;
-    const auto d = static_cast<std::size_t>(t / rules.interval_us);
-    // What cannot be is left out, as the scheduler leaves it out.
-    if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(*message));
-  };
-  if (packet.channel == channel::kUavs || packet.channel == channel::kWorkers ||
-      packet.channel == channel::kVehicles) {
-    take(DecodeValid<agent_states_t>(packet.bytes));
-  } else if (packet.channel == channel::kWorld) {
-    take(DecodeValid<world_state_t>(packet.bytes));
-  } else if (packet.channel == channel::kRulings) {
-    take(DecodeValid<rulings_t>(packet.bytes));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "protocol/mission_reader.h"
 #include "scheduler/process/fusion.h"
 #include "scheduler/situation.h"
 
@@ -23,11 +24,11 @@ class SituationRecorder {
   std::int32_t n_decisions() const { return static_cast<std::int32_t>(fusions_.size()); }
 
  private:
-  void Take(const Packet& packet);
+  void Begin();
 
+  MissionReader reader_;
   std::unique_ptr<Scenario> scenario_;  ///< the fusions refer to it
   std::vector<scheduler::Fusion> fusions_;
-  std::vector<Packet> held_back_;  ///< came before the scenario
 };
 
 /// The situations of a mission: of a run directory or log file, or of a scenario file, which is

@@ -13,13 +13,17 @@ void LogSource::Rewind() {
   reader_ = std::make_unique<EventLogReader>(files_[0], EventLogReader::Tail::kFinal);
 }
 
-std::optional<LoggedMessage> LogSource::Next() {
+std::optional<LoggedMessage> MessageSource::Next() {
+  std::optional<LogEvent> event = NextEvent();
+  if (!event) return {};
+  LoggedMessage message{event->received_us, std::move(event->packet), {}};
+  message.header = DecodeHeader(message.packet);
+  return message;
+}
+
+std::optional<LogEvent> LogSource::NextEvent() {
   while (true) {
-    if (std::optional<LogEvent> event = reader_->Next()) {
-      LoggedMessage message{event->received_us, std::move(event->packet), {}};
-      message.header = DecodeHeader(message.packet);
-      return message;
-    }
+    if (std::optional<LogEvent> event = reader_->Next()) return event;
     if (file_ + 1 == files_.size()) return {};
     garbage_before_ += reader_->garbage_bytes();
     ++file_;

@@ -23,10 +23,12 @@ struct LoggedMessage {
 class MessageSource {
  public:
   virtual ~MessageSource() = default;
-  virtual std::optional<LoggedMessage> Next() = 0;
+  virtual std::optional<LogEvent> NextEvent() = 0;
   virtual void Rewind() = 0;
   /// For messages to people.
   virtual std::string name() const { return "log"; }
+  /// NextEvent() with the message's header.
+  std::optional<LoggedMessage> Next();
 };
 
 /// The messages of all log files of a run, one file after the other. Memory stays within a few of
@@ -37,7 +39,7 @@ class LogSource : public MessageSource {
   /// fails.
   explicit LogSource(const std::string& run);
 
-  std::optional<LoggedMessage> Next() override;
+  std::optional<LogEvent> NextEvent() override;
   void Rewind() override;
   std::string name() const override { return files_[0]; }
 

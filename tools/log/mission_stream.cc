@@ -4,52 +4,27 @@
 #include <fmt/format.h>
 
 #include <ctime>
-#include <map>
-#include <utility>
 
 #include "base/check.h"
-#include "base/interval_set.h"
-#include "lcmtypes/bus/codec.h"
-#include "lcmtypes/channels.h"
-#include "model/scenario_json.h"
 
 namespace muster::tools {
 
-MissionHead ReadMissionHead(LogSource* source) {
+MissionHead ReadMissionHead(MessageSource* source) {
   source->Rewind();
-  MissionHead head;
-  bool found = false;
-  while (const auto message = source->Next()) {
-    if (!message->header) continue;
-    if (!found && message->packet.channel == channel::kScenario) {
-      const auto scenario = DecodeValid<scenario_t>(message->packet.bytes);
-      if (!scenario) continue;
-      head.run_id = scenario->header.run_id;
-      head.scenario = ParseScenario(scenario->json, "MUSTER_SCENARIO");
-      found = true;
-    }
-    if (!found || message->packet.channel != channel::kClock) continue;
-    const auto clock = DecodeValid<clock_t>(message->packet.bytes);
-    if (!clock || clock->header.run_id != head.run_id || clock->phase == ClockPhase::kReady)
-      continue;
-    head.epoch_us = clock->header.wall_us == 0 ? 0 : clock->header.wall_us - clock->tick_us;
-    return head;
+  MissionReader reader;
+  while (!reader.epoch_us()) {
+    const auto event = source->NextEvent();
+    if (!event) break;
+    reader.Add(event->packet, [](const Message&, const Packet&) {});
   }
-  if (!found) throw InputError(source->files()[0] + ": the log has no scenario");
-  return head;
+  if (!reader.scenario()) throw InputError(source->name() + ": the log has no scenario");
+  return {*reader.run_id(), *reader.scenario(), reader.epoch_us().value_or(0)};
 }
 
-void ForEachMessage(MessageSource* source, std::int64_t run_id,
-                    const std::function<void(const Message&, const Packet&)>& visit) {
+void ForEachMessage(MessageSource* source, std::int64_t run_id, const MissionReader::Visit& visit) {
   source->Rewind();
-  Inbox inbox(run_id, "");
-  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seen;
-  while (const auto logged = source->Next()) {
-    if (!logged->header || logged->header->run_id != run_id) continue;
-    const header_t& h = *logged->header;
-    if (!seen[{h.sender, h.boot_id}].Add(h.seq)) continue;
-    if (const auto message = inbox.Open(logged->packet)) visit(*message, logged->packet);
-  }
+  MissionReader reader(run_id);
+  while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
 }
 
 std::string IsoTime(std::int64_t unix_us) {

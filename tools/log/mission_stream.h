@@ -1,9 +1,9 @@
 #pragma once
 
-#include <functional>
+#include <string>
 
 #include "model/scenario.h"
-#include "protocol/inbox.h"
+#include "protocol/mission_reader.h"
 #include "tools/log/log_source.h"
 
 namespace muster::tools {
@@ -18,11 +18,10 @@ struct MissionHead {
 };
 
 /// Reads a log up to its first clock_t of phase 1. Throws InputError when it has no scenario.
-MissionHead ReadMissionHead(LogSource* source);
+MissionHead ReadMissionHead(MessageSource* source);
 
-/// Calls visit(message, packet) for every message of the mission, once, in the log's order.
-void ForEachMessage(MessageSource* source, std::int64_t run_id,
-                    const std::function<void(const Message&, const Packet&)>& visit);
+/// Visits every message of the mission, as MissionReader does.
+void ForEachMessage(MessageSource* source, std::int64_t run_id, const MissionReader::Visit& visit);
 
 /// "2024-09-01T12:00:00.250Z"
 std::string IsoTime(std::int64_t unix_us);

@@ -5,18 +5,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.h"
-#include "lcmtypes/bus/codec.h"
-#include "lcmtypes/channels.h"
-#include "model/agent.h"
-#include "model/scenario_json.h"
+#include "protocol/process.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr std::size_t kWindow = 64;
-/// What may come before the scenario; a sound log has a few packets there.
-constexpr std::size_t kMaxHeldBack = 20'000;
 
 auto Key(const event_t& event) {
   return std::tie(event.at_us, event.kind, event.uav_id, event.worker_id, event.vehicle_id,
@@ -61,110 +55,59 @@ double Track::length_m() const {
 }
 
 std::int64_t RunRecord::last_tick() const {
-  const Rules& rules = scenario_->rules;
+  const Rules& rules = scenario()->rules;
   return (rules.limit_us + rules.tick_us - 1) / rules.tick_us;
 }
 
-void RunRecord::Add(const Packet& packet) {
-  if (FindChannel(packet.channel) == nullptr) {
-    ++counts_.foreign;
-    return;
-  }
-  if (scenario_ || packet.channel == channel::kScenario) {
-    Take(packet);
-  } else if (held_back_.size() < kMaxHeldBack) {
-    held_back_.push_back(packet);
-  } else if (held_back_.size() == kMaxHeldBack) {
-    held_back_.push_back(packet);
-    NoteDamage(fmt::format("no scenario in the first {} messages", kMaxHeldBack));
-  }
+void RunRecord::Add(const Packet& packet, const MissionReader::Visit& also) {
+  reader_.Add(packet, [&](const Message& message, const Packet& its_packet) {
+    Take(message);
+    if (also) also(message, its_packet);
+  });
 }
 
-template <class Message>
-std::optional<Message> RunRecord::Admit(const Packet& packet) {
-  std::optional<Message> message = DecodeValid<Message>(packet.bytes);
-  if (!message) {
-    ++counts_.undecodable;
-    return {};
-  }
-  const header_t& header = message->header;
-  if (!run_id_) run_id_ = header.run_id;
-  if (header.run_id != *run_id_) {
-    ++counts_.strangers;
-    return {};
-  }
-  if (!seqs_[{header.sender, header.boot_id}].Add(header.seq)) {
-    ++counts_.duplicates;
-    return {};
-  }
-  ++counts_.messages;
-  return message;
-}
-
-void RunRecord::Take(const Packet& packet) {
-  const std::string& name = packet.channel;
-  if (name == channel::kScenario) {
-    if (const auto message = Admit<scenario_t>(packet)) TakeScenario(*message);
-  } else if (name == channel::kClock) {
-    if (const auto message = Admit<clock_t>(packet)) TakeClock(*message);
-  } else if (name == channel::kWorld) {
-    if (auto message = Admit<world_state_t>(packet)) TakeWorld(std::move(*message));
-  } else if (name == channel::kRulings) {
-    const auto message = Admit<rulings_t>(packet);
-    TickCover* cover = message ? Cover(message->tick) : nullptr;
-    if (cover != nullptr) {
-      cover->rulings = true;
-      Excuse(*message, cover);
-      Collapse(message->tick);
-    }
-  } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
-    if (const auto message = Admit<agent_states_t>(packet)) TakeAgents(*message);
-  } else if (name == channel::kSchedule) {
-    if (auto message = Admit<schedule_t>(packet)) TakeSchedule(std::move(*message));
-  } else if (name == channel::kEvent) {
-    if (auto message = Admit<event_t>(packet)) {
-      events_.push_back(std::move(*message));
-      events_sorted_ = false;
-    }
-  } else if (name == channel::kFault) {
-    if (auto message = Admit<fault_t>(packet)) {
-      // The one with for_us 0 ends it.
-      const auto [known, is_new] = faults_.try_emplace(message->fault_id, *message);
-      if (!is_new && known->second.for_us == 0) known->second = std::move(*message);
-    }
-  } else if (name == channel::kProcess) {
-    if (auto message = Admit<process_status_t>(packet)) {
-      process_status_t& newest = processes_[{message->name, message->header.boot_id}];
-      if (newest.name.empty() || newest.header.seq < message->header.seq) {
-        newest = std::move(*message);
-      }
-    }
-  } else if (name == channel::kLog) {
-    Admit<log_status_t>(packet);
-  } else if (name == channel::kRequest) {
-    Admit<request_t>(packet);
-  } else if (name == channel::kRestore) {
-    Admit<restore_t>(packet);
-  }
+void RunRecord::Take(const Message& message) {
+  Handle(
+      message, [&](const scenario_t& m) { TakeScenario(m); },
+      [&](const clock_t& m) { TakeClock(m); }, [&](const world_state_t& m) { TakeWorld(m); },
+      [&](const rulings_t& m) { TakeRulings(m); }, [&](const agent_states_t& m) { TakeAgents(m); },
+      [&](const schedule_t& m) { TakeSchedule(m); },
+      [&](const event_t& m) {
+        events_.push_back(m);
+        events_sorted_ = false;
+      },
+      [&](const fault_t& m) { TakeFault(m); }, [&](const process_status_t& m) { TakeProcess(m); });
 }
 
 void RunRecord::TakeScenario(const scenario_t& message) {
-  if (scenario_) return;
-  try {
-    scenario_ = ParseScenario(message.json, "MUSTER_SCENARIO");
-  } catch (const InputError&) {
-    ++counts_.undecodable;
-    return;
-  }
+  if (!scenario_sha256_.empty()) return;
   scenario_sha256_ = message.sha256;
-  tracks_.resize(scenario_->uavs.size());
-  said_.resize(scenario_->uavs.size() + scenario_->workers.size() + scenario_->vehicles.size());
-  for (const Packet& packet : std::exchange(held_back_, {})) Take(packet);
+  tracks_.resize(scenario()->uavs.size());
+  said_.resize(scenario()->uavs.size() + scenario()->workers.size() + scenario()->vehicles.size());
+}
+
+void RunRecord::TakeRulings(const rulings_t& message) {
+  TickCover* cover = Cover(message.tick);
+  if (cover == nullptr) return;
+  cover->rulings = true;
+  Excuse(message, cover);
+  Collapse(message.tick);
+}
+
+void RunRecord::TakeFault(const fault_t& message) {
+  // The one with for_us 0 ends it.
+  const auto [known, is_new] = faults_.try_emplace(message.fault_id, message);
+  if (!is_new && known->second.for_us == 0) known->second = message;
+}
+
+void RunRecord::TakeProcess(const process_status_t& message) {
+  process_status_t& newest = processes_[{message.name, message.header.boot_id}];
+  if (newest.name.empty() || newest.header.seq < message.header.seq) newest = message;
 }
 
 RunRecord::TickCover* RunRecord::Cover(std::int64_t tick) {
   if (tick < 0 || tick > last_tick()) {
-    ++counts_.undecodable;
+    reader_.Reject();
     return nullptr;
   }
   if (covered_ticks_.Contains(tick)) return nullptr;
@@ -181,11 +124,11 @@ void RunRecord::Collapse(std::int64_t tick) {
 }
 
 void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
-  const Rules& rules = scenario_->rules;
+  const Rules& rules = scenario()->rules;
   const TimeUs before_us =
       message.tick == 0 ? -1 : std::min((message.tick - 1) * rules.tick_us, rules.limit_us);
-  const std::size_t n_uavs = scenario_->uavs.size();
-  const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario_->workers.size(), said_.size()};
+  const std::size_t n_uavs = scenario()->uavs.size();
+  const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario()->workers.size(), said_.size()};
   for (const ruling_t& ruling : message.rulings) {
     if (ruling.kind != RulingKind::kFailed) continue;
     const std::size_t i = offsets[ruling.agent_kind] + static_cast<std::size_t>(ruling.agent_id);
@@ -199,7 +142,7 @@ void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
 void RunRecord::TakeClock(const clock_t& message) {
   if (message.phase == ClockPhase::kReady) return;
   // Decisions before this tick that it does not require never were in force.
-  const Rules& rules = scenario_->rules;
+  const Rules& rules = scenario()->rules;
   const std::int32_t before =
       message.tick_us <= 0
           ? -1
@@ -219,27 +162,27 @@ void RunRecord::TakeClock(const clock_t& message) {
   }
 }
 
-void RunRecord::TakeWorld(world_state_t message) {
-  if (message.task_status.size() != scenario_->tasks.size()) {
-    ++counts_.undecodable;
+void RunRecord::TakeWorld(const world_state_t& message) {
+  if (message.task_status.size() != scenario()->tasks.size()) {
+    reader_.Reject();
     return;
   }
   if (TickCover* cover = Cover(message.tick)) {
     cover->world = true;
     Collapse(message.tick);
   }
-  if (!final_world_ || final_world_->tick < message.tick) final_world_ = std::move(message);
+  if (!final_world_ || final_world_->tick < message.tick) final_world_ = message;
 }
 
 void RunRecord::TakeAgents(const agent_states_t& message) {
-  const std::size_t sizes[] = {scenario_->uavs.size(), scenario_->workers.size(),
-                               scenario_->vehicles.size()};
+  const std::size_t sizes[] = {scenario()->uavs.size(), scenario()->workers.size(),
+                               scenario()->vehicles.size()};
   const auto kind = static_cast<std::size_t>(message.kind);
   const auto known = [&](const agent_t& agent) {
     return agent.id >= 0 && static_cast<std::size_t>(agent.id) < sizes[kind];
   };
   if (kind > 2 || !std::all_of(message.agents.begin(), message.agents.end(), known)) {
-    ++counts_.undecodable;
+    reader_.Reject();
     return;
   }
   const std::size_t offset = kind == 0 ? 0 : kind == 1 ? sizes[0] : sizes[0] + sizes[1];
@@ -273,15 +216,15 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
   Collapse(message.tick);
 }
 
-void RunRecord::TakeSchedule(schedule_t message) {
-  if (message.decision < 0 || message.decision >= scenario_->decisions()) {
-    ++counts_.undecodable;
+void RunRecord::TakeSchedule(const schedule_t& message) {
+  if (message.decision < 0 || message.decision >= scenario()->decisions()) {
+    reader_.Reject();
     return;
   }
   if (skipped_.contains(message.decision)) return;
   const auto [known, is_new] = schedules_.try_emplace(message.decision);
   if (is_new || Rank(message.header) < Rank(known->second.header)) {
-    known->second = std::move(message);
+    known->second = message;
   }
 }
 
@@ -304,9 +247,9 @@ double RunRecord::wall_s() const {
 
 RunRecord::Completeness RunRecord::CheckComplete() const {
   Completeness result;
-  for (const auto& [start, seqs] : seqs_) {
-    const auto later = seqs_.upper_bound(start);
-    const bool superseded = later != seqs_.end() && later->first.first == start.first;
+  for (const auto& [start, seqs] : reader_.seqs()) {
+    const auto later = reader_.seqs().upper_bound(start);
+    const bool superseded = later != reader_.seqs().end() && later->first.first == start.first;
     for (const IntervalSet::Range& range : seqs.Missing(0, seqs.max())) {
       (superseded ? result.lost_tails : result.gaps)
           .push_back({start.first, start.second, range.first, range.last});
@@ -314,15 +257,19 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
   }
   result.repeated = repeated_;
   result.damage = damage_;
+  if (reader_.overflowed()) {
+    result.damage.push_back(
+        fmt::format("no scenario in the first {} messages", MissionReader::kMostHeldBack));
+  }
   result.torn_tails = torn_tails_;
-  if (!scenario_) {
+  if (!scenario()) {
     result.missing.push_back({"scenario", 0, 0});
     result.n_missing = 1;
     return result;
   }
 
-  const std::size_t n_uavs = scenario_->uavs.size();
-  const std::size_t n_workers = scenario_->workers.size();
+  const std::size_t n_uavs = scenario()->uavs.size();
+  const std::size_t n_workers = scenario()->workers.size();
   const auto agent_name = [&](std::size_t i) {
     return i < n_uavs               ? fmt::format("uav:{}", i)
            : i < n_uavs + n_workers ? fmt::format("worker:{}", i - n_uavs)
@@ -371,7 +318,7 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
     }
   }
   for (std::size_t owner = 0; owner < n_owners; ++owner) finish(owner);
-  for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
+  for (std::int32_t d = 0; d < scenario()->decisions(); ++d) {
     if (schedules_.contains(d) || skipped_.contains(d)) continue;
     if (d * scenario_->rules.interval_us > scenario_->rules.TimeOf(result.last_tick)) break;
     ++result.n_missing;

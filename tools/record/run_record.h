@@ -18,12 +18,7 @@
 #include "muster/scenario_t.hpp"
 #include "muster/schedule_t.hpp"
 #include "muster/world_state_t.hpp"
-
-namespace muster {
-class agent_states_t;
-class clock_t;
-class rulings_t;
-}  // namespace muster
+#include "protocol/mission_reader.h"
 
 namespace muster::tools {
 
@@ -55,37 +50,28 @@ class Track {
   std::set<std::int64_t> excluded_;
 };
 
-/// What a mission left on the bus, gathered from its packets in any order: from a log, a live
-/// capture or the in-memory bus alike. Duplicates (same sender, boot and seq), packets of other
-/// runs and packets that do not decode are counted and left out. Memory grows with decisions,
-/// events, agents and gaps, not with the number of ticks.
+/// What a mission left on the bus, gathered by a MissionReader from its packets in any order.
+/// Memory grows with decisions, events, agents and gaps, not with the number of ticks.
 class RunRecord {
  public:
-  /// Messages are of run `run_id`; none: of the run that the first scenario_t names. Everything
-  /// that comes before the scenario is held back until it is there.
-  explicit RunRecord(std::optional<std::int64_t> run_id = {}) : run_id_(run_id) {}
+  /// Messages are of run `run_id`; none: of the run of the first scenario.
+  explicit RunRecord(std::optional<std::int64_t> run_id = {}) : reader_(run_id) {}
 
-  void Add(const Packet& packet);
+  /// `also` visits what the record has taken, after it.
+  void Add(const Packet& packet, const MissionReader::Visit& also = {});
   /// Says that a part of the log could not be read (torn tail, damaged event).
   void NoteDamage(std::string what) { damage_.push_back(std::move(what)); }
   /// Says that a file ends in a torn event since its logger was killed: reported apart, as another
   /// file goes on from there.
   void NoteTornTail(std::string what) { torn_tails_.push_back(std::move(what)); }
 
-  struct Counts {
-    std::int64_t messages = 0;     ///< distinct messages of this run
-    std::int64_t duplicates = 0;   ///< same sender, boot and seq again
-    std::int64_t strangers = 0;    ///< of another run
-    std::int64_t undecodable = 0;  ///< on a channel of ours, but not a message of its type
-    std::int64_t foreign = 0;      ///< on channels that are not ours
-    bool operator==(const Counts&) const = default;
-  };
-  const Counts& counts() const { return counts_; }
+  const MissionReader& reader() const { return reader_; }
+  const MissionReader::Counts& counts() const { return reader_.counts(); }
 
-  /// Nothing below is filled before a scenario_t that parses has come.
-  const std::optional<Scenario>& scenario() const { return scenario_; }
+  /// Nothing below is filled before the scenario has come.
+  const std::optional<Scenario>& scenario() const { return reader_.scenario(); }
   const std::string& scenario_sha256() const { return scenario_sha256_; }
-  std::int64_t run_id() const { return run_id_.value_or(-1); }
+  std::int64_t run_id() const { return reader_.run_id().value_or(-1); }
 
   /// By decision, without skipped_decisions(). When several schedules name one decision, the one of
   /// the lowest (boot, seq).
@@ -160,26 +146,23 @@ class RunRecord {
     std::int64_t last = -1;
   };
 
-  void Take(const Packet& packet);
-  template <class Message>
-  std::optional<Message> Admit(const Packet& packet);
+  void Take(const Message& message);
   void TakeScenario(const scenario_t& message);
   void TakeClock(const clock_t& message);
   void TakeAgents(const agent_states_t& message);
-  void TakeWorld(world_state_t message);
-  void TakeSchedule(schedule_t message);
+  void TakeRulings(const rulings_t& message);
+  void TakeWorld(const world_state_t& message);
+  void TakeSchedule(const schedule_t& message);
+  void TakeFault(const fault_t& message);
+  void TakeProcess(const process_status_t& message);
   /// Forgets the cover of a tick that is complete.
   void Collapse(std::int64_t tick);
   TickCover* Cover(std::int64_t tick);
   void Excuse(const rulings_t& message, TickCover* cover);
   std::int64_t last_tick() const;
 
-  std::optional<std::int64_t> run_id_;
-  Counts counts_;
-  std::vector<Packet> held_back_;
-  std::optional<Scenario> scenario_;
+  MissionReader reader_;
   std::string scenario_sha256_;
-  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seqs_;
   std::map<std::int32_t, schedule_t> schedules_;
   std::set<std::int32_t> skipped_;
   mutable std::vector<event_t> events_;

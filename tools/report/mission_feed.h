@@ -1,21 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "base/interval_set.h"
-#include "protocol/inbox.h"
 #include "tools/record/run_record.h"
 #include "tools/report/timeline.h"
 
 namespace muster::tools {
 
 /// A mission's packets, from a log, the bus or the launcher alike, as record and timeline. It is
-/// the mission of the first scenario_t; what comes before it waits.
+/// the mission of the first scenario.
 class MissionFeed {
  public:
   /// Takes a packet: any, in any order, as often as it comes.
@@ -29,21 +23,13 @@ class MissionFeed {
   const Timeline& timeline() const { return *timeline_; }
   /// Wall time of mission time 0, microseconds since the Unix epoch; 0 in a simulated mission or
   /// before its start.
-  std::int64_t epoch_us() const { return epoch_us_; }
+  std::int64_t epoch_us() const { return record_.reader().epoch_us().value_or(0); }
   /// Run of the newest message, whether ready or not; none before the first.
-  std::optional<std::int64_t> heard_run_id() const { return heard_run_id_; }
+  std::optional<std::int64_t> heard_run_id() const { return record_.reader().heard_run_id(); }
 
  private:
-  void Take(const Packet& packet);
-
   RunRecord record_;
   std::optional<Timeline> timeline_;
-  std::optional<Inbox> inbox_;
-  std::vector<Packet> held_back_;
-  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seen_;
-  std::int64_t epoch_us_ = 0;
-  bool epoch_known_ = false;
-  std::optional<std::int64_t> heard_run_id_;
 };
 
 }  // namespace muster::tools

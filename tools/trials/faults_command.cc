@@ -48,7 +48,7 @@ int RunMuster(std::vector<std::string> arguments, const std::string& output_file
 FaultEvidence ReadEvidence(const std::string& run, bool undisturbed) {
   FaultEvidence evidence;
   LogSource log(run);
-  while (const auto message = log.Next()) evidence.Add(message->packet);
+  while (const auto event = log.NextEvent()) evidence.Add(event->packet);
   const RunRecord& record = evidence.record;
   if (undisturbed && record.scenario() && !record.schedules().empty()) {
     RunRecord simulated;

@@ -57,10 +57,9 @@ GeneratorSettings DrawSettings(Random* random) {
 class PacketSource : public MessageSource {
  public:
   explicit PacketSource(const std::vector<Packet>& packets) : packets_(packets) {}
-  std::optional<LoggedMessage> Next() override {
+  std::optional<LogEvent> NextEvent() override {
     if (next_ == packets_.size()) return {};
-    const Packet& packet = packets_[next_++];
-    return LoggedMessage{0, packet, DecodeHeader(packet)};
+    return LogEvent{0, 0, packets_[next_++]};
   }
   void Rewind() override { next_ = 0; }
 

@@ -12,10 +12,9 @@ namespace {
 class MemorySource : public MessageSource {
  public:
   explicit MemorySource(std::vector<Packet> packets) : packets_(std::move(packets)) {}
-  std::optional<LoggedMessage> Next() override {
+  std::optional<LogEvent> NextEvent() override {
     if (next_ == packets_.size()) return {};
-    const Packet& packet = packets_[next_++];
-    return LoggedMessage{0, packet, DecodeHeader(packet)};
+    return LogEvent{0, 0, packets_[next_++]};
   }
   void Rewind() override { next_ = 0; }
 

@@ -1,0 +1,74 @@
+#include "protocol/mission_reader.h"
+
+#include "base/check.h"
+#include "lcmtypes/channels.h"
+#include "model/scenario_json.h"
+
+namespace muster {
+namespace {
+
+std::optional<Scenario> ScenarioOf(const scenario_t& message) {
+  try {
+    return ParseScenario(message.json, "MUSTER_SCENARIO");
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+void MissionReader::Add(const Packet& packet, const Visit& visit) {
+  const Channel* row = FindChannel(packet.channel);
+  if (row == nullptr) {
+    ++counts_.foreign;
+    return;
+  }
+  std::optional<Message> message = DecodeMessage(packet);
+  if (!message) return Reject();
+  const std::int64_t run_id = HeaderOf(*message).run_id;
+  heard_run_id_ = run_id;
+  if (scenario_) return Take(*message, packet, visit);
+  if (run_id_ && run_id != *run_id_) {
+    ++counts_.strangers;
+    return;
+  }
+  const auto* scenario = std::get_if<scenario_t>(&*message);
+  if (scenario != nullptr && row->AcceptsFrom(scenario->header.sender)) {
+    scenario_ = ScenarioOf(*scenario);
+    if (scenario_) {
+      run_id_ = run_id;
+      Take(*message, packet, visit);
+      for (const auto& [held, held_packet] : std::exchange(held_back_, {})) {
+        Take(held, held_packet, visit);
+      }
+      return;
+    }
+    Reject();
+  }
+  if (held_back_.size() < kMostHeldBack) {
+    held_back_.emplace_back(std::move(*message), packet);
+  } else {
+    overflowed_ = true;
+  }
+}
+
+void MissionReader::Take(const Message& message, const Packet& packet, const Visit& visit) {
+  const header_t& header = HeaderOf(message);
+  if (header.run_id != *run_id_) {
+    ++counts_.strangers;
+    return;
+  }
+  if (!seqs_[{header.sender, header.boot_id}].Add(header.seq)) {
+    ++counts_.duplicates;
+    return;
+  }
+  ++counts_.messages;
+  if (!FindChannel(packet.channel)->AcceptsFrom(header.sender)) return;
+  const auto* clock = std::get_if<clock_t>(&message);
+  if (clock != nullptr && clock->phase != ClockPhase::kReady && !epoch_us_) {
+    epoch_us_ = header.wall_us == 0 ? 0 : header.wall_us - clock->tick_us;
+  }
+  visit(message, packet);
+}
+
+}  // namespace muster

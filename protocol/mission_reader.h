@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/interval_set.h"
+#include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
+#include "protocol/inbox.h"
+
+namespace muster {
+
+/// The one reader of a mission's packets, from a log, a live capture or the bus in memory alike: it
+/// decodes them, leaves out other runs and repeats, and holds back what comes before the scenario
+/// until it is there. A scenario_t that cannot be (it does not parse) is none. Memory grows with
+/// gaps, and until the scenario is there with what is held back.
+class MissionReader {
+ public:
+  /// Called with what the mission said: each (sender, boot_id, seq) once, the scenario first.
+  using Visit = std::function<void(const Message&, const Packet&)>;
+
+  /// Messages are of run `run_id`; none: of the run of the first scenario.
+  explicit MissionReader(std::optional<std::int64_t> run_id = {}) : run_id_(run_id) {}
+
+  /// Takes a packet: any, in any order, as often as it comes. Visits the message that it is, or
+  /// nothing; with the scenario it and then, in their order, all that waited for it. What a sender
+  /// says where it may not publish counts as a message and is not visited.
+  void Add(const Packet& packet, const Visit& visit);
+
+  struct Counts {
+    std::int64_t messages = 0;     ///< distinct messages of this run
+    std::int64_t duplicates = 0;   ///< same sender, boot and seq again
+    std::int64_t strangers = 0;    ///< of another run
+    std::int64_t undecodable = 0;  ///< on a channel of ours, but no message of its type that can be
+    std::int64_t foreign = 0;      ///< on channels that are not ours
+    bool operator==(const Counts&) const = default;
+  };
+  const Counts& counts() const { return counts_; }
+  /// For whoever finds a message impossible in the light of the scenario.
+  void Reject() { ++counts_.undecodable; }
+
+  const std::optional<Scenario>& scenario() const { return scenario_; }
+  std::optional<std::int64_t> run_id() const { return run_id_; }
+  /// Run of the newest message of any run, the scenario known or not; none before the first.
+  std::optional<std::int64_t> heard_run_id() const { return heard_run_id_; }
+  /// Wall time of mission time 0 by the first clock_t that runs, microseconds since the Unix epoch;
+  /// 0 in a simulated mission; none before that clock.
+  std::optional<std::int64_t> epoch_us() const { return epoch_us_; }
+  /// Numbers of the messages so far, by sender and boot_id.
+  const std::map<std::pair<std::string, std::int64_t>, IntervalSet>& seqs() const { return seqs_; }
+
+  /// Messages that are held back at most; a sound log has a few there.
+  static constexpr std::size_t kMostHeldBack = 20'000;
+  /// More than that came before a scenario, and are left out.
+  bool overflowed() const { return overflowed_; }
+
+ private:
+  void Take(const Message& message, const Packet& packet, const Visit& visit);
+
+  std::optional<std::int64_t> run_id_;
+  std::optional<std::int64_t> heard_run_id_;
+  std::optional<Scenario> scenario_;
+  std::optional<std::int64_t> epoch_us_;
+  std::vector<std::pair<Message, Packet>> held_back_;
+  bool overflowed_ = false;
+  std::map<std::pair<std::string, std::int64_t>, IntervalSet> seqs_;
+  Counts counts_;
+};
+
+}  // namespace muster
