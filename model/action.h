@@ -32,6 +32,11 @@ struct Action {
   bool operator==(const Action&) const = default;
 };
 
+/// The id of the agent of that class that takes part; -1: none.
+inline std::int32_t MemberOf(const Action& action, AgentKind kind) {
+  return ByKind(kind, action.uav.value, action.worker.value, action.vehicle.value);
+}
+
 /// "UiTxWj uav:3 worker:5 task:17"
 std::string ToString(const Action& action);
 

@@ -150,7 +150,7 @@ Verdict::Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings)
     return std::tie(a.agent_kind, a.agent, a.kind) < std::tie(b.agent_kind, b.agent, b.kind);
   });
   for (const AgentKind kind : kAgentKinds) {
-    auto& order = orders_[static_cast<std::size_t>(kind)];
+    auto& order = orders_[kind];
     for (std::uint32_t i = 0; i < activities_.size(); ++i) {
       if (Member(activities_[i], kind) >= 0) order.push_back(i);
     }
@@ -167,7 +167,7 @@ std::int32_t Verdict::Member(const Activity& activity, AgentKind kind) {
 }
 
 std::size_t Verdict::LowerBound(AgentKind kind, std::int32_t id) const {
-  const auto& order = orders_[static_cast<std::size_t>(kind)];
+  const auto& order = orders_[kind];
   const auto first = std::lower_bound(
       order.begin(), order.end(), id,
       [&](std::uint32_t i, std::int32_t value) { return Member(activities_[i], kind) < value; });

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -113,7 +112,7 @@ class Verdict {
   /// Calls visit(activity) for those of one agent; O(log n).
   template <class Visit>
   void ForEachActivityOf(AgentKind kind, std::int32_t id, Visit visit) const {
-    const auto& order = orders_[static_cast<std::size_t>(kind)];
+    const auto& order = orders_[kind];
     for (auto i = LowerBound(kind, id); i < order.size(); ++i) {
       const Activity& activity = activities_[order[i]];
       if (Member(activity, kind) != id) break;
@@ -128,7 +127,7 @@ class Verdict {
 
   std::vector<Activity> activities_;
   std::vector<Ruling> rulings_;
-  std::array<std::vector<std::uint32_t>, 3> orders_;  ///< by kind: activities by (member, start)
+  PerKind<std::vector<std::uint32_t>> orders_;  ///< by kind: activities by (member, start)
 };
 
 /// Brings an agent to the truth of one verdict, which holds at `t`: takes over its activity,

@@ -119,9 +119,7 @@ Point DrawPlace(const GeneratorSettings& settings, std::uint64_t seed, Stream st
 }
 
 Stream StreamOf(AgentKind kind) {
-  return kind == AgentKind::kUav      ? Stream::kUavs
-         : kind == AgentKind::kWorker ? Stream::kWorkers
-                                      : Stream::kVehicles;
+  return PerKind<Stream>{Stream::kUavs, Stream::kWorkers, Stream::kVehicles}[kind];
 }
 
 /// Whole time steps in [0, most_us], drawn.

@@ -9,7 +9,7 @@
 #include "base/geometry.h"
 #include "base/ids.h"
 #include "base/units.h"
-#include "lcmtypes/words.h"
+#include "model/per_kind.h"
 
 namespace muster {
 
@@ -101,8 +101,9 @@ struct Scenario {
   std::vector<ChargingPoint> charging_points;
 
   const std::vector<AgentSpec>& agents(AgentKind kind) const {
-    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+    return ByKind(kind, uavs, workers, vehicles);
   }
+  AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }
   /// Number of decisions: at n * interval < limit.
   int decisions() const {
     return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);

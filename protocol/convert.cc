@@ -76,9 +76,7 @@ bool Possible(const world_state_t& world, const Rules& rules) {
 }
 
 std::string_view ChannelOf(AgentKind kind) {
-  return kind == AgentKind::kUav      ? channel::kUavs
-         : kind == AgentKind::kWorker ? channel::kWorkers
-                                      : channel::kVehicles;
+  return ByKind(kind, channel::kUavs, channel::kWorkers, channel::kVehicles);
 }
 
 agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {

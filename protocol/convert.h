@@ -32,9 +32,7 @@ struct WireLimits {
         vehicles(scenario.vehicles.size()),
         disturbances(scenario.disturbances),
         seed(scenario.seed) {}
-  std::size_t agents(AgentKind kind) const {
-    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
-  }
+  std::size_t agents(AgentKind kind) const { return ByKind(kind, uavs, workers, vehicles); }
 };
 
 /// Whether that clock, or a world's state of that tick, can be in a mission of these rules: a

@@ -38,7 +38,7 @@ struct Situation {
       charging_load;  ///< [n_charging_points] pairs charging there or on their way
 
   const std::vector<AgentState>& agents(AgentKind kind) const {
-    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+    return ByKind(kind, uavs, workers, vehicles);
   }
   /// Range of a UAV now, metres.
   double range_m(const AgentState& uav) const { return RangeAt(uav, now_us, site->tasks); }

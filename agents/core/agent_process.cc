@@ -10,12 +10,6 @@
 namespace muster::agents {
 namespace {
 
-std::int32_t MemberOf(const Action& action, AgentKind kind) {
-  return kind == AgentKind::kUav      ? action.uav.value
-         : kind == AgentKind::kWorker ? action.worker.value
-                                      : action.vehicle.value;
-}
-
 /// Converts all or nothing.
 template <class Wire, class Model>
 bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,

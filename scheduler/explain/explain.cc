@@ -12,12 +12,6 @@ namespace {
 constexpr double kSame = 1e-6;  ///< weights closer than this are equal
 
 /// The agent of that kind in the action, or -1.
-std::int32_t MemberOf(const Action& action, AgentKind kind) {
-  return kind == AgentKind::kUav      ? action.uav.value
-         : kind == AgentKind::kWorker ? action.worker.value
-                                      : action.vehicle.value;
-}
-
 bool AtSite(const Action& action, bool charging, std::int32_t site) {
   return charging ? action.charge.value == site : action.task.value == site;
 }

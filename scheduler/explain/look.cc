@@ -37,9 +37,7 @@ Look::Look(const Situation& situation)
     : situation_(situation), weights_(ComputeWeights(situation)), feasible_(situation, weights_) {}
 
 int Look::RowOf(AgentKind kind, std::int32_t id) const {
-  const auto& rows = kind == AgentKind::kUav      ? weights_.uavs
-                     : kind == AgentKind::kWorker ? weights_.workers
-                                                  : weights_.vehicles;
+  const auto& rows = ByKind(kind, weights_.uavs, weights_.workers, weights_.vehicles);
   const auto& agents = situation_.agents(kind);
   const auto found = std::lower_bound(
       rows.begin(), rows.end(), id,

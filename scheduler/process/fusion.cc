@@ -15,7 +15,7 @@ void Fusion::Start(std::int64_t tick, TimeUs t, std::int32_t decision) {
   decision_ = decision;
   missing_ = 0;
   for (const AgentKind kind : kAgentKinds) {
-    agents_[static_cast<int>(kind)].assign(limits_.agents(kind), std::nullopt);
+    agents_[kind].assign(limits_.agents(kind), std::nullopt);
     missing_ += limits_.agents(kind);
   }
   activities_.reset();
@@ -32,7 +32,7 @@ bool Fusion::Take(const agent_states_t& states) {
     agents.push_back(*agent);
   }
   for (const AgentState& agent : agents) {
-    auto& slot = agents_[static_cast<int>(kind)][static_cast<std::size_t>(agent.id)];
+    auto& slot = agents_[kind][static_cast<std::size_t>(agent.id)];
     if (!slot) --missing_;
     slot = agent;
   }
@@ -73,8 +73,7 @@ std::size_t Fusion::silent() const {
   return static_cast<std::size_t>(
       std::count_if(rulings_->begin(), rulings_->end(), [&](const Ruling& ruling) {
         return ruling.kind == Ruling::Kind::kFailed &&
-               !agents_[static_cast<int>(ruling.agent_kind)]
-                       [static_cast<std::size_t>(ruling.agent)];
+               !agents_[ruling.agent_kind][static_cast<std::size_t>(ruling.agent)];
       }));
 }
 
@@ -88,7 +87,7 @@ Situation Fusion::Fuse() const {
   situation.task_status = task_status_;
   situation.charging_load.assign(scenario_.charging_points.size(), 0);
   const auto settle = [&](AgentKind kind, std::vector<AgentState>* out) {
-    for (const auto& reported : agents_[static_cast<int>(kind)]) {
+    for (const auto& reported : agents_[kind]) {
       if (!reported) continue;
       AgentState agent = *reported;
       Settle(&agent, verdict, now_us_, site_->tasks);

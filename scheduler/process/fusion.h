@@ -42,7 +42,7 @@ class Fusion {
   TimeUs now_us_ = 0;
   std::int32_t decision_ = -1;
   std::size_t missing_ = 0;
-  std::vector<std::optional<AgentState>> agents_[3];
+  PerKind<std::vector<std::optional<AgentState>>> agents_;
   std::optional<std::vector<Activity>> activities_;
   std::optional<std::vector<Ruling>> rulings_;
   std::vector<TaskStatus> task_status_;

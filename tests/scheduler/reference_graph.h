@@ -21,7 +21,7 @@ class ReferenceGraph {
       : s_(situation), uniform_(uniform) {
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentState& agent : s_.agents(kind)) {
-        if (agent.idle(s_.now_us)) idle_[static_cast<int>(kind)].push_back(agent);
+        if (agent.idle(s_.now_us)) idle_[kind].push_back(agent);
       }
     }
     for (std::size_t x = 0; x < s_.site->tasks.size(); ++x) {
@@ -67,9 +67,7 @@ class ReferenceGraph {
 
  private:
   static double Soft(double x) { return x > 30 ? x + std::exp(-x) : std::log(1 + std::exp(x)); }
-  const std::vector<AgentState>& idle(AgentKind kind) const {
-    return idle_[static_cast<int>(kind)];
-  }
+  const std::vector<AgentState>& idle(AgentKind kind) const { return idle_[kind]; }
   TimeUs unit() const {
     return s_.site->rules.ceil_to_minutes ? kMinuteUs : s_.site->rules.interval_us;
   }
@@ -242,7 +240,7 @@ class ReferenceGraph {
     if (next == sorted.size()) return;
     // Every further node takes at least one agent, and no node weighs more than the next one.
     std::size_t agents = 0, used = 0;
-    for (const auto& list : idle_) agents += list.size();
+    for (const AgentKind kind : kAgentKinds) agents += idle_[kind].size();
     for (const Action& action : *chosen) used += IsPair(action.kind) ? 2 : 1;
     double bound = weight;
     std::size_t left = agents - used;
@@ -257,7 +255,7 @@ class ReferenceGraph {
 
   const Situation& s_;
   bool uniform_;
-  std::vector<AgentState> idle_[3];
+  PerKind<std::vector<AgentState>> idle_;
   std::vector<std::size_t> open_;
   std::vector<Action> nodes_;
 };

@@ -58,9 +58,7 @@ class SituationBuilder {
     situation.decision = decision_;
     situation.now_us = decision_ * scenario_.rules.interval_us;
     for (const AgentKind kind : kAgentKinds) {
-      auto& agents = kind == AgentKind::kUav      ? situation.uavs
-                     : kind == AgentKind::kWorker ? situation.workers
-                                                  : situation.vehicles;
+      auto& agents = ByKind(kind, situation.uavs, situation.workers, situation.vehicles);
       std::int32_t id = 0;
       for (const AgentSpec& spec : scenario_.agents(kind)) {
         const AgentState agent = StartOf(kind, id++, spec);

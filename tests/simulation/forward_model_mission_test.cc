@@ -25,9 +25,7 @@ Scenario KnownToAll(std::uint64_t seed, Availability availability) {
   settings.rules.availability = availability;
   Scenario scenario = Generate(settings, seed);
   for (const AgentKind kind : kAgentKinds) {
-    auto& agents = kind == AgentKind::kUav      ? scenario.uavs
-                   : kind == AgentKind::kWorker ? scenario.workers
-                                                : scenario.vehicles;
+    auto& agents = ByKind(kind, scenario.uavs, scenario.workers, scenario.vehicles);
     for (AgentSpec& agent : agents) {
       agent.online_from_us = 0;
       agent.online_until_us = (40 + static_cast<int>(seed) * 13) * kMinuteUs;

@@ -80,9 +80,7 @@ class Mission {
       const TimeUs t = d * scenario_.rules.interval_us;
       if (t < from || t >= until) continue;
       for (const action_t& action : schedule.actions) {
-        n += (kind == AgentKind::kUav      ? action.uav_id
-              : kind == AgentKind::kWorker ? action.worker_id
-                                           : action.vehicle_id) >= 0;
+        n += ByKind(kind, action.uav_id, action.worker_id, action.vehicle_id) >= 0;
       }
     }
     return n;

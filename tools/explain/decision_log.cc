@@ -84,9 +84,9 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
 }
 
 std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenario) {
-  std::vector<bool> heard[3];
+  PerKind<std::vector<bool>> heard;
   for (const AgentKind kind : kAgentKinds) {
-    heard[static_cast<int>(kind)].resize(scenario.agents(kind).size());
+    heard[kind].resize(scenario.agents(kind).size());
   }
   bool world = false, rulings = false;
   for (const Packet& packet : decision.told) {
@@ -97,14 +97,14 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
       const auto list = DecodeValid<rulings_t>(packet.bytes);
       for (const ruling_t& r : list->rulings) {
         if (r.kind != RulingKind::kFailed) continue;
-        auto& of_kind = heard[r.agent_kind];
+        auto& of_kind = heard[static_cast<AgentKind>(r.agent_kind)];
         const auto id = static_cast<std::size_t>(r.agent_id);
         if (id < of_kind.size()) of_kind[id] = true;
       }
     }
     const auto states = DecodeValid<agent_states_t>(packet.bytes);
     if (!states) continue;
-    auto& of_kind = heard[states->kind];
+    auto& of_kind = heard[static_cast<AgentKind>(states->kind)];
     for (const agent_t& agent : states->agents) {
       const auto id = static_cast<std::size_t>(agent.id);
       if (id < of_kind.size()) of_kind[id] = true;
@@ -115,7 +115,7 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
   if (!world) lacks.push_back("world_state_t");
   if (!rulings) lacks.push_back("rulings_t");
   for (const AgentKind kind : kAgentKinds) {
-    const auto& of_kind = heard[static_cast<int>(kind)];
+    const auto& of_kind = heard[kind];
     const auto n = std::count(of_kind.begin(), of_kind.end(), false);
     if (n == 0) continue;
     lacks.push_back(

@@ -119,10 +119,8 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
       log, run, decision,
       [&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
       [kind, id](const event_t& event) {
-        const std::int32_t member = kind == AgentKind::kUav      ? event.uav_id
-                                    : kind == AgentKind::kWorker ? event.worker_id
-                                                                 : event.vehicle_id;
-        return member == id && IsOutcome(static_cast<EventKind>(event.kind));
+        return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
+               IsOutcome(static_cast<EventKind>(event.kind));
       });
   return story;
 }

@@ -96,7 +96,7 @@ class Scene {
   ordered_json Update(const Message& message, std::int64_t unix_us) {
     ordered_json entities = ordered_json::array();
     if (const auto* m = std::get_if<agent_states_t>(&message)) {
-      constexpr const std::array<double, 3>* kColors[] = {&kBlue, &kOrange, &kGreen};
+      const auto kind = static_cast<AgentKind>(m->kind);
       for (const agent_t& a : m->agents) {
         const bool out = a.status == AgentStatus::kOffline || a.status == AgentStatus::kFailed;
         // An entity stays until it is said again.
@@ -104,9 +104,9 @@ class Scene {
         const auto [known, is_new] = shown_.try_emplace({m->kind, a.id}, shown);
         if (!is_new && known->second == shown) continue;
         known->second = shown;
-        entities.push_back(Entity(fmt::format("{}:{}", ToString<AgentKind>(m->kind), a.id),
-                                  "spheres", a.x_m, a.y_m, out ? 100 : 250,
-                                  out ? kGrey : *kColors[m->kind], unix_us));
+        entities.push_back(Entity(fmt::format("{}:{}", ToString(kind), a.id), "spheres", a.x_m,
+                                  a.y_m, out ? 100 : 250,
+                                  out ? kGrey : ByKind(kind, kBlue, kOrange, kGreen), unix_us));
       }
     } else if (const auto* w = std::get_if<world_state_t>(&message)) {
       for (std::size_t x = 0; x < status_.size() && x < w->task_status.size(); ++x) {

@@ -83,7 +83,8 @@ void RunRecord::TakeScenario(const scenario_t& message) {
   if (!scenario_sha256_.empty()) return;
   scenario_sha256_ = message.sha256;
   tracks_.resize(scenario()->uavs.size());
-  said_.resize(scenario()->uavs.size() + scenario()->workers.size() + scenario()->vehicles.size());
+  row_ = scenario()->row();
+  said_.resize(row_.size());
 }
 
 void RunRecord::TakeRulings(const rulings_t& message) {
@@ -127,15 +128,13 @@ void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
   const Rules& rules = scenario()->rules;
   const TimeUs before_us =
       message.tick == 0 ? -1 : std::min((message.tick - 1) * rules.tick_us, rules.limit_us);
-  const std::size_t n_uavs = scenario()->uavs.size();
-  const std::size_t offsets[] = {0, n_uavs, n_uavs + scenario()->workers.size(), said_.size()};
   for (const ruling_t& ruling : message.rulings) {
     if (ruling.kind != RulingKind::kFailed) continue;
-    const std::size_t i = offsets[ruling.agent_kind] + static_cast<std::size_t>(ruling.agent_id);
-    if (i >= offsets[ruling.agent_kind + 1]) continue;
-    cover->excused.push_back(i);
-    if (ruling.agent_kind == AgentKind::kUav && ruling.at_us > before_us)
-      tracks_[i].Exclude(message.tick);
+    const auto kind = static_cast<AgentKind>(ruling.agent_kind);
+    const auto i = row_.Find(kind, ruling.agent_id);
+    if (!i) continue;
+    cover->excused.push_back(*i);
+    if (kind == AgentKind::kUav && ruling.at_us > before_us) tracks_[*i].Exclude(message.tick);
   }
 }
 
@@ -175,26 +174,21 @@ void RunRecord::TakeWorld(const world_state_t& message) {
 }
 
 void RunRecord::TakeAgents(const agent_states_t& message) {
-  const std::size_t sizes[] = {scenario()->uavs.size(), scenario()->workers.size(),
-                               scenario()->vehicles.size()};
-  const auto kind = static_cast<std::size_t>(message.kind);
-  const auto known = [&](const agent_t& agent) {
-    return agent.id >= 0 && static_cast<std::size_t>(agent.id) < sizes[kind];
-  };
-  if (kind > 2 || !std::all_of(message.agents.begin(), message.agents.end(), known)) {
+  const auto kind = static_cast<AgentKind>(message.kind);
+  const auto known = [&](const agent_t& agent) { return row_.Find(kind, agent.id).has_value(); };
+  if (!std::all_of(message.agents.begin(), message.agents.end(), known)) {
     reader_.Reject();
     return;
   }
-  const std::size_t offset = kind == 0 ? 0 : kind == 1 ? sizes[0] : sizes[0] + sizes[1];
   TickCover* cover = Cover(message.tick);
   if (cover != nullptr) cover->agents.resize(said_.size());
   for (const agent_t& agent : message.agents) {
-    const auto id = static_cast<std::size_t>(agent.id);
-    if (kind == 0) tracks_[id].Add(message.tick, {agent.x_m, agent.y_m}, agent.range_left_m);
-    const bool heard =
-        cover == nullptr ? covered_ticks_.Contains(message.tick) : cover->agents[offset + id];
+    const std::size_t i = *row_.Find(kind, agent.id);
+    if (kind == AgentKind::kUav)
+      tracks_[i].Add(message.tick, {agent.x_m, agent.y_m}, agent.range_left_m);
+    const bool heard = cover == nullptr ? covered_ticks_.Contains(message.tick) : cover->agents[i];
     // Another start of the same sender may say a tick again that an earlier start said.
-    Said& said = said_[offset + id];
+    Said& said = said_[i];
     const bool same_start =
         said.sender == message.header.sender && said.boot_id == message.header.boot_id;
     const bool other_sender = !said.sender.empty() && said.sender != message.header.sender;
@@ -209,7 +203,7 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
       said = {message.header.sender, message.header.boot_id, message.tick, message.tick};
     }
     if (cover != nullptr && !heard) {
-      cover->agents[offset + id] = true;
+      cover->agents[i] = true;
       ++cover->n_agents;
     }
   }

@@ -175,7 +175,8 @@ class RunRecord {
   bool end_announced_ = false;
   std::map<std::int64_t, TickCover> open_ticks_;
   IntervalSet covered_ticks_;
-  std::vector<Said> said_;  // [n_uavs + n_workers + n_vehicles]
+  AgentRow row_;
+  std::vector<Said> said_;  ///< [n_agents] in the row
   std::int64_t repeated_ = 0;
   std::vector<std::string> damage_;
   std::vector<std::string> torn_tails_;

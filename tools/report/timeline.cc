@@ -65,14 +65,9 @@ bool Active(AgentStatus status) {
 
 }  // namespace
 
-Timeline::Timeline(const Scenario& scenario) : scenario_(scenario) {
-  std::size_t n = 0;
-  for (const AgentKind kind : kAgentKinds) {
-    offsets_[static_cast<std::size_t>(kind)] = n;
-    n += scenario_.agents(kind).size();
-  }
-  agents_.resize(n);
-  agent_order_.resize(n);
+Timeline::Timeline(const Scenario& scenario) : scenario_(scenario), row_(scenario.row()) {
+  agents_.resize(row_.size());
+  agent_order_.resize(row_.size());
   tasks_.resize(scenario_.tasks.size());
 }
 
@@ -88,10 +83,8 @@ void Timeline::Add(const Message& message) {
         for (const ruling_t& ruling : m.rulings) {
           if (ruling.kind != RulingKind::kFailed) continue;
           const auto kind = static_cast<AgentKind>(ruling.agent_kind);
-          const auto id = static_cast<std::size_t>(ruling.agent_id);
-          if (id < scenario_.agents(kind).size()) {
-            agents_[IndexOf(kind, id)].failed_us = ruling.at_us;
-          }
+          const auto i = row_.Find(kind, ruling.agent_id);
+          if (i) agents_[*i].failed_us = ruling.at_us;
         }
       },
       [&](const schedule_t& m) {
@@ -129,12 +122,11 @@ void Timeline::Finish() {
 void Timeline::TakeAgents(const agent_states_t& message) {
   if (message.tick > scenario_.rules.last_tick()) return;
   const auto kind = static_cast<AgentKind>(message.kind);
-  const std::size_t n = scenario_.agents(kind).size();
   for (const agent_t& agent : message.agents) {
-    if (agent.id < 0 || static_cast<std::size_t>(agent.id) >= n) continue;
-    const std::size_t index = IndexOf(kind, static_cast<std::size_t>(agent.id));
-    agent_order_[index].Add(message.tick, agent, [&](std::int64_t tick, const agent_t& state) {
-      TakeAgent(kind, index, state, scenario_.rules.TimeOf(tick));
+    const auto i = row_.Find(kind, agent.id);
+    if (!i) continue;
+    agent_order_[*i].Add(message.tick, agent, [&](std::int64_t tick, const agent_t& state) {
+      TakeAgent(kind, *i, state, scenario_.rules.TimeOf(tick));
     });
   }
 }
@@ -172,7 +164,7 @@ void Timeline::Move(Agent* agent, const agent_t& now, std::int64_t now_us) {
 }
 
 const activity_t* Timeline::ActivityOf(AgentKind kind, std::int32_t id) const {
-  const auto found = latest_activity_.find({static_cast<int>(kind), id});
+  const auto found = latest_activity_.find({kind, id});
   return found == latest_activity_.end() ? nullptr : &activities_.rows[found->second];
 }
 
@@ -241,8 +233,8 @@ void Timeline::TakeWorld(const world_state_t& world, std::int64_t now_us) {
       continue;
     }
     const auto partner = PartnerKind(static_cast<Activity::Kind>(a.kind));
-    latest_activity_[{static_cast<int>(AgentKind::kUav), a.uav_id}] = activities_.rows.size();
-    latest_activity_[{static_cast<int>(partner), a.partner_id}] = activities_.rows.size();
+    latest_activity_[{AgentKind::kUav, a.uav_id}] = activities_.rows.size();
+    latest_activity_[{partner, a.partner_id}] = activities_.rows.size();
     activities_.Push(a);
   }
 }

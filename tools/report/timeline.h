@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -135,7 +134,7 @@ class Timeline {
   static constexpr std::size_t kSamples = 2000;
 
   std::size_t IndexOf(AgentKind kind, std::size_t id) const {
-    return offsets_[static_cast<std::size_t>(kind)] + id;
+    return *row_.Find(kind, static_cast<std::int64_t>(id));
   }
 
  private:
@@ -149,7 +148,7 @@ class Timeline {
   const activity_t* ActivityOf(AgentKind kind, std::int32_t id) const;
 
   Scenario scenario_;
-  std::array<std::size_t, 3> offsets_{};
+  AgentRow row_;
   std::vector<Agent> agents_;
   std::vector<TickOrder<agent_t>> agent_order_;
   TickOrder<world_state_t> world_order_;
@@ -160,7 +159,7 @@ class Timeline {
   Growing<activity_t> activities_;
   using ActivityKey = std::tuple<int, std::int32_t, std::int32_t, std::int32_t, std::int64_t>;
   std::set<ActivityKey> known_activities_;
-  std::map<std::pair<int, std::int32_t>, std::size_t> latest_activity_;  // by class and id
+  std::map<std::pair<AgentKind, std::int32_t>, std::size_t> latest_activity_;  // by class and id
   Growing<event_t> events_;
   using EventKey = std::tuple<std::int64_t, int, std::int32_t, std::int32_t, std::int32_t,
                               std::int32_t, std::int32_t, std::string, std::string>;

@@ -1,7 +1,6 @@
 #include "scheduler/policies/horizon/horizon.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -20,7 +19,7 @@ class Planner {
         settings_(settings),
         participants_(ParticipantsOf(situation, settings)),
         open_(OpenSitesOf(situation)) {
-    for (std::size_t k = 0; k < 3; ++k) used_[k].assign(participants_[k].size(), 0);
+    for (const AgentKind kind : kAgentKinds) used_[kind].assign(participants_[kind].size(), 0);
   }
 
   Decision Decide() {
@@ -48,12 +47,10 @@ class Planner {
     return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
   }
   Participant& Member(const Match& match, AgentKind kind) {
-    return participants_[static_cast<std::size_t>(kind)]
-                        [At(kind == AgentKind::kUav ? match.uav : match.partner)];
+    return participants_[kind][At(kind == AgentKind::kUav ? match.uav : match.partner)];
   }
   char& Used(const Match& match, AgentKind kind) {
-    return used_[static_cast<std::size_t>(kind)]
-                [At(kind == AgentKind::kUav ? match.uav : match.partner)];
+    return used_[kind][At(kind == AgentKind::kUav ? match.uav : match.partner)];
   }
   Point Place(const Match& match) const {
     return match.charging ? situation_.site->charging_points[At(match.site)].at
@@ -194,7 +191,7 @@ class Planner {
   const HorizonSettings& settings_;
   Participants participants_;
   OpenSites open_;
-  std::array<std::vector<char>, 3> used_;  ///< by the first matching
+  PerKind<std::vector<char>> used_;  ///< by the first matching
   std::vector<Action> actions_;
   std::int64_t candidates_ = 0;
 };

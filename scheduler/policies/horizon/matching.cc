@@ -27,9 +27,9 @@ class Builder {
           const HorizonSettings& settings)
       : situation_(situation),
         site_(*situation.site),
-        uavs_(participants[0]),
-        workers_(participants[1]),
-        vehicles_(participants[2]),
+        uavs_(participants.uavs),
+        workers_(participants.workers),
+        vehicles_(participants.vehicles),
         open_(open),
         settings_(settings) {}
 
@@ -296,7 +296,7 @@ Participants ParticipantsOf(const Situation& situation, const HorizonSettings& s
         }
         participant.range_m = RangeAt(agent, agent.busy_until_us, situation.site->tasks);
       }
-      participants[static_cast<std::size_t>(kind)].push_back(participant);
+      participants[kind].push_back(participant);
     }
   }
   return participants;
@@ -321,7 +321,7 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
   if (candidates != nullptr) *candidates = CountNodes(instance);
   const SolverResult solution = Solve(instance);
   std::vector<Match> matches;
-  const auto n_workers = static_cast<std::int32_t>(participants[1].size());
+  const auto n_workers = static_cast<std::int32_t>(participants.workers.size());
   for (std::size_t u = 0; u < solution.assignment.uavs.size(); ++u) {
     const Assignment::Choice& choice = solution.assignment.uavs[u];
     if (choice.partner_arc < 0) continue;
@@ -334,9 +334,9 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
     match.site = builder.site_ids()[At(choice.site)];
     match.weight = Instance::PairWeight(uav, partner);
     const TimeUs duration =
-        match.charging
-            ? TravelUs(uav.missing_m, participants[2][At(match.partner)].agent->charge_rate_m_s)
-            : uav.duration_us;
+        match.charging ? TravelUs(uav.missing_m,
+                                  participants.vehicles[At(match.partner)].agent->charge_rate_m_s)
+                       : uav.duration_us;
     match.end_us = std::max(uav.arrive_us, partner.arrive_us) + duration;
     matches.push_back(match);
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,7 +20,7 @@ struct Participant {
 };
 
 /// Who takes part, by AgentKind.
-using Participants = std::array<std::vector<Participant>, 3>;
+using Participants = PerKind<std::vector<Participant>>;
 
 /// Time of the first decision at or after t.
 TimeUs DecisionAfter(TimeUs t, TimeUs interval_us);

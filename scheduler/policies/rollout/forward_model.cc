@@ -21,9 +21,7 @@ void ForwardModel::Step(const std::vector<Action>& actions) {
 
 AgentState* ForwardModel::Find(AgentKind kind, std::int32_t id) {
   if (id < 0) return nullptr;
-  std::vector<AgentState>& agents = kind == AgentKind::kUav      ? situation_.uavs
-                                    : kind == AgentKind::kWorker ? situation_.workers
-                                                                 : situation_.vehicles;
+  auto& agents = ByKind(kind, situation_.uavs, situation_.workers, situation_.vehicles);
   const auto agent = std::lower_bound(agents.begin(), agents.end(), id,
                                       [](const AgentState& a, std::int32_t i) { return a.id < i; });
   MUSTER_CHECK(agent != agents.end() && agent->id == id, "{}:{}", ToString(kind), id);

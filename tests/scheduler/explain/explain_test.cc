@@ -34,11 +34,6 @@ class AllDecisions {
   }
 
  private:
-  static std::int32_t MemberOf(const Action& a, AgentKind kind) {
-    return kind == AgentKind::kUav      ? a.uav.value
-           : kind == AgentKind::kWorker ? a.worker.value
-                                        : a.vehicle.value;
-  }
   bool Used(AgentKind kind, std::int32_t id) const {
     return std::any_of(chosen_.begin(), chosen_.end(),
                        [&](const Action* a) { return MemberOf(*a, kind) == id; });
@@ -74,19 +69,17 @@ class AllDecisions {
   std::vector<const Action*> chosen_;
 };
 
-/// (task, charge, agent kind or -1, agent) of a demand.
-using DemandKey = std::tuple<int, int, int, int>;
+/// (task, charge, agent kind, agent) of a demand.
+using DemandKey = std::tuple<int, int, std::optional<AgentKind>, int>;
 
 std::vector<DemandKey> MetBy(const Action& pair) {
   std::vector<DemandKey> keys;
-  if (pair.task.valid()) keys.push_back({pair.task.value, -1, -1, -1});
-  const std::pair<AgentKind, std::int32_t> members[] = {{AgentKind::kUav, pair.uav.value},
-                                                        {AgentKind::kWorker, pair.worker.value},
-                                                        {AgentKind::kVehicle, pair.vehicle.value}};
-  for (const auto& [kind, id] : members) {
+  if (pair.task.valid()) keys.push_back({pair.task.value, -1, {}, -1});
+  for (const AgentKind kind : kAgentKinds) {
+    const std::int32_t id = MemberOf(pair, kind);
     if (id < 0) continue;
-    keys.push_back({-1, -1, static_cast<int>(kind), id});
-    keys.push_back({pair.task.value, pair.charge.value, static_cast<int>(kind), id});
+    keys.push_back({-1, -1, kind, id});
+    keys.push_back({pair.task.value, pair.charge.value, kind, id});
   }
   return keys;
 }
@@ -119,9 +112,7 @@ TEST(ExactDecisions, ForcedWeightsAreThoseOfAllDecisions) {
     ASSERT_TRUE(exact.best().proven());
     const auto check = [&](const DemandKey& key) {
       Demand demand;
-      int kind = -1;
-      std::tie(demand.task.value, demand.charge.value, kind, demand.agent) = key;
-      if (kind >= 0) demand.agent_kind = static_cast<AgentKind>(kind);
+      std::tie(demand.task.value, demand.charge.value, demand.agent_kind, demand.agent) = key;
       const auto with = exact.Forced(demand);
       const auto expected = best_with.find(key);
       ASSERT_EQ(with.has_value(), expected != best_with.end());
