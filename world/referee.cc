@@ -78,7 +78,7 @@ void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
   FindFailures(t, decision, agents);
   UpdateVerdict();
   for (const AgentKind kind : kAgentKinds) {
-    for (AgentState& agent : agents->of(kind)) Settle(&agent, verdict_, t, scenario_.tasks);
+    for (AgentState& agent : (*agents)[kind]) Settle(&agent, verdict_, t, scenario_.tasks);
   }
   UpdateTasks(t);
   if (decision >= 0 && scenario_.rules.start_on_meeting) {
@@ -126,7 +126,7 @@ void Referee::PlanNewActivities(TimeUs t, Agents* agents) {
     activities_.push_back({activity, true, false});
   }
   for (const AgentKind kind : {AgentKind::kWorker, AgentKind::kVehicle}) {
-    for (const AgentState& partner : agents->of(kind)) {
+    for (const AgentState& partner : (*agents)[kind]) {
       if (!IsPair(partner.action) || partner.failed || planned(partner)) continue;
       if (!Matches(agents->at(AgentKind::kUav, partner.partner), partner)) release(partner);
     }
@@ -181,7 +181,7 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   }
   if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
     for (const AgentKind kind : kAgentKinds) {
-      for (const AgentState& agent : agents->of(kind)) {
+      for (const AgentState& agent : (*agents)[kind]) {
         if (agent.online(t) &&
             SuddenlyFails(kind, agent.id, decision, scenario_.disturbances, scenario_.seed)) {
           failures.push_back({t, {kind, agent.id}, "sudden failure"});
@@ -307,7 +307,7 @@ void Referee::Meet(TimeUs t, Agents* agents) {
 void Referee::EmitPresence(TimeUs t, Agents* agents) {
   const auto within = [&](TimeUs at) { return previous_us_ < at && at <= t; };
   for (const AgentKind kind : kAgentKinds) {
-    for (const AgentState& agent : agents->of(kind)) {
+    for (const AgentState& agent : (*agents)[kind]) {
       if (agent.online_from_us >= agent.online_until_us) continue;
       const AgentKey key{kind, agent.id};
       if (within(agent.online_from_us)) Emit(Event::Kind::kAgentOnline, agent.online_from_us, key);

@@ -34,13 +34,10 @@ struct Outage {
 };
 
 /// The states of all agents of a scenario; the index is the id.
-struct Agents {
-  std::vector<AgentState> uavs, workers, vehicles;
-
-  std::vector<AgentState>& of(AgentKind kind) {
-    return kind == AgentKind::kUav ? uavs : kind == AgentKind::kWorker ? workers : vehicles;
+struct Agents : PerKind<std::vector<AgentState>> {
+  AgentState& at(AgentKind kind, std::int32_t id) {
+    return (*this)[kind][static_cast<std::size_t>(id)];
   }
-  AgentState& at(AgentKind kind, std::int32_t id) { return of(kind)[static_cast<std::size_t>(id)]; }
 };
 
 /// Decides what truly happens: which activities take place and when exactly, who fails, which task

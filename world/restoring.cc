@@ -8,10 +8,19 @@
 #include "lcmtypes/channels.h"
 
 namespace muster::world {
+namespace {
+
+/// Where a verdict may have been given without somebody: who listens answers twice in this time.
+constexpr TimeUs kHearAllUs = 600'000;
+/// For a report that must have been made, and that perhaps nobody has any more.
+constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
+
+}  // namespace
+
 Restoring::Restoring(const Scenario& scenario, std::int64_t run_id)
     : scenario_(scenario), limits_(scenario), run_id_(run_id) {
   for (const AgentKind kind : kAgentKinds) {
-    told_[static_cast<int>(kind)].resize(scenario.agents(kind).size());
+    told_[kind].resize(scenario.agents(kind).size());
   }
 }
 
@@ -40,7 +49,7 @@ bool Restoring::Take(const restore_t& restore) {
     reports_[states->tick].try_emplace({header.sender, header.boot_id, header.seq},
                                        Packet{restore.channel, restore.data});
     for (const AgentState& agent : agents) {
-      Told& told = told_[static_cast<int>(kind)][static_cast<std::size_t>(agent.id)];
+      Told& told = told_[kind][static_cast<std::size_t>(agent.id)];
       if (states->tick > told.newest()) told.owner = header.sender;
       told.states.try_emplace(states->tick, agent);
     }
@@ -114,8 +123,8 @@ std::optional<Restoring::State> Restoring::At(std::int64_t tick) const {
 std::optional<Restoring::State> Restoring::Newest() const {
   if (not_begun_) return State{};
   std::int64_t tick = scenario_.rules.last_tick();
-  for (const auto& agents : told_) {
-    for (const Told& agent : agents) tick = std::min(tick, agent.newest());
+  for (const AgentKind kind : kAgentKinds) {
+    for (const Told& agent : told_[kind]) tick = std::min(tick, agent.newest());
   }
   return tick < 0 ? std::nullopt : At(tick);
 }
@@ -127,16 +136,16 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
   const std::int64_t verdict =
       std::max({worlds_.rbegin()->first, rulings_.rbegin()->first, clock_ - 1});
   std::int64_t newest = -1;
-  for (const auto& agents : told_) {
-    for (const Told& agent : agents) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (const Told& agent : told_[kind]) {
       if (agent.newest() < 0) return {};
       newest = std::max(newest, agent.newest());
     }
   }
   const std::int64_t awaited_from = std::max(newest - 1, verdict);
   std::int64_t tick = newest >= awaited_from ? newest : verdict + 1;
-  for (const auto& agents : told_) {
-    for (const Told& agent : agents) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (const Told& agent : told_[kind]) {
       if (agent.newest() >= awaited_from) tick = std::min(tick, agent.newest());
     }
   }
@@ -144,8 +153,8 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
   std::optional<State> state = At(tick);
   if (!state) return {};
   std::set<std::string> lost_owners;
-  for (const auto& agents : told_) {
-    for (const Told& agent : agents) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (const Told& agent : told_[kind]) {
       const AgentState& any = agent.states.begin()->second;
       TimeUs failed_us = FailedAt(verdicts, tick - 1, any);
       if (agent.newest() >= awaited_from) {
@@ -214,6 +223,12 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told, TimeUs fai
   if (failed_us == kNever) return Lost{agent, rules.TimeOf(tick - 1) + 1};
   // Whoever had failed for another reason before does not return with its process.
   return Lost{agent, IsLoss(failed_us) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
+}
+
+TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us) {
+  if (!state.is_certain) return std::max(kGiveUpUs, lost_after_us);
+  if (!state.lost.empty()) return std::max(kHearAllUs, lost_after_us);
+  return goes_on ? kHearAllUs : 0;
 }
 
 }  // namespace muster::world

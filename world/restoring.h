@@ -51,7 +51,7 @@ class Restoring {
   std::optional<State> NewestWithoutLost() const;
   /// The process that has reported the agent; "": none yet.
   const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
-    return told_[static_cast<int>(kind)][static_cast<std::size_t>(id)].owner;
+    return told_[kind][static_cast<std::size_t>(id)].owner;
   }
 
  private:
@@ -78,7 +78,7 @@ class Restoring {
   const WireLimits limits_;
   const std::int64_t run_id_;
   bool not_begun_ = false;
-  std::vector<Told> told_[3];                                           ///< [n_agents]
+  PerKind<std::vector<Told>> told_;
   using Message = std::tuple<std::string, std::int64_t, std::int64_t>;  // sender, boot_id, seq
   std::map<std::int64_t, std::map<Message, Packet>> reports_;           ///< by tick
   std::map<std::int64_t, std::int32_t> applied_;  ///< by tick: the decision in force
@@ -86,5 +86,9 @@ class Restoring {
   std::map<std::int64_t, world_state_t> worlds_;
   std::map<std::int64_t, rulings_t> rulings_;
 };
+
+/// So long a world that starts again listens before it goes on from `state`: whoever is there has
+/// answered by then.
+TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us);
 
 }  // namespace muster::world

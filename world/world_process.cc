@@ -3,38 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <muster/clock_t.hpp>
 
 #include "base/check.h"
 #include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
+#include "world/to_wire.h"
 
 namespace muster::world {
 namespace {
 
+using Presence = Peers::Presence;
+
 constexpr TimeUs kLookUs = 20'000;
-/// So long a restarted world listens, where a verdict may have been given without somebody: who
-/// has listened answers twice in this time.
-constexpr TimeUs kHearAllUs = 600'000;
-/// So long it waits for a report that must have been made, and that perhaps nobody has any more.
-constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
 
 std::string LostDetail(const std::string& process) { return process + " is lost"; }
-
-event_t ToWire(const Event& event) {
-  event_t wire{};
-  wire.kind = NumberOf(event.kind);
-  wire.at_us = event.at_us;
-  wire.uav_id = event.uav.value;
-  wire.worker_id = event.worker.value;
-  wire.vehicle_id = event.vehicle.value;
-  wire.task_id = event.task.value;
-  wire.charge_id = event.charge.value;
-  wire.detail = event.detail;
-  return wire;
-}
 
 }  // namespace
 
@@ -46,20 +30,13 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
       limits_(scenario_),
       options_(options),
       referee_(scenario_),
-      peers_(options.lost_after_us, this->identity().boot_id == 0),
-      restoring_(scenario_, this->identity().run_id) {
-  last_tick_ = scenario_.rules.last_tick();
-  for (const AgentKind kind : kAgentKinds) {
-    const std::size_t n = scenario_.agents(kind).size();
-    agents_.of(kind).resize(n);
-    owners_[static_cast<int>(kind)].resize(n);
-    heard_[static_cast<int>(kind)].assign(n, Heard::kNot);
-    missing_ += n;
-  }
-  recorder_ready_ = !options.recorded;
+      clock_(scenario_.rules, options.rate),
+      attendance_(scenario_, Peers(options.lost_after_us, this->identity().boot_id == 0)),
+      restoring_(scenario_, this->identity().run_id),
+      recorder_ready_(!options.recorded) {
+  for (const AgentKind kind : kAgentKinds) agents_[kind].resize(scenario_.agents(kind).size());
   for (const Outage& outage : options.outages) {
-    if (outage.agent < 0 ||
-        static_cast<std::size_t>(outage.agent) >= agents_.of(outage.kind).size()) {
+    if (outage.agent < 0 || static_cast<std::size_t>(outage.agent) >= agents_[outage.kind].size()) {
       throw InputError("command line", "--outage",
                        fmt::format("{} {}", ToString(outage.kind), outage.agent),
                        "an agent of the scenario");
@@ -69,7 +46,7 @@ WorldProcess::WorldProcess(Identity identity, int window, std::string json,
 }
 
 void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
-  peers_.Hear(HeaderOf(message).sender, now.monotonic_us);
+  attendance_.peers().Hear(HeaderOf(message).sender, now.monotonic_us);
   Handle(
       message, [&](const agent_states_t& states) { Take(states, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
@@ -79,71 +56,54 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       },
       [&](const log_status_t&) { recorder_ready_ = true; },
       [&](const process_status_t& status) {
-        if (static_cast<ProcessState>(status.state) != ProcessState::kEnded) return;
-        members_.erase(status.header.sender);
-        if (members_.empty() && phase_ == Phase::kEnded) repeat_.Stop();
+        if (status.state != ProcessState::kEnded) return;
+        attendance_.Leave(status.header.sender);
+        if (attendance_.deserted() && ended()) repeat_.Stop();
       });
 }
 
 void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
   const auto kind = static_cast<AgentKind>(states.kind);
-  const auto k = static_cast<std::size_t>(states.kind);
-  if (wait_ == Wait::kRestore || states.tick != tick_ || phase_ == Phase::kEnded ||
-      packet.channel != ChannelOf(kind))
+  if (wait_ == Wait::kRestore || states.tick != clock_.tick() || ended() ||
+      packet.channel != ChannelOf(kind)) {
     return;
-  const TimeUs t = tick_us(tick_);
-  const std::string& sender = states.header.sender;
+  }
   std::vector<AgentState> agents;
   for (const agent_t& wire : states.agents) {
-    const std::optional<AgentState> agent = FromWire(wire, kind, t, limits_);
+    const std::optional<AgentState> agent = FromWire(wire, kind, clock_.sim_us(), limits_);
     if (!agent) return inbox().Reject();
     agents.push_back(*agent);
   }
   bool news = false;
   for (const AgentState& agent : agents) {
-    const auto id = static_cast<std::size_t>(agent.id);
-    if (!owners_[k][id].empty() && owners_[k][id] != sender) {
-      throw InputError(
-          fmt::format("{} {} is reported by two processes, {} and {}: give each its --ids",
-                      ToString(kind), id, owners_[k][id], sender));
-    }
-    owners_[k][id] = sender;
-    members_.insert(sender);
-    // One that is lost is awaited from the next tick on.
-    if (heard_[k][id] != Heard::kNot) continue;
-    --missing_;
-    heard_[k][id] = Heard::kYes;
+    if (!attendance_.Report(kind, agent.id, states.header.sender)) continue;
+    agents_.at(kind, agent.id) = agent;
     news = true;
-    agents_.of(kind)[id] = agent;
   }
-  if (news) reports_[k].push_back(packet);
+  if (news) handover_.Add(kind, packet);
 }
 
 void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {
-  if (wait_ != Wait::kSchedule || schedule.decision != DecisionAt(tick_) ||
-      schedule.tick != tick_) {
+  if (wait_ != Wait::kSchedule || schedule.decision != clock_.decision() ||
+      schedule.tick != clock_.tick()) {
     return;
   }
   std::vector<Action> actions;
   for (const action_t& wire : schedule.actions) {
     const std::optional<Action> action = FromWire(wire, limits_);
-    if (!action) {
-      inbox().Reject();
-      return;
-    }
+    if (!action) return inbox().Reject();
     actions.push_back(*action);
   }
   referee_.Take(schedule.decision, actions);
-  members_.insert(schedule.header.sender);
   scheduler_name_ = schedule.header.sender;
-  if (peers_.presence(scheduler_name_) != Peers::Presence::kThere) {
-    peers_.set_presence(scheduler_name_, Peers::Presence::kThere);
+  attendance_.Join(scheduler_name_);
+  if (attendance_.peers().presence(scheduler_name_) != Presence::kThere) {
+    attendance_.peers().set_presence(scheduler_name_, Presence::kThere);
     SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
   }
   schedule_packet_ = std::make_shared<const Packet>(packet);
-  required_decision_ = schedule.decision;
-  wait_ = Wait::kClock;
-  repeat_.Stop();
+  clock_.Require(schedule.decision);
+  StopWaiting();
 }
 
 void WorldProcess::Answer(const request_t& request, const Now& now) {
@@ -154,20 +114,18 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
   if (wait_ == Wait::kRestore) return;
   for (const AgentKind kind : kAgentKinds) {
     if (request.channel != ChannelOf(kind)) continue;
-    // The states that the newest verdict rests on: whoever goes on from them needs only that
-    // verdict and what follows, and that is what this process repeats.
-    const auto& packets = judged_reports_[static_cast<int>(kind)];
     const auto answer = [&](std::vector<std::uint8_t> bytes) {
       restore_t restore{};
       restore.channel = request.channel;
-      restore.tick = judged_tick_;
+      restore.tick = handover_.tick();
       restore.data = std::move(bytes);
       restore.n = static_cast<std::int32_t>(restore.data.size());
-      sender().Send(channel::kRestore, std::move(restore), tick_us(tick_), now);
+      sender().Send(channel::kRestore, std::move(restore), clock_.sim_us(), now);
     };
-    if (judged_tick_ < 0 && tick_ == 0) answer({});
-    for (const Packet& packet : packets) answer(packet.bytes);
-    for (std::vector<std::uint8_t>& bytes : StatesOfLost(kind, now)) answer(std::move(bytes));
+    if (handover_.tick() < 0 && clock_.tick() == 0) answer({});
+    for (auto& states : handover_.StatesOf(kind, identity(), now)) {
+      answer(std::move(states));
+    }
   }
 }
 
@@ -183,30 +141,19 @@ void WorldProcess::AskForState(const Now& now) {
 bool WorldProcess::RestoreState(const Now& now) {
   const std::optional<Restoring::State> state =
       options_.goes_on ? restoring_.NewestWithoutLost() : restoring_.Newest();
-  if (!state) return false;
-  // Whoever is there has answered by then.
-  const TimeUs enough_us = !state->is_certain     ? std::max(kGiveUpUs, options_.lost_after_us)
-                           : !state->lost.empty() ? std::max(kHearAllUs, options_.lost_after_us)
-                           : options_.goes_on     ? kHearAllUs
-                                                  : 0;
-  if (peers_.AwaitedUs(now.monotonic_us) < enough_us) return false;
-  tick_ = state->tick;
-  if (tick_ > 0) {
-    referee_.Restore(tick_us(tick_ - 1), state->task_status, state->verdict);
-    phase_ = Phase::kRunning;
+  if (!state || attendance_.peers().AwaitedUs(now.monotonic_us) <
+                    ListenUs(*state, options_.goes_on, options_.lost_after_us)) {
+    return false;
+  }
+  if (state->tick > 0) {
+    referee_.Restore(clock_.TimeOf(state->tick - 1), state->task_status, state->verdict);
+    clock_.Restore(state->tick, state->applied_decision, state->next_decision, now.monotonic_us);
     set_state(ProcessState::kRunning);
-    required_decision_ = state->applied_decision;
-    if (state->next_decision && *state->next_decision < DecisionAt(tick_)) {
-      passed_over_ = DecisionAt(tick_);
-    }
-    if (options_.rate > 0) {
-      started_us_ = now.monotonic_us - ToUs(ToSeconds(tick_us(tick_)) / options_.rate);
-    }
   }
   for (const AgentKind kind : kAgentKinds) {
-    auto& owners = owners_[static_cast<int>(kind)];
-    for (std::size_t id = 0; id < owners.size(); ++id) {
-      owners[id] = restoring_.OwnerOf(kind, static_cast<std::int32_t>(id));
+    for (std::size_t i = 0; i < agents_[kind].size(); ++i) {
+      const auto id = static_cast<std::int32_t>(i);
+      attendance_.SetOwner(kind, id, restoring_.OwnerOf(kind, id));
     }
   }
   Begin(now);
@@ -220,76 +167,46 @@ bool WorldProcess::RestoreState(const Now& now) {
 
 void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
   const AgentKind kind = lost.agent.kind;
-  const auto k = static_cast<std::size_t>(kind);
-  const auto id = static_cast<std::size_t>(lost.agent.id);
-  const std::string& owner = owners_[k][id];
+  const std::string& owner = attendance_.OwnerOf(kind, lost.agent.id);
   if (!lost.returns) {
-    agents_.of(kind)[id] = lost.agent;
-    missing_ -= heard_[k][id] == Heard::kNot;
-    heard_[k][id] = Heard::kNotAwaited;
+    agents_.at(kind, lost.agent.id) = lost.agent;
+    attendance_.Excuse(kind, lost.agent.id);
   }
-  using Presence = Peers::Presence;
-  peers_.set_presence(owner,
-                      lost.returns || peers_.heard(owner) ? Presence::kReturning : Presence::kLost);
+  Peers& peers = attendance_.peers();
+  peers.set_presence(owner,
+                     lost.returns || peers.heard(owner) ? Presence::kReturning : Presence::kLost);
   referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LostDetail(owner)});
 }
 
 void WorldProcess::PublishClock(const Now& now) {
-  clock_t clock{};
-  clock.tick = tick_;
-  clock.tick_us = tick_us(tick_);
-  clock.limit_us = scenario_.rules.limit_us;
-  clock.decision = DecisionAt(tick_);
-  clock.required_decision = required_decision_;
-  clock.phase = NumberOf(phase_);
-  set_sim_us(clock.tick_us);
-  clock_packet_ = sender().Send(channel::kClock, clock, clock.tick_us, now);
+  set_sim_us(clock_.sim_us());
+  clock_packet_ = sender().Send(channel::kClock, clock_.ToWire(), clock_.sim_us(), now);
 }
 
 void WorldProcess::Judge(const Now& now) {
-  const TimeUs t = tick_us(tick_);
-  for (const AgentKind kind : kAgentKinds) {
-    const int k = static_cast<int>(kind);
-    judged_reports_[k] = std::exchange(reports_[k], {});
+  const TimeUs t = clock_.sim_us();
+  for (const std::string& name : attendance_.TakeBack()) {
+    referee_.EndOutages(LostDetail(name), t);
+    SayOfProcess(Event::Kind::kProcessBack, name, now);
   }
-  TakeBack(now);
-  judged_tick_ = tick_;
-  judged_applied_ = required_decision_;
-  referee_.Judge(t, DecisionAt(tick_), &agents_);
+  referee_.Judge(t, clock_.decision(), &agents_);
+  handover_.Judge(clock_.tick(), t, clock_.required_decision());
   for (const AgentKind kind : kAgentKinds) {
-    const int k = static_cast<int>(kind);
-    unreported_[k].clear();
-    for (std::size_t id = 0; id < heard_[k].size(); ++id) {
-      if (heard_[k][id] == Heard::kYes) continue;
-      unreported_[k].push_back(ToWire(agents_.of(kind)[id], t, scenario_.tasks));
+    for (const AgentState& agent : agents_[kind]) {
+      if (attendance_.reported(kind, agent.id)) continue;
+      handover_.AddUnreported(kind, muster::ToWire(agent, t, scenario_.tasks));
     }
   }
-  world_state_t world{};
-  world.tick = tick_;
-  world.done = referee_.done();
-  world.n_tasks = static_cast<std::int32_t>(scenario_.tasks.size());
-  for (const TaskStatus status : referee_.task_status()) {
-    world.task_status.push_back(static_cast<std::int8_t>(status));
-  }
-  for (const Activity& activity : referee_.verdict().activities()) {
-    world.activities.push_back(ToWire(activity));
-  }
-  world.n_activities = static_cast<std::int32_t>(world.activities.size());
-  rulings_t rulings{};
-  rulings.tick = tick_;
-  for (const Ruling& ruling : referee_.verdict().rulings()) {
-    rulings.rulings.push_back(ToWire(ruling));
-  }
-  rulings.n = static_cast<std::int32_t>(rulings.rulings.size());
-  world_packet_ = sender().Send(channel::kWorld, std::move(world), t, now);
-  rulings_packet_ = sender().Send(channel::kRulings, std::move(rulings), t, now);
+  const std::int64_t tick = clock_.tick();
+  world_packet_ = sender().Send(channel::kWorld, WorldStateOf(referee_, tick), t, now);
+  rulings_packet_ = sender().Send(channel::kRulings, RulingsOf(referee_.verdict(), tick), t, now);
   PublishEvents(now);
 }
 
 void WorldProcess::PublishEvents(const Now& now) {
   for (const Event& event : referee_.TakeEvents()) {
     const bool applied = event.kind == Event::Kind::kFaultApplied;
-    if (!applied) sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+    if (!applied) sender().Send(channel::kEvent, ToWire(event), clock_.sim_us(), now);
     const bool failed = applied || event.kind == Event::Kind::kAgentFailed;
     if (!failed && event.kind != Event::Kind::kAgentBack) continue;
     const bool ordered =
@@ -300,117 +217,62 @@ void WorldProcess::PublishEvents(const Now& now) {
     confirmation.kind = NumberOf(failed ? EventKind::kFaultApplied : EventKind::kFaultEnded);
     confirmation.fault_id = event.detail;
     confirmation.detail = identity().name;
-    sender().Send(channel::kEvent, std::move(confirmation), tick_us(tick_), now);
+    sender().Send(channel::kEvent, std::move(confirmation), clock_.sim_us(), now);
   }
 }
 
 void WorldProcess::WaitFor(Wait wait, const Now& now) {
   wait_ = wait;
   repeat_.Start(now.monotonic_us);
-  peers_.AwaitFrom(now.monotonic_us);
+  attendance_.peers().AwaitFrom(now.monotonic_us);
   look_us_ = now.monotonic_us;
 }
 
-template <class Visit>
-void WorldProcess::ForEachAgentOf(const std::string& owner, Visit visit) {
-  for (const AgentKind kind : kAgentKinds) {
-    const auto& owners = owners_[static_cast<int>(kind)];
-    for (std::size_t id = 0; id < owners.size(); ++id) {
-      if (owners[id] == owner) visit(kind, id);
-    }
-  }
+void WorldProcess::StopWaiting() {
+  wait_ = Wait::kClock;
+  repeat_.Stop();
 }
 
 void WorldProcess::SayOfProcess(Event::Kind kind, const std::string& name, const Now& now) {
   Event event;
   event.kind = kind;
-  event.at_us = tick_us(tick_);
+  event.at_us = clock_.sim_us();
   event.detail = name;
-  sender().Send(channel::kEvent, ToWire(event), tick_us(tick_), now);
+  sender().Send(channel::kEvent, ToWire(event), clock_.sim_us(), now);
 }
 
 void WorldProcess::FindLost(const Now& now) {
-  if (!options_.goes_on || phase_ != Phase::kRunning || now.monotonic_us < look_us_) return;
+  if (!options_.goes_on || clock_.phase() != Phase::kRunning || now.monotonic_us < look_us_) return;
   look_us_ = now.monotonic_us + kLookUs;
+  Peers& peers = attendance_.peers();
   if (wait_ == Wait::kStates) {
-    std::set<std::string> owing;
-    for (const AgentKind kind : kAgentKinds) {
-      const auto k = static_cast<std::size_t>(kind);
-      for (std::size_t id = 0; id < heard_[k].size(); ++id) {
-        if (heard_[k][id] == Heard::kNot) owing.insert(owners_[k][id]);
-      }
-    }
-    for (const std::string& name : owing) {
-      if (peers_.Overdue(name, now.monotonic_us)) Lose(name, now);
+    for (const std::string& name : attendance_.Owing()) {
+      if (peers.Overdue(name, now.monotonic_us)) Lose(name, now);
     }
   }
-  if (wait_ == Wait::kSchedule && peers_.Overdue(scheduler_name_, now.monotonic_us)) {
-    if (peers_.presence(scheduler_name_) == Peers::Presence::kThere) {
-      SayOfProcess(Event::Kind::kProcessLost, scheduler_name_, now);
-    }
-    peers_.set_presence(scheduler_name_, Peers::Presence::kLost);
-    // This decision will not be in force: no clock names it.
-    wait_ = Wait::kClock;
-    repeat_.Stop();
+  if (wait_ == Wait::kSchedule && peers.Overdue(scheduler_name_, now.monotonic_us)) {
+    Lose(scheduler_name_, now);
+    StopWaiting();  // This decision will not be in force: no clock names it.
   }
 }
 
 void WorldProcess::Lose(const std::string& name, const Now& now) {
-  const bool is_new = peers_.presence(name) == Peers::Presence::kThere;
-  peers_.set_presence(name, Peers::Presence::kLost);
-  if (is_new) SayOfProcess(Event::Kind::kProcessLost, name, now);
-  ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
-    Heard& heard = heard_[static_cast<int>(kind)][id];
-    if (heard == Heard::kNot) {
-      --missing_;
-      heard = Heard::kNotAwaited;
-    }
-    // Nobody knows what became of it since it was heard.
-    if (is_new) {
-      referee_.Add(
-          {kind, static_cast<std::int32_t>(id), tick_us(tick_ - 1) + 1, kNever, LostDetail(name)});
-    }
+  if (!attendance_.Lose(name)) return;
+  SayOfProcess(Event::Kind::kProcessLost, name, now);
+  // Nobody knows what became of its agents since they were heard.
+  attendance_.ForEachAgentOf(name, [&](AgentKind kind, std::int32_t id) {
+    referee_.Add({kind, id, clock_.TimeOf(clock_.tick() - 1) + 1, kNever, LostDetail(name)});
   });
 }
 
-void WorldProcess::TakeBack(const Now& now) {
-  for (const std::string& name : peers_.NamesOf(Peers::Presence::kReturning)) {
-    if (name == scheduler_name_) continue;
-    bool complete = true;
-    ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
-      complete &= heard_[static_cast<int>(kind)][id] == Heard::kYes;
-    });
-    if (!complete) continue;
-    peers_.set_presence(name, Peers::Presence::kThere);
-    referee_.EndOutages(LostDetail(name), tick_us(tick_));
-    SayOfProcess(Event::Kind::kProcessBack, name, now);
-  }
-}
-
-std::vector<std::vector<std::uint8_t>> WorldProcess::StatesOfLost(AgentKind kind,
-                                                                  const Now& now) const {
-  std::vector<std::vector<std::uint8_t>> messages;
-  if (judged_tick_ < 0) return messages;
-  for (agent_states_t& states :
-       StatesMessages(kind, judged_tick_, judged_applied_, unreported_[static_cast<int>(kind)])) {
-    states.header.run_id = identity().run_id;
-    states.header.sender = identity().name;
-    states.header.boot_id = identity().boot_id;
-    states.header.sim_us = tick_us(judged_tick_);
-    states.header.wall_us = now.wall_us;
-    messages.push_back(Encode(states));
-  }
-  return messages;
-}
-
 void WorldProcess::Begin(const Now& now) {
-  if (phase_ == Phase::kReady) set_state(ProcessState::kReady);
+  if (clock_.phase() == Phase::kReady) set_state(ProcessState::kReady);
   PublishClock(now);
   WaitFor(Wait::kStates, now);
 }
 
 void WorldProcess::OnStep(const Now& now) {
-  peers_.NoteAwake(now.monotonic_us);
+  attendance_.peers().NoteAwake(now.monotonic_us);
   if (!scenario_packet_) {
     scenario_t scenario{};
     scenario.sha256 = Sha256(json_);
@@ -428,81 +290,57 @@ void WorldProcess::OnStep(const Now& now) {
     if (!RestoreState(now)) return AskForState(now);
   }
   FindLost(now);
-  // Each turn of the loop is one step of the lockstep that needs no further input.
-  while (true) {
-    if (wait_ == Wait::kStates && StatesComplete() && recorder_ready_) {
-      if (phase_ == Phase::kReady) {
-        phase_ = Phase::kRunning;
-        started_us_ = now.monotonic_us;
-        set_state(ProcessState::kRunning);
-        PublishClock(now);
-      }
-      Judge(now);
-      if (DecisionAt(tick_) > passed_over_) {
-        WaitFor(Wait::kSchedule, now);
-        return;
-      }
-      wait_ = Wait::kClock;
-      repeat_.Stop();
-      continue;
-    }
-    if (wait_ == Wait::kClock) {
-      PublishEvents(now);  // of the decision just taken
-      if (tick_ == last_tick_) {
-        wait_ = Wait::kLog;
-        continue;
-      }
-      if (now.monotonic_us < OwnWakeUs()) return;
-      StartTick(now);
-    }
-    if (wait_ == Wait::kLog) {
-      if (options_.recorded && !sender().drained()) return;
-      phase_ = Phase::kEnded;
-      set_state(ProcessState::kEnded);
+  GoOn(now);
+}
+
+void WorldProcess::GoOn(const Now& now) {
+  if (wait_ == Wait::kStates && attendance_.complete() && recorder_ready_) {
+    if (clock_.phase() == Phase::kReady) {
+      clock_.Start(now.monotonic_us);
+      set_state(ProcessState::kRunning);
       PublishClock(now);
-      WaitFor(Wait::kNothing, now);
+    }
+    Judge(now);
+    if (clock_.awaits_decision()) return WaitFor(Wait::kSchedule, now);
+    StopWaiting();
+  }
+  if (wait_ == Wait::kClock) {
+    PublishEvents(now);  // of the decision just taken
+    if (!clock_.is_last()) {
+      if (now.monotonic_us >= clock_.NextTickUs()) StartTick(now);
       return;
     }
-    break;
+    wait_ = Wait::kLog;
+  }
+  if (wait_ == Wait::kLog) {
+    if (options_.recorded && !sender().drained()) return;
+    clock_.End();
+    set_state(ProcessState::kEnded);
+    PublishClock(now);
+    return WaitFor(Wait::kNothing, now);
   }
   if (repeat_.Fire(now.monotonic_us)) Repeat();
 }
 
 void WorldProcess::StartTick(const Now& now) {
-  ++tick_;
-  missing_ = 0;
-  for (const AgentKind kind : kAgentKinds) {
-    auto& heard = heard_[static_cast<int>(kind)];
-    std::fill(heard.begin(), heard.end(), Heard::kNot);
-    missing_ += heard.size();
-  }
-  for (const std::string& name : peers_.NamesOf(Peers::Presence::kLost)) {
-    ForEachAgentOf(name, [&](AgentKind kind, std::size_t id) {
-      heard_[static_cast<int>(kind)][id] = Heard::kNotAwaited;
-      --missing_;
-    });
-  }
+  clock_.Advance();
+  attendance_.StartTick();
   PublishClock(now);
   WaitFor(Wait::kStates, now);
 }
 
 void WorldProcess::Repeat() {
-  if (phase_ == Phase::kEnded) {
-    sender().Resend(clock_packet_);
-    return;
+  if (!ended()) {
+    if (clock_.phase() == Phase::kReady) sender().Resend(scenario_packet_);
+    if (schedule_packet_ && wait_ == Wait::kStates) sender().Resend(schedule_packet_);
+    if (world_packet_) sender().Resend(world_packet_);
+    if (rulings_packet_) sender().Resend(rulings_packet_);
   }
-  if (phase_ == Phase::kReady) sender().Resend(scenario_packet_);
-  if (schedule_packet_ && wait_ == Wait::kStates) sender().Resend(schedule_packet_);
-  if (world_packet_) sender().Resend(world_packet_);
-  if (rulings_packet_) sender().Resend(rulings_packet_);
   sender().Resend(clock_packet_);
 }
 
 TimeUs WorldProcess::OwnWakeUs() const {
-  if (wait_ == Wait::kClock && options_.rate > 0) {
-    return started_us_ + ToUs(ToSeconds(tick_us(tick_ + 1)) / options_.rate);
-  }
-  return wait_ == Wait::kClock ? 0 : repeat_.due_us();
+  return wait_ == Wait::kClock ? clock_.NextTickUs() : repeat_.due_us();
 }
 
 }  // namespace muster::world

@@ -31,8 +31,7 @@ Agents StartAgents(const Scenario& scenario) {
   Agents agents;
   for (const AgentKind kind : kAgentKinds) {
     for (std::size_t i = 0; i < scenario.agents(kind).size(); ++i) {
-      agents.of(kind).push_back(
-          StartOf(kind, static_cast<std::int32_t>(i), scenario.agents(kind)[i]));
+      agents[kind].push_back(StartOf(kind, static_cast<std::int32_t>(i), scenario.agents(kind)[i]));
     }
   }
   return agents;
@@ -48,7 +47,7 @@ class Mission {
   void Judge(TimeUs t, std::int32_t decision = -1) {
     if (previous_us_ >= 0) {
       for (const AgentKind kind : kAgentKinds) {
-        for (AgentState& agent : agents_.of(kind)) {
+        for (AgentState& agent : agents_[kind]) {
           Settle(&agent, referee_.verdict(), previous_us_, scenario_.tasks);
         }
       }
@@ -311,7 +310,7 @@ TEST(Referee, ARestartDoesNotReviveWhatAFailureAborted) {
   restarted.Restore(60 * kSecondUs, mission.referee().task_status(), mission.referee().verdict());
   Agents agents = mission.agents();
   for (const AgentKind kind : kAgentKinds) {
-    for (AgentState& agent : agents.of(kind)) {
+    for (AgentState& agent : agents[kind]) {
       Settle(&agent, mission.referee().verdict(), 60 * kSecondUs, scenario.tasks);
     }
   }

@@ -304,5 +304,18 @@ TEST_F(RestoringTest, KnowsTheLastTick) {
   EXPECT_EQ(restoring_.Newest()->tick, 9);
 }
 
+TEST(ListenUs, IsLongerTheMoreMayStillBeSaid) {
+  Restoring::State state;
+  EXPECT_EQ(ListenUs(state, false, kSecondUs), 0);
+  const TimeUs heard_all_us = ListenUs(state, true, kSecondUs);
+  EXPECT_GT(heard_all_us, 0);
+  state.lost.emplace_back();
+  EXPECT_EQ(ListenUs(state, true, kSecondUs / 10), heard_all_us);
+  EXPECT_EQ(ListenUs(state, true, kSecondUs), kSecondUs);
+  state.is_certain = false;
+  EXPECT_GT(ListenUs(state, true, kSecondUs), kSecondUs);
+  EXPECT_EQ(ListenUs(state, true, kMinuteUs), kMinuteUs);
+}
+
 }  // namespace
 }  // namespace muster::world

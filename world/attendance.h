@@ -1,0 +1,83 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "model/scenario.h"
+#include "world/peers.h"
+
+namespace muster::world {
+
+/// Who takes part: which process reports which agent, whom the present tick awaits, who is lost and
+/// who returns.
+class Attendance {
+ public:
+  Attendance(const Scenario& scenario, Peers peers);
+
+  Peers& peers() { return peers_; }
+  const Peers& peers() const { return peers_; }
+
+  /// `process` has reported that agent for this tick. False: it was known, or the agent is awaited
+  /// only from the next tick on. Throws InputError when another process reports the agent, too.
+  [[nodiscard]] bool Report(AgentKind kind, std::int32_t id, const std::string& process);
+  /// Nobody is awaited any more.
+  bool complete() const { return missing_ == 0; }
+  bool reported(AgentKind kind, std::int32_t id) const {
+    return SeatOf(kind, id).heard == Heard::kYes;
+  }
+  /// Begins the next tick: awaits every agent but those of lost processes.
+  void StartTick();
+  /// The processes whose agents are awaited.
+  std::set<std::string> Owing() const;
+
+  /// Goes on without that process: its agents are not awaited. True: until now it was there.
+  bool Lose(const std::string& process);
+  /// The returning processes all of whose agents have been reported for this tick. They are back.
+  std::vector<std::string> TakeBack();
+
+  /// "": not known yet.
+  const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
+    return SeatOf(kind, id).owner;
+  }
+  void SetOwner(AgentKind kind, std::int32_t id, std::string process) {
+    SeatOf(kind, id).owner = std::move(process);
+  }
+  /// That agent is not awaited in this tick.
+  void Excuse(AgentKind kind, std::int32_t id);
+  /// Calls visit(kind, id) for each agent of that process.
+  template <class Visit>
+  void ForEachAgentOf(const std::string& process, Visit visit) const {
+    for (const AgentKind kind : kAgentKinds) {
+      for (std::size_t id = 0; id < seats_[kind].size(); ++id) {
+        if (seats_[kind][id].owner == process) visit(kind, static_cast<std::int32_t>(id));
+      }
+    }
+  }
+
+  /// The end of that process is awaited at the mission's end.
+  void Join(const std::string& process) { members_.insert(process); }
+  void Leave(const std::string& process) { members_.erase(process); }
+  /// All who joined have left.
+  bool deserted() const { return members_.empty(); }
+
+ private:
+  enum class Heard : char { kNot, kYes, kNotAwaited };
+  struct Seat {
+    std::string owner;
+    Heard heard = Heard::kNot;  ///< for this tick
+  };
+  Seat& SeatOf(AgentKind kind, std::int32_t id) {
+    return seats_[kind][static_cast<std::size_t>(id)];
+  }
+  const Seat& SeatOf(AgentKind kind, std::int32_t id) const {
+    return seats_[kind][static_cast<std::size_t>(id)];
+  }
+
+  PerKind<std::vector<Seat>> seats_;  ///< [n_agents]
+  std::size_t missing_ = 0;
+  Peers peers_;
+  std::set<std::string> members_;
+};
+
+}  // namespace muster::world

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lcmtypes/bus/bus.h"
+#include "model/scenario.h"
+#include "protocol/convert.h"
+#include "protocol/sender.h"
+
+namespace muster::world {
+
+/// The states that the newest verdict rests on. An agent process that starts again goes on from
+/// them; it needs only that verdict and what follows, and the world repeats those.
+class Handover {
+ public:
+  /// A report for the tick under way.
+  void Add(AgentKind kind, const Packet& packet) { reports_[kind].push_back(packet); }
+  /// The tick under way is judged; `applied` is the decision in force. What was added is its.
+  void Judge(std::int64_t tick, TimeUs sim_us, std::int32_t applied);
+  /// An agent that nobody has reported for it, as the verdict leaves it.
+  void AddUnreported(AgentKind kind, agent_t agent) {
+    unreported_[kind].push_back(std::move(agent));
+  }
+
+  std::int64_t tick() const { return tick_; }  ///< -1: none is judged
+  /// Messages agent_states_t; those of unreported agents are the world's own.
+  std::vector<std::vector<std::uint8_t>> StatesOf(AgentKind kind, const Identity& world,
+                                                  const Now& now) const;
+
+ private:
+  std::int64_t tick_ = -1;
+  TimeUs sim_us_ = 0;  ///< of that tick
+  std::int32_t applied_ = -1;
+  PerKind<std::vector<Packet>> reports_, judged_;
+  PerKind<std::vector<agent_t>> unreported_;
+};
+
+}  // namespace muster::world
