@@ -22,9 +22,9 @@ void AddPaperOptions(Options* options) {
       .List()
       .OneOf({"strict", "overrun"})
       .Default("strict,overrun");
-  options->Add("data", "DIR", "Folder with the tables of imported places (docs/import.md)")
-      .Default("../shared/data");
-  options->Add("paper", "FILE", "The paper's own figures").Default("../shared/paper/results.csv");
+  options->Add("data", "DIR",
+               "Folder with the tables of imported places (docs/import.md); without it drawn "
+               "places only");
   options->Flag("list-jobs",
                 "Print the runs as commands, one a line, for GNU parallel or a Slurm array");
   options->Add("merge", "DIR...", "Put the rows of such jobs' folders together").List();
@@ -44,8 +44,7 @@ int PaperCommand(const Arguments& arguments) {
   arguments.Read("seeds", &options.filter.seeds);
   options.filter.first_seed = arguments.Get<std::uint64_t>("first-seed");
   options.jobs = arguments.Get<int>("jobs");
-  options.data = arguments.Get("data");
-  options.published = arguments.Get("paper");
+  arguments.Read("data", &options.data);
   options.quiet = arguments.Has("quiet");
   if (!arguments.Has("out")) {
     throw InputError("command line", "--out", "nothing", "a folder for rows, tables and page");

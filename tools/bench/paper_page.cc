@@ -135,18 +135,9 @@ std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plo
 
 }  // namespace
 
-std::vector<std::string> WritePaperPage(const PaperRows& rows, const std::string& published_file,
-                                        const std::string& markdown_file,
-                                        const std::string& html_file) {
-  std::vector<std::string> notes;
-  PublishedFigures published;
-  if (std::filesystem::exists(published_file)) {
-    published = PublishedFigures(published_file);
-  } else {
-    notes.push_back(fmt::format("{}: not there (see --paper): tables without the paper's figures",
-                                published_file));
-  }
-  const std::vector<PaperTable> tables = MakePaperTables(rows, published);
+std::string WritePaperPage(const PaperRows& rows, const std::string& markdown_file,
+                           const std::string& html_file) {
+  const std::vector<PaperTable> tables = MakePaperTables(rows, PublishedFigures::OfThePaper());
   std::set<std::string> builds;
   std::set<std::uint64_t> seeds;
   for (const auto& [run, row] : rows) {
@@ -166,11 +157,6 @@ std::vector<std::string> WritePaperPage(const PaperRows& rows, const std::string
     }
   }
   const std::vector<std::string> svgs = Draw(plots);
-  if (svgs.size() < plots.size()) {
-    notes.emplace_back(
-        "gnuplot: not there or without its SVG terminal: the page lacks plots "
-        "(Debian: gnuplot-nox)");
-  }
   std::string page = fmt::format(
       "<!doctype html><meta charset=utf-8><title>The paper's experiments</title><style>{}</style>"
       "<h1>The paper's experiments</h1><p>{} Plots: bars are one standard deviation over the "
@@ -186,7 +172,10 @@ std::vector<std::string> WritePaperPage(const PaperRows& rows, const std::string
     page += HtmlTable(tables[t]);
   }
   WriteFile(html_file, page);
-  return notes;
+  return svgs.size() < plots.size()
+             ? "gnuplot: not there or without its SVG terminal: the page lacks plots "
+               "(Debian: gnuplot-nox)"
+             : "";
 }
 
 }  // namespace muster::tools

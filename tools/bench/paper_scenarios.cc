@@ -60,7 +60,7 @@ GeneratorSettings Table6(const std::string& setting) {
   return settings;
 }
 
-/// DESIGN's readings of the paper's section 5.3.4.
+/// Readings of the paper's section 5.3.4 (docs/paper-results.md).
 Disturbances DisturbancesOf(const std::string& name) {
   Disturbances d;
   if (name == "wind") d.wind = {0.1, 0.4};
@@ -74,10 +74,18 @@ Disturbances DisturbancesOf(const std::string& name) {
 
 bool MovesByCells(std::string_view policy) { return policy.starts_with("greedy-"); }
 
-bool PaperScenarios::HasImports() const {
-  return std::all_of(std::begin(kImported), std::end(kImported), [&](const Imported& row) {
-    return std::filesystem::exists(std::filesystem::path(data_folder_) / row.file);
-  });
+PaperScenarios::PaperScenarios(std::string data_folder) : data_folder_(std::move(data_folder)) {
+  if (!HasImports()) return;
+  for (const Imported& row : kImported) {
+    if (std::filesystem::exists(std::filesystem::path(data_folder_) / row.file)) continue;
+    throw InputError("options", "--data", data_folder_, fmt::format("a folder with {}", row.file));
+  }
+}
+
+std::vector<std::string> PaperScenarios::ImportedSettings() {
+  std::vector<std::string> names;
+  for (const Imported& row : kImported) names.emplace_back(row.name);
+  return names;
 }
 
 const PaperScenarios::Places& PaperScenarios::Load(const std::string& file) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tools/bench/paper_plan.h"
 #include "tools/scenario/table.h"
@@ -16,10 +17,12 @@ bool MovesByCells(std::string_view policy);
 /// tables of a data folder, each read once.
 class PaperScenarios {
  public:
-  explicit PaperScenarios(std::string data_folder) : data_folder_(std::move(data_folder)) {}
+  /// "": no imported places. Throws InputError when the folder lacks a table.
+  explicit PaperScenarios(std::string data_folder);
 
-  /// Whether the tables of all imported places are there.
-  bool HasImports() const;
+  bool HasImports() const { return !data_folder_.empty(); }
+  /// Settings on imported places.
+  static std::vector<std::string> ImportedSettings();
 
   /// Reads what Make(run) needs, so that processes forked later share it. Throws InputError,
   /// SystemError.

@@ -35,9 +35,9 @@ void CheckSame(const std::string& file, const PaperRun& run, const char* what,
 
 void WriteResults(const PaperOptions& options, const PaperRows& rows) {
   WriteFile(FileIn(options.out, kRows), PaperCsv(rows));
-  const auto notes = WritePaperPage(rows, options.published, FileIn(options.out, "results.md"),
-                                    FileIn(options.out, "results.html"));
-  for (const std::string& note : notes) fmt::print(stderr, "{}\n", note);
+  const auto note =
+      WritePaperPage(rows, FileIn(options.out, "results.md"), FileIn(options.out, "results.html"));
+  if (!note.empty()) fmt::print(stderr, "{}\n", note);
 }
 
 /// Rows, each on disk before the next is taken.
@@ -63,18 +63,106 @@ class Journal {
   std::FILE* file_ = nullptr;
 };
 
+/// What of the suite can be flown here; says what not.
+std::vector<PaperRun> PlanOf(const PaperOptions& options, const PaperScenarios& scenarios) {
+  PaperFilter filter = options.filter;
+  filter.with_imports = scenarios.HasImports();
+  if (!filter.with_imports) {
+    fmt::print(stderr, "without --data: drawn places only, not {}\n",
+               fmt::join(PaperScenarios::ImportedSettings(), ", "));
+  }
+  const std::vector<PaperRun> plan = PlanRuns(filter);
+  if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
+  return plan;
+}
+
+/// The rows that `file` has from before. Throws InputError where they are not of this build and
+/// these places.
+PaperRows RowsOf(const std::string& file, const std::string& build,
+                 const std::set<std::string>& settings, PaperScenarios* scenarios) {
+  PaperRows rows = ReadPaperCsv(file);
+  for (const auto& [run, row] : rows) {
+    CheckSame(file, run, "build", row.build, build);
+    if (settings.contains(run.what.setting)) {
+      CheckSame(file, run, "places", row.places, scenarios->PlacesOf(run.what.setting));
+    }
+  }
+  return rows;
+}
+
+/// All policies on one mission: making a scenario from a table of places takes longer than most of
+/// the missions.
+using PaperJob = std::vector<PaperRun>;
+
+/// The runs of `plan` that have no row yet.
+std::vector<PaperJob> JobsOf(const std::vector<PaperRun>& plan, const PaperRows& rows) {
+  std::vector<PaperJob> jobs;
+  for (const PaperRun& run : plan) {
+    if (rows.contains(run)) continue;
+    if (jobs.empty() || jobs.back()[0].what != run.what || jobs.back()[0].seed != run.seed) {
+      jobs.emplace_back();
+    }
+    jobs.back().push_back(run);
+  }
+  return jobs;
+}
+
+/// How many of the runs have ended, on stderr.
+class SuiteProgress {
+ public:
+  SuiteProgress(std::size_t runs, bool quiet)
+      : style_(StyleFor(stderr, quiet)), progress_(stderr, style_), runs_(runs) {}
+
+  void Ended(const PaperJob& job) {
+    ended_ += job.size();
+    const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
+                          std::chrono::steady_clock::now() - start_)
+                          .count();
+    // Hours of lines in a file are to be read, too.
+    const TimeUs rarely_us = style_ == ProgressPrinter::Style::kLines ? 30 * kSecondUs : 0;
+    if (!progress_.due(took) || (took - shown_us_ < rarely_us && ended_ < runs_)) return;
+    shown_us_ = took;
+    const double all =
+        static_cast<double>(took) * static_cast<double>(runs_) / static_cast<double>(ended_);
+    progress_.Show(fmt::format("{} of {} runs, {} gone, about {} left", ended_, runs_,
+                               ClockText(took), ClockText(static_cast<TimeUs>(all) - took)),
+                   took);
+  }
+  void Failed(const PaperJob& job, const std::string& why) {
+    Break();
+    fmt::print(stderr, "{} and what else is left of that mission: {}\n", NameOf(job[0]), why);
+    Ended(job);
+  }
+  void Break() { progress_.Break(); }
+
+ private:
+  const ProgressPrinter::Style style_;
+  ProgressPrinter progress_;
+  const std::size_t runs_;
+  std::size_t ended_ = 0;
+  TimeUs shown_us_ = 0;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The rows of one job.
+std::string Fly(const PaperJob& job, const std::string& build, PaperScenarios* scenarios) {
+  Scenario scenario = scenarios->Make(job[0]);
+  std::string lines;
+  for (const PaperRun& run : job) {
+    scenario.rules.start_on_meeting = MovesByCells(run.policy);
+    PaperRow row = FlyPaperRun(run, scenario);
+    row.build = build;
+    row.places = scenarios->PlacesOf(run.what.setting);
+    lines += PaperCsvLine(run, row);
+  }
+  return lines;
+}
+
 }  // namespace
 
 bool RunPaperSuite(const PaperOptions& options) {
   PaperScenarios scenarios(options.data);
-  PaperFilter filter = options.filter;
-  filter.with_imports = scenarios.HasImports();
-  if (!filter.with_imports) {
-    fmt::print(stderr, "{}: without the tables of places (see --data): drawn places only\n",
-               options.data);
-  }
-  const std::vector<PaperRun> plan = PlanRuns(filter);
-  if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
+  const std::vector<PaperRun> plan = PlanOf(options, scenarios);
   std::set<std::string> settings;
   for (const PaperRun& run : plan) settings.insert(run.what.setting);
   for (const std::string& setting : settings) scenarios.Prepare(setting);
@@ -82,81 +170,31 @@ bool RunPaperSuite(const PaperOptions& options) {
   std::filesystem::create_directories(options.out);
   const std::string file = FileIn(options.out, kRows);
   const std::string build = BuildName();
-  PaperRows rows = ReadPaperCsv(file);
-  for (const auto& [run, row] : rows) {
-    CheckSame(file, run, "build", row.build, build);
-    if (settings.count(run.what.setting) > 0) {
-      CheckSame(file, run, "places", row.places, scenarios.PlacesOf(run.what.setting));
-    }
-  }
-  // One job flies all policies on one mission: making a scenario from a table of places takes
-  // longer than most of the missions.
-  std::vector<std::vector<PaperRun>> jobs;
-  std::size_t left = 0;
-  for (const PaperRun& run : plan) {
-    if (rows.count(run) > 0) continue;
-    ++left;
-    if (jobs.empty() || jobs.back()[0].what != run.what || jobs.back()[0].seed != run.seed) {
-      jobs.emplace_back();
-    }
-    jobs.back().push_back(run);
-  }
+  const PaperRows before = RowsOf(file, build, settings, &scenarios);
+  const std::vector<PaperJob> jobs = JobsOf(plan, before);
+  std::size_t left = 0, failures = 0;
+  for (const PaperJob& job : jobs) left += job.size();
   if (left < plan.size() && !options.quiet) {
     fmt::print(stderr, "{}: {} of {} runs are done already\n", file, plan.size() - left,
                plan.size());
   }
-
-  std::size_t ended = 0, failures = 0;
   {
-    Journal journal(file, rows);
-    const ProgressPrinter::Style style = StyleFor(stderr, options.quiet);
-    ProgressPrinter progress(stderr, style);
-    // Hours of lines in a file are to be read, too.
-    const TimeUs rarely_us = style == ProgressPrinter::Style::kLines ? 30 * kSecondUs : 0;
-    TimeUs shown_us = 0;
-    const auto start = std::chrono::steady_clock::now();
-    const auto show = [&](std::size_t job) {
-      ended += jobs[job].size();
-      const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
-                            std::chrono::steady_clock::now() - start)
-                            .count();
-      if (!progress.due(took) || (took - shown_us < rarely_us && ended < left)) return;
-      shown_us = took;
-      const double all =
-          static_cast<double>(took) * static_cast<double>(left) / static_cast<double>(ended);
-      progress.Show(fmt::format("{} of {} runs, {} gone, about {} left", ended, left,
-                                ClockText(took), ClockText(static_cast<TimeUs>(all) - took)),
-                    took);
-    };
+    Journal journal(file, before);
+    SuiteProgress progress(left, options.quiet);
     RunInProcesses(
         jobs.size(), options.jobs,
-        [&](std::size_t job) {
-          Scenario scenario = scenarios.Make(jobs[job][0]);
-          std::string lines;
-          for (const PaperRun& run : jobs[job]) {
-            scenario.rules.start_on_meeting = MovesByCells(run.policy);
-            PaperRow row = FlyPaperRun(run, scenario);
-            row.build = build;
-            row.places = scenarios.PlacesOf(run.what.setting);
-            lines += PaperCsvLine(run, row);
-          }
-          return lines;
-        },
+        [&](std::size_t job) { return Fly(jobs[job], build, &scenarios); },
         [&](std::size_t job, const std::string& lines) {
           journal.Add(lines);
-          show(job);
+          progress.Ended(jobs[job]);
         },
         [&](std::size_t job, const std::string& why) {
           failures += jobs[job].size();
-          progress.Break();
-          fmt::print(stderr, "{} and what else is left of that mission: {}\n", NameOf(jobs[job][0]),
-                     why);
-          show(job);
+          progress.Failed(jobs[job], why);
         });
     progress.Break();
   }
-  rows = ReadPaperCsv(file);
-  WriteResults(options, rows);
+  WriteResults(options, ReadPaperCsv(file));
   fmt::print("{} runs, {} failed; rows, tables and page: {}\n", plan.size(), failures, options.out);
   return failures == 0;
 }
@@ -173,9 +211,10 @@ void ListPaperJobs(const PaperOptions& options, const std::string& program) {
   for (const auto& [setting, policy] : jobs) {
     fmt::print(
         "{} bench --suite paper --instances {} --methods {} --availability {} --first-seed {} "
-        "--seeds {} --data {} --jobs 1 --quiet --out {}\n",
+        "--seeds {}{} --jobs 1 --quiet --out {}\n",
         program, setting, policy, fmt::join(availability, ","), filter.first_seed, filter.seeds,
-        options.data, FileIn(options.out, fmt::format("{}.{}", setting, policy).c_str()));
+        options.data.empty() ? "" : " --data " + options.data,
+        FileIn(options.out, fmt::format("{}.{}", setting, policy).c_str()));
   }
 }
 

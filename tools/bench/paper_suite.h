@@ -9,10 +9,9 @@ namespace muster::tools {
 
 struct PaperOptions {
   PaperFilter filter;
-  std::string out;        ///< folder
-  int jobs = 1;           ///< missions at a time, each in a process of its own
-  std::string data;       ///< folder with the tables of places
-  std::string published;  ///< CSV of the paper's figures
+  std::string out;   ///< folder
+  int jobs = 1;      ///< missions at a time, each in a process of its own
+  std::string data;  ///< folder with the tables of places; "": drawn places only
   bool quiet = false;
 };
 

@@ -11,6 +11,9 @@
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
+
+extern const std::string_view kPublishedCsv;  // made by CMake of published.csv
+
 namespace {
 
 /// The paper's methods and our readings of them. The learned methods have no reading here.
@@ -133,8 +136,10 @@ std::string Differences(const PaperRows& rows) {
 
 }  // namespace
 
-PublishedFigures::PublishedFigures(const std::string& file) {
-  const Table table = ReadTable(file);
+PublishedFigures PublishedFigures::OfThePaper() { return {kPublishedCsv, "published.csv"}; }
+
+PublishedFigures::PublishedFigures(std::string_view csv, const std::string& file) {
+  const Table table = ParseCsv(csv, file);
   const std::size_t section = table.Column("table_or_section"),
                     setting = table.Column("dataset_or_setting"),
                     algorithm = table.Column("algorithm"), metric = table.Column("metric"),

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -11,13 +12,14 @@
 
 namespace muster::tools {
 
-/// The paper's own figures (columns table_or_section, dataset_or_setting, algorithm, metric,
-/// value).
+/// What a paper says of its methods: CSV with the columns table_or_section, dataset_or_setting,
+/// algorithm, metric, value.
 class PublishedFigures {
  public:
-  PublishedFigures() = default;
-  /// Throws InputError, SystemError.
-  explicit PublishedFigures(const std::string& file);
+  /// Throws InputError, which names `file`.
+  PublishedFigures(std::string_view csv, const std::string& file);
+  /// The paper's own (published.csv).
+  static PublishedFigures OfThePaper();
 
   struct Figure {
     std::optional<double> completion;  ///< 0 to 1

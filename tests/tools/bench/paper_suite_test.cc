@@ -35,8 +35,6 @@ class PaperSuite : public ::testing::Test {
     options.filter.seeds = 2;
     options.out = (folder_ / out).string();
     options.jobs = jobs;
-    options.data = (folder_ / "no data").string();
-    options.published = (folder_ / "no figures.csv").string();
     options.quiet = true;
     return options;
   }
@@ -127,19 +125,32 @@ TEST_F(PaperSuite, JobsMergeToTheSameRows) {
   EXPECT_EQ(std::count(jobs.begin(), jobs.end(), '\n'), 2 * 3);
   EXPECT_NE(jobs.find("muster bench --suite paper --instances Random_10 --methods kwta "),
             std::string::npos);
+  EXPECT_EQ(jobs.find("--data"), std::string::npos);
 
   folders.push_back((folder_ / "empty").string());
   EXPECT_THROW(MergePaperRuns(Small("again"), folders), InputError);
 }
 
+TEST_F(PaperSuite, AFolderOfPlacesHasAllTheirTables) {
+  PaperOptions options = Small("data");
+  options.data = folder_.string();
+  EXPECT_THROW(RunPaperSuite(options), InputError);
+}
+
+TEST(PublishedFigures, AreThoseOfThePaper) {
+  const auto figure = PublishedFigures::OfThePaper().Of("Table 3", "Random_1", "mpq");
+  EXPECT_DOUBLE_EQ(figure.completion.value(), 0.7283);
+  EXPECT_DOUBLE_EQ(figure.decision_s.value(), 0.18);
+}
+
 TEST_F(PaperSuite, TablesHoldMeansErrorsAndThePapersFigures) {
-  const fs::path figures = folder_ / "figures.csv";
-  std::ofstream(figures) << "table_or_section,dataset_or_setting,algorithm,metric,value\n"
-                            "Table 3 (x),Random_1,HoCs-MPQ,task_completion_rate,0.7283\n"
-                            "Table 3 (x),Random_1,HoCs-MPQ,decision_time_s,0.18\n"
-                            "Sec 5.2.3 Fig 9,\"area scale: mean of Random_2(20x20)+Random_1(30x30)"
-                            "+Random_3(40x40); Interval 10min; LimitTime 3h\",HoCs-MPQ,"
-                            "task_completion_rate_pct,74.72\n";
+  const std::string figures =
+      "table_or_section,dataset_or_setting,algorithm,metric,value\n"
+      "Table 3 (x),Random_1,HoCs-MPQ,task_completion_rate,0.7283\n"
+      "Table 3 (x),Random_1,HoCs-MPQ,decision_time_s,0.18\n"
+      "Sec 5.2.3 Fig 9,\"area scale: mean of Random_2(20x20)+Random_1(30x30)"
+      "+Random_3(40x40); Interval 10min; LimitTime 3h\",HoCs-MPQ,"
+      "task_completion_rate_pct,74.72\n";
   PaperRows rows;
   const auto add = [&](const char* setting, const char* policy, std::uint64_t seed,
                        std::int64_t done) {
@@ -158,7 +169,8 @@ TEST_F(PaperSuite, TablesHoldMeansErrorsAndThePapersFigures) {
   add("Random_1", "horizon", 2, 69);
   add("Random_2", "mpq", 1, 90);
   add("Random_3", "mpq", 1, 30);
-  const std::vector<PaperTable> tables = MakePaperTables(rows, PublishedFigures(figures.string()));
+  const std::vector<PaperTable> tables =
+      MakePaperTables(rows, PublishedFigures(figures, "figures.csv"));
   const auto cell = [&](const std::string& title, const std::string& label) {
     for (const PaperTable& table : tables) {
       for (std::size_t l = 0; l < table.labels.size(); ++l) {
@@ -188,7 +200,7 @@ TEST_F(PaperSuite, TablesHoldMeansErrorsAndThePapersFigures) {
   EXPECT_TRUE(differences[0].below());
 
   const std::string page = (folder_ / "page.html").string();
-  WritePaperPage(rows, figures.string(), (folder_ / "page.md").string(), page);
+  WritePaperPage(rows, (folder_ / "page.md").string(), page);
   std::ifstream in(page);
   const std::string html(std::istreambuf_iterator<char>(in), {});
   EXPECT_NE(html.find("0.650 ± 0.050 (0.728)"), std::string::npos);
