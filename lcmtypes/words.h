@@ -61,6 +61,7 @@ enum class TaskStatus : std::int8_t {
 enum class RulingKind : std::int8_t {
   kFailed = 0,    ///< failed at at_us; holds as long as the ruling is listed
   kReleased = 1,  ///< its action ended at at_us without effect
+  kLost = 2,      ///< as kFailed, because its process is lost: it returns with that process
 };
 
 /// clock_t.phase
@@ -150,7 +151,8 @@ template <>
 inline constexpr std::array<std::string_view, 4> kNames<TaskStatus> = {"open", "reserved",
                                                                        "sensing", "done"};
 template <>
-inline constexpr std::array<std::string_view, 2> kNames<RulingKind> = {"failed", "released"};
+inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed", "released",
+                                                                       "lost"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>

@@ -1,6 +1,7 @@
 #include "model/agent.h"
 
 #include <algorithm>
+#include <functional>
 #include <tuple>
 
 #include "base/check.h"
@@ -147,7 +148,8 @@ Verdict::Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings)
     return std::tie(a.uav, a.start_us, a.kind) < std::tie(b.uav, b.start_us, b.kind);
   });
   std::sort(rulings_.begin(), rulings_.end(), [](const Ruling& a, const Ruling& b) {
-    return std::tie(a.agent_kind, a.agent, a.kind) < std::tie(b.agent_kind, b.agent, b.kind);
+    return std::tuple(a.agent_kind, a.agent, !a.fails()) <
+           std::tuple(b.agent_kind, b.agent, !b.fails());
   });
   for (const AgentKind kind : kAgentKinds) {
     auto& order = orders_[kind];
@@ -185,9 +187,9 @@ std::span<const Ruling> Verdict::rulings_of(AgentKind kind, std::int32_t id) con
 
 void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks) {
   const auto rulings = verdict.rulings_of(agent->kind, agent->id);
-  const auto is_failure = [](const Ruling& r) { return r.kind == Ruling::Kind::kFailed; };
   // The activity that its failure aborted is listed once more.
-  if (agent->failed && std::any_of(rulings.begin(), rulings.end(), is_failure)) return;
+  if (agent->failed && std::any_of(rulings.begin(), rulings.end(), std::mem_fn(&Ruling::fails)))
+    return;
   verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
     // What ended before a meeting began is over, though the agent may learn of both at once.
     // Its own activity may be of no length: a full UAV's charging.
@@ -204,7 +206,7 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
   });
   bool failed = false;
   for (const Ruling& ruling : rulings) {
-    if (is_failure(ruling)) {
+    if (ruling.fails()) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
     } else if (agent->action != ActionKind::kNone && ruling.at_us >= agent->depart_us) {

@@ -36,6 +36,7 @@ struct Ruling {
   Kind kind = Kind::kFailed;
   TimeUs at_us = 0;
 
+  bool fails() const { return kind != Kind::kReleased; }
   bool operator==(const Ruling&) const = default;
 };
 
@@ -105,7 +106,7 @@ class Verdict {
 
   /// In order of (UAV, start).
   const std::vector<Activity>& activities() const { return activities_; }
-  /// In order of (agent kind, agent, kind).
+  /// In order of (agent kind, agent, failures first).
   const std::vector<Ruling>& rulings() const { return rulings_; }
   /// Those of one agent; O(log n).
   std::span<const Ruling> rulings_of(AgentKind kind, std::int32_t id) const;

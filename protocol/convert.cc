@@ -1,5 +1,7 @@
 #include "protocol/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -193,6 +195,8 @@ ruling_t ToWire(const Ruling& ruling) {
   wire.at_us = ruling.at_us;
   return wire;
 }
+
+std::string LossDetail(std::string_view process) { return fmt::format("{} is lost", process); }
 
 std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits) {
   if (!IsWord<AgentKind>(wire.agent_kind) || !IsWord<RulingKind>(wire.kind)) return {};

@@ -61,6 +61,8 @@ activity_t ToWire(const Activity& activity);
 std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits);
 
 ruling_t ToWire(const Ruling& ruling);
+/// event_t.detail of an agent that has failed because that process is lost.
+std::string LossDetail(std::string_view process);
 std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits);
 
 action_t ToWire(const Action& action);

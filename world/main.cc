@@ -30,7 +30,7 @@ Outage ReadOutage(const std::string& text) {
       outage.agent = static_cast<std::int32_t>(*agent);
       outage.from_us = *from_us;
       outage.until_us = *until_us;
-      outage.detail = parts[4];
+      outage.reason = {FailureReason::Cause::kFault, parts[4]};
       return outage;
     }
   }

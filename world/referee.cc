@@ -6,9 +6,12 @@
 
 #include "base/check.h"
 #include "model/feasibility.h"
+#include "protocol/convert.h"
 
 namespace muster::world {
 namespace {
+
+using Cause = FailureReason::Cause;
 
 constexpr double kCellSide_m = 1000;
 
@@ -28,6 +31,20 @@ bool Matches(const AgentState& a, const AgentState& b) {
 
 }  // namespace
 
+std::string FailureReason::Text() const {
+  switch (cause) {
+    case Cause::kFault:
+      return by;
+    case Cause::kProcessLost:
+      return LossDetail(by);
+    case Cause::kOutOfRange:
+      return "out of range";
+    case Cause::kSudden:
+      return "sudden failure";
+  }
+  MUSTER_CHECK(false, "cause={}", static_cast<int>(cause));
+}
+
 Referee::Referee(const Scenario& scenario)
     : scenario_(scenario), task_status_(scenario.tasks.size(), TaskStatus::kOpen) {}
 
@@ -42,16 +59,14 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
   failed_.clear();
   for (const Ruling& ruling : verdict.rulings()) {
-    if (ruling.kind == Ruling::Kind::kFailed) {
-      failed_[{ruling.agent_kind, ruling.agent}] = ruling.at_us;
-    }
+    if (ruling.fails()) failed_[{ruling.agent_kind, ruling.agent}] = ruling;
   }
   activities_.clear();
   for (const Activity& activity : verdict.activities()) {
     // One that a failure aborted is listed once more.
     const auto aborted_by = [&](const AgentKey& agent) {
       const auto failed = failed_.find(agent);
-      return failed != failed_.end() && failed->second < activity.end_us;
+      return failed != failed_.end() && failed->second.at_us < activity.end_us;
     };
     const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
                             aborted_by({PartnerKind(activity.kind), activity.partner});
@@ -59,9 +74,9 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   }
 }
 
-void Referee::EndOutages(const std::string& detail, TimeUs t) {
+void Referee::EndOutages(const FailureReason& reason, TimeUs t) {
   for (Outage& outage : outages_) {
-    if (outage.detail == detail) outage.until_us = std::min(outage.until_us, t);
+    if (outage.reason == reason) outage.until_us = std::min(outage.until_us, t);
   }
 }
 
@@ -95,9 +110,7 @@ void Referee::UpdateVerdict() {
   std::vector<Activity> listed;
   for (const Known& known : activities_) listed.push_back(known.activity);
   std::vector<Ruling> rulings = released_;
-  for (const auto& [agent, at_us] : failed_) {
-    rulings.push_back({agent.first, agent.second, Ruling::Kind::kFailed, at_us});
-  }
+  for (const auto& [agent, ruling] : failed_) rulings.push_back(ruling);
   verdict_ = Verdict(std::move(listed), std::move(rulings));
 }
 
@@ -147,10 +160,10 @@ void Referee::Return(TimeUs t) {
     }
     // Whoever had failed for good before does not come back.
     const auto failed = failed_.find({outage.kind, outage.agent});
-    if (failed == failed_.end() || failed->second < outage.from_us) continue;
+    if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;
     failed_.erase(failed);
     Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
-         outage.detail);
+         outage.reason);
   }
   std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
 }
@@ -160,7 +173,7 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   for (const AgentState& uav : agents->uavs) {
     if (uav.failed || uav.action == ActionKind::kNone) continue;
     if (const auto dry = RunsDryAt(uav); dry && *dry <= t) {
-      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, {Cause::kOutOfRange}});
     }
   }
   for (const Known& known : activities_) {
@@ -168,15 +181,14 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     const AgentState& uav = agents->at(AgentKind::kUav, known.activity.uav.value);
     if (uav.failed) continue;
     if (const auto dry = RunsDryAt(uav, known.activity, scenario_.tasks); dry && *dry <= t) {
-      failures.push_back({*dry, {AgentKind::kUav, uav.id}, "out of range", true});
+      failures.push_back({*dry, {AgentKind::kUav, uav.id}, {Cause::kOutOfRange}});
     }
   }
   for (const Outage& outage : outages_) {
     if (outage.from_us > t) continue;
     failures.push_back({std::max(outage.from_us, previous_us_ + 1),
                         {outage.kind, outage.agent},
-                        outage.detail,
-                        false,
+                        outage.reason,
                         outage.from_us > previous_us_});
   }
   if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
@@ -184,7 +196,7 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
       for (const AgentState& agent : (*agents)[kind]) {
         if (agent.online(t) &&
             SuddenlyFails(kind, agent.id, decision, scenario_.disturbances, scenario_.seed)) {
-          failures.push_back({t, {kind, agent.id}, "sudden failure"});
+          failures.push_back({t, {kind, agent.id}, {Cause::kSudden}});
         }
       }
     }
@@ -197,28 +209,32 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     });
   };
   for (const Failure& failure : failures) {
-    if (!failure.dry || !released_before(failure)) Fail(failure, agents);
+    // A UAV that was released before has not run dry.
+    const bool dry = failure.reason.cause == Cause::kOutOfRange;
+    if (!dry || !released_before(failure)) Fail(failure, agents);
   }
 }
 
 bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
-  const TimeUs since_us = failed_.at(failure.agent);
+  const TimeUs since_us = failed_.at(failure.agent).at_us;
   return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
-    return AgentKey(other.kind, other.agent) == failure.agent && other.detail != failure.detail &&
+    return AgentKey(other.kind, other.agent) == failure.agent && other.reason != failure.reason &&
            other.from_us <= since_us;
   });
 }
 
 void Referee::Fail(const Failure& failure, Agents* agents) {
-  if (!failed_.emplace(failure.agent, failure.at_us).second) {
+  const auto [kind, id] = failure.agent;
+  const bool lost = failure.reason.cause == Cause::kProcessLost;
+  const Ruling ruling{kind, id, lost ? Ruling::Kind::kLost : Ruling::Kind::kFailed, failure.at_us};
+  if (!failed_.emplace(failure.agent, ruling).second) {
     // It fails no more than it has, but stays so when the other outage ends.
     if (failure.begins && IsOutBecauseOfAnother(failure)) {
-      Emit(Event::Kind::kFaultApplied, failure.at_us, failure.agent, failure.detail);
+      Emit(Event::Kind::kFaultApplied, failure.at_us, failure.agent, failure.reason);
     }
     return;
   }
-  Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.detail);
-  const auto [kind, id] = failure.agent;
+  Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.reason);
   const AgentState& agent = agents->at(kind, id);
   for (Known& known : activities_) {
     const Activity& activity = known.activity;
@@ -383,14 +399,18 @@ void Referee::Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std
   events_.push_back(event);
 }
 
-void Referee::Emit(Event::Kind kind, TimeUs at_us, AgentKey agent, std::string detail) {
+void Referee::Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
+                   const std::optional<FailureReason>& reason) {
   Event event;
   event.kind = kind;
   event.at_us = at_us;
   if (agent.first == AgentKind::kUav) event.uav = UavId(agent.second);
   if (agent.first == AgentKind::kWorker) event.worker = WorkerId(agent.second);
   if (agent.first == AgentKind::kVehicle) event.vehicle = VehicleId(agent.second);
-  event.detail = std::move(detail);
+  if (reason) {
+    event.detail = reason->Text();
+    if (reason->cause == Cause::kFault) event.by_fault = reason->by;
+  }
   events_.push_back(event);
 }
 

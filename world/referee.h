@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,15 +23,27 @@ struct Event {
   TaskId task;
   ChargeId charge;
   std::string detail;
+  std::string by_fault;  ///< of an agent that fails or is back: the fault's id; "": not by a fault
 };
 
-/// An agent failure from outside (fault injection, a lost process): holds in [from_us, until_us).
+/// Why an agent fails. Of two that come at the same time the first counts.
+struct FailureReason {
+  enum class Cause : std::int8_t { kFault, kProcessLost, kOutOfRange, kSudden };
+  Cause cause = Cause::kFault;
+  std::string by = {};  ///< the fault's id, the process's name
+
+  /// As an event tells it.
+  std::string Text() const;
+  auto operator<=>(const FailureReason&) const = default;
+};
+
+/// An agent failure from outside, by a fault or with a process: holds in [from_us, until_us).
 struct Outage {
   AgentKind kind = AgentKind::kUav;
   std::int32_t agent = -1;
   TimeUs from_us = 0;
   TimeUs until_us = kNever;
-  std::string detail;
+  FailureReason reason;
 };
 
 /// The states of all agents of a scenario; the index is the id.
@@ -56,8 +69,8 @@ class Referee {
   void Take(std::int32_t decision, const std::vector<Action>& actions);
 
   void Add(const Outage& outage) { outages_.push_back(outage); }
-  /// Those with that detail end at t.
-  void EndOutages(const std::string& detail, TimeUs t);
+  /// Those by that reason end at t.
+  void EndOutages(const FailureReason& reason, TimeUs t);
 
   /// Continues from an earlier verdict on time t, as a restarted world does: outages that were over
   /// by then are forgotten.
@@ -75,8 +88,7 @@ class Referee {
   struct Failure {
     TimeUs at_us = 0;
     AgentKey agent;
-    std::string detail;
-    bool dry = false;     ///< only if nothing released the UAV before
+    FailureReason reason;
     bool begins = false;  ///< an outage that was not in force before
     auto operator<=>(const Failure&) const = default;
   };
@@ -97,13 +109,14 @@ class Referee {
   void EmitProgress(TimeUs t);
   void UpdateTasks(TimeUs t);
   void Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std::string detail = {});
-  void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent, std::string detail = {});
+  void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
+            const std::optional<FailureReason>& reason = {});
 
   const Scenario& scenario_;
   TimeUs previous_us_ = -1;
   std::vector<TaskStatus> task_status_;
   std::vector<Known> activities_;
-  std::map<AgentKey, TimeUs> failed_;
+  std::map<AgentKey, Ruling> failed_;
   std::vector<Ruling> released_;  ///< by the present verdict
   std::vector<Outage> outages_;
   std::vector<Event> events_;

@@ -15,6 +15,10 @@ constexpr TimeUs kHearAllUs = 600'000;
 /// For a report that must have been made, and that perhaps nobody has any more.
 constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
 
+bool IsLoss(const std::optional<Ruling>& failure) {
+  return failure && failure->kind == Ruling::Kind::kLost;
+}
+
 }  // namespace
 
 Restoring::Restoring(const Scenario& scenario, std::int64_t run_id)
@@ -156,19 +160,19 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
   for (const AgentKind kind : kAgentKinds) {
     for (const Told& agent : told_[kind]) {
       const AgentState& any = agent.states.begin()->second;
-      TimeUs failed_us = FailedAt(verdicts, tick - 1, any);
+      const std::optional<Ruling> before = FailureOf(any, verdicts, tick - 1);
+      std::optional<Ruling> failure = before;
       if (agent.newest() >= awaited_from) {
         // A verdict on this very tick may have been given without it.
-        const TimeUs failed_again_us = FailedAt(verdicts, tick, any);
-        if (!IsLoss(failed_again_us)) {
-          if (IsLoss(failed_us)) state->lost.push_back({any, failed_us, true});
+        failure = FailureOf(any, verdicts, tick);
+        if (!IsLoss(failure)) {
+          if (IsLoss(before)) state->lost.push_back({any, before->at_us, true});
           continue;
         }
-        failed_us = failed_again_us;
       }
-      std::optional<Lost> lost = LostAgent(agent, failed_us, tick, verdicts);
+      std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts);
       if (!lost) return {};
-      state->is_certain &= failed_us != kNever;
+      state->is_certain &= failure.has_value();
       state->lost.push_back(std::move(*lost));
       lost_owners.insert(agent.owner);
     }
@@ -180,22 +184,21 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
   return state;
 }
 
-bool Restoring::IsLoss(TimeUs failed_us) const {
-  return failed_us != kNever && failed_us % scenario_.rules.tick_us == 1;
-}
-
-TimeUs Restoring::FailedAt(const Verdicts& verdicts, std::int64_t tick, const AgentState& agent) {
+std::optional<Ruling> Restoring::FailureOf(const AgentState& agent, const Verdicts& verdicts,
+                                           std::int64_t tick) {
   const auto verdict = verdicts.find(tick);
-  if (verdict == verdicts.end()) return kNever;
+  if (verdict == verdicts.end()) return {};
   for (const Ruling& ruling : verdict->second.rulings_of(agent.kind, agent.id)) {
-    if (ruling.kind == Ruling::Kind::kFailed) return ruling.at_us;
+    if (ruling.fails()) return ruling;
   }
-  return kNever;
+  return {};
 }
 
-std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told, TimeUs failed_us,
+std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told,
+                                                    const std::optional<Ruling>& failure,
                                                     std::int64_t tick,
                                                     const Verdicts& verdicts) const {
+  const TimeUs failed_us = failure ? failure->at_us : kNever;
   // Its last report before the failure, or one that tells of it. A process that is cut off says
   // more than the world has heard.
   const Rules& rules = scenario_.rules;
@@ -220,9 +223,9 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told, TimeUs fai
   for (auto next = verdicts.lower_bound(t); next != verdicts.end() && next->first < tick; ++next) {
     Settle(&agent, next->second, rules.TimeOf(next->first), scenario_.tasks);
   }
-  if (failed_us == kNever) return Lost{agent, rules.TimeOf(tick - 1) + 1};
+  if (!failure) return Lost{agent, rules.TimeOf(tick - 1) + 1};
   // Whoever had failed for another reason before does not return with its process.
-  return Lost{agent, IsLoss(failed_us) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
+  return Lost{agent, IsLoss(failure) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
 }
 
 TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us) {

@@ -66,13 +66,12 @@ class Restoring {
   std::optional<State> At(std::int64_t tick) const;
   Verdict VerdictOn(std::int64_t tick) const;
   Verdicts AllVerdicts() const;
-  /// Who is lost fails right after a tick, at a time that no other failure has.
-  bool IsLoss(TimeUs failed_us) const;
-  /// When that verdict, if it is known, says that the agent failed; kNever: it does not.
-  static TimeUs FailedAt(const Verdicts& verdicts, std::int64_t tick, const AgentState& agent);
+  /// What that verdict, if it is known, says of the agent's failure; none: it has not failed.
+  static std::optional<Ruling> FailureOf(const AgentState& agent, const Verdicts& verdicts,
+                                         std::int64_t tick);
   /// None: something still lacks.
-  std::optional<Lost> LostAgent(const Told& told, TimeUs failed_us, std::int64_t tick,
-                                const Verdicts& verdicts) const;
+  std::optional<Lost> LostAgent(const Told& told, const std::optional<Ruling>& failure,
+                                std::int64_t tick, const Verdicts& verdicts) const;
 
   const Scenario& scenario_;
   const WireLimits limits_;

@@ -18,7 +18,9 @@ using Presence = Peers::Presence;
 
 constexpr TimeUs kLookUs = 20'000;
 
-std::string LostDetail(const std::string& process) { return process + " is lost"; }
+FailureReason LossOf(const std::string& process) {
+  return {FailureReason::Cause::kProcessLost, process};
+}
 
 }  // namespace
 
@@ -175,7 +177,7 @@ void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
   Peers& peers = attendance_.peers();
   peers.set_presence(owner,
                      lost.returns || peers.heard(owner) ? Presence::kReturning : Presence::kLost);
-  referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LostDetail(owner)});
+  referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LossOf(owner)});
 }
 
 void WorldProcess::PublishClock(const Now& now) {
@@ -186,7 +188,7 @@ void WorldProcess::PublishClock(const Now& now) {
 void WorldProcess::Judge(const Now& now) {
   const TimeUs t = clock_.sim_us();
   for (const std::string& name : attendance_.TakeBack()) {
-    referee_.EndOutages(LostDetail(name), t);
+    referee_.EndOutages(LossOf(name), t);
     SayOfProcess(Event::Kind::kProcessBack, name, now);
   }
   referee_.Judge(t, clock_.decision(), &agents_);
@@ -208,14 +210,10 @@ void WorldProcess::PublishEvents(const Now& now) {
     const bool applied = event.kind == Event::Kind::kFaultApplied;
     if (!applied) sender().Send(channel::kEvent, ToWire(event), clock_.sim_us(), now);
     const bool failed = applied || event.kind == Event::Kind::kAgentFailed;
-    if (!failed && event.kind != Event::Kind::kAgentBack) continue;
-    const bool ordered =
-        std::any_of(options_.outages.begin(), options_.outages.end(),
-                    [&](const Outage& outage) { return outage.detail == event.detail; });
-    if (!ordered) continue;
+    if (event.by_fault.empty()) continue;
     event_t confirmation = ToWire(event);
     confirmation.kind = NumberOf(failed ? EventKind::kFaultApplied : EventKind::kFaultEnded);
-    confirmation.fault_id = event.detail;
+    confirmation.fault_id = event.by_fault;
     confirmation.detail = identity().name;
     sender().Send(channel::kEvent, std::move(confirmation), clock_.sim_us(), now);
   }
@@ -261,7 +259,7 @@ void WorldProcess::Lose(const std::string& name, const Now& now) {
   SayOfProcess(Event::Kind::kProcessLost, name, now);
   // Nobody knows what became of its agents since they were heard.
   attendance_.ForEachAgentOf(name, [&](AgentKind kind, std::int32_t id) {
-    referee_.Add({kind, id, clock_.TimeOf(clock_.tick() - 1) + 1, kNever, LostDetail(name)});
+    referee_.Add({kind, id, clock_.TimeOf(clock_.tick() - 1) + 1, kNever, LossOf(name)});
   });
 }
 

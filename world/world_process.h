@@ -22,7 +22,7 @@ struct WorldOptions {
   /// back, their decisions are not in force. Else it waits for everybody.
   bool goes_on = false;
   TimeUs lost_after_us = 5 * kSecondUs;
-  /// Agents that fail by order; `detail` is the fault's id.
+  /// Agents that fail by faults.
   std::vector<Outage> outages = {};
 };
 

@@ -72,7 +72,7 @@ std::size_t Fusion::silent() const {
   if (missing_ == 0) return 0;
   return static_cast<std::size_t>(
       std::count_if(rulings_->begin(), rulings_->end(), [&](const Ruling& ruling) {
-        return ruling.kind == Ruling::Kind::kFailed &&
+        return ruling.fails() &&
                !agents_[ruling.agent_kind][static_cast<std::size_t>(ruling.agent)];
       }));
 }

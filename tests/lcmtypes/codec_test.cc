@@ -336,7 +336,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.channel = ""; }));
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.tick = -2; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_kind = 3; }));
-  EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].kind = 2; }));
+  EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].kind = 3; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_id = -1; }));
   EXPECT_FALSE(ValidAfter<scenario_t>([](scenario_t& m) { m.sha256 = "abc"; }));
   EXPECT_FALSE(ValidAfter<scenario_t>([](scenario_t& m) { m.sha256[3] = 'A'; }));

@@ -113,7 +113,7 @@ AllMessages SampleMessages() {
     ruling_t ruling{};
     ruling.agent_kind = kind;
     ruling.agent_id = kind;
-    ruling.kind = kind == 2;
+    ruling.kind = kind;
     ruling.at_us = 5;
     rulings.rulings.push_back(ruling);
   }

@@ -114,6 +114,16 @@ TEST(Agent, FailureHoldsAsLongAsItIsListed) {
   EXPECT_TRUE(uav.idle(240 * kSecondUs));
 }
 
+TEST(Agent, WhoWasLostBeforeItWasReleasedStandsWhereItWasLost) {
+  AgentState uav = UavAtOrigin();
+  Begin(&uav, Sense(), 0, 0, {}, 1);
+  const Verdict verdict({}, {{AgentKind::kUav, 0, Ruling::Kind::kReleased, 110 * kSecondUs},
+                             {AgentKind::kUav, 0, Ruling::Kind::kLost, 100 * kSecondUs}});
+  Settle(&uav, verdict, 120 * kSecondUs, kTasks);
+  EXPECT_EQ(StatusAt(uav, 120 * kSecondUs), AgentStatus::kFailed);
+  EXPECT_EQ(PositionAt(uav, 200 * kSecondUs), (Point{600, 800}));
+}
+
 TEST(Agent, AnEarlierActivityLikeItIsNotTakenAgain) {
   AgentState uav = UavAtOrigin();
   Begin(&uav, Sense(), 0, 1000 * kSecondUs, {}, 1);

@@ -27,6 +27,11 @@ Scenario SmallScenario() {
   return scenario;
 }
 
+FailureReason Fault(const std::string& id) { return {FailureReason::Cause::kFault, id}; }
+FailureReason LossOf(const std::string& process) {
+  return {FailureReason::Cause::kProcessLost, process};
+}
+
 Agents StartAgents(const Scenario& scenario) {
   Agents agents;
   for (const AgentKind kind : kAgentKinds) {
@@ -78,6 +83,7 @@ class Mission {
     }
     return list;
   }
+  const std::vector<Event>& events() const { return events_; }
   Referee& referee() { return referee_; }
   Agents& agents() { return agents_; }
 
@@ -140,7 +146,7 @@ TEST(Referee, FailedPartnerReleasesTheSurvivorAndReopensTheTask) {
     Mission mission(SmallScenario());
     mission.Judge(0, 0);
     mission.Command(Sense());
-    mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 900 * kSecondUs, "test"});
+    mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 900 * kSecondUs, Fault("test")});
     for (TimeUs t = tick; t <= 1200; t += tick) mission.Judge(t * kSecondUs);
     EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 300},
                                             {Kind::kSensingAborted, 300},
@@ -157,8 +163,8 @@ TEST(Referee, TheEndOfAnOutageBringsBackNobodyWhoHadFailedForGood) {
   Scenario scenario = SmallScenario();
   scenario.uavs[0].range_m = 1000;
   Mission mission(scenario);
-  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 600 * kSecondUs, "uav"});
-  mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 600 * kSecondUs, "worker"});
+  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 600 * kSecondUs, Fault("uav")});
+  mission.referee().Add({AgentKind::kWorker, 0, 300 * kSecondUs, 600 * kSecondUs, Fault("worker")});
   mission.Judge(0, 0);
   mission.Command(Sense());
   for (TimeUs t = 30; t <= 1200; t += 30) mission.Judge(t * kSecondUs);
@@ -170,10 +176,38 @@ TEST(Referee, TheEndOfAnOutageBringsBackNobodyWhoHadFailedForGood) {
   EXPECT_FALSE(mission.agents().workers[0].failed);
 }
 
+TEST(Referee, OnlyWhoFailsWithItsProcessIsRuledToBeLost) {
+  Mission mission(SmallScenario());
+  mission.referee().Add({AgentKind::kUav, 0, 30 * kSecondUs + 1, kNever, LossOf("uav")});
+  // A planned outage may begin at the same microsecond, and before.
+  mission.referee().Add({AgentKind::kWorker, 0, 30 * kSecondUs + 1, kNever, LossOf("worker")});
+  mission.referee().Add({AgentKind::kWorker, 0, 30 * kSecondUs + 1, kNever, Fault("f")});
+  mission.referee().Add({AgentKind::kVehicle, 0, 20 * kSecondUs, 90 * kSecondUs, Fault("g")});
+  mission.referee().Add({AgentKind::kVehicle, 0, 30 * kSecondUs + 1, kNever, LossOf("vehicle")});
+  for (const TimeUs t : {0, 30, 60}) mission.Judge(t * kSecondUs);
+  const TimeUs lost_us = 30 * kSecondUs + 1;
+  using RKind = Ruling::Kind;
+  EXPECT_EQ(mission.referee().verdict().rulings(),
+            (std::vector<Ruling>{{AgentKind::kUav, 0, RKind::kLost, lost_us},
+                                 {AgentKind::kWorker, 0, RKind::kFailed, lost_us},
+                                 {AgentKind::kVehicle, 0, RKind::kFailed, 20 * kSecondUs}}));
+  std::vector<std::pair<std::string, std::string>> told;
+  for (const Event& event : mission.events()) {
+    if (event.kind == Kind::kAgentFailed) told.emplace_back(event.detail, event.by_fault);
+  }
+  EXPECT_EQ(told, (std::vector<std::pair<std::string, std::string>>{
+                      {"g", "g"}, {"f", "f"}, {"uav is lost", ""}}));
+  mission.referee().EndOutages(LossOf("uav"), 90 * kSecondUs);
+  mission.Judge(90 * kSecondUs);
+  EXPECT_EQ(mission.referee().verdict().rulings(),
+            (std::vector<Ruling>{{AgentKind::kWorker, 0, RKind::kFailed, lost_us},
+                                 {AgentKind::kVehicle, 0, RKind::kFailed, 20 * kSecondUs}}));
+}
+
 TEST(Referee, OverlappingOutagesAreOne) {
   Mission mission(SmallScenario());
-  mission.referee().Add({AgentKind::kUav, 0, 100 * kSecondUs, 600 * kSecondUs, "first"});
-  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 900 * kSecondUs, "second"});
+  mission.referee().Add({AgentKind::kUav, 0, 100 * kSecondUs, 600 * kSecondUs, Fault("first")});
+  mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 900 * kSecondUs, Fault("second")});
   mission.Judge(0, 0);
   for (TimeUs t = 30; t <= 1200; t += 30) mission.Judge(t * kSecondUs);
   EXPECT_EQ(mission.Happened(),
@@ -188,7 +222,7 @@ TEST(Referee, FailureWhileSensingSpendsProRataWhateverTheTick) {
     Mission mission(scenario);
     mission.Judge(0, 0);
     mission.Command(Sense());
-    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, "test"});
+    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, Fault("test")});
     for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
     EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
                                             {Kind::kAgentFailed, 815},
@@ -238,7 +272,7 @@ TEST(Referee, UavReleasedBeforeItRunsDryDoesNotFail) {
     Mission mission(scenario);
     mission.Judge(0, 0);
     mission.Command(Sense());
-    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, "test"});
+    mission.referee().Add({AgentKind::kWorker, 0, 815 * kSecondUs, kNever, Fault("test")});
     for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
     EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
                                             {Kind::kAgentFailed, 815},
@@ -303,7 +337,7 @@ TEST(Referee, ARestartDoesNotReviveWhatAFailureAborted) {
   Mission mission(scenario);
   mission.Judge(0, 0);
   mission.Command(Sense());
-  mission.referee().Add({AgentKind::kWorker, 0, 40 * kSecondUs, kNever, "test"});
+  mission.referee().Add({AgentKind::kWorker, 0, 40 * kSecondUs, kNever, Fault("test")});
   mission.Judge(30 * kSecondUs);
   mission.Judge(60 * kSecondUs);
   Referee restarted(scenario);

@@ -66,19 +66,20 @@ class RestoringTest : public ::testing::Test {
     world.n_tasks = static_cast<std::int32_t>(n_tasks);
     return Take(channel::kWorld, world);
   }
-  /// Of these agents, if any, it says that they failed at that time.
+  /// Of these agents, if any, it says that they failed at that time, as `how` says.
   bool TakeRulings(std::int64_t tick, AgentKind kind = AgentKind::kWorker,
-                   std::vector<std::int32_t> ids = {}, TimeUs failed_us = 0) {
+                   std::vector<std::int32_t> ids = {}, TimeUs failed_us = 0,
+                   Ruling::Kind how = Ruling::Kind::kLost) {
     auto rulings = Message<rulings_t>(tick);
     for (const std::int32_t id : ids) {
-      rulings.rulings.push_back(ToWire(Ruling{kind, id, Ruling::Kind::kFailed, failed_us}));
+      rulings.rulings.push_back(ToWire(Ruling{kind, id, how, failed_us}));
     }
     rulings.n = static_cast<std::int32_t>(ids.size());
     return Take(channel::kRulings, rulings);
   }
   bool TakeVerdict(std::int64_t tick, AgentKind kind, std::vector<std::int32_t> ids,
-                   TimeUs failed_us) {
-    return TakeWorld(tick) && TakeRulings(tick, kind, std::move(ids), failed_us);
+                   TimeUs failed_us, Ruling::Kind how = Ruling::Kind::kLost) {
+    return TakeWorld(tick) && TakeRulings(tick, kind, std::move(ids), failed_us, how);
   }
   void TakeAllStates(std::int64_t tick) {
     EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, tick));
@@ -211,7 +212,7 @@ TEST_F(RestoringTest, WhoFailedBeforeItWasLostDoesNotReturnWithItsProcess) {
     auto rulings = Message<rulings_t>(tick);
     rulings.rulings.push_back(ToWire(Ruling{AgentKind::kUav, 0, Ruling::Kind::kFailed, dry_us}));
     rulings.rulings.push_back(
-        ToWire(Ruling{AgentKind::kUav, 1, Ruling::Kind::kFailed, kLostAfterTick2}));
+        ToWire(Ruling{AgentKind::kUav, 1, Ruling::Kind::kLost, kLostAfterTick2}));
     rulings.n = 2;
     EXPECT_TRUE(TakeWorld(tick));
     EXPECT_TRUE(Take(channel::kRulings, rulings));
@@ -235,6 +236,19 @@ TEST_F(RestoringTest, WhoWasLostAndHasReportedAgainReturns) {
     EXPECT_TRUE(lost.returns);
     EXPECT_EQ(lost.from_us, kLostAfterTick2);
   }
+}
+
+/// Where a planned outage begins at the very microsecond at which its process would be lost.
+TEST_F(RestoringTest, WhoFailsByAFaultIsNotLost) {
+  for (const std::int64_t tick : {6, 7}) TakeAllStates(tick);
+  for (const std::int64_t tick : {5, 6, 7}) {
+    EXPECT_TRUE(TakeVerdict(tick, AgentKind::kUav, {0, 1}, kLostAfterTick2, Ruling::Kind::kFailed));
+  }
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 7);
+  EXPECT_TRUE(state->lost.empty());
+  EXPECT_EQ(state->reports.size(), 3u);
 }
 
 TEST_F(RestoringTest, NobodyIsLostWhoIsOneTickBehind) {
@@ -274,7 +288,7 @@ TEST_F(RestoringTest, WhereAllAreLostTheNewestVerdictCounts) {
     auto rulings = Message<rulings_t>(tick);
     for (const AgentKind kind : kAgentKinds) {
       for (const std::int32_t id : {0, 1}) {
-        rulings.rulings.push_back(ToWire(Ruling{kind, id, Ruling::Kind::kFailed, kLostAfterTick2}));
+        rulings.rulings.push_back(ToWire(Ruling{kind, id, Ruling::Kind::kLost, kLostAfterTick2}));
       }
     }
     rulings.n = 6;

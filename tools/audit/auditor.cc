@@ -277,7 +277,7 @@ bool Auditor::Complete(std::int64_t tick, const TickData& data) const {
       // Only a lost process's agents have no report: the world rules that they failed.
       const auto lost = [&](const ruling_t& r) {
         return r.agent_kind == kind && r.agent_id == static_cast<int>(id) &&
-               r.kind == RulingKind::kFailed;
+               r.kind != RulingKind::kReleased;
       };
       if (std::none_of(data.rulings->rulings.begin(), data.rulings->rulings.end(), lost)) {
         return false;

@@ -11,7 +11,7 @@ namespace muster::tools::audit {
 
 void Auditor::CheckReports(const TickData& data) {
   for (const ruling_t& r : data.rulings->rulings) {
-    if (r.agent_kind == kUav && r.kind == RulingKind::kFailed && r.at_us > before_us_) {
+    if (r.agent_kind == kUav && r.kind != RulingKind::kReleased && r.at_us > before_us_) {
       failing_.insert({next_tick_, r.agent_id});
     }
   }

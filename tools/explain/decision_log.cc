@@ -96,7 +96,7 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
       // Who is ruled to have failed may say nothing.
       const auto list = DecodeValid<rulings_t>(packet.bytes);
       for (const ruling_t& r : list->rulings) {
-        if (r.kind != RulingKind::kFailed) continue;
+        if (r.kind == RulingKind::kReleased) continue;
         auto& of_kind = heard[static_cast<AgentKind>(r.agent_kind)];
         const auto id = static_cast<std::size_t>(r.agent_id);
         if (id < of_kind.size()) of_kind[id] = true;

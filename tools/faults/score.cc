@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "model/agent.h"
+#include "protocol/convert.h"
 #include "protocol/process.h"
 #include "tools/record/digest.h"
 
@@ -156,7 +157,7 @@ class Case {
     const TimeUs until_us = fault_.for_us > 0 ? fault_.at_us + fault_.for_us : kNever;
     for (const event_t& event : record_.events()) {
       if (event.kind != EventKind::kAgentFailed) continue;
-      const bool by_loss = event.detail.rfind(fault_.target + " is lost", 0) == 0 &&
+      const bool by_loss = event.detail == LossDetail(fault_.target) &&
                            event.header.sim_us >= fault_.at_us && event.at_us < until_us;
       if (event.detail != fault_.id && !by_loss) continue;
       felled_.insert(AgentOf(event));

@@ -129,7 +129,7 @@ void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
   const TimeUs before_us =
       message.tick == 0 ? -1 : std::min((message.tick - 1) * rules.tick_us, rules.limit_us);
   for (const ruling_t& ruling : message.rulings) {
-    if (ruling.kind != RulingKind::kFailed) continue;
+    if (ruling.kind == RulingKind::kReleased) continue;
     const auto kind = static_cast<AgentKind>(ruling.agent_kind);
     const auto i = row_.Find(kind, ruling.agent_id);
     if (!i) continue;

@@ -81,7 +81,7 @@ void Timeline::Add(const Message& message) {
       },
       [&](const rulings_t& m) {
         for (const ruling_t& ruling : m.rulings) {
-          if (ruling.kind != RulingKind::kFailed) continue;
+          if (ruling.kind == RulingKind::kReleased) continue;
           const auto kind = static_cast<AgentKind>(ruling.agent_kind);
           const auto i = row_.Find(kind, ruling.agent_id);
           if (i) agents_[*i].failed_us = ruling.at_us;
