@@ -36,9 +36,7 @@ agent_t Agent(std::int32_t id) {
   return agent;
 }
 
-}  // namespace
-
-AllMessages SampleMessages() {
+agent_states_t SampleAgentStates() {
   agent_states_t agents{};
   agents.header = Header(0);
   agents.kind = 1;
@@ -46,7 +44,10 @@ AllMessages SampleMessages() {
   agents.applied_decision = -1;
   agents.agents = {Agent(0), Agent(1)};
   agents.n = 2;
+  return agents;
+}
 
+clock_t SampleClock() {
   clock_t clock{};
   clock.header = Header(1);
   clock.tick = 9;
@@ -55,7 +56,10 @@ AllMessages SampleMessages() {
   clock.decision = -1;
   clock.required_decision = 0;
   clock.phase = 1;
+  return clock;
+}
 
+event_t SampleEvent() {
   event_t event{};
   event.header = Header(2);
   event.kind = 14;
@@ -64,7 +68,10 @@ AllMessages SampleMessages() {
   event.charge_id = 2;
   event.fault_id = "f1";
   event.detail = "Gewitter über Tal 3";
+  return event;
+}
 
+fault_t SampleFault() {
   fault_t fault{};
   fault.header = Header(3);
   fault.fault_id = "f1";
@@ -73,7 +80,10 @@ AllMessages SampleMessages() {
   fault.at_us = 60'000'000;
   fault.for_us = 120'000'000;
   fault.probability = 0.25;
+  return fault;
+}
 
+log_status_t SampleLogStatus() {
   log_status_t log{};
   log.header = Header(4);
   for (const char* sender : {"world", "uav"}) {
@@ -83,7 +93,10 @@ AllMessages SampleMessages() {
     log.marks.push_back(mark);
   }
   log.n = 2;
+  return log;
+}
 
+process_status_t SampleProcessStatus() {
   process_status_t status{};
   status.header = Header(5);
   status.name = "uav";
@@ -94,18 +107,27 @@ AllMessages SampleMessages() {
   status.received = 10;
   status.cpu_s = 0.5;
   status.rss_bytes = 1 << 20;
+  return status;
+}
 
+request_t SampleRequest() {
   request_t request{};
   request.header = Header(6);
   request.channel = "MUSTER_WORLD";
+  return request;
+}
 
+restore_t SampleRestore() {
   restore_t restore{};
   restore.header = Header(7);
   restore.channel = "MUSTER_WORLD";
   restore.tick = 3;
   restore.data = {0, 255, 1, 2};
   restore.n = 4;
+  return restore;
+}
 
+rulings_t SampleRulings() {
   rulings_t rulings{};
   rulings.header = Header(8);
   rulings.tick = 3;
@@ -118,12 +140,18 @@ AllMessages SampleMessages() {
     rulings.rulings.push_back(ruling);
   }
   rulings.n = 3;
+  return rulings;
+}
 
+scenario_t SampleScenario() {
   scenario_t scenario{};
   scenario.header = Header(9);
   scenario.sha256 = std::string(64, 'a');
   scenario.json = R"({"version": 1})";
+  return scenario;
+}
 
+schedule_t SampleSchedule() {
   schedule_t schedule{};
   schedule.header = Header(10);
   schedule.decision = 2;
@@ -143,7 +171,10 @@ AllMessages SampleMessages() {
     schedule.actions.push_back(action);
   }
   schedule.n = 10;
+  return schedule;
+}
 
+world_state_t SampleWorldState() {
   world_state_t world{};
   world.header = Header(11);
   world.tick = 3;
@@ -158,9 +189,15 @@ AllMessages SampleMessages() {
   activity.end_us = 20;
   world.activities = {activity, activity};
   world.n_activities = 2;
+  return world;
+}
 
-  return {agents,  clock,   event,   fault,    log,      status,
-          request, restore, rulings, scenario, schedule, world};
+}  // namespace
+
+AllMessages SampleMessages() {
+  return {SampleAgentStates(), SampleClock(),         SampleEvent(),    SampleFault(),
+          SampleLogStatus(),   SampleProcessStatus(), SampleRequest(),  SampleRestore(),
+          SampleRulings(),     SampleScenario(),      SampleSchedule(), SampleWorldState()};
 }
 
 }  // namespace muster

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -139,22 +140,34 @@ struct BadValue {
   const char* message;
 };
 
-TEST(ScenarioJson, NamesKeyFoundAndExpected) {
-  const json removed = json(json::value_t::discarded);
+void ExpectRefused(std::span<const BadValue> cases) {
+  for (const BadValue& bad : cases) {
+    json file = json::parse(kSmall);
+    const json::json_pointer pointer(bad.pointer);
+    if (bad.value.is_discarded()) {
+      file[pointer.parent_pointer()].erase(pointer.back());
+    } else {
+      file[pointer] = bad.value;
+    }
+    const std::string error = ErrorOf(file.dump());
+    EXPECT_EQ(error.find(std::string("f.json: ") + bad.message), 0u)
+        << bad.pointer << " gave: " << error << "\nwanted: " << bad.message;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+const json kRemoved = json(json::value_t::discarded);
+
+TEST(ScenarioJson, NamesKeyFoundAndExpectedOfTheWhole) {
   const BadValue cases[] = {
       {"/version", 2, "version: found 2, expected 1"},
-      {"/version", removed, "version: found no such key, expected 1"},
+      {"/version", kRemoved, "version: found no such key, expected 1"},
       {"/version", "1", "version: found \"1\", expected 1"},
       {"/colour", "red",
        "top level: found the unknown key \"colour\", expected only version, name,"},
-      {"/uavs/0/speed", 1, "uavs[0]: found the unknown key \"speed\", expected only id, x_km"},
-      {"/workers/0/range_km", 1, "workers[0]: found the unknown key \"range_km\""},
       {"/rules", {{"tick", 1}}, "rules: found the unknown key \"tick\""},
       {"/disturbances", {{"rain", 1}}, "disturbances: found the unknown key \"rain\""},
-      {"/name", removed, "name: found no such key, expected a string"},
-      {"/tasks", removed, "tasks: found no such key, expected an array"},
-      {"/uavs/0/range_km", removed, "uavs[0].range_km: found no such key, expected a number"},
-      {"/vehicles/0/id", removed, "vehicles[0].id: found no such key, expected an integer"},
+      {"/name", kRemoved, "name: found no such key, expected a string"},
       {"/name", 7, "name: found 7, expected a string"},
       {"/seed", -1, "seed: found -1, expected an integer in [0, 18446744073709551615]"},
       {"/seed", 1.5, "seed: found 1.5, expected an integer"},
@@ -207,6 +220,17 @@ TEST(ScenarioJson, NamesKeyFoundAndExpected) {
       {"/disturbances",
        {{"match_failure", {"a", 1}}},
        "disturbances.match_failure[0]: found \"a\", expected a number"},
+  };
+  ExpectRefused(cases);
+}
+
+TEST(ScenarioJson, NamesKeyFoundAndExpectedOfPlacesAndAgents) {
+  const BadValue cases[] = {
+      {"/uavs/0/speed", 1, "uavs[0]: found the unknown key \"speed\", expected only id, x_km"},
+      {"/workers/0/range_km", 1, "workers[0]: found the unknown key \"range_km\""},
+      {"/tasks", kRemoved, "tasks: found no such key, expected an array"},
+      {"/uavs/0/range_km", kRemoved, "uavs[0].range_km: found no such key, expected a number"},
+      {"/vehicles/0/id", kRemoved, "vehicles[0].id: found no such key, expected an integer"},
       {"/uavs", json::array(), "uavs: found an empty array, expected at least one element"},
       {"/workers", json::array(), "workers: found an empty array, expected at least one element"},
       {"/vehicles", json::array(), "vehicles: found an empty array, expected at least one element"},
@@ -249,19 +273,7 @@ TEST(ScenarioJson, NamesKeyFoundAndExpected) {
       {"/charging_points/1/capacity", "many",
        "charging_points[1].capacity: found \"many\", expected"},
   };
-  for (const BadValue& bad : cases) {
-    json file = json::parse(kSmall);
-    const json::json_pointer pointer(bad.pointer);
-    if (bad.value.is_discarded()) {
-      file[pointer.parent_pointer()].erase(pointer.back());
-    } else {
-      file[pointer] = bad.value;
-    }
-    const std::string error = ErrorOf(file.dump());
-    EXPECT_EQ(error.find(std::string("f.json: ") + bad.message), 0u)
-        << bad.pointer << " gave: " << error << "\nwanted: " << bad.message;
-    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-  }
+  ExpectRefused(cases);
 }
 
 TEST(ScenarioJson, TheEdgeOfWhatIsPossibleIsPossible) {

@@ -133,7 +133,7 @@ TEST_F(PaperSuite, JobsMergeToTheSameRows) {
 
 TEST_F(PaperSuite, AFolderOfPlacesHasAllTheirTables) {
   PaperOptions options = Small("data");
-  options.data = folder_.string();
+  options.data = (folder_ / "").string();
   EXPECT_THROW(RunPaperSuite(options), InputError);
 }
 

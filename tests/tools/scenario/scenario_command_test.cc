@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "base/check.h"
@@ -23,6 +26,11 @@ namespace fs = std::filesystem;
 class ScenarioCommandTest : public ::testing::Test {
  protected:
   std::string File(const std::string& name) const { return folder_.File(name); }
+
+  static std::vector<std::string> Words(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+  }
 
   Scenario Made(std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--out", File("s.json")});
@@ -57,57 +65,15 @@ TEST_F(ScenarioCommandTest, WritesThePresetOfTheSeed) {
 }
 
 TEST_F(ScenarioCommandTest, EveryNumberCanBeSet) {
-  const Scenario s = Made({"--area",
-                           "12x8.5",
-                           "--uavs",
-                           "3",
-                           "--workers",
-                           "4",
-                           "--vehicles",
-                           "5",
-                           "--tasks",
-                           "6",
-                           "--charging-points",
-                           "7",
-                           "--online-min",
-                           "45",
-                           "--task-cost-km",
-                           "2.5",
-                           "--charge-km-per-min",
-                           "6:8",
-                           "--uav-speed-km-per-min",
-                           "1.2",
-                           "--worker-speed-km-per-min",
-                           "0.3",
-                           "--vehicle-speed-km-per-min",
-                           "0.6",
-                           "--full-range-km",
-                           "20",
-                           "--start-fraction",
-                           "0.5",
-                           "--capacity",
-                           "2",
-                           "--interval",
-                           "5",
-                           "--limit",
-                           "120",
-                           "--tick",
-                           "15",
-                           "--availability",
-                           "overrun",
-                           "--ceil-to-minutes",
-                           "--mean-over-all",
-                           "--start-on-meeting",
-                           "--wind",
-                           "0.1:0.4",
-                           "--communication-km",
-                           "0.1:0.5",
-                           "--agent-failure",
-                           "0.01:0.05",
-                           "--match-failure",
-                           "0.05",
-                           "--name",
-                           "mine"});
+  const Scenario s =
+      Made(Words("--area 12x8.5 --uavs 3 --workers 4 --vehicles 5 --tasks 6 "
+                 "--charging-points 7 --online-min 45 --task-cost-km 2.5 "
+                 "--charge-km-per-min 6:8 --uav-speed-km-per-min 1.2 "
+                 "--worker-speed-km-per-min 0.3 --vehicle-speed-km-per-min 0.6 "
+                 "--full-range-km 20 --start-fraction 0.5 --capacity 2 --interval 5 "
+                 "--limit 120 --tick 15 --availability overrun --ceil-to-minutes "
+                 "--mean-over-all --start-on-meeting --wind 0.1:0.4 --communication-km 0.1:0.5 "
+                 "--agent-failure 0.01:0.05 --match-failure 0.05 --name mine"));
   EXPECT_EQ(s.name, "mine");
   EXPECT_EQ(s.width_m, 12'000);
   EXPECT_EQ(s.height_m, 8500);
