@@ -149,7 +149,8 @@ const JsonValue* JsonValue::Find(std::string_view key) const {
 
 std::string JsonValue::Shown() const {
   constexpr std::size_t kMost = 40;
-  std::string shortened = text.size() > kMost ? text.substr(0, kMost) + "..." : text;
+  std::string shortened = text.substr(0, kMost);
+  if (text.size() > kMost) shortened += "...";
   switch (type) {
     case Type::kNull:
       return "null";

@@ -6,16 +6,17 @@
 namespace muster::simulation {
 
 const std::vector<std::string>& ProcessNames() {
-  static const std::vector<std::string> names = {"world", "uav", "worker", "vehicle", "scheduler"};
+  static const std::vector<std::string> names = {process_name::kWorld, "uav", "worker", "vehicle",
+                                                 process_name::kScheduler};
   return names;
 }
 
 std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSettings& settings) {
-  if (identity.name == "world") {
+  if (identity.name == process_name::kWorld) {
     return std::make_unique<world::WorldProcess>(identity, settings.world_window,
                                                  settings.scenario_json, settings.world);
   }
-  if (identity.name == "scheduler") {
+  if (identity.name == process_name::kScheduler) {
     return std::make_unique<scheduler::SchedulerProcess>(identity, settings.window, settings.policy,
                                                          settings.stopwatch);
   }

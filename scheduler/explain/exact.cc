@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "base/index.h"
 #include "scheduler/solver/actions.h"
 #include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
 namespace {
-
-std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// More than the nodes weigh together that one more pair can displace: those of its two agents and
 /// of its site.

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "base/index.h"
 #include "model/feasibility.h"
 
 namespace muster::scheduler {
 namespace {
-
-std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int kAny = -2;  ///< no row; -1 is an agent that is not idle
 

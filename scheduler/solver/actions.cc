@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/index.h"
+
 namespace muster::scheduler {
 namespace {
 
 using Index = std::int32_t;
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/grid_index.h"
+#include "base/index.h"
 #include "scheduler/solver/expected_costs.h"
 #include "scheduler/solver/levels.h"
 #include "scheduler/solver/parallel.h"
@@ -17,8 +18,6 @@ namespace {
 
 using Index = std::int32_t;
 using Clock = std::chrono::steady_clock;
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 double Seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();

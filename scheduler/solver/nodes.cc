@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/index.h"
+
 namespace muster::scheduler {
 namespace {
 
 using Index = std::int32_t;
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 /// Arcs of one side by agent, each agent's ascending by site.
 struct ByAgent {

@@ -53,8 +53,7 @@ void Auditor::CheckDecision(const schedule_t& schedule) {
       }
       const std::int8_t status = task_status_[static_cast<std::size_t>(action.task_id)];
       if (status != TaskStatus::kOpen) {
-        Violate(now_us_, "task-open",
-                fmt::format("{}: the task is {}", name, TaskWords(status)));
+        Violate(now_us_, "task-open", fmt::format("{}: the task is {}", name, TaskWords(status)));
       }
     }
     if (action.charge_id >= 0) {

@@ -43,7 +43,7 @@ std::string Name(const Activity& a) {
                      a.senses() ? "task" : "charge", a.site, a.start_us, a.end_us);
 }
 
-std::string_view TaskWords(std::int8_t status) {
+std::string_view TaskWords(std::int64_t status) {
   return status == TaskStatus::kSensing ? "being sensed" : ToString<TaskStatus>(status);
 }
 

@@ -25,7 +25,7 @@ std::string Name(const action_t& action);
 /// "sensing of uav:3 and worker:5 at task:17 in [400000000, 700000000] us"
 std::string Name(const Activity& activity);
 /// What a task is by that number: "open", "being sensed".
-std::string_view TaskWords(std::int8_t status);
+std::string_view TaskWords(std::int64_t status);
 
 Activity FromWire(const activity_t& activity);
 

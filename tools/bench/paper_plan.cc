@@ -12,8 +12,8 @@ namespace {
 /// The paper's four data sets; ours in place of its real ones, from imported points.
 const std::vector<std::string> kDrawn = {"BicycleOrder", "DidiOrders", "TaxiTrajectories",
                                          "Random_1"};
-const std::vector<std::string> kImported = {"newyork-bicycle", "shenzhen-didi", "shenzhen-taxi",
-                                            "Random_1"};
+const std::vector<std::string> kImportedPlaces = {"newyork-bicycle", "shenzhen-didi",
+                                                  "shenzhen-taxi", "Random_1"};
 constexpr std::string_view kHaiti = "haiti";
 
 std::string Random(int n) { return fmt::format("Random_{}", n); }
@@ -42,7 +42,7 @@ class Experiments {
   std::vector<std::string> DataSets() const {
     std::vector<std::string> sets = kDrawn;
     if (with_imports_) {
-      for (const std::string& name : kImported) {
+      for (const std::string& name : kImportedPlaces) {
         if (name != "Random_1") sets.push_back(name);
       }
       sets.emplace_back(kHaiti);
@@ -58,7 +58,7 @@ class Experiments {
       experiment->lines.push_back(std::move(line));
     };
     mean(kDrawn, "drawn places");
-    if (with_imports_) mean(kImported, "imported places");
+    if (with_imports_) mean(kImportedPlaces, "imported places");
     for (const std::string& set : DataSets()) {
       experiment->lines.push_back({fmt::format("{}, {}", label, set), {With(base, set)}, ""});
     }
@@ -144,7 +144,7 @@ class Experiments {
       for (const std::string& set : kDrawn) table.lines.push_back({set, {With({}, set)}, set});
       if (!with_imports_) continue;
       for (std::size_t i = 0; i < 3; ++i) {
-        table.lines.push_back({kImported[i], {With({}, kImported[i])}, kDrawn[i]});
+        table.lines.push_back({kImportedPlaces[i], {With({}, kImportedPlaces[i])}, kDrawn[i]});
       }
     }
   }
@@ -157,9 +157,11 @@ class Experiments {
          {"failure", "sudden agent failures"},
          {"match", "packet loss"}}};
     for (const std::string& set : DataSets()) {
-      const auto at = std::find(kImported.begin(), kImported.end(), set);
+      const auto at = std::find(kImportedPlaces.begin(), kImportedPlaces.end(), set);
       const std::string& name =
-          at == kImported.end() ? set : kDrawn[static_cast<std::size_t>(at - kImported.begin())];
+          at == kImportedPlaces.end()
+              ? set
+              : kDrawn[static_cast<std::size_t>(at - kImportedPlaces.begin())];
       for (const auto& [disturbance, published] : kNames) {
         PaperCase what = With({}, set);
         what.disturbance = disturbance;

@@ -1,7 +1,6 @@
 #include "tools/bench/paper_rows.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include "base/sha256.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
+#include "tools/bench/general_solver.h"
 #include "tools/bound/upper_bound.h"
 #include "tools/host/build_info.h"
 #include "tools/record/report_json.h"
@@ -24,15 +24,6 @@ namespace {
 constexpr std::string_view kHeader =
     "setting,interval_min,limit_min,disturbance,availability,policy,seed,build,places,tasks,done,"
     "completion,charges,flown_km,digest,decision_median_s,decision_mean_s,decision_max_s,cpu_s\n";
-
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 /// Fields of one line of the CSV by column.
 class Fields {

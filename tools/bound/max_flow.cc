@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/index.h"
+
 namespace muster::tools {
-namespace {
-
-std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 void MaxFlow::Arc(std::int32_t from, std::int32_t to, std::int32_t capacity) {
   halves_.push_back({to, first_[At(from)], capacity});

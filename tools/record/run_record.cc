@@ -314,7 +314,7 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
   for (std::size_t owner = 0; owner < n_owners; ++owner) finish(owner);
   for (std::int32_t d = 0; d < scenario()->decisions(); ++d) {
     if (schedules_.contains(d) || skipped_.contains(d)) continue;
-    if (d * scenario_->rules.interval_us > scenario_->rules.TimeOf(result.last_tick)) break;
+    if (d * scenario()->rules.interval_us > scenario()->rules.TimeOf(result.last_tick)) break;
     ++result.n_missing;
     if (result.missing.size() < kMaxListed) result.missing.push_back({"schedule", d, d});
   }

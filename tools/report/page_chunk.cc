@@ -9,7 +9,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::int64_t Ms(std::int64_t us) { return us / 1000; }
 std::int64_t Whole(double metres) {
   return std::isfinite(metres) ? static_cast<std::int64_t>(std::llround(metres)) : 0;
 }

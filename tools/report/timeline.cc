@@ -12,8 +12,6 @@ namespace {
 /// How far a stop may lie off the straight line through its neighbours and still be left out.
 constexpr double kStraightM = 0.5;
 
-std::int64_t Ms(std::int64_t us) { return us / 1000; }
-
 /// Whether `mid` lies on the straight way in time from `a` to `b`.
 bool Straight(const Timeline::Stop& a, const Timeline::Stop& mid, const Timeline::Stop& b) {
   if (b.t_ms <= a.t_ms) return true;

@@ -14,6 +14,9 @@
 
 namespace muster::tools {
 
+/// Whole milliseconds of microseconds: the page's unit of time.
+inline std::int64_t Ms(std::int64_t us) { return us / 1000; }
+
 /// Puts what belongs to consecutive ticks into order. Repairs make a log's order differ from the
 /// ticks' by a few; what is still missing kWindow entries later is given up.
 template <class T>

@@ -105,7 +105,7 @@ int SimulateCommand(int argc, const char* const* argv) {
     throw InputError("command line", "--log", "no --out", "--out DIR, where the log goes");
   }
   const Scenario scenario = ResolveScenario(options);
-  std::vector<std::string> names = {"recorder"};
+  std::vector<std::string> names = {process_name::kRecorder};
   for (const std::string& name : simulation::ProcessNames()) names.push_back(name);
   CheckFaultPlan(&faults.faults, names, scenario, faults.goes_on());
   std::optional<RunDirectory> directory;

@@ -45,7 +45,7 @@ std::vector<world::Outage> OutagesIn(const FaultPlan& plan) {
     outage.agent = std::stoi(fault.target.substr(colon + 1));
     outage.from_us = fault.at_us;
     outage.until_us = fault.for_us > 0 ? fault.at_us + fault.for_us : kNever;
-    outage.detail = fault.id;
+    outage.reason = {world::FailureReason::Cause::kFault, fault.id};
   }
   return outages;
 }
@@ -113,7 +113,7 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.world_window = kWorldWindow;
   settings_.window = kProcessWindow;
   bus_ = std::make_unique<LossyBus>(std::make_unique<VirtualBus>(&network_), mission.fault_seed,
-                                    "recorder", [this] { return network_.now_us(); });
+                                    process_name::kRecorder, [this] { return network_.now_us(); });
   bus_->SetFaults({.loss = mission.drop});
 }
 
@@ -130,7 +130,7 @@ std::uint64_t VirtualHost::SeedOf(const std::string& name) const {
 
 void VirtualHost::Start(const std::string& name, std::int64_t starts) {
   ends_.erase(name);
-  if (name == kLoggerName) {
+  if (name == process_name::kLogger) {
     log_files_.push_back(std::make_unique<LogFile>());
     logger_.reset();
     logger_ = std::make_unique<VirtualLogger>(&network_, &log_files_.back()->events);
@@ -143,7 +143,7 @@ void VirtualHost::Start(const std::string& name, std::int64_t starts) {
 }
 
 std::optional<ChildEnd> VirtualHost::EndOf(const std::string& name) {
-  if (name == kLoggerName && logger_ && logger_->died()) {
+  if (name == process_name::kLogger && logger_ && logger_->died()) {
     logger_.reset();
     ends_[name] = {SIGXFSZ};
   }
@@ -159,7 +159,7 @@ std::optional<ChildEnd> VirtualHost::EndOf(const std::string& name) {
 
 void VirtualHost::Signal(const std::string& name, int signal) {
   if (EndOf(name)) return;
-  const bool is_logger = name == kLoggerName;
+  const bool is_logger = name == process_name::kLogger;
   if (signal == SIGKILL) {
     is_logger ? logger_.reset() : static_cast<void>(processes_.erase(name));
     ends_[name] = {SIGKILL};
@@ -171,7 +171,7 @@ void VirtualHost::Signal(const std::string& name, int signal) {
 }
 
 void VirtualHost::AskToEnd(const std::string& name) {
-  if (name == kLoggerName) {
+  if (name == process_name::kLogger) {
     logger_->set_stopped(false);
     logger_->End();
     if (EndOf(name)) return;
@@ -183,7 +183,7 @@ void VirtualHost::AskToEnd(const std::string& name) {
 }
 
 bool VirtualHost::IsStopped(const std::string& name) const {
-  if (name == kLoggerName) return logger_ && logger_->stopped();
+  if (name == process_name::kLogger) return logger_ && logger_->stopped();
   const auto process = processes_.find(name);
   return process != processes_.end() && process->second->stopped();
 }

@@ -171,12 +171,13 @@ void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const 
     const std::string memory =
         now.rss_bytes <= 0 ? "-"
                            : fmt::format("{:.1f} MB", static_cast<double>(now.rss_bytes) / 1e6);
-    lines->push_back({fmt::format(kRow, Printable(row.name), row.state, Age(row.age_s),
-                                  fmt::format("{:.0f}", row.rate.messages),
-                                  fmt::format("{:.1f}", row.rate.bytes / 1000),
-                                  Amount(now.received), Amount(now.lost), Amount(now.rejected),
-                                  Amount(now.resent), now.boot_id + 1, cpu, memory),
-                      row.late || now.state == ProcessState::kDegraded ? Look::kBad : Look::kPlain});
+    lines->push_back(
+        {fmt::format(kRow, Printable(row.name), row.state, Age(row.age_s),
+                     fmt::format("{:.0f}", row.rate.messages),
+                     fmt::format("{:.1f}", row.rate.bytes / 1000), Amount(now.received),
+                     Amount(now.lost), Amount(now.rejected), Amount(now.resent), now.boot_id + 1,
+                     cpu, memory),
+         row.late || now.state == ProcessState::kDegraded ? Look::kBad : Look::kPlain});
   }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "scheduler/candidates.h"
 #include "scheduler/weights.h"
 
@@ -13,8 +14,6 @@ namespace muster::scheduler {
 namespace {
 
 constexpr double kChargeBelowShare = 0.5;  // where E_tL = E_chL
-
-std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
 /// Sites in the order of an agent's score: its likelihood is the same for all, so by the way.
 std::vector<int> Ranking(const Legs& legs, int row, std::vector<int> sites) {
@@ -33,14 +32,14 @@ struct Seeker {
   std::vector<int> sites;
 };
 
-struct Match {
+struct Taken {
   int uav, site, partner;
 };
 
 /// One round of winners-take-all. `places` [n_sites] is how many pairs each site takes,
 /// `allowed(uav, site, partner)` whether the pair may be formed.
 template <class Allowed>
-std::vector<Match> TakeAll(std::vector<Seeker> seekers, const Legs& partner_legs, int winners,
+std::vector<Taken> TakeAll(std::vector<Seeker> seekers, const Legs& partner_legs, int winners,
                            std::vector<std::int32_t> places, const Allowed& allowed) {
   const int n_partners = static_cast<int>(partner_legs.intervals.rows());
   const int n_sites = static_cast<int>(partner_legs.intervals.cols());
@@ -56,7 +55,7 @@ std::vector<Match> TakeAll(std::vector<Seeker> seekers, const Legs& partner_legs
            std::tuple(-b.best_score, b.best_way_m, b.uav);
   });
   std::vector<char> taken(At(n_partners), 0);
-  std::vector<Match> matches;
+  std::vector<Taken> matches;
   for (const Seeker& seeker : seekers) {
     for (int r = 0; r < static_cast<int>(seeker.sites.size()); ++r) {
       const int site = seeker.sites[At(r)];
@@ -120,11 +119,11 @@ Decision KwtaPolicy::Decide(const Situation& situation) {
 
   std::vector<std::int32_t> places;
   for (int y = 0; y < n_charges; ++y) places.push_back(feasible.free_places(y));
-  const std::vector<Match> sensing =
+  const std::vector<Taken> sensing =
       TakeAll(std::move(for_tasks), weights.worker_task, winners_,
               std::vector<std::int32_t>(At(n_tasks), 1),
               [&](int u, int x, int w) { return feasible.Sense(u, x, w); });
-  const std::vector<Match> charging =
+  const std::vector<Taken> charging =
       TakeAll(std::move(for_charging), weights.vehicle_charge, winners_, std::move(places),
               [&](int u, int y, int v) { return feasible.Charge(u, y, v); });
 

@@ -4,13 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "model/feasibility.h"
 #include "scheduler/policies/horizon/matching.h"
 
 namespace muster::scheduler {
 namespace {
-
-std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 class Planner {
  public:

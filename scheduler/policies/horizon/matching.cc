@@ -6,14 +6,13 @@
 #include <utility>
 
 #include "base/grid_index.h"
+#include "base/index.h"
 #include "base/random.h"
 #include "model/feasibility.h"
 #include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
 namespace {
-
-std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Instance takes a pair's worth as base / level with whole levels. A level is here the reciprocal
 /// of the worth per unit of base in these parts, so a worth is off by at most 0.2 %.

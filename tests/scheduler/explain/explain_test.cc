@@ -126,17 +126,17 @@ TEST(ExactDecisions, ForcedWeightsAreThoseOfAllDecisions) {
       ASSERT_TRUE(with->proven());
     };
     for (int x = 0; x < 3; ++x) {
-      check({x, -1, -1, -1});
-      for (int i = 0; i < 2; ++i) check({x, -1, 0, i});
-      for (int i = 0; i < 3; ++i) check({x, -1, 1, i});
+      check({x, -1, {}, -1});
+      for (int i = 0; i < 2; ++i) check({x, -1, AgentKind::kUav, i});
+      for (int i = 0; i < 3; ++i) check({x, -1, AgentKind::kWorker, i});
     }
     for (int y = 0; y < 2; ++y) {
-      for (int i = 0; i < 2; ++i) check({-1, y, 0, i});
-      for (int i = 0; i < 2; ++i) check({-1, y, 2, i});
+      for (int i = 0; i < 2; ++i) check({-1, y, AgentKind::kUav, i});
+      for (int i = 0; i < 2; ++i) check({-1, y, AgentKind::kVehicle, i});
     }
-    for (int i = 0; i < 2; ++i) check({-1, -1, 0, i});
-    for (int i = 0; i < 3; ++i) check({-1, -1, 1, i});
-    for (int i = 0; i < 2; ++i) check({-1, -1, 2, i});
+    for (int i = 0; i < 2; ++i) check({-1, -1, AgentKind::kUav, i});
+    for (int i = 0; i < 3; ++i) check({-1, -1, AgentKind::kWorker, i});
+    for (int i = 0; i < 2; ++i) check({-1, -1, AgentKind::kVehicle, i});
   }
   EXPECT_GT(forced, 500);
   EXPECT_GT(costly, 100);

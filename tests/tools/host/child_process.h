@@ -23,5 +23,7 @@ ChildResult RunInChild(const std::function<int()>& body);
 /// for it; without, there is no network at all. False where the kernel forbids making it. Only in a
 /// child: there is no way back.
 bool EnterRefusingNetwork(bool route);
+/// Exit code of a child for which that returned false.
+inline constexpr int kRefused = 77;
 
 }  // namespace muster::tools

@@ -15,8 +15,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr int kRefused = 77;
-
 int RunDoctor(const std::vector<std::string>& arguments = {}) {
   std::vector<std::string> all{"doctor"};
   all.insert(all.end(), arguments.begin(), arguments.end());

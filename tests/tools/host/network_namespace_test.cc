@@ -24,8 +24,6 @@ namespace {
   if (const std::string problem = NamespaceProblem(); !problem.empty()) \
   GTEST_SKIP() << "no network namespaces here: " << problem
 
-constexpr int kRefused = 77;  ///< exit code of a child that could not make its surroundings
-
 std::string NetworkId() { return std::filesystem::read_symlink("/proc/self/ns/net").string(); }
 
 std::string NamespaceLimit() {

@@ -9,17 +9,12 @@
 #include "base/check.h"
 #include "base/sha256.h"
 #include "tests/tools/fake_mission.h"
+#include "tests/tools/record/record_of.h"
 #include "tools/record/digest.h"
 #include "tools/record/summary.h"
 
 namespace muster::tools {
 namespace {
-
-RunRecord RecordOf(const FakeLog& log) {
-  RunRecord record;
-  for (const Packet& packet : Encoded(log)) record.Add(packet);
-  return record;
-}
 
 nlohmann::json ReadBack(const RunRecord& record) {
   return nlohmann::json::parse(Report(record).dump(2));

@@ -8,19 +8,12 @@
 
 #include "lcmtypes/channels.h"
 #include "tests/tools/fake_mission.h"
+#include "tests/tools/record/record_of.h"
 #include "tools/record/digest.h"
 #include "tools/record/summary.h"
 
 namespace muster::tools {
 namespace {
-
-RunRecord RecordOf(const std::vector<Packet>& packets) {
-  RunRecord record;
-  for (const Packet& packet : packets) record.Add(packet);
-  return record;
-}
-
-RunRecord RecordOf(const FakeLog& log) { return RecordOf(Encoded(log)); }
 
 bool IsStates(const FakeMessage& message, std::string_view on, std::int64_t tick) {
   const auto* states = std::get_if<agent_states_t>(&message.body);

@@ -254,14 +254,14 @@ double WorthOfSensing(const Situation& situation, const Participant& uav, const 
 double HeaviestByTrial(const Situation& situation, const Participants& participants,
                        std::size_t uav, std::uint32_t workers, std::uint32_t tasks,
                        const HorizonSettings& settings) {
-  if (uav == participants[0].size()) return 0;
+  if (uav == participants.uavs.size()) return 0;
   double best = HeaviestByTrial(situation, participants, uav + 1, workers, tasks, settings);
-  for (std::size_t w = 0; w < participants[1].size(); ++w) {
+  for (std::size_t w = 0; w < participants.workers.size(); ++w) {
     for (std::size_t x = 0; x < situation.task_status.size(); ++x) {
       if ((workers >> w & 1) != 0 || (tasks >> x & 1) != 0) continue;
       if (situation.task_status[x] != TaskStatus::kOpen) continue;
       const double worth =
-          WorthOfSensing(situation, participants[0][uav], participants[1][w], x, settings);
+          WorthOfSensing(situation, participants.uavs[uav], participants.workers[w], x, settings);
       if (worth <= 0) continue;
       best = std::max(best, worth + HeaviestByTrial(situation, participants, uav + 1,
                                                     workers | 1u << w, tasks | 1u << x, settings));
@@ -281,8 +281,8 @@ TEST(HeaviestPairs, NoSetOfPairsIsHeavier) {
         HeaviestPairs(situation, participants, OpenSitesOf(situation), settings);
     double weight = 0;
     for (const Match& match : matches) {
-      const Participant& uav = participants[0][static_cast<std::size_t>(match.uav)];
-      const Participant& worker = participants[1][static_cast<std::size_t>(match.partner)];
+      const Participant& uav = participants.uavs[static_cast<std::size_t>(match.uav)];
+      const Participant& worker = participants.workers[static_cast<std::size_t>(match.partner)];
       weight +=
           WorthOfSensing(situation, uav, worker, static_cast<std::size_t>(match.site), settings);
       if (!uav.idle || !worker.idle) ++not_idle;
