@@ -19,7 +19,7 @@ void ForEachWord(Visit visit) {
   visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
   visit(ActivityKind::kCharging, "`activity_t.kind`");
   visit(TaskStatus::kDone, "`world_state_t.task_status`");
-  visit(RulingKind::kReleased, "`ruling_t.kind`");
+  visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
   visit(EventKind::kFaultEnded, "`event_t.kind`");
   visit(FaultKind::kForeign, "`fault_t.kind`");

@@ -116,7 +116,7 @@ TEST(Convert, ActionsActivitiesAndRulingsRoundTrip) {
   const Ruling ruling{AgentKind::kVehicle, 1, Ruling::Kind::kReleased, 77};
   EXPECT_EQ(FromWire(ToWire(ruling), limits), ruling);
   ruling_t unknown = ToWire(ruling);
-  unknown.kind = 2;
+  unknown.kind = 3;
   EXPECT_FALSE(FromWire(unknown, limits));
 }
 
@@ -328,7 +328,8 @@ TEST(Convert, EveryIdIsLookedAt) {
   EXPECT_FALSE(ruled(-1, 0, 0, 0));
   EXPECT_FALSE(ruled(0, -1, 0, 0));
   EXPECT_FALSE(ruled(0, 0, -1, 0));
-  EXPECT_FALSE(ruled(0, 0, 2, 0));
+  EXPECT_TRUE(ruled(0, 0, 2, 0));
+  EXPECT_FALSE(ruled(0, 0, 3, 0));
   EXPECT_FALSE(ruled(0, 0, 0, -1));
 }
 

@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
 #include "model/scenario_json.h"
 
 namespace muster {
@@ -46,9 +47,8 @@ Packet ScenarioOf(const header_t& header, const std::string& json) {
 }
 
 std::string Json(const std::string& name = "one") {
-  Scenario scenario;
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
   scenario.name = name;
-  scenario.width_m = scenario.height_m = 1000;
   return ScenarioToJson(scenario);
 }
 
@@ -171,7 +171,7 @@ TEST(MissionReader, HoldsBackSoMuchAndNoMore) {
   Read(&reader, {EventOf(From("world", 1'000'000))});
   EXPECT_TRUE(reader.overflowed());
   const Visited visited = Read(&reader, {ScenarioOf(From("world", 2'000'000), Json())});
-  EXPECT_EQ(visited.size(), 1 + MissionReader::kMostHeldBack);
+  ASSERT_EQ(visited.size(), 1 + MissionReader::kMostHeldBack);
   EXPECT_EQ(visited.front().first, kScenario);
   EXPECT_EQ(visited.back().second, MissionReader::kMostHeldBack - 1);
 }

@@ -150,7 +150,7 @@ TEST_F(LogTest, CsvHasEveryRowOnce) {
   EXPECT_EQ(Lines("csv/events.csv").size(), 1u + 11);
   EXPECT_EQ(Lines("csv/actions.csv")[4], "0,7,UiTxWj,0,0,-1,0,-1,4000,1000,2.5\r");
   EXPECT_EQ(Lines("csv/events.csv")[1], "0,agent_online,0,-1,-1,-1,-1,,\r");
-  EXPECT_NE(Text("csv/events.csv").find("552.666667,sensing_done,0,0,-1,0,-1,,\r\n"),
+  EXPECT_NE(Text("csv/events.csv").find("552.666153,sensing_done,0,0,-1,0,-1,,\r\n"),
             std::string::npos)
       << Text("csv/events.csv");
   EXPECT_NE(Text("csv/events.csv").find(",\"full, \"\"at last\"\"\"\r\n"), std::string::npos);

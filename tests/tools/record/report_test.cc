@@ -101,7 +101,7 @@ TEST(Digest, DoesNotSeeTicksTimesNorProcesses) {
   ForEach<schedule_t>(&log, [](schedule_t& s) {
     s.solve_us *= 7;
     s.header.wall_us += 12345;
-    s.header.sender = "another";
+    s.header.boot_id = 1;
     std::swap(s.actions[0], s.actions[1]);
   });
   ForEach<process_status_t>(&log, [](process_status_t& s) { s.cpu_s = 9; });
