@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/bus/limits.h"
 #include "lcmtypes/channels.h"
 
@@ -22,8 +23,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Not MUSTER_*: other members of the mission must not count it as a stranger.
-constexpr const char* kRoundTripChannel = "ROUND_TRIP_OF_MUSTER";
 /// A burst longer than this is handed out in parts, so that a flood cannot hold Receive forever.
 constexpr int kMaxBurst = 10000;
 
@@ -80,6 +79,12 @@ LcmBus::LcmBus(const std::string& url) : url_(url) {
   if (fd_ < 0) {
     throw SystemError(fmt::format(
         "LCM cannot receive on {}: see its message above; 'muster doctor' tells more", url));
+  }
+  // LCM tells no socket before it reads from it: unguarded is its self-test, a millisecond or two.
+  for (const int socket : SocketsOnPort(parts.port)) {
+    if (const auto problem = GuardSocket(socket, GuardedChannels::kOurs)) {
+      fmt::print(stderr, "muster: LCM reads datagrams that nothing has checked: {}\n", *problem);
+    }
   }
   CheckRoundTrip();
   lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), "MUSTER_.*", &OnMessage, this);

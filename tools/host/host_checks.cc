@@ -1,12 +1,17 @@
 #include "tools/host/host_checks.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -17,8 +22,10 @@
 #include <string_view>
 
 #include "base/check.h"
+#include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
+#include "tools/host/child_guard.h"
 #include "tools/host/network_namespace.h"
 
 namespace muster::tools {
@@ -147,6 +154,58 @@ HostCheck CheckLcm(std::uint16_t port) {
   return check;
 }
 
+/// A child that has a socket on a port, which it finds itself, until it is killed.
+pid_t StartListener(std::uint16_t* port) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return -1;
+  const pid_t child = fork();
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in local{};
+    local.sin_family = AF_INET;
+    socklen_t size = sizeof local;
+    if (bind(fd, reinterpret_cast<sockaddr*>(&local), size) != 0 ||
+        getsockname(fd, reinterpret_cast<sockaddr*>(&local), &size) != 0 ||
+        write(ends[1], &local.sin_port, sizeof local.sin_port) < 0) {
+      _exit(1);
+    }
+    while (true) pause();
+  }
+  close(ends[1]);
+  std::uint16_t bound = 0;
+  if (read(ends[0], &bound, sizeof bound) != sizeof bound) bound = 0;
+  close(ends[0]);
+  *port = ntohs(bound);
+  return child;
+}
+
+HostCheck CheckGuard() {
+  HostCheck check{"datagram guard", Result::kOk, "on our sockets and on lcm-logger's", ""};
+  std::uint16_t port = 0;
+  const pid_t child = StartListener(&port);
+  std::string problem;
+  try {
+    if (child < 0 || port == 0) throw SystemError("no process with a socket to try it on");
+    if (!GuardSocketsOf(child, port)) throw SystemError("its socket is not found");
+  } catch (const SystemError& error) {
+    problem = error.what();
+  }
+  if (child > 0) {
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+  }
+  const int own = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const auto own_problem = GuardSocket(own, GuardedChannels::kOurs);
+  close(own);
+  if (own_problem) problem = *own_problem;
+  if (problem.empty()) return check;
+  check.result = Result::kWarn;
+  check.found = fmt::format("{} ({})", own_problem ? "none" : "not on lcm-logger's", problem);
+  check.advice = "one malformed datagram on a mission's port ends whoever has none";
+  return check;
+}
+
 std::optional<std::string> FindInPath(std::string_view program) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path != nullptr ? path : "";
@@ -229,6 +288,7 @@ std::vector<HostCheck> CheckHost(const MulticastUrl& url) {
   checks.push_back(multicast);
   checks.push_back(port);
   checks.push_back(buffer);
+  checks.push_back(CheckGuard());
   checks.push_back(CheckLcm(url.port));
   checks.push_back(CheckProgram("lcm-logger", "'muster run' records with it", Result::kFail));
   checks.push_back(CheckProgram("lcm-logplayer", "plays a log back", Result::kWarn));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,12 +14,16 @@
 
 #include "base/check.h"
 #include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/bus/multicast.h"
 #include "protocol/run_process.h"
+#include "tools/host/child_guard.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr int kLastWords = 5;  // lines
+constexpr TimeUs kGuardUs = 2 * kSecondUs;
+constexpr TimeUs kGuardLookUs = 100;
 
 /// Children of this process, LCM, files.
 class RealHost : public MissionHost {
@@ -53,6 +58,7 @@ class RealHost : public MissionHost {
     std::unique_ptr<EventLogReader> reader = {};
   };
   Child& Find(const std::string& name);
+  void GuardLogger();
   const ChildSpec& SpecOf(const std::string& name) const;
 
   const MissionPrograms& programs_;
@@ -92,6 +98,25 @@ void RealHost::Start(const std::string& name, std::int64_t starts) {
   }
   children_.erase(name);
   children_.emplace(name, std::move(spec));
+  if (name == process_name::kLogger) GuardLogger();
+}
+
+/// Stock lcm-logger does not guard its socket: it is looked for until it is there.
+void RealHost::GuardLogger() {
+  const std::uint16_t port = ParseMulticastUrl(programs_.lcm_url).port;
+  const TimeUs deadline_us = MonotonicUs() + kGuardUs;
+  Child& logger = Find(process_name::kLogger);
+  std::string problem = "it has opened none";
+  try {
+    while (!logger.Poll() && MonotonicUs() < deadline_us) {
+      if (GuardSocketsOf(logger.pid(), port)) return;
+      usleep(kGuardLookUs);
+    }
+  } catch (const SystemError& error) {
+    problem = error.what();
+  }
+  if (logger.Poll()) return;
+  Say(fmt::format("nothing checks what comes to lcm-logger's socket: {}", problem));
 }
 
 bool RealHost::IsStopped(const std::string& name) const {

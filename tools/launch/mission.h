@@ -17,7 +17,8 @@ struct MissionPrograms {
   std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
   HostList hosts;                    ///< who runs elsewhere
   ChildSpec logger;                  ///< a stock lcm-logger; its file is added
-  std::string log_file;              ///< of the first logger; the next one's is log_file.1, ...
+  std::string lcm_url = {};
+  std::string log_file;  ///< of the first logger; the next one's is log_file.1, ...
 };
 
 /// Supervises the mission with real processes over LCM until its end or the first of `stop`'s

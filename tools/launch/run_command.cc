@@ -110,6 +110,7 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
                              const MissionIdentity& mission, const RunDirectory& directory) {
   MissionPrograms programs;
   programs.hosts = options.hosts;
+  programs.lcm_url = mission.lcm_url;
   programs.log_file = directory.File("mission.lcm");
   programs.logger = {process_name::kLogger,
                      {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},

@@ -184,6 +184,8 @@ void Supervisor::Turn() {
   now = host_->now();
   for (const Packet& packet : heard) {
     recorder_.OnHeard(packet, now);
+    const std::optional<header_t> header = DecodeHeader(packet);
+    if (!header || header->run_id != plan_.run_id) continue;
     stall_watch_.OnHeard(packet, now.monotonic_us);
     archive_.Add(packet);
     if (packet.channel == channel::kRequest) AnswerFromArchive(packet, now);

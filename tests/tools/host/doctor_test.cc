@@ -29,12 +29,14 @@ TEST(Doctor, ExitsWithFourExactlyWhenACheckFailed) {
   const ChildResult result = RunInChild([] { return RunDoctor(); });
   EXPECT_EQ(result.exit_code, Contains(result.output, " fail ") ? 4 : 0) << result.output;
   for (const char* name : {"private network", "host multicast", "port 7667", "receive buffer",
-                           "LCM 1.", "lcm-logger", "lcm-logplayer", "lcm-gen"}) {
+                           "datagram guard", "LCM 1.", "lcm-logger", "lcm-logplayer", "lcm-gen"}) {
     EXPECT_TRUE(Contains(result.output, std::string("\n") + name)) << name << "\n" << result.output;
   }
   if (NamespaceProblem().empty()) {
     EXPECT_TRUE(Contains(result.output, "private network  ok")) << result.output;
     EXPECT_TRUE(Contains(result.output, "ok     200 messages there")) << result.output;
+    EXPECT_TRUE(Contains(result.output, "datagram guard   ok     on our sockets and on"))
+        << result.output;
   }
 }
 
