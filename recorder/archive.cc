@@ -39,6 +39,16 @@ Archive::Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on)
     : scenario_(scenario), run_id_(run_id), goes_on_(goes_on) {}
 
 void Archive::Add(const Packet& packet) {
+  if (packet.channel == channel::kSchedule) {
+    const auto schedule = DecodeValid<schedule_t>(packet.bytes);
+    if (!schedule || schedule->header.run_id != run_id_ || schedule->decision < newest_decision_ ||
+        schedule->decision >= scenario_.decisions()) {
+      return;
+    }
+    newest_decision_ = schedule->decision;
+    schedule_ = packet;
+    return;
+  }
   if (!IsStates(packet.channel) && !IsOfWorld(packet.channel)) return;
   const std::optional<header_t> header = DecodeHeader(packet);
   if (!header || header->run_id != run_id_ || header->sim_us < 0 ||
@@ -105,10 +115,14 @@ std::optional<std::int64_t> Archive::Consistent() const {
 }
 
 bool Archive::AnswersAtOnce(const request_t& request) const {
-  return goes_on_ && request.header.sender == process_name::kWorld;
+  return request.channel == channel::kSchedule ||
+         (goes_on_ && request.header.sender == process_name::kWorld);
 }
 
 std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) {
+  if (request.channel == channel::kSchedule && schedule_) {
+    return {Restore(channel::kSchedule, schedule_->bytes)};
+  }
   if (!IsStates(request.channel) && !IsOfWorld(request.channel)) return {};
   Question& question = questions_[{request.header.sender, request.header.boot_id, request.channel}];
   if (question.asked_us == kNever || now_us - question.asked_us > kPatienceUs) {

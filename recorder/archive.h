@@ -51,6 +51,8 @@ class Archive {
   const Scenario& scenario_;
   const std::int64_t run_id_;
   const bool goes_on_;
+  std::optional<Packet> schedule_;  ///< the newest decision
+  std::int32_t newest_decision_ = -1;
   std::map<Source, Told> told_;
   struct Question {
     TimeUs since_us = 0, asked_us = kNever, answered_us = -kNever / 2;

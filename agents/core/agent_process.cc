@@ -10,6 +10,11 @@
 namespace muster::agents {
 namespace {
 
+/// Who has the schedule answers sooner. After that a move goes to where the report says it does.
+constexpr TimeUs kGoalPatienceUs = 4 * kSecondUs;
+/// A goal and what a report tells of it are this close.
+constexpr double kSameGoal_m = 1;
+
 /// Converts all or nothing.
 template <class Wire, class Model>
 bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
@@ -59,7 +64,12 @@ void AgentProcess::OnScenario() {
 }
 
 void AgentProcess::Take(const restore_t& restore) {
-  if (restored_ || restore.channel != ChannelOf(kind_)) return;
+  if (restored_) return;
+  if (restore.channel == channel::kSchedule) {
+    if (const auto schedule = DecodeValid<schedule_t>(restore.data)) TakeGoals(*schedule);
+    return;
+  }
+  if (restore.channel != ChannelOf(kind_)) return;
   if (restore.data.empty()) {  // the mission has not begun
     restored_ = true;
     set_state(ProcessState::kReady);
@@ -76,6 +86,7 @@ void AgentProcess::Take(const restore_t& restore) {
     tick_ = states->tick;
     restored_states_.clear();
     still_unknown_.clear();
+    goalless_.clear();
     for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
   }
   tick_us_ = states->header.sim_us;
@@ -90,15 +101,37 @@ void AgentProcess::Take(const restore_t& restore) {
     agents_[static_cast<std::size_t>(wire.id - agents_.front().id)] = *agent;
     restored_states_.push_back(wire);
     still_unknown_.erase(wire.id);
+    if (agent->action == ActionKind::kGoTo && agent->arrive_us > tick_us_)
+      goalless_.insert(wire.id);
   }
-  restored_ = still_unknown_.empty();
-  if (restored_) {
-    set_state(ProcessState::kRunning);
-    clock_.reset();
-    activities_.reset();
-    rulings_.reset();
-    schedule_.reset();
+  goals_asked_us_ = kNever;
+  if (still_unknown_.empty() && goalless_.empty()) GoOn();
+}
+
+void AgentProcess::TakeGoals(const schedule_t& schedule) {
+  if (goalless_.empty()) return;
+  for (const action_t& wire : schedule.actions) {
+    const auto action = FromWire(wire, WireLimits(*scenario()));
+    if (!action || action->kind != ActionKind::kGoTo) continue;
+    const auto id = goalless_.find(MemberOf(*action, kind_));
+    if (id == goalless_.end()) continue;
+    AgentState& agent = agents_[static_cast<std::size_t>(*id - agents_.front().id)];
+    if (agent.decision != schedule.decision || Distance(agent.to, action->to) > kSameGoal_m) {
+      continue;
+    }
+    agent.to = action->to;
+    goalless_.erase(id);
   }
+  if (still_unknown_.empty() && goalless_.empty()) GoOn();
+}
+
+void AgentProcess::GoOn() {
+  restored_ = true;
+  set_state(ProcessState::kRunning);
+  clock_.reset();
+  activities_.reset();
+  rulings_.reset();
+  schedule_.reset();
 }
 
 void AgentProcess::Answer(const request_t& request, const Now& now) {
@@ -166,6 +199,7 @@ void AgentProcess::Take(const rulings_t& rulings) {
 }
 
 void AgentProcess::Take(const schedule_t& schedule) {
+  if (!restored_) return TakeGoals(schedule);
   if (schedule.tick != tick_ || schedule.decision <= applied_decision_ || schedule_) return;
   std::vector<Action> actions;
   if (FromWireAll(schedule.actions, WireLimits(*scenario()), &actions)) {
@@ -185,6 +219,14 @@ bool AgentProcess::CanAdvance() const {
 }
 
 void AgentProcess::OnMissionStep(const Now& now) {
+  if (!restored_ && still_unknown_.empty() && !goalless_.empty()) {
+    if (goals_asked_us_ == kNever) goals_asked_us_ = now.monotonic_us;
+    if (now.monotonic_us - goals_asked_us_ < kGoalPatienceUs) {
+      return Ask(channel::kSchedule, tick_us_, now);
+    }
+    goalless_.clear();
+    GoOn();
+  }
   if (!restored_) return Ask(ChannelOf(kind_), tick_us_, now);
   StopAsking();
   if (!restored_states_.empty()) {

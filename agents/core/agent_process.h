@@ -34,6 +34,8 @@ class AgentProcess : public Follower {
   void Take(const rulings_t& rulings);
   void Take(const schedule_t& schedule);
   void Take(const restore_t& restore);
+  void TakeGoals(const schedule_t& schedule);
+  void GoOn();
   void Answer(const request_t& request, const Now& now);
   bool CanAdvance() const;
   void Advance(const Now& now);
@@ -51,6 +53,9 @@ class AgentProcess : public Follower {
   std::int64_t restore_from_ = 0;         ///< an older tick's state is not enough
   std::set<std::int32_t> still_unknown_;  ///< ids not restored yet
   std::vector<agent_t> restored_states_;  ///< to be published again
+  /// Ids of those on a free move: a report tells its end but for rounding, the schedule exactly.
+  std::set<std::int32_t> goalless_;
+  TimeUs goals_asked_us_ = kNever;  ///< monotonic
 
   /// What was published for the last two ticks: a world that starts again may ask for the earlier.
   struct Published {

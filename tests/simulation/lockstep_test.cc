@@ -24,10 +24,10 @@ using testing::StartProcess;
 
 Scenario SmallScenario() { return Generate(PresetByName("Random_10"), 5); }
 
-std::string SimulatedDigest(const std::string& json) {
+std::string SimulatedDigest(const std::string& json, const std::string& policy = "mpq") {
   RunRecord record;
   Audited audited;
-  Simulate(json, "mpq", [&](const Packet& packet) {
+  Simulate(json, policy, [&](const Packet& packet) {
     record.Add(packet);
     audited.Add(packet);
   });
@@ -49,10 +49,10 @@ struct Kill {
 };
 
 Outcome RunOver(const PacketFaults& faults, std::uint64_t seed, const std::string& json,
-                const std::optional<Kill>& kill = {}) {
+                const std::optional<Kill>& kill = {}, const std::string& policy = "mpq") {
   Crew network(faults, seed);
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-    network.Add(StartProcess(name, 0, json));
+    network.Add(StartProcess(name, 0, json, {}, policy));
   }
   const Scenario scenario = ParseScenario(json, "scenario");
   if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario, false));
@@ -71,7 +71,7 @@ Outcome RunOver(const PacketFaults& faults, std::uint64_t seed, const std::strin
         3600 * kSecondUs, [&] { return ended || outcome.sent >= kill->kill_at; }, observe);
     for (const std::string& victim : kill->victims) network.Kill(victim);
     for (const std::string& victim : kill->victims) {
-      network.Add(StartProcess(victim, 1, json));
+      network.Add(StartProcess(victim, 1, json, {}, policy));
       network.Run(
           network.now_us() + kill->apart_us, [&] { return ended; }, observe);
     }
@@ -111,6 +111,26 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
         ASSERT_EQ(outcome.digest, expected)
             << victim << " killed after packet " << kill_at << ", loss " << loss;
       }
+    }
+  }
+}
+
+TEST(Lockstep, WhoIsKilledOnAFreeMoveGoesOnToTheSamePlace) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  const PacketFaults faults = Lossy(0.1, 0, 150);
+  Random random(3, Stream::kTest);
+  for (const char* policy : {"greedy-sum", "horizon"}) {
+    const std::string expected = SimulatedDigest(json, policy);
+    const int sent = RunOver(faults, 1, json, {}, policy).sent;
+    for (int i = 0; i < 60; ++i) {
+      std::vector<std::string> victims = {i % 2 == 0 ? "uav" : "worker"};
+      if (i % 4 >= 2) victims.push_back(i % 3 == 0 ? "scheduler" : "world");
+      const auto kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
+      SCOPED_TRACE(
+          fmt::format("{}: {} killed after packet {}", policy, fmt::join(victims, ", "), kill_at));
+      const Outcome outcome = RunOver(faults, 1, json, Kill{victims, kill_at}, policy);
+      ASSERT_TRUE(outcome.ended);
+      ASSERT_EQ(outcome.digest, expected);
     }
   }
 }
