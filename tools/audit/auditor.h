@@ -96,6 +96,7 @@ class Auditor {
   struct Failure {
     std::int64_t at_us = 0;
     bool is_new = false;
+    bool lost = false;  ///< with its process
   };
   using AgentKey = std::pair<int, int>;
   struct Sender {

@@ -25,8 +25,12 @@ void Auditor::ReadRulings(const rulings_t& rulings) {
       continue;
     }
     const auto known = failed_.find(agent);
-    const bool is_new = known == failed_.end();
-    failed[agent] = {r.at_us, is_new};
+    // Back with its process, and failed by itself in the same tick.
+    const bool again = known != failed_.end() && known->second.lost &&
+                       r.kind == RulingKind::kFailed && known->second.at_us != r.at_us;
+    const bool is_new = known == failed_.end() || again;
+    failed[agent] = {r.at_us, is_new, r.kind == RulingKind::kLost};
+    if (again) expected_back_.emplace_back(agent, before_us_, now_us_);
     if (!is_new && known->second.at_us != r.at_us) {
       Violate(now_us_, "rulings",
               fmt::format("{} failed at {} us, earlier it was {} us", name, r.at_us,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "tools/audit/auditor.h"
 #include "tools/audit/values.h"
@@ -10,7 +11,12 @@
 namespace muster::tools::audit {
 
 void Auditor::CheckReports(const TickData& data) {
+  // What a process says of the tick in which it is lost never reached the world.
+  std::set<AgentKey> unheard;
   for (const ruling_t& r : data.rulings->rulings) {
+    if (r.kind == RulingKind::kLost && r.at_us > before_us_) {
+      unheard.insert({r.agent_kind, r.agent_id});
+    }
     if (r.agent_kind == kUav && r.kind != RulingKind::kReleased && r.at_us > before_us_) {
       failing_.insert({next_tick_, r.agent_id});
     }
@@ -18,7 +24,8 @@ void Auditor::CheckReports(const TickData& data) {
   for (const int kind : {kUav, kWorker, kVehicle}) {
     for (AgentModel& model : models_[kind]) {
       const auto id = static_cast<std::size_t>(model.id);
-      if (const auto& report = data.reports[kind][id]) {
+      const auto& report = data.reports[kind][id];
+      if (report && !unheard.contains({kind, model.id})) {
         CheckReport(&model, *report);
       } else {
         commands_.erase({kind, model.id});  // of a lost process: what it did is not known

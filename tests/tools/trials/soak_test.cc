@@ -24,6 +24,16 @@ TEST(Soak, RandomMissionsBreakNoPromise) {
   }
 }
 
+TEST(Soak, SeedsThatOnceBrokeAPromise) {
+  // Killed on a free move: 155, 239, 267, 337, 453, 741. Lost while it reported: 712. Back and
+  // failed by itself in one tick: 734.
+  for (const std::uint64_t seed : {155, 239, 267, 337, 453, 712, 734, 741}) {
+    for (const std::string& finding : FindingsOf(DrawMission({}, seed))) {
+      ADD_FAILURE() << "seed " << seed << ": " << finding;
+    }
+  }
+}
+
 TEST(Soak, WhatBreaksAPromiseIsFound) {
   VirtualMission mission = DrawMission({}, 1);
   mission.goes_on = false;
