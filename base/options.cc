@@ -245,6 +245,22 @@ void Options::Json() { Flag("json", "Print the result as JSON"); }
 
 void Options::Quiet() { Flag("q,quiet", "No progress on stderr, only errors"); }
 
+namespace {
+
+void RefuseUnmatched(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& known) {
+  for (const std::string& argument : arguments) {
+    if (argument.size() < 2 || argument[0] != '-') continue;
+    const std::string name = argument.substr(0, argument.find('='));
+    const std::string near = DidYouMean(name, known);
+    throw InputError(fmt::format("no option '{}'{}", name, near.empty() ? " (see --help)" : near));
+  }
+  if (arguments.empty()) return;
+  throw InputError(fmt::format("unexpected argument '{}' (see --help)", arguments.front()));
+}
+
+}  // namespace
+
 std::optional<Arguments> Options::Parse(int argc, const char* const* argv) {
   Group("");
   Flag("h,help", "Print this help and exit");
@@ -299,16 +315,7 @@ std::optional<Arguments> Options::Parse(int argc, const char* const* argv) {
     fmt::print("{} {}\n", program_, MUSTER_VERSION);
     return std::nullopt;
   }
-  for (const std::string& argument : parsed.unmatched()) {
-    if (argument.size() < 2 || argument[0] != '-') continue;
-    const std::string name = argument.substr(0, argument.find('='));
-    const std::string near = DidYouMean(name, known);
-    throw InputError(fmt::format("no option '{}'{}", name, near.empty() ? " (see --help)" : near));
-  }
-  if (!parsed.unmatched().empty()) {
-    throw InputError(
-        fmt::format("unexpected argument '{}' (see --help)", parsed.unmatched().front()));
-  }
+  RefuseUnmatched(parsed.unmatched(), known);
 
   Arguments arguments;
   for (const Option& option : options_) arguments.entries_[option.name_].option = option;

@@ -126,8 +126,8 @@ Stream StreamOf(AgentKind kind) {
 TimeUs DrawTime(TimeUs most_us, std::uint64_t seed, Stream stream, std::size_t id,
                 Property property) {
   Random random(seed, stream, id, property);
-  const double steps = static_cast<double>(std::max<TimeUs>(most_us, 0) / kOnlineStepUs);
-  return static_cast<TimeUs>(DrawSteps(&random, steps)) * kOnlineStepUs;
+  const TimeUs steps = std::max<TimeUs>(most_us, 0) / kOnlineStepUs;
+  return static_cast<TimeUs>(DrawSteps(&random, static_cast<double>(steps))) * kOnlineStepUs;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct Usage {
 class Process {
  public:
   /// window: see Sender.
-  Process(Identity identity, int window);
+  Process(const Identity& identity, int window);
   virtual ~Process() = default;
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

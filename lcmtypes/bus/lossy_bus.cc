@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 
 namespace muster {
 namespace {
@@ -59,6 +60,10 @@ void LossyBus::Admit(Packet packet, std::int64_t now_us) {
   const std::int64_t delay_us =
       faults_.delay_us +
       static_cast<std::int64_t>(random.Uniform() * static_cast<double>(faults_.jitter_us));
+  if (packet.channel == channel::kFault && !faults_.partition) {
+    in_flight_.emplace(Key{now_us, released_++}, std::move(packet));
+    return Release(now_us);
+  }
   if (lost || faults_.partition) {
     ++counters_.lost;
     return;

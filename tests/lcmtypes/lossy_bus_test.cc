@@ -56,6 +56,17 @@ std::vector<int> Range(int count) {
   return numbers;
 }
 
+TEST(LossyBus, OrdersAboutFaultsPassWhateverTheyOrder) {
+  Line line({.loss = 1, .duplication = 1, .reorder = 1, .corrupt = 1, .delay_us = 1000});
+  const Packet order{std::string(channel::kFault), {1, 2, 3}};
+  line.queue->arriving.push_back(order);
+  line.queue->arriving.push_back(Numbered(1));
+  EXPECT_EQ(line.lossy.Receive(0), std::vector<Packet>{order});
+  line.lossy.SetFaults({.partition = true});
+  line.queue->arriving.push_back(order);
+  EXPECT_TRUE(line.lossy.Receive(0).empty());
+}
+
 TEST(LossyBus, WithoutFaultsChangesNothing) {
   Line line({});
   EXPECT_EQ(line.Pass(1000, 7), Range(1000));
