@@ -16,6 +16,7 @@
 #include "base/program.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "protocol/drive.h"
+#include "protocol/outage_watch.h"
 
 namespace muster {
 namespace {
@@ -105,14 +106,27 @@ std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags) {
 int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   CatchStopSignals();
   Drive drive(process, bus);
+  OutageWatch network;
+  const auto look_at_network = [&] {
+    const auto line = network.Line(bus->Outage(), MonotonicUs());
+    if (line) fmt::print(stderr, "{}: {}\n", process->identity().name, *line);
+  };
+  // Nobody can answer in an outage: its time does not count.
+  const auto clock = [bus] {
+    Now now = HostNow();
+    now.monotonic_us -= bus->outage_us();
+    return now;
+  };
   std::vector<Packet> arrived;
   while (!stop_requested) {
-    const Now now = HostNow();
+    const Now now = clock();
     if (drive.Turn(arrived, now, HostUsage) && !quiet) {
       fmt::print(stderr, "{}: {}\n", process->identity().name, ToString(process->state()));
     }
-    const TimeUs wait_us = drive.wake_us(now.monotonic_us) - MonotonicUs();
+    look_at_network();
+    const TimeUs wait_us = drive.wake_us(now.monotonic_us) - clock().monotonic_us;
     arrived = bus->Receive(std::max<TimeUs>(wait_us, 0));
+    look_at_network();
   }
   return kExitOk;
 }

@@ -18,11 +18,16 @@ struct Packet {
 class Bus {
  public:
   virtual ~Bus() = default;
-  /// Sends once. Throws SystemError when the host refuses (no multicast route, say).
+  /// Sends once; in an outage it is lost. Throws SystemError when the packet cannot be sent at all.
   virtual void Publish(const Packet& packet) = 0;
   /// Waits until something arrives or `timeout_us` has passed (0: only looks), then takes all that
   /// is there, in order of arrival. Returns at once when a signal arrives.
   virtual std::vector<Packet> Receive(std::int64_t timeout_us) = 0;
+  /// Why the network takes nothing now (no route, no link); "": it does. Receive finds out when it
+  /// is back, and returns only after a moment until then.
+  virtual std::string Outage() const { return ""; }
+  /// How long it took nothing, in all until now, microseconds: time in which nobody could answer.
+  virtual std::int64_t outage_us() const { return 0; }
 };
 
 }  // namespace muster

@@ -43,15 +43,36 @@ class BlockSignals {
   sigset_t before_;
 };
 
-struct RoundTrip {
-  std::string content;
-  bool done = false;
-};
+constexpr std::int64_t kProbeUs = 20'000;
+/// Probes that the kernel took and that did not come back, after which the group is joined anew.
+constexpr int kProbesToRejoin = 5;
+constexpr std::int64_t kFailingUs = 1'000'000;
+/// Of one wait: a process that is stopped meanwhile has not listened.
+constexpr std::int64_t kLongestWaitUs = 100'000;
 
-void OnRoundTrip(const lcm_recv_buf_t* message, const char* /*channel*/, void* user) {
-  auto* trip = static_cast<RoundTrip*>(user);
-  const std::string_view got(static_cast<const char*>(message->data), message->data_size);
-  if (got == trip->content) trip->done = true;
+std::int64_t NowUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch())
+      .count();
+}
+
+/// Whether a later packet may go where this one could not.
+bool IsOutage(int error) {
+  switch (error) {
+    case ENETUNREACH:
+    case ENETDOWN:
+    case ENODEV:
+    case ENXIO:
+    case EHOSTUNREACH:
+    case EHOSTDOWN:
+    case EADDRNOTAVAIL:
+    case EPERM:  // a firewall
+      return true;
+    default:
+      return false;
+  }
+}
+bool IsFullBuffer(int error) {
+  return error == ENOBUFS || error == ENOMEM || error == EAGAIN || error == EINTR;
 }
 
 }  // namespace
@@ -62,10 +83,9 @@ std::string LcmVersion() {
 
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
-LcmBus::LcmBus(const std::string& url) : url_(url) {
-  const MulticastUrl parts = ParseMulticastUrl(url);
+LcmBus::LcmBus(const std::string& url) : url_(url), parts_(ParseMulticastUrl(url)) {
   // LCM's own self-test speaks to stderr only and may abort: what it needs is looked at first.
-  if (const auto problem = MulticastProblem(parts.address)) {
+  if (const auto problem = MulticastProblem(parts_.address)) {
     throw SystemError(fmt::format(
         "no multicast on this host: {}; start the mission with 'muster run', which makes a private "
         "network, or {}",
@@ -81,7 +101,7 @@ LcmBus::LcmBus(const std::string& url) : url_(url) {
         "LCM cannot receive on {}: see its message above; 'muster doctor' tells more", url));
   }
   // LCM tells no socket before it reads from it: unguarded is its self-test, a millisecond or two.
-  for (const int socket : SocketsOnPort(parts.port)) {
+  for (const int socket : SocketsOnPort(parts_.port)) {
     if (const auto problem = GuardSocket(socket, GuardedChannels::kOurs)) {
       fmt::print(stderr, "muster: LCM reads datagrams that nothing has checked: {}\n", *problem);
     }
@@ -94,44 +114,113 @@ LcmBus::LcmBus(const std::string& url) : url_(url) {
 
 LcmBus::~LcmBus() = default;
 
+void LcmBus::OnRoundTrip(const lcm_recv_buf_t* message, const char* /*channel*/,
+                         void* bus) noexcept {
+  auto* self = static_cast<LcmBus*>(bus);
+  const std::string_view got(static_cast<const char*>(message->data), message->data_size);
+  if (got == self->round_trip_) self->came_back_ = true;
+}
+
 void LcmBus::CheckRoundTrip() {
-  RoundTrip trip{fmt::format("{} {}", getpid(), Clock::now().time_since_epoch().count())};
-  lcm_subscription_t* subscription =
-      lcm_subscribe(lcm_.get(), kRoundTripChannel, &OnRoundTrip, &trip);
-  if (subscription == nullptr) throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
-  const auto deadline = Clock::now() + std::chrono::seconds(3);
-  while (!trip.done && Clock::now() < deadline) {
-    if (lcm_publish(lcm_.get(), kRoundTripChannel, trip.content.data(),
-                    static_cast<unsigned>(trip.content.size())) != 0) {
-      throw SystemError(fmt::format("LCM cannot send on {}: {}", url_, std::strerror(errno)));
-    }
-    while (!trip.done && Ready(100'000)) HandleOne();
+  round_trip_ = fmt::format("{} {}", getpid(), Clock::now().time_since_epoch().count());
+  if (lcm_subscribe(lcm_.get(), kRoundTripChannel, &OnRoundTrip, this) == nullptr) {
+    throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
   }
-  lcm_unsubscribe(lcm_.get(), subscription);
-  if (!trip.done) {
+  const auto deadline = Clock::now() + std::chrono::seconds(3);
+  while (!came_back_ && Clock::now() < deadline) {
+    if (const int error = Send(kRoundTripChannel, round_trip_.data(), round_trip_.size())) {
+      throw SystemError(fmt::format("LCM cannot send on {}: {}", url_, std::strerror(error)));
+    }
+    while (!came_back_ && Ready(100'000)) HandleOne();
+  }
+  if (!came_back_) {
     throw SystemError(fmt::format(
         "LCM hears nothing on {}: what is sent does not come back; 'muster doctor' tells more",
         url_));
   }
 }
 
-void LcmBus::Publish(const Packet& packet) {
-  RequireAcceptable(packet);
+int LcmBus::Send(const std::string& channel, const void* data, std::size_t size) {
+  int error = 0;
   for (int attempt = 0; attempt < 3; ++attempt) {
     errno = 0;
-    if (lcm_publish(lcm_.get(), packet.channel.c_str(), packet.bytes.data(),
-                    static_cast<unsigned>(packet.bytes.size())) == 0) {
-      ++counters_.published;
-      return;
-    }
-    if (errno != EINTR) break;
+    const int status = lcm_publish(lcm_.get(), channel.c_str(), data, static_cast<unsigned>(size));
+    error = errno;
+    // Of a message in fragments LCM does not tell that they could not be sent.
+    if (status == 0 && !IsOutage(error) && !IsFullBuffer(error)) return 0;
+    if (error != EINTR) break;
   }
-  if (errno == ENOBUFS || errno == EAGAIN || errno == EINTR) {
+  return error == 0 ? EIO : error;
+}
+
+void LcmBus::Publish(const Packet& packet) {
+  RequireAcceptable(packet);
+  if (!outage_.empty()) {
     ++counters_.not_sent;
     return;
   }
-  throw SystemError(fmt::format("LCM cannot send {} bytes on {}, {}: {}", packet.bytes.size(),
-                                packet.channel, url_, std::strerror(errno)));
+  const int error = Send(packet.channel, packet.bytes.data(), packet.bytes.size());
+  if (error == 0) {
+    ++counters_.published;
+    failing_since_us_ = -1;
+    unanswered_ = true;
+    return;
+  }
+  if (!IsOutage(error) && !IsFullBuffer(error)) {
+    throw SystemError(fmt::format("LCM cannot send {} bytes on {}, {}: {}", packet.bytes.size(),
+                                  packet.channel, url_, std::strerror(error)));
+  }
+  ++counters_.not_sent;
+  NoteFailure(error);
+}
+
+void LcmBus::NoteFailure(int error) {
+  if (IsOutage(error)) {
+    BeginOutage(std::strerror(error));
+    return;
+  }
+  const std::int64_t now_us = NowUs();
+  if (failing_since_us_ < 0) failing_since_us_ = now_us;
+  if (now_us - failing_since_us_ >= kFailingUs) BeginOutage(std::strerror(error));
+}
+
+void LcmBus::BeginOutage(std::string reason) {
+  outage_ = std::move(reason);
+  outage_since_us_ = probed_us_ = NowUs();
+  probes_sent_ = 0;
+  came_back_ = false;
+}
+
+std::int64_t LcmBus::outage_us() const {
+  return past_outages_us_ + (outage_.empty() ? 0 : NowUs() - outage_since_us_);
+}
+
+void LcmBus::Probe() {
+  const std::int64_t now_us = NowUs();
+  if (came_back_) {
+    past_outages_us_ += now_us - outage_since_us_;
+    outage_.clear();
+    failing_since_us_ = -1;
+    unanswered_ = false;
+    waited_us_ = 0;
+    return;
+  }
+  if (now_us - probed_us_ < kProbeUs) return;
+  probed_us_ = now_us;
+  if (Send(kRoundTripChannel, round_trip_.data(), round_trip_.size()) != 0) return;
+  if (++probes_sent_ % kProbesToRejoin != 0) return;
+  for (const int socket : SocketsOnPort(parts_.port)) JoinAgain(socket, parts_.address);
+}
+
+void LcmBus::NoteWaited(std::int64_t waited_us) {
+  if (!unanswered_ || !outage_.empty()) return;
+  const bool asked = waited_us_ >= kFailingUs / 2;
+  waited_us_ += std::min(waited_us, kLongestWaitUs);
+  // A large message may be lost as it is: a small one shows.
+  if (!asked && waited_us_ >= kFailingUs / 2) {
+    static_cast<void>(Send(kRoundTripChannel, round_trip_.data(), round_trip_.size()));
+  }
+  if (waited_us_ >= kFailingUs) BeginOutage("what is sent does not come back");
 }
 
 bool LcmBus::Ready(std::int64_t timeout_us) const {
@@ -152,15 +241,23 @@ void LcmBus::HandleOne() {
 
 std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
   // What LCM dispatches may all be rejected: wait on for the rest of the time.
-  const auto deadline = Clock::now() + std::chrono::microseconds(timeout_us);
-  std::int64_t left_us = timeout_us;
-  while (Ready(left_us)) {
-    HandleOne();
-    for (int i = 1; i < kMaxBurst && Ready(0); ++i) HandleOne();
-    if (!inbox_.empty()) break;
-    left_us =
-        std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now()).count();
-    if (left_us <= 0) break;
+  const std::int64_t deadline_us = NowUs() + timeout_us;
+  while (true) {
+    const std::int64_t begin_us = NowUs();
+    std::int64_t wait_us = std::max<std::int64_t>(deadline_us - begin_us, 0);
+    if (!outage_.empty()) wait_us = std::max(probed_us_ + kProbeUs - begin_us, kProbeUs / 10);
+    const bool ready = Ready(wait_us);
+    if (ready) {
+      HandleOne();
+      for (int i = 1; i < kMaxBurst && Ready(0); ++i) HandleOne();
+      unanswered_ = false;
+      waited_us_ = 0;
+    } else {
+      NoteWaited(NowUs() - begin_us);
+    }
+    const bool was_out = !outage_.empty();
+    if (was_out) Probe();
+    if (!ready || !inbox_.empty() || was_out || NowUs() >= deadline_us) break;
   }
   counters_.received += static_cast<std::int64_t>(inbox_.size());
   return std::exchange(inbox_, {});

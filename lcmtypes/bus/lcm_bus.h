@@ -22,11 +22,16 @@ struct LcmBusCounters {
   std::int64_t published = 0;
   std::int64_t received = 0;  ///< handed out by Receive
   std::int64_t rejected = 0;  ///< of an unknown MUSTER_ channel or too large: dropped
-  std::int64_t not_sent = 0;  ///< the kernel's buffers were full; lost like any other packet
+  std::int64_t not_sent = 0;  ///< the kernel's buffers were full, or the network was gone: lost
 };
 
 /// The bus over LCM's UDP multicast. A process hears its own packets, too. One thread uses it; LCM
 /// reads the socket in a thread of its own, which takes no signals, into an unlimited queue.
+///
+/// An outage begins when the kernel finds no way for a packet (no route, no link; full buffers for
+/// a second), or when none has come in for a second of waiting though some were sent: the socket is
+/// a member of the group on an interface that is no more. It ends when a packet of ours comes back;
+/// until then one is sent every 20 ms, and the group is joined anew while none comes.
 class LcmBus : public Bus {
  public:
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a
@@ -36,6 +41,8 @@ class LcmBus : public Bus {
 
   void Publish(const Packet& packet) override;
   std::vector<Packet> Receive(std::int64_t timeout_us) override;
+  std::string Outage() const override { return outage_; }
+  std::int64_t outage_us() const override;
 
   const LcmBusCounters& counters() const { return counters_; }
 
@@ -45,13 +52,30 @@ class LcmBus : public Bus {
   };
 
   static void OnMessage(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
+  static void OnRoundTrip(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
+  /// 0, or the errno of a send that failed.
+  int Send(const std::string& channel, const void* data, std::size_t size);
   bool Ready(std::int64_t timeout_us) const;
   void HandleOne();
   void CheckRoundTrip();
+  void NoteFailure(int error);
+  void NoteWaited(std::int64_t waited_us);
+  void BeginOutage(std::string reason);
+  /// Sends a packet to see whether it comes back.
+  void Probe();
 
   std::string url_;
+  MulticastUrl parts_;
   std::unique_ptr<_lcm_t, Destroy> lcm_;
   int fd_ = -1;
+  std::string round_trip_;              ///< what to send to oneself
+  bool came_back_ = false;              ///< since it was last sent
+  bool unanswered_ = false;             ///< something was sent since anything was heard
+  std::int64_t waited_us_ = 0;          ///< for that
+  std::int64_t failing_since_us_ = -1;  ///< full buffers
+  std::string outage_;                  ///< why; "": none
+  std::int64_t outage_since_us_ = 0, past_outages_us_ = 0, probed_us_ = 0;
+  int probes_sent_ = 0;  ///< since anything came back
   std::vector<Packet> inbox_;
   std::exception_ptr callback_error_;  ///< thrown inside LCM's C frames, rethrown outside
   LcmBusCounters counters_;

@@ -58,6 +58,8 @@ class LossyBus : public Bus {
 
   void Publish(const Packet& packet) override;
   std::vector<Packet> Receive(std::int64_t timeout_us) override;
+  std::string Outage() const override { return bus_->Outage(); }
+  std::int64_t outage_us() const override { return bus_->outage_us(); }
 
  private:
   /// (due, order): packets with the same delay keep their order.

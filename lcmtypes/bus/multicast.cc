@@ -105,6 +105,15 @@ std::string DefaultUrl() {
   return url != nullptr && *url != '\0' ? url : MissionUrl(MulticastUrl().port);
 }
 
+void JoinAgain(int socket, const std::string& address) {
+  ip_mreq membership{};
+  membership.imr_interface.s_addr = htonl(INADDR_ANY);
+  if (inet_pton(AF_INET, address.c_str(), &membership.imr_multiaddr) != 1) return;
+  for (const int option : {IP_DROP_MEMBERSHIP, IP_ADD_MEMBERSHIP}) {
+    setsockopt(socket, IPPROTO_IP, option, &membership, sizeof membership);
+  }
+}
+
 std::optional<std::string> MulticastProblem(const std::string& address) {
   const Socket receiver;
   const Socket sender;

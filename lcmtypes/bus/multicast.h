@@ -30,6 +30,10 @@ std::string DefaultUrl();
 inline constexpr std::string_view kMulticastAdvice =
     "run as root: ip link set lo up && ip route add 224.0.0.0/4 dev lo";
 
+/// Leaves the group and joins it again, on the interface that multicast goes to now: the membership
+/// that a socket had on an interface is gone with it. Where there is none now, it is no member.
+void JoinAgain(int socket, const std::string& address);
+
 /// Sends one packet with ttl 0 to the multicast address on a port of its own and waits up to a
 /// second for it to come back. None when it does, else what is wrong. Starts no threads.
 std::optional<std::string> MulticastProblem(const std::string& address);

@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "lcmtypes/bus/datagram_guard.h"
+#include "lcmtypes/bus/multicast.h"
 
 namespace muster::tools {
 namespace {
@@ -25,13 +26,13 @@ struct OwnedFile {
   }
 };
 
-}  // namespace
-
-bool GuardSocketsOf(pid_t pid, std::uint16_t port) {
+/// Calls `visit` with a descriptor of ours of each such socket; whether there is one.
+template <class Visit>
+bool ForEachSocketOf(pid_t pid, std::uint16_t port, Visit visit) {
   // By number: not in every C library.
   const OwnedFile process{static_cast<int>(syscall(SYS_pidfd_open, pid, 0))};
   if (process.fd < 0) throw SystemError(fmt::format("pidfd_open: {}", std::strerror(errno)));
-  bool guarded = false;
+  bool found = false;
   for (int file = 0; file < kMostFiles; ++file) {
     const OwnedFile ours{static_cast<int>(syscall(SYS_pidfd_getfd, process.fd, file, 0))};
     if (ours.fd < 0) {
@@ -40,12 +41,23 @@ bool GuardSocketsOf(pid_t pid, std::uint16_t port) {
       throw SystemError(fmt::format("pidfd_getfd: {}", std::strerror(errno)));
     }
     if (!IsOnPort(ours.fd, port)) continue;
-    if (const std::optional<std::string> problem = GuardSocket(ours.fd, GuardedChannels::kAny)) {
-      throw SystemError(*problem);
-    }
-    guarded = true;
+    visit(ours.fd);
+    found = true;
   }
-  return guarded;
+  return found;
+}
+
+}  // namespace
+
+bool GuardSocketsOf(pid_t pid, std::uint16_t port) {
+  return ForEachSocketOf(pid, port, [](int socket) {
+    const std::optional<std::string> problem = GuardSocket(socket, GuardedChannels::kAny);
+    if (problem) throw SystemError(*problem);
+  });
+}
+
+void RejoinSocketsOf(pid_t pid, std::uint16_t port, const std::string& address) {
+  ForEachSocketOf(pid, port, [&](int socket) { JoinAgain(socket, address); });
 }
 
 }  // namespace muster::tools

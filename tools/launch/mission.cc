@@ -35,6 +35,7 @@ class RealHost : public MissionHost {
   Now now() const override { return HostNow(); }
   Usage usage() const override { return HostUsage(); }
   LossyBus& bus() override { return *bus_; }
+  void OnNetworkBack() override;
   int stops_asked() const override { return stop_.count(); }
 
   void Start(const std::string& name, std::int64_t starts) override;
@@ -117,6 +118,17 @@ void RealHost::GuardLogger() {
   }
   if (logger.Poll()) return;
   Say(fmt::format("nothing checks what comes to lcm-logger's socket: {}", problem));
+}
+
+void RealHost::OnNetworkBack() {
+  const MulticastUrl url = ParseMulticastUrl(programs_.lcm_url);
+  const auto logger = children_.find(process_name::kLogger);
+  if (logger == children_.end() || logger->second.Poll()) return;
+  try {
+    RejoinSocketsOf(logger->second.pid(), url.port, url.address);
+  } catch (const SystemError& error) {
+    Say(fmt::format("lcm-logger may hear nothing: {}", error.what()));
+  }
 }
 
 bool RealHost::IsStopped(const std::string& name) const {

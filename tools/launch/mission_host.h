@@ -23,6 +23,8 @@ class MissionHost {
   virtual Usage usage() const = 0;
   /// The launcher's own; time may pass, and everything else may happen, while it receives.
   virtual LossyBus& bus() = 0;
+  /// After an outage: for who does not see to its own sockets.
+  virtual void OnNetworkBack() {}
   /// How often whoever runs the mission has asked to stop it.
   virtual int stops_asked() const = 0;
 

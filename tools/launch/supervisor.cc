@@ -10,6 +10,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "protocol/fault_switch.h"
+#include "protocol/outage_watch.h"
 #include "recorder/archive.h"
 #include "recorder/recorder.h"
 #include "tools/faults/fault_injector.h"
@@ -27,6 +28,8 @@ constexpr TimeUs kHeartbeatUs = kSecondUs;
 constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
 constexpr TimeUs kForeignUs = 2'000;
+/// An outage of the network may last that long for each time that a process may be started.
+constexpr TimeUs kOutageUs = 10 * kSecondUs;
 
 /// A process of the mission, or the logger, over all its starts.
 struct Member {
@@ -56,6 +59,9 @@ class Supervisor : private FaultActions {
   /// Turns until `done` holds; false when the time is over or a second signal came first.
   template <class Condition>
   bool TurnUntil(Condition done, TimeUs longest_us);
+  void LookAtNetwork();
+  /// The network has been gone for as long as it may.
+  bool NetworkIsGone();
   void ReadLog(const Now& now);
   void AnswerFromArchive(const Packet& request, const Now& now);
   void Show(bool at_end);
@@ -94,6 +100,7 @@ class Supervisor : private FaultActions {
   StallWatch stall_watch_;
   FaultInjector injector_;
   FaultSwitch own_faults_;
+  OutageWatch network_;
   RunRecord record_;
   MissionView logged_;
   std::int64_t heard_tick_ = -1;
@@ -172,6 +179,7 @@ void Supervisor::Turn() {
   recorder_.Step(now, &out_);
   for (const Packet& packet : out_) host_->bus().Publish(packet);
   out_.clear();
+  LookAtNetwork();
   Show(false);
   if (!stopping_) {
     if (const auto line = stall_watch_.Line(now.monotonic_us)) Say(*line);
@@ -207,6 +215,21 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
                     request->header.sender, request->channel));
   }
   for (restore_t& answer : answers) recorder_.Answer(std::move(answer), now);
+}
+
+void Supervisor::LookAtNetwork() {
+  const auto line = network_.Line(host_->bus().Outage(), host_->now().monotonic_us);
+  if (!line) return;
+  Say(*line);
+  if (network_.reason().empty()) host_->OnNetworkBack();
+}
+
+bool Supervisor::NetworkIsGone() {
+  const TimeUs lasts_us = network_.lasts_us(host_->now().monotonic_us);
+  if (lasts_us < kOutageUs * (1 + plan_.restarts.most)) return false;
+  problems_.push_back(fmt::format("the network has been gone for {:.0f} s: {}", ToSeconds(lasts_us),
+                                  network_.reason()));
+  return true;
 }
 
 template <class Condition>
@@ -337,7 +360,9 @@ bool Supervisor::KeepAlive() {
   for (Member& member : members_) {
     if (member.gone) continue;
     if (!member.down && has_ended(member) && !OnEnd(&member, now)) return false;
-    if (member.down && !member.held && now.monotonic_us >= member.restart_us) Start(&member);
+    // It would find no network and end.
+    const bool may_start = !member.held && network_.reason().empty();
+    if (member.down && may_start && now.monotonic_us >= member.restart_us) Start(&member);
   }
   return true;
 }
@@ -397,7 +422,7 @@ MissionResult Supervisor::Run() {
       result.end = MissionEnd::kComplete;
       break;
     }
-    if (!KeepAlive()) break;
+    if (!KeepAlive() || NetworkIsGone()) break;
     if (!ready && host_->now().monotonic_us >= ready_by_us) {
       for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
         if (logged_.StateOf(member->name) != ProcessState::kStarting) continue;
