@@ -30,6 +30,17 @@ bool LogFollower::Contains(const header_t& header) const {
   return start != starts_.end() && start->second.Contains(header.seq);
 }
 
+std::int64_t LogFollower::missing_below(const std::string& sender, std::int64_t boot_id,
+                                        std::int64_t seq) const {
+  const auto start = starts_.find({sender, boot_id});
+  if (start == starts_.end()) return seq;
+  std::int64_t sum = 0;
+  for (const IntervalSet::Range& range : start->second.Missing(0, seq - 1)) {
+    sum += range.last - range.first + 1;
+  }
+  return sum;
+}
+
 std::int64_t LogFollower::missing() const {
   std::int64_t sum = 0;
   for (const auto& [start, seqs] : starts_) sum += seqs.max() + 1 - seqs.size();

@@ -27,6 +27,9 @@ class LogFollower {
   /// Every seq of that start of that sender below it is in the log.
   std::int64_t next_seq(const std::string& sender, std::int64_t boot_id) const;
   bool Contains(const header_t& header) const;
+  /// How many seqs below `seq` are not.
+  std::int64_t missing_below(const std::string& sender, std::int64_t boot_id,
+                             std::int64_t seq) const;
   /// Seqs that are missing below the highest one that the log holds, over all senders.
   std::int64_t missing() const;
 

@@ -120,14 +120,26 @@ std::int64_t Recorder::unrecorded_own() const {
 
 bool Recorder::behind() const {
   if (unrecorded_own() > 0) return true;
-  return std::any_of(heard_.begin(), heard_.end(),
-                     [this](const auto& entry) {
-                       const auto& [start, heard] = entry;
-                       // What nobody has heard of somebody who has ended is lost.
-                       return ended_.count(start) == 0 &&
-                              heard > follower_.next_seq(start.first, start.second);
-                     }) ||
-         owes();
+  const bool lacks = std::any_of(heard_.begin(), heard_.end(), [this](const auto& entry) {
+    return IsAwaited(entry.first, entry.second);
+  });
+  return lacks || owes();
+}
+
+bool Recorder::IsAwaited(const Start& start, std::int64_t heard) const {
+  // What nobody has heard of somebody who has ended is lost.
+  return heard > follower_.next_seq(start.first, start.second) && !ended_.contains(start) &&
+         !given_up_.contains(start);
+}
+
+std::vector<Recorder::Gap> Recorder::gaps() const {
+  std::vector<Gap> gaps;
+  for (const auto& [start, heard] : heard_) {
+    if (!IsAwaited(start, heard)) continue;
+    const auto& [sender, boot_id] = start;
+    gaps.push_back({sender, boot_id, follower_.missing_below(sender, boot_id, heard)});
+  }
+  return gaps;
 }
 
 void Recorder::Repeat(const Now& now) {

@@ -60,12 +60,23 @@ class Recorder {
 
   /// Something is known to be published and not in the log yet.
   bool behind() const;
+  /// What one start of a sender, which has not ended, must have said and the log lacks.
+  struct Gap {
+    std::string sender;
+    std::int64_t boot_id = 0;
+    std::int64_t messages = 0;
+  };
+  std::vector<Gap> gaps() const;
+  /// Waits for that start's messages no more.
+  void GiveUp(const Gap& gap) { given_up_.insert({gap.sender, gap.boot_id}); }
   const LogFollower& log() const { return follower_; }
 
  private:
   using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
 
   std::int64_t unrecorded_own() const;
+  /// `heard`: highest seq heard of that start, plus one.
+  bool IsAwaited(const Start& start, std::int64_t heard) const;
   void Repeat(const Now& now);
   /// Whether there is something to say again for those who have ended.
   bool owes() const;
@@ -76,7 +87,7 @@ class Recorder {
   std::map<Start, std::int64_t> heard_;  ///< of others: highest seq heard, plus one
   /// By seq: heard and not in the log.
   std::map<Start, std::map<std::int64_t, Packet>> kept_;
-  std::set<Start> ended_;
+  std::set<Start> ended_, given_up_;
   TimeUs sim_us_ = 0;         ///< latest in the log
   SentPacket newest_status_;  ///< the last log_status_t
   bool news_ = true;          ///< the marks have changed since

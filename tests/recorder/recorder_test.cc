@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <limits>
 #include <vector>
 
 #include "base/random.h"
@@ -194,6 +195,32 @@ TEST(Recorder, IgnoresOtherRuns) {
   EXPECT_FALSE(recorder.OnLogged(MessageOf("uav", 7, 0, 2), now));
   recorder.OnHeard(MessageOf("uav", 7, 0, 1), now);
   EXPECT_TRUE(recorder.behind());
+}
+
+TEST(Recorder, AGapThatNobodyFillsCanBeGivenUp) {
+  Recorder recorder({1, "recorder", 0});
+  std::vector<Packet> out;
+  const auto hear = [&](const Packet& packet) {
+    recorder.OnHeard(packet, {});
+    recorder.OnLogged(packet, {});
+  };
+  for (std::int64_t seq = 0; seq < 50; ++seq) hear(MessageOf("world", seq));
+  EXPECT_TRUE(recorder.gaps().empty());
+  hear(MessageOf("world", 1049));
+  ASSERT_EQ(recorder.gaps().size(), 1u);
+  EXPECT_EQ(recorder.gaps()[0].sender, "world");
+  EXPECT_EQ(recorder.gaps()[0].messages, 999);
+  EXPECT_TRUE(recorder.behind());
+  recorder.GiveUp(recorder.gaps()[0]);
+  EXPECT_TRUE(recorder.gaps().empty());
+  EXPECT_FALSE(recorder.behind());
+  hear(MessageOf("world", 2000));
+  EXPECT_FALSE(recorder.behind()) << "whoever says it again holds nobody up";
+  // Of a start that nobody has seen, and the highest number that a message may have.
+  hear(MessageOf("uav", 9, 7));
+  EXPECT_EQ(recorder.gaps()[0].messages, 9);
+  hear(MessageOf("worker", std::numeric_limits<std::int64_t>::max()));
+  EXPECT_EQ(recorder.gaps().size(), 1u) << "not a message at all";
 }
 
 }  // namespace

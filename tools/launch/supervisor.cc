@@ -15,6 +15,8 @@
 #include "recorder/recorder.h"
 #include "tools/faults/fault_injector.h"
 #include "tools/faults/foreign_packets.h"
+#include "tools/launch/end_watch.h"
+#include "tools/launch/member.h"
 #include "tools/launch/mission_view.h"
 #include "tools/launch/stall_watch.h"
 
@@ -30,18 +32,6 @@ constexpr TimeUs kLookUs = 20'000;
 constexpr TimeUs kForeignUs = 2'000;
 /// An outage of the network may last that long for each time that a process may be started.
 constexpr TimeUs kOutageUs = 10 * kSecondUs;
-
-/// A process of the mission, or the logger, over all its starts.
-struct Member {
-  std::string name;
-  std::int64_t starts = 0;
-  bool down = false;           ///< ended, and to be started again
-  TimeUs restart_us = kNever;  ///< then
-  bool held = false;           ///< not before it is released
-  std::int64_t forgiven = 0;   ///< ends that the fault plan caused
-  bool back_due = false;       ///< started again, and nothing heard of that start yet
-  bool gone = false;           ///< ended for good, and the mission goes on
-};
 
 /// One mission from start to end.
 class Supervisor : private FaultActions {
@@ -59,6 +49,8 @@ class Supervisor : private FaultActions {
   /// Turns until `done` holds; false when the time is over or a second signal came first.
   template <class Condition>
   bool TurnUntil(Condition done, TimeUs longest_us);
+  /// Says for what the mission waits at its end, and gives up what nobody can say.
+  void SeeToEnd(const Now& now);
   void LookAtNetwork();
   /// The network has been gone for as long as it may.
   bool NetworkIsGone();
@@ -101,6 +93,7 @@ class Supervisor : private FaultActions {
   FaultInjector injector_;
   FaultSwitch own_faults_;
   OutageWatch network_;
+  EndWatch end_watch_;
   RunRecord record_;
   MissionView logged_;
   std::int64_t heard_tick_ = -1;
@@ -183,6 +176,7 @@ void Supervisor::Turn() {
   Show(false);
   if (!stopping_) {
     if (const auto line = stall_watch_.Line(now.monotonic_us)) Say(*line);
+    if (logged_.end_announced()) SeeToEnd(now);
   }
 
   const TimeUs look_us = recorder_.behind() ? kLookBehindUs : kLookUs;
@@ -215,6 +209,17 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
                     request->header.sender, request->channel));
   }
   for (restore_t& answer : answers) recorder_.Answer(std::move(answer), now);
+}
+
+void Supervisor::SeeToEnd(const Now& now) {
+  if (const auto line =
+          end_watch_.Line(WaitingAtEnd(members_, logged_, recorder_, *host_), now.monotonic_us))
+    Say(*line);
+  if (!end_watch_.hopeless(now.monotonic_us)) return;
+  for (const Recorder::Gap& gap : recorder_.gaps()) {
+    Say(fmt::format("{} in the log: given up, nobody says them", TextOf(gap)));
+    recorder_.GiveUp(gap);
+  }
 }
 
 void Supervisor::LookAtNetwork() {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -14,7 +15,7 @@
 
 #include "base/random.h"
 #include "lcmtypes/bus/codec.h"
-#include "lcmtypes/bus/multicast.h"
+#include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
@@ -156,6 +157,32 @@ TEST_F(DatagramAttackTest, WhatEndsLcmEndsNobody) {
 
 TEST_F(DatagramAttackTest, WhatIsDamagedAtRandomHarmsNobody) {
   AttackAtRandom(1, 200'000, std::chrono::minutes(2));
+}
+
+/// An impostor among the members, without whose 999 messages nobody would ever have ended.
+TEST_F(DatagramAttackTest, ANumberThatIsTooHighHoldsTheMissionUpNoLonger) {
+  Muster muster = Start("max");
+  LcmBus bus(MissionUrl(port_));
+  std::optional<process_status_t> status;
+  const auto is_known = [&] {
+    for (const Packet& packet : bus.Receive(100'000)) {
+      if (packet.channel != channel::kProcess) continue;
+      const auto heard = DecodeValid<process_status_t>(packet.bytes);
+      if (heard && heard->header.sender == "uav") status = heard;
+    }
+    return status.has_value();
+  };
+  ASSERT_TRUE(Eventually(is_known)) << muster.output();
+  status->header.seq += 10'000;
+  bus.Publish({std::string(channel::kProcess), Encode(*status)});
+  EXPECT_EQ(muster.Wait(std::chrono::minutes(2)), 4) << muster.output();
+  const std::string said = muster.output();
+  EXPECT_NE(said.find("the mission has been over for 3 s: it waits for 9"), std::string::npos)
+      << said;
+  EXPECT_NE(said.find(" messages of uav (start 0) in the log: given up"), std::string::npos)
+      << said;
+  EXPECT_NE(said.find("NOT COMPLETE"), std::string::npos) << said;
+  EXPECT_NE(said.find("first: uav (start 0) seq"), std::string::npos) << said;
 }
 
 #endif

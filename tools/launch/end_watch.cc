@@ -1,0 +1,66 @@
+#include "tools/launch/end_watch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace muster::tools {
+namespace {
+
+constexpr TimeUs kPatienceUs = 3 * kSecondUs;
+/// Twenty times the longest pause between two repairs of a sender.
+constexpr TimeUs kGapUs = 10 * kSecondUs;
+
+}  // namespace
+
+std::optional<std::string> EndWatch::Line(const Waiting& waiting, TimeUs now_us) {
+  if (waiting.gaps == 0) {
+    gaps_since_us_ = kNever;
+  } else if (gaps_since_us_ == kNever || waiting.gaps < gaps_ || waiting.may_be_filled) {
+    gaps_since_us_ = now_us;
+  }
+  gaps_ = waiting.gaps;
+
+  if (waiting.for_whom.empty()) {
+    since_us_ = kNever;
+    said_after_us_ = 0;
+    return {};
+  }
+  if (since_us_ == kNever) since_us_ = now_us;
+  const TimeUs waits_us = now_us - since_us_;
+  if (waits_us < kPatienceUs || waits_us < 2 * said_after_us_) return {};
+  said_after_us_ = waits_us;
+  return fmt::format("the mission has been over for {:.0f} s: it waits for {}", ToSeconds(waits_us),
+                     fmt::join(waiting.for_whom, ", "));
+}
+
+EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,
+                               const Recorder& recorder, const MissionHost& host) {
+  EndWatch::Waiting waiting;
+  for (const Member& member : members) {
+    const bool stopped = !member.gone && !member.down && host.IsStopped(member.name);
+    waiting.may_be_filled |= stopped || member.down;
+    const bool ended = &member == &members.front() || member.gone ||
+                       logged.StateOf(member.name) == ProcessState::kEnded;
+    if (stopped) {
+      waiting.for_whom.push_back(member.name + " (stopped by a signal)");
+    } else if (!ended) {
+      waiting.for_whom.push_back(member.name);
+    }
+  }
+  for (const Recorder::Gap& gap : recorder.gaps()) {
+    waiting.gaps += gap.messages;
+    waiting.for_whom.push_back(TextOf(gap) + " in the log");
+  }
+  if (waiting.for_whom.empty() && recorder.behind()) waiting.for_whom.emplace_back("the log");
+  return waiting;
+}
+
+std::string TextOf(const Recorder::Gap& gap) {
+  return fmt::format("{} messages of {} (start {})", gap.messages, gap.sender, gap.boot_id);
+}
+
+bool EndWatch::hopeless(TimeUs now_us) const {
+  return gaps_since_us_ != kNever && now_us - gaps_since_us_ >= kGapUs;
+}
+
+}  // namespace muster::tools

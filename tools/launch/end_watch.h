@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.h"
+#include "recorder/recorder.h"
+#include "tools/launch/member.h"
+#include "tools/launch/mission_host.h"
+#include "tools/launch/mission_view.h"
+
+namespace muster::tools {
+
+/// Watches what a mission still waits for after its end was announced: members that have not ended,
+/// and gaps in the log.
+class EndWatch {
+ public:
+  struct Waiting {
+    std::vector<std::string> for_whom;  ///< in words; empty: all is done
+    std::int64_t gaps = 0;              ///< messages known to exist that the log lacks
+    bool may_be_filled = false;         ///< somebody is stopped, or about to start again
+  };
+
+  /// Takes how things stand; a line to say now: after 3 s, 6 s, 12 s ...
+  std::optional<std::string> Line(const Waiting& waiting, TimeUs now_us);
+  /// The gaps have not become smaller for 10 s in which all ran who could have filled them.
+  bool hopeless(TimeUs now_us) const;
+
+ private:
+  TimeUs since_us_ = kNever;
+  TimeUs said_after_us_ = 0;
+  std::int64_t gaps_ = 0;
+  TimeUs gaps_since_us_ = kNever;
+};
+
+/// For what a mission waits whose end is announced. `members`: the logger first.
+EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,
+                               const Recorder& recorder, const MissionHost& host);
+
+/// "949 messages of world (start 0)"
+std::string TextOf(const Recorder::Gap& gap);
+
+}  // namespace muster::tools
