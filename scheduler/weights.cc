@@ -231,6 +231,79 @@ std::vector<double> ExpectedCosts(const std::vector<Probe>& probes, const std::v
   return costs;
 }
 
+namespace {
+
+/// Of the idle UAVs, [n_uavs].
+struct UavRanges {
+  Eigen::ArrayXd full_m, task_likelihood, charge_likelihood;
+};
+
+/// What the UAVs' ranges allow and make likely (Eq. 4-1, 4-4, 4-19); fills range_m,
+/// charge_foundation, senseable and chargeable of `w`, whose ways are known.
+UavRanges LookAtRanges(const Situation& situation, const Agents& uavs, Foundation foundation,
+                       Weights* w) {
+  const Site& site = *situation.site;
+  const auto n_uavs = static_cast<Eigen::Index>(uavs.size());
+  const Eigen::Index n_tasks = w->uav_task.way_m.cols(), n_charges = w->uav_charge.way_m.cols();
+  w->range_m.resize(n_uavs);
+  w->charge_foundation.resize(n_uavs);
+  w->senseable.resize(n_uavs, n_tasks);
+  w->chargeable.resize(n_uavs, n_charges);
+  UavRanges ranges{Eigen::ArrayXd(n_uavs), Eigen::ArrayXd(n_uavs), Eigen::ArrayXd(n_uavs)};
+  for (Eigen::Index u = 0; u < n_uavs; ++u) {
+    const AgentState& uav = *uavs[static_cast<std::size_t>(u)];
+    w->range_m(u) = situation.range_m(uav);
+    ranges.full_m(u) = uav.range_full_m;
+    const double share = w->range_m(u) / ranges.full_m(u);
+    ranges.task_likelihood(u) = TaskLikelihood(share);
+    ranges.charge_likelihood(u) = ChargeLikelihood(share);
+    w->charge_foundation(u) = ChargeFoundation(foundation, share);
+    for (Eigen::Index x = 0; x < n_tasks; ++x) {
+      const std::size_t task = w->tasks[static_cast<std::size_t>(x)].index();
+      w->senseable(u, x) = CanSense(w->range_m(u), w->uav_task.way_m(u, x), site.tasks[task].cost_m,
+                                    site.task_to_charge_m[task]);
+    }
+    for (Eigen::Index y = 0; y < n_charges; ++y) {
+      w->chargeable(u, y) = CanReachCharge(w->range_m(u), w->uav_charge.way_m(u, y));
+    }
+  }
+  return ranges;
+}
+
+/// Benefits of what UAVs can do, from their expected costs at the tasks and then the charging
+/// points; fills uav_to_task, uav_senses, uav_to_charge and uav_charges of `w`.
+void WeighUavs(const Site& site, const Eigen::ArrayXd& full_m, const CostsAt& as_to_tasks,
+               const CostsAt& as_to_charging, Weights* w) {
+  const Eigen::Index n_uavs = full_m.size();
+  const Eigen::Index n_tasks = w->uav_task.way_m.cols(), n_charges = w->uav_charge.way_m.cols();
+  const Table<double> task_part_at_task = Benefits(as_to_tasks, w->uav_task.intervals, 0);
+  const Table<double> charge_part_at_task = Benefits(as_to_charging, w->uav_task.intervals, 0);
+  const Table<double> task_part_at_charge = Benefits(as_to_tasks, w->uav_charge.intervals, n_tasks);
+  const Table<double> charge_part_at_charge =
+      Benefits(as_to_charging, w->uav_charge.intervals, n_tasks);
+  w->uav_to_task.resize(n_uavs, n_tasks);
+  w->uav_senses.resize(n_uavs, n_tasks);
+  w->uav_to_charge.resize(n_uavs, n_charges);
+  w->uav_charges.resize(n_uavs, n_charges);
+  for (Eigen::Index u = 0; u < n_uavs; ++u) {
+    for (Eigen::Index x = 0; x < n_tasks; ++x) {
+      const double cost_m = site.tasks[w->tasks[static_cast<std::size_t>(x)].index()].cost_m;
+      const double on_arrival_m = w->range_m(u) - w->uav_task.way_m(u, x);
+      const double task_part = task_part_at_task(u, x), charge_part = charge_part_at_task(u, x);
+      w->uav_to_task(u, x) = UavBenefit(on_arrival_m / full_m(u), task_part, charge_part);
+      w->uav_senses(u, x) = UavBenefit((on_arrival_m - cost_m) / full_m(u), task_part, charge_part);
+    }
+    for (Eigen::Index y = 0; y < n_charges; ++y) {
+      const double on_arrival_m = w->range_m(u) - w->uav_charge.way_m(u, y);
+      const double task_part = task_part_at_charge(u, y), charge_part = charge_part_at_charge(u, y);
+      w->uav_to_charge(u, y) = UavBenefit(on_arrival_m / full_m(u), task_part, charge_part);
+      w->uav_charges(u, y) = UavBenefit(1.0, task_part, charge_part);
+    }
+  }
+}
+
+}  // namespace
+
 Weights ComputeWeights(const Situation& situation, Foundation foundation) {
   const Site& site = *situation.site;
   const Rules& rules = site.rules;
@@ -256,37 +329,12 @@ Weights ComputeWeights(const Situation& situation, Foundation foundation) {
   w.uav_charge = LegsOf(uavs, charge_points, unit_us);
   w.vehicle_charge = LegsOf(vehicles, charge_points, unit_us);
 
-  const auto n_uavs = static_cast<Eigen::Index>(uavs.size());
-  const auto n_tasks = static_cast<Eigen::Index>(task_points.size());
-  const auto n_charges = static_cast<Eigen::Index>(charge_points.size());
-  w.range_m.resize(n_uavs);
-  w.charge_foundation.resize(n_uavs);
-  w.senseable.resize(n_uavs, n_tasks);
-  w.chargeable.resize(n_uavs, n_charges);
-  Eigen::ArrayXd full(n_uavs), task_likelihood(n_uavs), charge_likelihood(n_uavs);
-  for (Eigen::Index u = 0; u < n_uavs; ++u) {
-    const AgentState& uav = *uavs[static_cast<std::size_t>(u)];
-    w.range_m(u) = situation.range_m(uav);
-    full(u) = uav.range_full_m;
-    const double share = w.range_m(u) / full(u);
-    task_likelihood(u) = TaskLikelihood(share);
-    charge_likelihood(u) = ChargeLikelihood(share);
-    w.charge_foundation(u) = ChargeFoundation(foundation, share);
-    for (Eigen::Index x = 0; x < n_tasks; ++x) {
-      const std::size_t task = w.tasks[static_cast<std::size_t>(x)].index();
-      w.senseable(u, x) = CanSense(w.range_m(u), w.uav_task.way_m(u, x), site.tasks[task].cost_m,
-                                   site.task_to_charge_m[task]);
-    }
-    for (Eigen::Index y = 0; y < n_charges; ++y) {
-      w.chargeable(u, y) = CanReachCharge(w.range_m(u), w.uav_charge.way_m(u, y));
-    }
-  }
-
+  const UavRanges ranges = LookAtRanges(situation, uavs, foundation, &w);
   const double if_none = static_cast<double>(rules.limit_us) / static_cast<double>(unit_us);
-  const Eigen::ArrayXd task_by_uav = UavMatchCost(w.uav_task.intervals, task_likelihood,
+  const Eigen::ArrayXd task_by_uav = UavMatchCost(w.uav_task.intervals, ranges.task_likelihood,
                                                   w.senseable, if_none, rules.mean_over_all);
-  const Eigen::ArrayXd charge_by_uav = UavMatchCost(w.uav_charge.intervals, charge_likelihood,
-                                                    w.chargeable, if_none, rules.mean_over_all);
+  const Eigen::ArrayXd charge_by_uav = UavMatchCost(
+      w.uav_charge.intervals, ranges.charge_likelihood, w.chargeable, if_none, rules.mean_over_all);
   const Eigen::ArrayXd task_by_worker = PartnerMatchCost(w.worker_task.intervals);
   const Eigen::ArrayXd charge_by_vehicle = PartnerMatchCost(w.vehicle_charge.intervals);
 
@@ -303,34 +351,9 @@ Weights ComputeWeights(const Situation& situation, Foundation foundation) {
   const CostsAt as_to_tasks = ExpectedCostsOf(uavs, places, task_points, task_by_worker, unit_us);
   const CostsAt as_to_charging =
       ExpectedCostsOf(uavs, places, charge_points, charge_by_vehicle, unit_us);
-  const Table<double> task_part_at_task = Benefits(as_to_tasks, w.uav_task.intervals, 0);
-  const Table<double> charge_part_at_task = Benefits(as_to_charging, w.uav_task.intervals, 0);
-  const Table<double> task_part_at_charge = Benefits(as_to_tasks, w.uav_charge.intervals, n_tasks);
-  const Table<double> charge_part_at_charge =
-      Benefits(as_to_charging, w.uav_charge.intervals, n_tasks);
-
   w.stay = Softplus(0);
   w.sense_foundation = SenseFoundation(foundation);
-  w.uav_to_task.resize(n_uavs, n_tasks);
-  w.uav_senses.resize(n_uavs, n_tasks);
-  w.uav_to_charge.resize(n_uavs, n_charges);
-  w.uav_charges.resize(n_uavs, n_charges);
-  for (Eigen::Index u = 0; u < n_uavs; ++u) {
-    for (Eigen::Index x = 0; x < n_tasks; ++x) {
-      const double cost = site.tasks[w.tasks[static_cast<std::size_t>(x)].index()].cost_m;
-      const double on_arrival = w.range_m(u) - w.uav_task.way_m(u, x);
-      w.uav_to_task(u, x) =
-          UavBenefit(on_arrival / full(u), task_part_at_task(u, x), charge_part_at_task(u, x));
-      w.uav_senses(u, x) = UavBenefit((on_arrival - cost) / full(u), task_part_at_task(u, x),
-                                      charge_part_at_task(u, x));
-    }
-    for (Eigen::Index y = 0; y < n_charges; ++y) {
-      const double on_arrival = w.range_m(u) - w.uav_charge.way_m(u, y);
-      w.uav_to_charge(u, y) =
-          UavBenefit(on_arrival / full(u), task_part_at_charge(u, y), charge_part_at_charge(u, y));
-      w.uav_charges(u, y) = UavBenefit(1.0, task_part_at_charge(u, y), charge_part_at_charge(u, y));
-    }
-  }
+  WeighUavs(site, ranges.full_m, as_to_tasks, as_to_charging, &w);
   return w;
 }
 
