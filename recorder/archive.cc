@@ -96,10 +96,11 @@ std::optional<std::int64_t> Archive::Consistent() const {
   for (const std::int64_t tick : ticks) {
     world::Restoring restoring(scenario_, run_id_);
     for (const auto& [source, told] : told_) {
+      const std::string& name = source.channel;
       const auto take = [&](std::int64_t, const Messages& messages) {
         for (const auto& [id, packet] : messages) {
           // One that is impossible lacks below.
-          static_cast<void>(restoring.Take(Restore(source.channel, packet.bytes)));
+          static_cast<void>(restoring.Take(Restore(name, packet.bytes)));
         }
       };
       if (IsOfWorld(source.channel)) {

@@ -173,7 +173,7 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
       std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts);
       if (!lost) return {};
       state->is_certain &= failure.has_value();
-      state->lost.push_back(std::move(*lost));
+      state->lost.push_back(*lost);
       lost_owners.insert(agent.owner);
     }
   }

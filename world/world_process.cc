@@ -24,9 +24,9 @@ FailureReason LossOf(const std::string& process) {
 
 }  // namespace
 
-WorldProcess::WorldProcess(Identity identity, int window, std::string json,
+WorldProcess::WorldProcess(const Identity& identity, int window, std::string json,
                            const WorldOptions& options)
-    : Process(std::move(identity), window),
+    : Process(identity, window),
       json_(std::move(json)),
       scenario_(ParseScenario(json_, "scenario")),
       limits_(scenario_),

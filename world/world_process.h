@@ -32,7 +32,7 @@ struct WorldOptions {
 class WorldProcess : public Process {
  public:
   /// `json` is the scenario's file text, published as it is.
-  WorldProcess(Identity identity, int window, std::string json, const WorldOptions& options);
+  WorldProcess(const Identity& identity, int window, std::string json, const WorldOptions& options);
 
   bool ended() const { return clock_.phase() == MissionClock::Phase::kEnded; }
 

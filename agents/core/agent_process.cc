@@ -29,8 +29,8 @@ bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
 
 }  // namespace
 
-AgentProcess::AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids)
-    : Follower(std::move(identity), window), kind_(kind), ids_(ids) {}
+AgentProcess::AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids)
+    : Follower(identity, window), kind_(kind), ids_(ids) {}
 
 void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet, const Now& now) {
   Handle(

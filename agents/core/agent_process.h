@@ -20,7 +20,7 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 /// its states, and publishes them again when the clock is repeated.
 class AgentProcess : public Follower {
  public:
-  AgentProcess(Identity identity, int window, AgentKind kind, IdRange ids);
+  AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids);
 
  protected:
   void OnScenario() override;

@@ -4,17 +4,16 @@
 
 namespace muster::scheduler {
 
-SchedulerProcess::SchedulerProcess(Identity identity, int window, std::string policy_name,
+SchedulerProcess::SchedulerProcess(const Identity& identity, int window, std::string policy_name,
                                    std::unique_ptr<Policy> policy, Stopwatch stopwatch)
-    : Follower(std::move(identity), window),
+    : Follower(identity, window),
       policy_name_(std::move(policy_name)),
       policy_(std::move(policy)),
       stopwatch_(stopwatch) {}
 
-SchedulerProcess::SchedulerProcess(Identity identity, int window, const std::string& policy,
+SchedulerProcess::SchedulerProcess(const Identity& identity, int window, const std::string& policy,
                                    Stopwatch stopwatch, std::optional<double> deadline_ms)
-    : SchedulerProcess(std::move(identity), window, policy, MakePolicy(policy, deadline_ms),
-                       stopwatch) {}
+    : SchedulerProcess(identity, window, policy, MakePolicy(policy, deadline_ms), stopwatch) {}
 
 void SchedulerProcess::OnScenario() {
   fusion_.emplace(*scenario());

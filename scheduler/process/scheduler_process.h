@@ -20,12 +20,12 @@ using Stopwatch = TimeUs (*)();
 class SchedulerProcess : public Follower {
  public:
   /// `policy_name` is what its decisions bear.
-  SchedulerProcess(Identity identity, int window, std::string policy_name,
+  SchedulerProcess(const Identity& identity, int window, std::string policy_name,
                    std::unique_ptr<Policy> policy, Stopwatch stopwatch);
   /// One of our policies. deadline_ms: of each decision, see MakePolicy; none: decisions can be
   /// repeated.
-  SchedulerProcess(Identity identity, int window, const std::string& policy, Stopwatch stopwatch,
-                   std::optional<double> deadline_ms = {});
+  SchedulerProcess(const Identity& identity, int window, const std::string& policy,
+                   Stopwatch stopwatch, std::optional<double> deadline_ms = {});
 
  protected:
   void OnScenario() override;
