@@ -99,9 +99,9 @@ std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseco
   return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-void LiveFeed::Rest(std::chrono::milliseconds time) {
-  std::unique_lock lock(feed_mutex_);
-  feed_changed_.wait_for(lock, time, [this] { return worked_off_; });
+bool LiveFeed::worked_off() const {
+  const std::lock_guard lock(feed_mutex_);
+  return worked_off_;
 }
 
 }  // namespace muster::tools

@@ -42,8 +42,8 @@ class LiveFeed {
   /// The next chunk for that reader (PageChunk, as text), as soon as there is something new; none
   /// when `wait` is over, or the feed is closed and the reader knows all.
   std::optional<std::string> Next(Reader* reader, std::chrono::milliseconds wait);
-  /// Waits that long, or until the feed is closed.
-  void Rest(std::chrono::milliseconds time);
+  /// It is closed, and all that it was given can be read.
+  bool worked_off() const;
 
  private:
   void Work();
@@ -55,7 +55,7 @@ class LiveFeed {
   std::vector<Packet> pending_;
   bool closed_ = false;
 
-  std::mutex feed_mutex_;
+  mutable std::mutex feed_mutex_;
   std::condition_variable feed_changed_;
   std::optional<MissionFeed> feed_;
   std::int64_t mission_ = 0;

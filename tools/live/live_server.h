@@ -1,28 +1,29 @@
 #pragma once
 
-#include <atomic>
-#include <memory>
+#include <chrono>
+#include <list>
 #include <string>
 #include <thread>
 
 #include "tools/live/live_feed.h"
 
-namespace httplib {
-class Server;
-}
-
 namespace muster::tools {
 
 inline constexpr int kDefaultLivePort = 8087;
 
-/// Serves the page and what happens on it (server-sent events) to browsers of this host.
+/// Serves the page and what happens on it (server-sent events) to browsers of this host: GET over
+/// HTTP/1.1, one request a connection. One thread waits for nobody: it serves at most kMostClients
+/// at a time, and each of them has kPatience for a request, and to take what it is sent.
 class LiveServer {
  public:
+  static constexpr int kMostClients = 32;
+  static constexpr std::chrono::seconds kPatience{5};
+
   /// Binds 127.0.0.1:port (0: any free one) and starts no thread yet: the socket stays in the
   /// network where it was made, whatever network the process enters afterwards. Throws SystemError
   /// when the port is taken.
   explicit LiveServer(int port);
-  /// Stops; returns when no thread is left.
+  /// Says goodbye to the pages that listen, for a second at most, and ends.
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
@@ -33,10 +34,34 @@ class LiveServer {
   std::string url() const;
 
  private:
-  std::unique_ptr<httplib::Server> server_;
+  using Time = std::chrono::steady_clock::time_point;
+  struct Client {
+    int fd = -1;
+    Time until;       ///< then it is given up
+    std::string in;   ///< of its request
+    std::string out;  ///< still to be sent
+    bool listens = false;
+    bool last = false;  ///< `out` is all that it gets
+    LiveFeed::Reader reader = {};
+    Time tell_at = {}, told_at = {};
+  };
+
+  void Work();
+  /// Until a client can be served, or the next is due.
+  void Wait(Time now);
+  void Accept(Time now);
+  void Read(Client* client, Time now);
+  void Answer(Client* client, Time now);
+  void Tell(Client* client, Time now);
+  void Send(Client* client, Time now);
+  static void Close(Client* client);
+
+  int socket_ = -1;
+  int wake_[2] = {-1, -1};  ///< a pipe; its writing end is closed when it is to end
   int port_ = 0;
   LiveFeed* feed_ = nullptr;
-  std::shared_ptr<std::atomic<int>> listeners_ = std::make_shared<std::atomic<int>>(0);
+  std::string page_;
+  std::list<Client> clients_;
   std::thread thread_;
 };
 

@@ -1,9 +1,20 @@
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/check.h"
 #include "lcmtypes/bus/codec.h"
@@ -138,6 +149,90 @@ TEST_F(Served, EndsWhileSomebodyListens) {
   EXPECT_NE(heard.find("event: bye\n"), std::string::npos);
 }
 
+/// A connection to the server, as a client that knows no manners makes it.
+class Raw {
+ public:
+  explicit Raw(const LiveServer& server) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+    const std::string url = server.url();
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))));
+    EXPECT_EQ(connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Raw() { close(fd_); }
+  Raw(const Raw&) = delete;
+  Raw& operator=(const Raw&) = delete;
+
+  bool Say(std::string_view text) {
+    return send(fd_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+  }
+  /// All until the server closes.
+  std::string Hear() {
+    std::string heard;
+    char buffer[4096];
+    for (ssize_t got; (got = recv(fd_, buffer, sizeof buffer, 0)) > 0;) {
+      heard.append(buffer, static_cast<std::size_t>(got));
+    }
+    return heard;
+  }
+  /// A byte now and then until the server has enough of it.
+  void Drip() {
+    char byte;
+    while (Say("a") && recv(fd_, &byte, 1, MSG_DONTWAIT) < 0 && errno == EAGAIN) {
+      poll(nullptr, 0, 20);
+    }
+  }
+
+ private:
+  int fd_;
+};
+
+TEST_F(Served, NobodyKeepsItWaiting) {
+  std::vector<std::thread> drips;
+  for (int i = 0; i < 6; ++i) drips.emplace_back([this] { Raw(*server_).Drip(); });
+  for (std::thread& drip : drips) drip.join();  // each is given up after a while
+  drips.clear();
+  std::vector<std::unique_ptr<Raw>> clients;
+  for (const char* begin : {"", "GET / HT", "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                            "GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9999\r\n\r\n",
+                            "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9999\r\n\r\n"}) {
+    clients.push_back(std::make_unique<Raw>(*server_));
+    clients.back()->Say(begin);
+    drips.emplace_back([client = clients.back().get()] { client->Drip(); });
+  }
+  server_.reset();
+  for (std::thread& drip : drips) drip.join();
+}
+
+TEST_F(Served, ServesSoManyAtATime) {
+  std::vector<std::unique_ptr<Raw>> clients;
+  for (int i = 0; i < LiveServer::kMostClients; ++i) {
+    clients.push_back(std::make_unique<Raw>(*server_));
+  }
+  Raw one_more(*server_);
+  EXPECT_EQ(one_more.Hear().rfind("HTTP/1.1 503 ", 0), 0U);
+  clients.clear();
+  while (!client_.Get("/elsewhere") || client_.Get("/elsewhere")->status != 404) {
+  }
+}
+
+TEST_F(Served, RefusesWhatIsNoRequest) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"hello\r\n\r\n", "400"},
+      {"\r\n\r\n", "400"},
+      {"GET / HTTP/1.1\r\n\r\n", "403"},
+      {"PUT / HTTP/1.1\r\nhost: 127.0.0.1:1\r\n\r\n", "405"},
+      {"GET /" + std::string(20'000, 'x'), "431"},
+      {"GET /x?y HTTP/1.0\r\nHOST:localhost\r\n\r\n", "404"},
+  };
+  for (const auto& [request, status] : cases) {
+    Raw raw(*server_);
+    raw.Say(request);
+    EXPECT_EQ(raw.Hear().rfind("HTTP/1.1 " + status, 0), 0U) << request.substr(0, 40);
+  }
+}
+
 TEST(LiveServer, ATakenPortIsSaid) {
   const LiveServer first(0);
   const std::string url = first.url();
@@ -242,7 +337,6 @@ TEST(TopView, PrintsNothingThatATerminalWouldObey) {
   view.Add({"MUSTER_PROCESS", Encode(status)});
   const std::string text = TextOf(view, 0);
   EXPECT_EQ(text.find('\x1b'), std::string::npos);
-  EXPECT_NE(text.find("?[2Jx?"), std::string::npos) << text;
 }
 
 }  // namespace
