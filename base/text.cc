@@ -38,7 +38,35 @@ std::size_t Distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
+/// How many bytes of control character the text begins with.
+std::size_t ControlBytes(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (text.empty()) return 0;
+  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
+  return text.size() > 1 && byte(0) == 0xc2 && byte(1) >= 0x80 && byte(1) < 0xa0 ? 2 : 0;
+}
+
 }  // namespace
+
+bool HasControls(std::string_view text) {
+  for (; !text.empty(); text.remove_prefix(1)) {
+    if (ControlBytes(text) > 0) return true;
+  }
+  return false;
+}
+
+std::string Printable(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const std::size_t controls = ControlBytes(text);
+    for (std::size_t i = 0; i < controls; ++i) {
+      shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+    }
+    if (controls == 0) shown += text.front();
+    text.remove_prefix(std::max<std::size_t>(controls, 1));
+  }
+  return shown;
+}
 
 std::optional<double> ToNumber(std::string_view text) {
   const auto value = Whole<double>(text);

@@ -20,6 +20,11 @@ std::optional<std::int64_t> ToInteger(std::string_view text, std::int64_t low = 
 /// The parts between the separators, one more than there are separators: "a,,b" has three.
 std::vector<std::string> Split(std::string_view text, char separator);
 
+/// Whether a UTF-8 text has control characters (U+0000 to U+001F, U+007F to U+009F).
+bool HasControls(std::string_view text);
+/// The text with each byte of a control character as \xHH: fit for a terminal.
+std::string Printable(std::string_view text);
+
 /// " (did you mean 'policy'?)" for the known word that is nearest to `text`; "" when none is near:
 /// at most a third of its letters left out, put in, changed, or swapped with the next.
 std::string DidYouMean(std::string_view text, const std::vector<std::string>& known);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/words.h"
 
@@ -191,9 +192,9 @@ template <class... Doubles>
 bool Finite(Doubles... values) {
   return (std::isfinite(values) && ...);
 }
-/// Reports, pages and exports are UTF-8.
+/// Reports, pages and exports are UTF-8, and no name may steer the terminal that it is shown on.
 bool IsText(const std::string& text, std::size_t longest) {
-  return text.size() <= longest &&
+  return text.size() <= longest && !HasControls(text) &&
          g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) != 0;
 }
 bool IsName(const std::string& text) { return IsText(text, kMaxName); }

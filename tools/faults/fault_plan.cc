@@ -261,8 +261,9 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
   std::set<std::string> ids;
   for (const PlannedFault& fault : *plan) {
     if (!ids.insert(fault.id).second) Refuse(fault, "id", fault.id, "an id of its own");
-    if (fault.id.size() > 64 || fault.id.find(':') != std::string::npos) {
-      Refuse(fault, "id", fault.id, "at most 64 characters, no colon");
+    if (fault.id.size() > 64 || fault.id.find(':') != std::string::npos || HasControls(fault.id)) {
+      Refuse(fault, "id", Printable(fault.id),
+             "at most 64 characters, no colon, no control characters");
     }
     if (fault.at_us >= scenario.rules.limit_us) {
       Refuse(fault, "at_min", fmt::format("{}", ToMinutes(fault.at_us)),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/text.h"
 #include "lcmtypes/channels.h"
 
 namespace muster::tools {
@@ -54,8 +55,8 @@ std::string ToText(const LogInfo& info) {
     const auto seconds = [](std::int64_t us) {
       return us < 0 ? std::string("-") : fmt::format("{:.1f}", static_cast<double>(us) * 1e-6);
     };
-    fmt::format_to(out, "{:<20} {:>10} {:>12} {:>12} {:>12} {:>11}\n", name, c.messages, c.bytes,
-                   seconds(c.first_sim_us), seconds(c.last_sim_us), c.undecodable);
+    fmt::format_to(out, "{:<20} {:>10} {:>12} {:>12} {:>12} {:>11}\n", Printable(name), c.messages,
+                   c.bytes, seconds(c.first_sim_us), seconds(c.last_sim_us), c.undecodable);
   }
   fmt::format_to(out, "\n{:<20} {:>5} {:>10} {:>8} {:>10}  {}\n", "sender", "start", "messages",
                  "repeats", "missing", "run");
