@@ -1,13 +1,13 @@
 #include "base/check.h"
 
-#include <cstdio>
 #include <cstdlib>
+
+#include "base/say.h"
 
 namespace muster {
 
 void CheckFailed(const char* file, int line, const char* condition, const std::string& values) {
-  fmt::print(stderr, "{}:{}: check failed: {} {}\n", file, line, condition, values);
-  std::fflush(stderr);
+  Say("{}:{}: check failed: {} {}\n", file, line, condition, values);
   std::abort();
 }
 

@@ -1,43 +1,80 @@
 #include "base/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
+#include <system_error>
 
 #include "base/check.h"
+#include "base/say.h"
 #include "base/text.h"
 
 namespace muster {
 namespace {
 
-void PrintUsage(std::FILE* to, std::string_view program, std::string_view purpose,
-                const std::vector<Command>& commands) {
-  fmt::print(to, "Usage: {} COMMAND [OPTION...]\n\n{}\n\nCommands:\n", program, purpose);
+std::string Usage(std::string_view program, std::string_view purpose,
+                  const std::vector<Command>& commands) {
+  std::string text =
+      fmt::format("Usage: {} COMMAND [OPTION...]\n\n{}\n\nCommands:\n", program, purpose);
   for (const Command& command : commands) {
-    fmt::print(to, "  {:<14}  {}\n", command.name, command.summary);
+    text += fmt::format("  {:<14}  {}\n", command.name, command.summary);
   }
-  fmt::print(to,
-             "\nOptions:\n  -h, --help     Print this help and exit\n"
-             "  -v, --version  Print the version and exit\n\n"
-             "'{} help COMMAND' tells more of one command.\n",
-             program);
+  text += fmt::format(
+      "\nOptions:\n  -h, --help     Print this help and exit\n"
+      "  -v, --version  Print the version and exit\n\n"
+      "'{} help COMMAND' tells more of one command.\n",
+      program);
+  return text;
+}
+
+/// A closed stdin, stdout or stderr is taken by something that fails, or no file of ours would be
+/// safe: the next one to be opened would get its number.
+void HoldStandardFiles() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
+    const int taken = open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    if (taken >= 0 && taken != fd) close(taken);
+  }
+}
+
+int FailToPrint(const char* program, int error) {
+  Say("{}: cannot write to stdout{}{}\n", program, error == 0 ? "" : ": ",
+      error == 0 ? "" : std::strerror(error));
+  return kExitSystem;
 }
 
 }  // namespace
 
 int GuardedMain(const char* program, const std::function<int()>& body) {
+  HoldStandardFiles();
+  // A write that fails is an error to report, not a death.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   try {
-    return body();
+    const int code = body();
+    const bool written = std::fflush(stdout) == 0;
+    const int error = written ? 0 : errno;
+    if (written && std::ferror(stdout) == 0) return code;
+    const int failure = FailToPrint(program, error);
+    return code == kExitOk || code == kExitCheckFailed ? failure : code;
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    Say("{}: {}\n", program, error.what());
     return kExitUsage;
   } catch (const SystemError& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    Say("{}: {}\n", program, error.what());
     return kExitSystem;
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return FailToPrint(program, error.code().value());
+    Say("{}: internal error: {}\n", program, error.what());
+    return kExitInternal;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: internal error: {}\n", program, error.what());
+    Say("{}: internal error: {}\n", program, error.what());
     return kExitInternal;
   }
 }
@@ -45,7 +82,7 @@ int GuardedMain(const char* program, const std::function<int()>& body) {
 int RunCommandOf(std::string_view program, std::string_view purpose,
                  const std::vector<Command>& commands, int argc, const char* const* argv) {
   if (argc < 2) {
-    PrintUsage(stderr, program, purpose, commands);
+    SayTo(stderr, Usage(program, purpose, commands));
     return kExitUsage;
   }
   std::string name = argv[1];
@@ -56,7 +93,7 @@ int RunCommandOf(std::string_view program, std::string_view purpose,
     rest.emplace_back("--help");
   }
   if (name == "--help" || name == "-h" || name == "help") {
-    PrintUsage(stdout, program, purpose, commands);
+    fmt::print("{}", Usage(program, purpose, commands));
     return kExitOk;
   }
   if (name == "--version" || name == "-v") {

@@ -16,7 +16,9 @@ enum ExitCode : int {
 };
 
 /// Runs a program's body and turns what it throws into one line on stderr and an exit code:
-/// InputError 2, SystemError 3, anything else 1.
+/// InputError 2, SystemError 3, anything else 1. What the body has printed must have reached
+/// stdout: else 3 in the place of 0 and 4. SIGPIPE and SIGXFSZ are ignored from here on, so that a
+/// write fails instead.
 int GuardedMain(const char* program, const std::function<int()>& body);
 
 /// A command of a program, "run" of "muster" or "info" of "muster log".

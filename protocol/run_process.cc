@@ -14,6 +14,8 @@
 
 #include "base/check.h"
 #include "base/program.h"
+#include "base/say.h"
+#include "base/text.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "protocol/drive.h"
 #include "protocol/outage_watch.h"
@@ -60,6 +62,13 @@ Usage HostUsage() {
   return usage;
 }
 
+void AddRateOption(Options* options) {
+  options->Add("rate", "R", "Mission seconds per wall second, or max")
+      .Number({.low = 1e-3})
+      .Or("max")
+      .Default("max");
+}
+
 void AddProcessOptions(Options* options, std::string_view default_name) {
   options->Group("Process");
   options->Add("l,lcm-url", "URL", "LCM URL").Default(DefaultUrl());
@@ -89,6 +98,10 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   flags.drop = arguments.Get<double>("drop");
   flags.drop_seed = arguments.Get<std::uint64_t>("drop-seed");
   flags.quiet = arguments.Has("quiet");
+  if (HasControls(flags.identity.name)) {
+    throw InputError("command line", "--name", Printable(flags.identity.name),
+                     "a name without control characters");
+  }
   if (!only_name.empty() && flags.identity.name != only_name) {
     throw InputError("command line", "--name", fmt::format("'{}'", flags.identity.name),
                      fmt::format("{}: nobody listens to another", only_name));
@@ -121,7 +134,7 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   while (!stop_requested) {
     const Now now = clock();
     if (drive.Turn(arrived, now, HostUsage) && !quiet) {
-      fmt::print(stderr, "{}: {}\n", process->identity().name, ToString(process->state()));
+      Say("{}: {}\n", process->identity().name, ToString(process->state()));
     }
     look_at_network();
     const TimeUs wait_us = drive.wake_us(now.monotonic_us) - clock().monotonic_us;

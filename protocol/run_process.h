@@ -17,6 +17,10 @@ Now HostNow();
 /// What the operating system knows of this process.
 Usage HostUsage();
 
+/// --rate of a mission: mission seconds per wall second, or max. One that is slower than a
+/// thousandth of the wall's time is a slip, and its first tick would not come.
+void AddRateOption(Options* options);
+
 /// The flags that every mission process has.
 struct ProcessFlags {
   Identity identity;

@@ -40,10 +40,7 @@ Outage ReadOutage(const std::string& text) {
 int Main(int argc, char** argv) {
   Options options("muster-world", "The world of a mission: its clock and its referee");
   options.Scenario();
-  options.Add("rate", "R", "Mission seconds per wall second, or max")
-      .Number(Above0())
-      .Or("max")
-      .Default("max");
+  AddRateOption(&options);
   options.Flag("recorder", "A recorder takes part: wait for it, never run ahead of the log");
   options
       .Add("on-loss", "wait|continue",

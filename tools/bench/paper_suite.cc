@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/say.h"
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_scenarios.h"
@@ -37,7 +38,7 @@ void WriteResults(const PaperOptions& options, const PaperRows& rows) {
   WriteFile(FileIn(options.out, kRows), PaperCsv(rows));
   const auto note =
       WritePaperPage(rows, FileIn(options.out, "results.md"), FileIn(options.out, "results.html"));
-  if (!note.empty()) fmt::print(stderr, "{}\n", note);
+  if (!note.empty()) Say("{}\n", note);
 }
 
 /// Rows, each on disk before the next is taken.
@@ -68,8 +69,8 @@ std::vector<PaperRun> PlanOf(const PaperOptions& options, const PaperScenarios& 
   PaperFilter filter = options.filter;
   filter.with_imports = scenarios.HasImports();
   if (!filter.with_imports) {
-    fmt::print(stderr, "without --data: drawn places only, not {}\n",
-               fmt::join(PaperScenarios::ImportedSettings(), ", "));
+    Say("without --data: drawn places only, not {}\n",
+        fmt::join(PaperScenarios::ImportedSettings(), ", "));
   }
   const std::vector<PaperRun> plan = PlanRuns(filter);
   if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
@@ -130,7 +131,7 @@ class SuiteProgress {
   }
   void Failed(const PaperJob& job, const std::string& why) {
     Break();
-    fmt::print(stderr, "{} and what else is left of that mission: {}\n", NameOf(job[0]), why);
+    Say("{} and what else is left of that mission: {}\n", NameOf(job[0]), why);
     Ended(job);
   }
   void Break() { progress_.Break(); }
@@ -175,8 +176,7 @@ bool RunPaperSuite(const PaperOptions& options) {
   std::size_t left = 0, failures = 0;
   for (const PaperJob& job : jobs) left += job.size();
   if (left < plan.size() && !options.quiet) {
-    fmt::print(stderr, "{}: {} of {} runs are done already\n", file, plan.size() - left,
-               plan.size());
+    Say("{}: {} of {} runs are done already\n", file, plan.size() - left, plan.size());
   }
   {
     Journal journal(file, before);

@@ -31,7 +31,8 @@ RunDirectory RunDirectory::Take(const std::string& path) {
                      "a new or empty folder");
   }
   MakeParents(path);
-  return RunDirectory(path);
+  // No program is to take a file of it for an option.
+  return RunDirectory(path.starts_with('-') ? "./" + path : path);
 }
 
 RunDirectory RunDirectory::MakeNew(const std::string& root, const std::string& stem) {

@@ -29,7 +29,7 @@ namespace {
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) fail();
   if (getppid() != parent) _exit(127);  // it died before prctl
   if (setpgid(0, 0) != 0) fail();
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) {
     if (std::signal(signal, SIG_DFL) == SIG_ERR) fail();
   }
   sigset_t none;

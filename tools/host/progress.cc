@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/say.h"
+
 namespace muster::tools {
 namespace {
 
@@ -23,19 +25,17 @@ std::string ClockText(TimeUs duration_us) {
 void ProgressPrinter::Show(const std::string& line, TimeUs now_us) {
   if (style_ == Style::kNone) return;
   if (style_ == Style::kInPlace) {
-    fmt::print(out_, "\r{:<{}}", line, std::max(shown_, line.size()));
+    SayTo(out_, fmt::format("\r{:<{}}", line, std::max(shown_, line.size())));
     shown_ = line.size();
   } else {
-    fmt::print(out_, "{}\n", line);
+    SayTo(out_, line + "\n");
   }
-  std::fflush(out_);
   due_us_ = now_us + (style_ == Style::kInPlace ? kInPlaceUs : kLinesUs);
 }
 
 void ProgressPrinter::Break() {
   if (shown_ == 0) return;
-  fmt::print(out_, "\n");
-  std::fflush(out_);
+  SayTo(out_, "\n");
   shown_ = 0;
 }
 

@@ -20,8 +20,11 @@ StopSignals::StopSignals() {
   stops = 0;
   struct sigaction action = {};
   action.sa_handler = OnSignal;
-  for (std::size_t i = 0; i < std::size(kSignals); ++i)
-    sigaction(kSignals[i], &action, &before_[i]);
+  for (std::size_t i = 0; i < std::size(kSignals); ++i) {
+    sigaction(kSignals[i], nullptr, &before_[i]);
+    const bool ignored = kSignals[i] != SIGCHLD && before_[i].sa_handler == SIG_IGN;
+    if (!ignored) sigaction(kSignals[i], &action, nullptr);
+  }
 }
 
 StopSignals::~StopSignals() {

@@ -5,7 +5,8 @@
 namespace muster::tools {
 
 /// While one exists, SIGINT, SIGTERM and SIGHUP are counted instead of ending the process, and
-/// SIGCHLD interrupts a wait. At most one at a time; the destructor restores what was before.
+/// SIGCHLD interrupts a wait. What was ignored before stays so, as nohup(1) and shells want it. At
+/// most one at a time; the destructor restores what was before.
 class StopSignals {
  public:
   StopSignals();

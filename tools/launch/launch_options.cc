@@ -14,6 +14,7 @@
 #include "lcmtypes/bus/multicast.h"
 #include "model/agent.h"
 #include "model/scenario_json.h"
+#include "protocol/run_process.h"
 #include "scheduler/policies/registry.h"
 #include "tools/live/live_server.h"
 #include "tools/report/page.h"
@@ -68,10 +69,7 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
 void AddLaunchOptions(Options* options) {
   AddMissionOptions(options);
   scheduler::AddDeadlineOption(options);
-  options->Add("rate", "R", "Mission seconds per wall second, or max")
-      .Number(Above0())
-      .Or("max")
-      .Default("max");
+  AddRateOption(options);
   options
       ->Add("processes", "CLASS=N,...",
             "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them")

@@ -50,7 +50,8 @@ std::string ManifestJson(const ManifestInput& input) {
                           {"build_type", kBuildType},
                           {"sanitizer", kSanitizer}};
   manifest["type_hashes"] = TypeHashes();
-  return manifest.dump(2) + "\n";
+  // A path need not be UTF-8.
+  return manifest.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace muster::tools

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "base/say.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/bus/multicast.h"
 #include "protocol/run_process.h"
@@ -21,9 +23,10 @@
 namespace muster::tools {
 namespace {
 
-constexpr int kLastWords = 5;  // lines
 constexpr TimeUs kGuardUs = 2 * kSecondUs;
 constexpr TimeUs kGuardLookUs = 100;
+constexpr int kLastWords = 5;                  // lines
+constexpr std::uint64_t kRoomBytes = 1 << 20;  // less is no room for a log
 
 /// Children of this process, LCM, files.
 class RealHost : public MissionHost {
@@ -46,6 +49,7 @@ class RealHost : public MissionHost {
   bool IsStopped(const std::string& name) const override;
   std::string LastWords(const std::string& name) const override;
 
+  std::string NoRoom() const override;
   void SetDiskFull(bool full) override;
   std::optional<std::pair<Packet, std::int64_t>> NextLogged() override;
   std::string TornTail(std::int64_t starts) const override;
@@ -143,6 +147,14 @@ std::string RealHost::LastWords(const std::string& name) const {
                        : fmt::format("; {} ends with:\n{}", file, words);
 }
 
+std::string RealHost::NoRoom() const {
+  std::filesystem::path folder = std::filesystem::path(programs_.log_file).parent_path();
+  if (folder.empty()) folder = ".";
+  struct statvfs disk = {};
+  if (statvfs(folder.c_str(), &disk) != 0 || disk.f_bavail * disk.f_frsize >= kRoomBytes) return "";
+  return fmt::format("the disk of {} is full", folder.string());
+}
+
 void RealHost::SetDiskFull(bool full) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
@@ -177,7 +189,7 @@ std::string RealHost::TornTail(std::int64_t starts) const {
 
 void RealHost::Say(const std::string& line) {
   progress_->Break();
-  fmt::print(stderr, "muster: {}\n", line);
+  muster::Say("muster: {}\n", line);
 }
 
 void RealHost::Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) {

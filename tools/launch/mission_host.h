@@ -41,6 +41,8 @@ class MissionHost {
   /// What it said at last, and where.
   virtual std::string LastWords(const std::string& name) const = 0;
 
+  /// "": there is room for the log; else where there is none.
+  virtual std::string NoRoom() const { return ""; }
   /// The log's disk takes no further byte, or does again.
   virtual void SetDiskFull(bool full) = 0;
   /// The next event that is on the disk, and of which start of the logger; none now.

@@ -18,6 +18,7 @@
 
 #include "base/check.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "lcmtypes/bus/multicast.h"
 #include "model/agent.h"
 #include "model/scenario_json.h"
@@ -62,7 +63,7 @@ std::string FindNetwork(const LaunchOptions& options) {
       return MissionUrl(7667);
     case Network::Kind::kHost: {
       const std::string url = MissionUrl(FreePort());
-      if (!options.quiet) fmt::print(stderr, "{}; using {}\n", network.detail, url);
+      if (!options.quiet) Say("{}; using {}\n", network.detail, url);
       return url;
     }
     case Network::Kind::kNone:
@@ -129,9 +130,8 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
 void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& mission) {
   for (const auto& [kind, count] : options.processes) {
     if (count > 0) continue;
-    fmt::print(stderr, "start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}\n",
-               ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id,
-               kProcessWindow);
+    Say("start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}\n",
+        ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id, kProcessWindow);
   }
 }
 
@@ -184,7 +184,7 @@ int RunCommand(int argc, const char* const* argv) {
   manifest.start_wall_us = start.wall_us;
   directory.Write("manifest.json", ManifestJson(manifest));
   if (!options->quiet) {
-    fmt::print(stderr, "recording in {}\n", directory.path());
+    Say("recording in {}\n", directory.path());
     PrintWhatToStart(*options, mission);
   }
 
@@ -196,22 +196,28 @@ int RunCommand(int argc, const char* const* argv) {
     feed.emplace(fs::path(directory.path()).filename().string());
     plan.on_logged = [&feed](const Packet& packet) { feed->Add({packet}); };
     server->Start(&*feed);
-    fmt::print(stderr, "live at {}\n", server->url());
+    Say("live at {}\n", server->url());
   }
 
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(plan, programs, bus.get(), stop, &progress);
 
   PrintProblems(result);
-  directory.Write("report.json", Report(result.record).dump(2) + "\n");
+  int code = ExitCodeOf(result);
+  try {
+    directory.Write("report.json", Report(result.record).dump(2) + "\n");
+  } catch (const SystemError& error) {
+    Say("muster: {}\n", error.what());
+    code = kExitSystem;
+  }
   fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());
   if (server && stop.count() == 0) {
     std::fflush(stdout);
-    fmt::print(stderr, "the page stays at {} until Ctrl-C\n", server->url());
+    Say("the page stays at {} until Ctrl-C\n", server->url());
     while (stop.count() == 0) poll(nullptr, 0, -1);
   }
   server.reset();
-  return ExitCodeOf(result);
+  return code;
 }
 
 }  // namespace muster::tools

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "protocol/fault_switch.h"
@@ -24,6 +25,7 @@ namespace muster::tools {
 namespace {
 
 constexpr TimeUs kReadyUs = 30 * kSecondUs;
+constexpr TimeUs kRoomUs = 60 * kSecondUs;  // for somebody to make room on the disk
 constexpr TimeUs kStopUs = 5 * kSecondUs;
 constexpr TimeUs kHeartbeatUs = kSecondUs;
 // lcm-logger does not tell that it has written: its file is looked at.
@@ -326,9 +328,10 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
   const ChildEnd end = *host_->EndOf(member->name);
   const std::string& name = member->name;
   const bool planned = injector_.OnDeath(name, this);
-  member->forgiven += planned;
+  const std::string no_room = is_logger(*member) && !planned ? host_->NoRoom() : "";
+  member->forgiven += planned || !no_room.empty();
   const std::int64_t unplanned = member->starts - member->forgiven;
-  if (!planned && (unplanned > plan_.restarts.most || end.usage_error())) {
+  if (!planned && no_room.empty() && (unplanned > plan_.restarts.most || end.usage_error())) {
     std::string text = Obituary(*member, end);
     if (member->starts > 1) {
       text += fmt::format("\nit was started again {} times", member->starts - 1);
@@ -351,8 +354,9 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
   member->down = true;
   member->restart_us = now.monotonic_us + wait_us;
   Say(fmt::format("{} {}; starting it again {}", name, end.Text(),
-                  member->held ? "when its fault ends"
-                  : planned    ? fmt::format("in {:.1f} s", ToSeconds(wait_us))
+                  member->held       ? "when its fault ends"
+                  : !no_room.empty() ? fmt::format("when there is room: {}", no_room)
+                  : planned          ? fmt::format("in {:.1f} s", ToSeconds(wait_us))
                             : fmt::format("in {:.1f} s ({} of {})", ToSeconds(wait_us), unplanned,
                                           plan_.restarts.most)));
   Announce(EventKind::kProcessLost, fmt::format("{} {}", name, end.Text()), now);
@@ -365,9 +369,15 @@ bool Supervisor::KeepAlive() {
   for (Member& member : members_) {
     if (member.gone) continue;
     if (!member.down && has_ended(member) && !OnEnd(&member, now)) return false;
-    // It would find no network and end.
-    const bool may_start = !member.held && network_.reason().empty();
-    if (member.down && may_start && now.monotonic_us >= member.restart_us) Start(&member);
+    if (!member.down || member.held || now.monotonic_us < member.restart_us) continue;
+    if (!network_.reason().empty()) continue;  // it would find none and end
+    if (is_logger(member) && !host_->NoRoom().empty()) {
+      if (now.monotonic_us < member.restart_us + kRoomUs) continue;
+      problems_.push_back(fmt::format("{} cannot go on: {}, for {} s now", member.name,
+                                      host_->NoRoom(), kRoomUs / kSecondUs));
+      return false;
+    }
+    Start(&member);
   }
   return true;
 }
@@ -480,9 +490,9 @@ int ExitCodeOf(const MissionResult& result) {
 }
 
 void PrintProblems(const MissionResult& result) {
-  for (const std::string& problem : result.problems) fmt::print(stderr, "muster: {}\n", problem);
-  for (const std::string& line : result.without_effect) fmt::print(stderr, "muster: {}\n", line);
-  if (result.end == MissionEnd::kInterrupted) fmt::print(stderr, "muster: interrupted\n");
+  for (const std::string& problem : result.problems) Say("muster: {}\n", problem);
+  for (const std::string& line : result.without_effect) Say("muster: {}\n", line);
+  if (result.end == MissionEnd::kInterrupted) Say("muster: interrupted\n");
 }
 
 MissionResult Supervise(const MissionPlan& plan, MissionHost* host) {

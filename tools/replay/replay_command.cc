@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/channels.h"
@@ -66,7 +67,7 @@ int ReplayCommand(int argc, const char* const* argv) {
       "ends.");
   options.Run();
   options.Add("rate", "R", "Mission seconds per second, or max")
-      .Number(Above0())
+      .Number({.low = 1e-3})
       .Or("max")
       .Default(60);
   options
@@ -110,7 +111,7 @@ int ReplayCommand(int argc, const char* const* argv) {
     quit = pressed.quit;
   }
   progress.Break();
-  if (!quiet) fmt::print(stderr, "played {} messages\n", player.played());
+  if (!quiet) Say("played {} messages\n", player.played());
   return stop.count() > 0 ? kExitInterrupted : kExitOk;
 }
 

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "base/text.h"
 #include "tools/scenario/import.h"
 #include "tools/scenario/settings_options.h"
@@ -128,7 +129,7 @@ int ImportCommand(int argc, const char* const* argv) {
   const ImportResult result = Import(ReadTable(file), request);
   WriteScenario(result.scenario, *arguments);
   if (!arguments->Has("quiet")) {
-    for (const std::string& line : result.summary) fmt::print(stderr, "{}\n", line);
+    for (const std::string& line : result.summary) Say("{}\n", line);
   }
   return kExitOk;
 }

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 
 #include "base/check.h"
 #include "base/text.h"
@@ -183,10 +181,7 @@ void WriteScenario(const Scenario& scenario, const Arguments& arguments) {
   ValidateScenario(scenario, "scenario");
   const std::string text = ScenarioToJson(scenario);
   if (!arguments.Has("out")) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
-        std::fflush(stdout) != 0) {
-      throw SystemError(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
-    }
+    fmt::print("{}", text);
     return;
   }
   WriteFile(arguments.Get("out"), text);

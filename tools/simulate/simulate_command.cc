@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "model/scenario_json.h"
@@ -72,7 +73,7 @@ MissionResult SimulateFaults(const Scenario& scenario, const std::string& policy
   mission.restarts.most = faults.restarts;
   mission.drop = faults.drop;
   mission.fault_seed = fault_seed;
-  mission.say = [](const std::string& line) { fmt::print(stderr, "muster: {}\n", line); };
+  mission.say = [](const std::string& line) { Say("muster: {}\n", line); };
   mission.stops_asked = [&] { return stop.count(); };
   if (log) {
     mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t start) {

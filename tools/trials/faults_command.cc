@@ -15,6 +15,7 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
 #include "tools/faults/random_plan.h"
@@ -92,7 +93,7 @@ int Run(int argc, const char* const* argv) {
     const int code = RunMuster(std::move(command), said, stop);
     if (stop.count() > 0) break;
     if (code == kExitUsage || !fs::exists(fs::path(run) / "report.json")) {
-      fmt::print(stderr, "{}\n", LastLines(said, 3));
+      Say("{}\n", LastLines(said, 3));
       return code == kExitOk ? kExitInternal : code;
     }
     const bool undisturbed =

@@ -1,0 +1,167 @@
+// Whole missions on a host that takes things away: the terminal, the disk, room in files.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/host/child_process.h"
+#include "tests/tools/launch/muster_process.h"
+
+namespace muster::tools {
+namespace {
+
+void Open(int fd, const std::string& file) {
+  const int opened = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
+  dup2(opened, fd);
+  close(opened);
+}
+
+class HostTrouble : public testing::Test {
+ protected:
+  void SetUp() override {
+    MUSTER_NEEDS_MULTICAST();
+    Run({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",
+         "--charging-points", "1", "--limit", "30", "-o", scenario_});
+  }
+  ChildResult Run(
+      const std::vector<std::string>& arguments, const std::function<void()>& prepare = [] {}) {
+    return RunInChild([&]() -> int {
+      prepare();
+      Exec(MUSTER_PROGRAM, arguments);
+    });
+  }
+  std::string Out(const std::string& name) const { return folder_.File(name); }
+
+  TemporaryFolder folder_;
+  const std::string scenario_ = folder_.File("s.json");
+};
+
+TEST_F(HostTrouble, AMissionOutlivesItsTerminal) {
+  const struct {
+    const char* name;
+    std::function<void()> prepare;
+  } cases[] = {
+      {"full", [] { Open(STDERR_FILENO, "/dev/full"); }},
+      {"closed", [] { close(STDERR_FILENO); }},
+      {"unread",
+       [] {
+         int ends[2];
+         if (pipe(ends) != 0) _exit(97);
+         dup2(ends[1], STDERR_FILENO);
+         close(ends[0]);
+         close(ends[1]);
+         signal(SIGPIPE, SIG_DFL);
+       }},
+  };
+  for (const auto& [name, prepare] : cases) {
+    const ChildResult result =
+        Run({"run", scenario_, "--out", Out(name), "--fault", "process_killed:uav@10"}, prepare);
+    EXPECT_EQ(result.exit_code, 0) << name << result.output;
+    EXPECT_NE(result.output.find("complete"), std::string::npos) << name << result.output;
+  }
+  const ChildResult both = Run({"run", scenario_, "--out", Out("both")}, [] {
+    close(STDOUT_FILENO);
+    close(STDERR_FILENO);
+  });
+  EXPECT_EQ(both.exit_code, 3);
+  CheckRun(Out("both"), folder_.File("both.output"));
+  const ChildResult result = Run({"run", scenario_, "-q", "--out", Out("stdout")},
+                                 [] { Open(STDOUT_FILENO, "/dev/full"); });
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(result.output, "muster: cannot write to stdout: No space left on device\n");
+  EXPECT_TRUE(std::filesystem::exists(Out("stdout") + "/report.json"));
+}
+
+TEST_F(HostTrouble, WhatWasIgnoredStaysIgnored) {
+  // As nohup does it, for a process that is this one's child.
+  const ChildResult result = RunInChild([&]() -> int {
+    signal(SIGHUP, SIG_IGN);
+    const pid_t launcher = fork();
+    if (launcher == 0) {
+      Exec(MUSTER_PROGRAM, {"run", scenario_, "--rate", "900", "--quiet", "--out", Out("nohup")});
+    }
+    // Once the log is there its signals are set.
+    Eventually([&] { return std::filesystem::exists(Out("nohup") + "/mission.lcm"); });
+    kill(launcher, SIGHUP);
+    int status = 0;
+    waitpid(launcher, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 99;
+  });
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  Muster muster(folder_, "hangup",
+                {"run", scenario_, "--rate", "60", "--quiet", "--out", Out("hangup")});
+  Eventually([&] { return std::filesystem::exists(Out("hangup") + "/mission.lcm"); });
+  muster.child().Signal(SIGHUP);
+  EXPECT_EQ(muster.Wait(), 130) << muster.output();
+}
+
+TEST_F(HostTrouble, AFullDiskIsSaidAndWaitedFor) {
+  for (const bool freed : {true, false}) {
+    const std::string disk = Out(freed ? "freed" : "full");
+    const std::string run = disk + "/run", said = disk + ".said";
+    std::filesystem::create_directory(disk);
+    const ChildResult result = RunInChild([&]() -> int {
+      const std::string uid = std::to_string(geteuid()), gid = std::to_string(getegid());
+      if (unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return 98;
+      std::ofstream("/proc/self/setgroups") << "deny";
+      std::ofstream("/proc/self/uid_map") << "0 " + uid + " 1";
+      std::ofstream("/proc/self/gid_map") << "0 " + gid + " 1";
+      if (mount("none", disk.c_str(), "tmpfs", 0, "size=20m") != 0) return 98;
+      std::ofstream(disk + "/taken") << std::string((19 << 20) + (768 << 10), 'x');
+      const pid_t launcher = fork();
+      if (launcher == 0) {
+        Open(STDERR_FILENO, said);
+        Exec(MUSTER_PROGRAM, {"run", MUSTER_SCENARIOS "/random_1.json", "--quiet", "--out", run});
+      }
+      const bool is_said = Eventually(
+          [&] { return TextOf(said).find("disk of " + run + " is full") != std::string::npos; });
+      if (freed) {
+        std::filesystem::remove(disk + "/taken");
+      } else {
+        kill(launcher, SIGTERM);
+      }
+      int status = 0;
+      waitpid(launcher, &status, 0);
+      if (!is_said) return 97;
+      return WIFEXITED(status) ? WEXITSTATUS(status) : 99;
+    });
+    if (result.exit_code == 98) GTEST_SKIP() << "no mounts for this user";
+    EXPECT_EQ(result.exit_code, freed ? 0 : 3) << result.output << TextOf(said);
+    EXPECT_NE(result.output.find("tasks done"), std::string::npos) << result.output;
+  }
+}
+
+TEST_F(HostTrouble, AFileThatMayNotGrowIsSaid) {
+  const ChildResult result = Run({"run", scenario_, "--quiet", "--out", Out("small")}, [] {
+    const rlimit limit = {8192, 8192};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_NE(result.output.find("File size limit exceeded"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("tasks done"), std::string::npos) << result.output;
+}
+
+TEST_F(HostTrouble, AnyNameIsAFolder) {
+  for (const std::string& name : {std::string("-z"), std::string("caf\xe9"), std::string("a b")}) {
+    const ChildResult result = Run({"run", scenario_, "--quiet", "--out=" + name},
+                                   [&] { std::filesystem::current_path(folder_.path()); });
+    EXPECT_EQ(result.exit_code, 0) << name << result.output;
+    EXPECT_TRUE(std::filesystem::exists(folder_.File(name) + "/report.json")) << name;
+  }
+  EXPECT_EQ(Run({"run", scenario_, "--rate", "1e-300"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace muster::tools
