@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "base/text.h"
 #include "model/scenario_json.h"
 #include "model/scenario_units.h"
 
@@ -19,9 +18,6 @@ class Validator {
 
   void Run() const {
     const Rules& rules = scenario_.rules;
-    if (HasControls(scenario_.name)) {
-      Fail("name", Printable(scenario_.name), "a text without control characters");
-    }
     AboveZero("area_km[0]", scenario_.width_m, kKm);
     AboveZero("area_km[1]", scenario_.height_m, kKm);
     if (scenario_.origin) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "base/text.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
 
@@ -84,9 +85,10 @@ std::string Summary(const RunRecord& record) {
   }
   const DecisionTime time = DecisionTimeOf(record);
 
-  row("scenario", fmt::format("{}, {} UAVs, {} workers, {} vehicles, {:.0f} min", scenario.name,
-                              scenario.uavs.size(), scenario.workers.size(),
-                              scenario.vehicles.size(), ToMinutes(scenario.rules.limit_us)));
+  row("scenario",
+      fmt::format("{}, {} UAVs, {} workers, {} vehicles, {:.0f} min", Printable(scenario.name),
+                  scenario.uavs.size(), scenario.workers.size(), scenario.vehicles.size(),
+                  ToMinutes(scenario.rules.limit_us)));
   row("tasks done",
       total == 0 ? fmt::format("{} of {}", done, total)
                  : fmt::format("{} of {} ({:.1f} %)", done, total,
