@@ -1,6 +1,7 @@
 #include "protocol/follower.h"
 
 #include "base/check.h"
+#include "base/sha256.h"
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
 
@@ -10,6 +11,7 @@ void Follower::OnMessage(const Message& message, const Packet& packet, const Now
   if (scenario_) return OnMissionMessage(message, packet, now);
   const auto* const scenario = std::get_if<scenario_t>(&message);
   if (scenario == nullptr) return;
+  if (Sha256(scenario->json) != scenario->sha256) return inbox().Reject();
   try {
     scenario_ = ParseScenario(scenario->json, "scenario");
   } catch (const InputError&) {

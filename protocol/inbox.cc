@@ -75,8 +75,15 @@ bool Inbox::Count(const Message& message) {
   // A heartbeat bears the time of the last clock heard, and a world that starts again may go back
   // behind that; what its sender does was not undone.
   if (header.seq > start.seqs.max() && !std::holds_alternative<process_status_t>(message)) {
-    if (header.sim_us < start.newest_sim_us) return false;
+    // Two in a row that agree: what seemed newer was damaged or forged.
+    const bool agree = header.seq > start.doubted_seq && header.sim_us >= start.doubted_sim_us;
+    if (header.sim_us < start.newest_sim_us && (start.doubted_seq < 0 || !agree)) {
+      start.doubted_seq = header.seq;
+      start.doubted_sim_us = header.sim_us;
+      return false;
+    }
     start.newest_sim_us = header.sim_us;
+    start.doubted_seq = -1;
   }
   start.seqs.Add(header.seq);
   return true;

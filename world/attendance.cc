@@ -14,13 +14,18 @@ Attendance::Attendance(const Scenario& scenario, Peers peers) : peers_(std::move
   }
 }
 
+bool Attendance::MayReport(AgentKind kind, std::int32_t id, const std::string& process) const {
+  const std::string& owner = OwnerOf(kind, id);
+  if (owner.empty() || owner == process) return true;
+  if (!peers_.introduced(process)) return false;
+  if (!peers_.introduced(owner)) return true;
+  throw InputError(fmt::format("{} {} is reported by two processes, {} and {}: give each its --ids",
+                               ToString(kind), id, owner, process));
+}
+
 bool Attendance::Report(AgentKind kind, std::int32_t id, const std::string& process) {
   Seat& seat = SeatOf(kind, id);
-  if (!seat.owner.empty() && seat.owner != process) {
-    throw InputError(
-        fmt::format("{} {} is reported by two processes, {} and {}: give each its --ids",
-                    ToString(kind), id, seat.owner, process));
-  }
+  if (!seat.owner.empty() && seat.owner != process) Leave(seat.owner);
   seat.owner = process;
   Join(process);
   if (seat.heard != Heard::kNot) return false;

@@ -18,8 +18,12 @@ class Attendance {
   Peers& peers() { return peers_; }
   const Peers& peers() const { return peers_; }
 
+  /// Whether the agent is that process's, as far as is known. No: it is another's, and nobody of
+  /// that name has introduced himself: the name was damaged on the way. Throws InputError when two
+  /// processes report the agent.
+  bool MayReport(AgentKind kind, std::int32_t id, const std::string& process) const;
   /// `process` has reported that agent for this tick. False: it was known, or the agent is awaited
-  /// only from the next tick on. Throws InputError when another process reports the agent, too.
+  /// only from the next tick on.
   [[nodiscard]] bool Report(AgentKind kind, std::int32_t id, const std::string& process);
   /// Nobody is awaited any more.
   bool complete() const { return missing_ == 0; }

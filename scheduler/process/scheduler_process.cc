@@ -3,6 +3,13 @@
 #include "lcmtypes/channels.h"
 
 namespace muster::scheduler {
+namespace {
+
+/// So many clocks of an earlier start of the world, and none of the later one: its number was
+/// damaged on the way, and nobody has that number.
+constexpr int kMostOutdated = 20;
+
+}  // namespace
 
 SchedulerProcess::SchedulerProcess(const Identity& identity, int window, std::string policy_name,
                                    std::unique_ptr<Policy> policy, Stopwatch stopwatch)
@@ -36,8 +43,9 @@ void SchedulerProcess::Take(const clock_t& clock) {
   Follow(clock);
   // A world that starts again may go back to an earlier tick, and what an earlier start of it said
   // may still be sent again for the log.
-  if (clock.header.boot_id < world_boot_) return;
-  const bool is_new_start = clock.header.boot_id > world_boot_;
+  if (clock.header.boot_id < world_boot_ && ++outdated_ < kMostOutdated) return;
+  outdated_ = 0;
+  const bool is_new_start = clock.header.boot_id != world_boot_;
   if (clock.phase != ClockPhase::kEnded && clock.tick <= tick_) repeat_tick_ = clock.tick;
   if (clock.tick <= tick_ && !is_new_start) return;
   world_boot_ = clock.header.boot_id;

@@ -42,6 +42,7 @@ class SchedulerProcess : public Follower {
   const Stopwatch stopwatch_;
   std::optional<Fusion> fusion_;
   std::int64_t world_boot_ = 0;  ///< start of the world that goes on
+  int outdated_ = 0;             ///< clocks in a row of earlier starts of the world
   std::int64_t tick_ = -1;       ///< of its newest clock
   TimeUs tick_us_ = 0;
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made

@@ -46,7 +46,13 @@ TEST_F(AttendanceTest, IsCompleteWithEveryAgentsReport) {
 }
 
 TEST_F(AttendanceTest, AnAgentHasOneProcess) {
-  EXPECT_THROW(static_cast<void>(attendance_.Report(kUav, 0, "uav-1")), InputError);
+  EXPECT_TRUE(attendance_.MayReport(kUav, 0, "uav-0"));
+  // Nobody has heard who that is: a damaged name.
+  EXPECT_FALSE(attendance_.MayReport(kUav, 0, "uav-2"));
+  attendance_.peers().Introduce("uav-2");
+  EXPECT_TRUE(attendance_.MayReport(kUav, 0, "uav-2"));  // then the first name was damaged
+  attendance_.peers().Introduce("uav-0");
+  EXPECT_THROW(static_cast<void>(attendance_.MayReport(kUav, 0, "uav-2")), InputError);
 }
 
 TEST_F(AttendanceTest, WhoIsLostIsNotAwaited) {

@@ -28,15 +28,35 @@ constexpr double kLongest_s = 3600;
   throw InputError(fault.where, key, found, expected);
 }
 
+/// Every packet is lost or damaged: its target hears nothing.
+bool Deafens(const PlannedFault& fault) {
+  return (fault.kind == FaultKind::kLoss || fault.kind == FaultKind::kCorruption) &&
+         fault.probability >= 1;
+}
+
 /// While it lasts, the mission waits for somebody.
 bool HoldsTheClock(const PlannedFault& fault) {
   return fault.kind == FaultKind::kProcessKilled || fault.kind == FaultKind::kProcessStopped ||
-         fault.kind == FaultKind::kPartition || fault.kind == FaultKind::kDiskFull;
+         fault.kind == FaultKind::kPartition || fault.kind == FaultKind::kDiskFull ||
+         Deafens(fault);
 }
 
 /// No mission goes on without its target, whatever --on-loss says.
 bool NeverMissed(const PlannedFault& fault) {
-  return fault.target == process_name::kWorld || fault.target == process_name::kLogger;
+  const std::string& target = fault.target;
+  if (const auto sides = SidesOf(target); sides && fault.kind == FaultKind::kPartition) {
+    const auto across = [](const auto& one, const auto& other) {
+      return one.count(process_name::kWorld) > 0 && other.count(process_name::kRecorder) > 0;
+    };
+    return across(sides->first, sides->second) || across(sides->second, sides->first);
+  }
+  return target == process_name::kWorld || target == process_name::kLogger ||
+         target == process_name::kRecorder || target == "*";
+}
+
+/// No fault of that kind can hit its target.
+[[noreturn]] void RefuseTarget(const PlannedFault& fault, const std::string& expected) {
+  Refuse(fault, "target", fault.target, fmt::format("{} for {}", expected, ToString(fault.kind)));
 }
 
 void SetKind(PlannedFault* fault, const std::string& name) {
@@ -253,11 +273,58 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
   return fault;
 }
 
+namespace {
+
+/// Whether faults of that kind can hit what it names.
+void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& names,
+                 const Scenario& scenario) {
+  const std::string& target = fault.target;
+  // The recorder is the launcher: it cannot be started again, and damaged numbers would make it
+  // wait for what never was.
+  const bool with_recorder = IsPacketFault(fault.kind) && fault.kind != FaultKind::kCorruption;
+  std::vector<std::string_view> known;
+  for (const std::string& name : names) {
+    if (with_recorder || name != process_name::kRecorder) known.push_back(name);
+  }
+  const std::string processes = fmt::format("{}", fmt::join(known, ", "));
+  const auto is_process = [&](std::string_view name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  if (IsAgentFault(fault.kind)) {
+    for (const AgentKind kind : kAgentKinds) {
+      const std::size_t n = scenario.agents(kind).size();
+      for (std::size_t id = 0; id < n; ++id) {
+        if (target == fmt::format("{}:{}", ToString(kind), id)) return;
+      }
+    }
+    RefuseTarget(fault, "an agent of the scenario, e.g. uav:3,");
+  } else if (fault.kind == FaultKind::kPartition) {
+    const auto sides = SidesOf(target);
+    const auto are_known = [&](const std::set<std::string>& side) {
+      return !side.empty() && std::all_of(side.begin(), side.end(), is_process);
+    };
+    const auto twice = [&](const std::string& name) { return sides->second.count(name) > 0; };
+    if (!sides || !are_known(sides->first) || !are_known(sides->second) ||
+        std::any_of(sides->first.begin(), sides->first.end(), twice)) {
+      RefuseTarget(fault, fmt::format("ONE+...|OTHER+... of {},", processes));
+    }
+  } else if (fault.kind == FaultKind::kDiskFull) {
+    if (target != process_name::kLogger) RefuseTarget(fault, process_name::kLogger);
+  } else if (fault.kind == FaultKind::kForeign) {
+    if (target != "*") RefuseTarget(fault, "* (everybody hears them)");
+  } else if (IsPacketFault(fault.kind)) {
+    if (target != "*" && !is_process(target)) {
+      RefuseTarget(fault, fmt::format("* or one of {},", processes));
+    }
+  } else if (target != process_name::kLogger && !is_process(target)) {
+    RefuseTarget(fault, fmt::format("one of {}, {},", processes, process_name::kLogger));
+  }
+}
+
+}  // namespace
+
 void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
                     const Scenario& scenario, bool goes_on) {
-  const auto is_process = [&](std::string_view name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
   std::set<std::string> ids;
   for (const PlannedFault& fault : *plan) {
     if (!ids.insert(fault.id).second) Refuse(fault, "id", fault.id, "an id of its own");
@@ -269,47 +336,21 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
       Refuse(fault, "at_min", fmt::format("{}", ToMinutes(fault.at_us)),
              fmt::format("a time below the limit, {} min", ToMinutes(scenario.rules.limit_us)));
     }
-    const std::string processes = fmt::format("{}", fmt::join(names, ", "));
-    const std::string& target = fault.target;
-    if (fault.for_us > 0 && HoldsTheClock(fault) && !goes_on) {
+    CheckTarget(fault, names, scenario);
+    if (fault.for_us == 0 || !HoldsTheClock(fault)) continue;
+    const std::string whom = fmt::format("{} of {}", ToString(fault.kind), fault.target);
+    if (!goes_on) {
       Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
-             "for_s, real seconds: the mission's clock stands still meanwhile, unless by "
-             "--on-loss continue it goes on without an agent process or the scheduler");
+             fmt::format("for_s, real seconds, for {}: the mission's clock stands still meanwhile, "
+                         "unless by --on-loss continue it goes on without an agent process or the "
+                         "scheduler",
+                         whom));
     }
-    if (fault.for_us > 0 && HoldsTheClock(fault) && NeverMissed(fault)) {
+    if (NeverMissed(fault)) {
       Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
-             "for_s, real seconds: the mission's clock stands still without world or recorder");
-    }
-    if (IsAgentFault(fault.kind)) {
-      bool known = false;
-      for (const AgentKind kind : kAgentKinds) {
-        const std::size_t n = scenario.agents(kind).size();
-        for (std::size_t id = 0; id < n && !known; ++id) {
-          known = target == fmt::format("{}:{}", ToString(kind), id);
-        }
-      }
-      if (!known) Refuse(fault, "target", target, "an agent of the scenario, e.g. uav:3");
-    } else if (fault.kind == FaultKind::kPartition) {
-      const auto sides = SidesOf(target);
-      const auto known = [&](const std::set<std::string>& side) {
-        return !side.empty() && std::all_of(side.begin(), side.end(), is_process);
-      };
-      const auto twice = [&](const std::string& name) { return sides->second.count(name) > 0; };
-      if (!sides || !known(sides->first) || !known(sides->second) ||
-          std::any_of(sides->first.begin(), sides->first.end(), twice)) {
-        Refuse(fault, "target", target, fmt::format("ONE+...|OTHER+... of {}", processes));
-      }
-    } else if (fault.kind == FaultKind::kDiskFull) {
-      if (target != process_name::kLogger) Refuse(fault, "target", target, process_name::kLogger);
-    } else if (fault.kind == FaultKind::kForeign) {
-      if (target != "*") Refuse(fault, "target", target, "*: everybody hears them");
-    } else if (IsPacketFault(fault.kind)) {
-      if (target != "*" && !is_process(target)) {
-        Refuse(fault, "target", target, fmt::format("* or one of {}", processes));
-      }
-    } else if (target != process_name::kLogger && !is_process(target)) {
-      Refuse(fault, "target", target,
-             fmt::format("one of {}, {}", processes, process_name::kLogger));
+             fmt::format("for_s, real seconds, for {}: the mission's clock stands still without "
+                         "world or recorder",
+                         whom));
     }
   }
   std::stable_sort(plan->begin(), plan->end(),
