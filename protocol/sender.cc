@@ -1,6 +1,7 @@
 #include "protocol/sender.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace muster {
 namespace {
@@ -43,12 +44,14 @@ void Sender::Acknowledge(const log_status_t& status) {
       kept_.pop_front();
       --out_;
       ++first_kept_seq_;
+      progressed_ = true;
       repair_.Stop();
     }
   }
 }
 
 void Sender::Flush(const Now& now, std::vector<Packet>* out) {
+  if (out_ == 0 || std::exchange(progressed_, false)) progress_us_ = now.monotonic_us;
   for (const SentPacket& packet : resend_) out->push_back(*packet);
   resent_ += static_cast<std::int64_t>(resend_.size());
   resend_.clear();

@@ -87,6 +87,8 @@ class Sender {
   const Identity& identity() const { return identity_; }
   std::int64_t next_seq() const { return next_seq_; }
   std::int64_t resent() const { return resent_; }
+  /// For how long something has been out and nothing of it was acknowledged: the log is held up.
+  TimeUs HeldUs(const Now& now) const { return out_ == 0 ? 0 : now.monotonic_us - progress_us_; }
   /// All sent and, with a recorder, on disk.
   bool drained() const { return kept_.empty() && resend_.empty(); }
 
@@ -102,6 +104,8 @@ class Sender {
   std::size_t out_ = 0;
   std::int64_t first_kept_seq_ = 0;  ///< of kept_.front()
   std::vector<SentPacket> resend_;
+  bool progressed_ = false;  ///< since the last Flush
+  TimeUs progress_us_ = 0;   ///< latest time that something was acknowledged, or nothing was out
   BackOff repair_{20'000, 500'000};
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,12 +24,17 @@ class Peers {
   Peers(TimeUs lost_after_us, bool is_first) : lost_after_us_(lost_after_us), is_first_(is_first) {}
 
   void Hear(const std::string& name, TimeUs now_us);
+  /// It has said twice in one message who it is.
+  void Introduce(const std::string& name) { introduced_.insert(name); }
+  bool introduced(const std::string& name) const { return introduced_.contains(name); }
   bool heard(const std::string& name) const { return peers_.contains(name); }
   /// Once a step: whoever was held up itself has heard nobody meanwhile.
   void NoteAwake(TimeUs now_us);
+  /// The log holds the mission: nobody can be blamed for what he has not been able to say.
+  void NoteHeld(TimeUs now_us) { awake_since_us_ = now_us; }
   /// From now on an answer is due.
   void AwaitFrom(TimeUs now_us) { due_since_us_ = now_us; }
-  /// How long it has been due while this process was awake.
+  /// How long it has been due while this process was awake and the log did not hold it.
   TimeUs AwaitedUs(TimeUs now_us) const {
     return now_us - std::max(due_since_us_, awake_since_us_);
   }
@@ -50,6 +56,7 @@ class Peers {
   const TimeUs lost_after_us_;
   const bool is_first_;
   std::map<std::string, Peer> peers_;
+  std::set<std::string> introduced_;
   TimeUs due_since_us_ = 0, stepped_us_ = 0, awake_since_us_ = 0;
 };
 

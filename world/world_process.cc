@@ -17,6 +17,8 @@ namespace {
 using Presence = Peers::Presence;
 
 constexpr TimeUs kLookUs = 20'000;
+/// The recorder says every 200 ms at least what the log holds, and it may be lost once.
+constexpr TimeUs kRecorderSilentUs = 450'000;
 
 FailureReason LossOf(const std::string& process) {
   return {FailureReason::Cause::kProcessLost, process};
@@ -56,9 +58,16 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const restore_t& restore) {
         if (wait_ == Wait::kRestore && !restoring_.Take(restore)) inbox().Reject();
       },
-      [&](const log_status_t&) { recorder_ready_ = true; },
+      [&](const log_status_t&) {
+        recorder_ready_ = true;
+        recorder_heard_us_ = now.monotonic_us;
+      },
       [&](const process_status_t& status) {
-        if (status.state != ProcessState::kEnded) return;
+        if (status.name == status.header.sender) attendance_.peers().Introduce(status.name);
+        if (status.state != ProcessState::kEnded) {
+          if (ended()) sender().Resend(clock_packet_);  // it has not heard
+          return;
+        }
         attendance_.Leave(status.header.sender);
         if (attendance_.deserted() && ended()) repeat_.Stop();
       });
@@ -75,6 +84,9 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     const std::optional<AgentState> agent = FromWire(wire, kind, clock_.sim_us(), limits_);
     if (!agent) return inbox().Reject();
     agents.push_back(*agent);
+  }
+  for (const AgentState& agent : agents) {
+    if (!attendance_.MayReport(kind, agent.id, states.header.sender)) return inbox().Reject();
   }
   bool news = false;
   for (const AgentState& agent : agents) {
@@ -254,6 +266,12 @@ void WorldProcess::FindLost(const Now& now) {
   }
 }
 
+bool WorldProcess::LogHolds(const Now& now) const {
+  if (!options_.recorded) return false;
+  const TimeUs longest_us = std::max(options_.lost_after_us / 4, kRecorderSilentUs);
+  return sender().HeldUs(now) > longest_us || now.monotonic_us - recorder_heard_us_ > longest_us;
+}
+
 void WorldProcess::Lose(const std::string& name, const Now& now) {
   if (!attendance_.Lose(name)) return;
   SayOfProcess(Event::Kind::kProcessLost, name, now);
@@ -271,6 +289,7 @@ void WorldProcess::Begin(const Now& now) {
 
 void WorldProcess::OnStep(const Now& now) {
   attendance_.peers().NoteAwake(now.monotonic_us);
+  if (LogHolds(now)) attendance_.peers().NoteHeld(now.monotonic_us);
   if (!scenario_packet_) {
     scenario_t scenario{};
     scenario.sha256 = Sha256(json_);

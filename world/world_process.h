@@ -62,6 +62,8 @@ class WorldProcess : public Process {
   void Repeat();
   /// Gives up those whose answer has been due for too long.
   void FindLost(const Now& now);
+  /// Nothing reaches the log, or nobody says so.
+  bool LogHolds(const Now& now) const;
   void Lose(const std::string& name, const Now& now);
   void SayOfProcess(Event::Kind kind, const std::string& name, const Now& now);
   void WaitFor(Wait wait, const Now& now);
@@ -79,6 +81,7 @@ class WorldProcess : public Process {
 
   Wait wait_ = Wait::kStates;
   bool recorder_ready_ = false;
+  TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it

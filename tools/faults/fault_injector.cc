@@ -61,7 +61,7 @@ bool FaultInjector::Owed(const Injection& injection, const FaultActions& actions
   if (injection.phase == Phase::kWaiting || !IsPacketFault(injection.fault.kind)) return false;
   const fault_t wire = ToWire(injection.fault);
   return std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
-    if (!Concerns(wire, name)) return false;
+    if (!Concerns(wire, name) || actions.IsGone(name)) return false;
     const Start start(name, actions.BootOf(name));
     if (injection.phase == Phase::kActive) return injection.applied.count(start) == 0;
     return injection.applied.count(start) > 0 && injection.ended.count(start) == 0;

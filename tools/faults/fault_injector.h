@@ -32,6 +32,8 @@ class FaultActions {
   virtual void SetDiskFull(bool full) = 0;
   /// Whether a signal holds it now.
   virtual bool IsStopped(const std::string& name) const = 0;
+  /// The mission goes on without it, for good: it will confirm nothing.
+  virtual bool IsGone(const std::string& name) const = 0;
   /// How often it was started before.
   virtual std::int64_t BootOf(const std::string& name) const = 0;
 };

@@ -99,6 +99,7 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   plan.restarts.most = options.restarts;
   plan.faults = options.faults;
   plan.goes_on = options.on_loss == "continue";
+  plan.lost_after_us = ToUs(options.lost_after_s);
   plan.scenario = scenario;
   if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;

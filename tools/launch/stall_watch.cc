@@ -15,6 +15,26 @@ constexpr TimeUs kLateUs = 5 * kSecondUs;
 
 }  // namespace
 
+void Patience::WaitFor(const std::string& what, TimeUs now_us) {
+  if (what == what_) return;
+  what_ = what;
+  since_us_ = now_us;
+  said_after_us_ = 0;
+}
+
+bool Patience::Due(TimeUs now_us) {
+  const TimeUs waited = waited_us(now_us);
+  if (what_.empty() || waited < std::max(kPatienceUs, 2 * said_after_us_)) return false;
+  said_after_us_ = waited;
+  return true;
+}
+
+TimeUs StallWatch::SilentUs(const std::string& process, TimeUs now_us) {
+  Peer& peer = peers_[process];
+  if (peer.heard_us < 0) peer.heard_us = now_us;
+  return now_us - peer.heard_us;
+}
+
 StallWatch::StallWatch(std::vector<std::string> processes, TimeUs tick_us, double rate)
     : processes_(std::move(processes)),
       rate_(rate),

@@ -10,6 +10,21 @@
 
 namespace muster::tools {
 
+/// When to say that something is still waited for: after 3 s, 6 s, 12 s ...
+class Patience {
+ public:
+  /// What is waited for, from now on; the same again changes nothing. "": nothing.
+  void WaitFor(const std::string& what, TimeUs now_us);
+  TimeUs waited_us(TimeUs now_us) const { return now_us - since_us_; }
+  /// Whether to say it now.
+  bool Due(TimeUs now_us);
+
+ private:
+  std::string what_;
+  TimeUs since_us_ = 0;
+  TimeUs said_after_us_ = 0;
+};
+
 /// Notices, from what is heard on the bus, that the mission's clock stands, and for whom, and that
 /// it falls behind its rate.
 class StallWatch {
@@ -24,6 +39,11 @@ class StallWatch {
   std::optional<std::string> Line(TimeUs now_us);
   /// Whose word on the newest tick has not been heard.
   std::vector<std::string> Missing() const;
+  /// The clock has been heard to run; to have ended.
+  bool begun() const { return moved_us_ >= 0; }
+  bool ended() const { return ended_; }
+  /// Since that process was heard, or since the first call; microseconds.
+  TimeUs SilentUs(const std::string& process, TimeUs now_us);
 
  private:
   std::optional<std::string> LateLine();

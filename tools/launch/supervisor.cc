@@ -10,23 +10,14 @@
 #include "base/say.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "protocol/fault_switch.h"
-#include "protocol/outage_watch.h"
-#include "recorder/archive.h"
-#include "recorder/recorder.h"
-#include "tools/faults/fault_injector.h"
 #include "tools/faults/foreign_packets.h"
-#include "tools/launch/end_watch.h"
-#include "tools/launch/member.h"
-#include "tools/launch/mission_view.h"
-#include "tools/launch/stall_watch.h"
+#include "tools/launch/supervisor_state.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr TimeUs kReadyUs = 30 * kSecondUs;
 constexpr TimeUs kRoomUs = 60 * kSecondUs;  // for somebody to make room on the disk
-constexpr TimeUs kStopUs = 5 * kSecondUs;
 constexpr TimeUs kHeartbeatUs = kSecondUs;
 // lcm-logger does not tell that it has written: its file is looked at.
 constexpr TimeUs kLookBehindUs = 300;
@@ -35,80 +26,7 @@ constexpr TimeUs kForeignUs = 2'000;
 /// An outage of the network may last that long for each time that a process may be started.
 constexpr TimeUs kOutageUs = 10 * kSecondUs;
 
-/// One mission from start to end.
-class Supervisor : private FaultActions {
- public:
-  Supervisor(const MissionPlan& plan, MissionHost* host);
-
-  MissionResult Run();
-
- private:
-  bool killed() const { return host_->stops_asked() > 1; }
-  bool has_ended(const Member& member) { return host_->EndOf(member.name).has_value(); }
-  bool Ended() const;
-  /// Sees to the bus, the log and the display once; waits a little when there is nothing to do.
-  void Turn();
-  /// Turns until `done` holds; false when the time is over or a second signal came first.
-  template <class Condition>
-  bool TurnUntil(Condition done, TimeUs longest_us);
-  /// Says for what the mission waits at its end, and gives up what nobody can say.
-  void SeeToEnd(const Now& now);
-  void LookAtNetwork();
-  /// The network has been gone for as long as it may.
-  bool NetworkIsGone();
-  void ReadLog(const Now& now);
-  void AnswerFromArchive(const Packet& request, const Now& now);
-  void Show(bool at_end);
-  bool is_logger(const Member& member) const { return &member == &members_.front(); }
-  void Start(Member* member);
-  /// Looks for members that should be there and are not, and starts again those whose time has
-  /// come. False: one has ended for good.
-  bool KeepAlive();
-  bool OnEnd(Member* member, const Now& now);
-  void NoteBack(Member* member, const Now& now);
-  /// Publishes an event_t about a process.
-  void Announce(EventKind kind, std::string detail, const Now& now);
-  void Say(const std::string& line) { host_->Say(line); }
-  Member* Find(const std::string& name);
-  SentPacket Publish(const fault_t& fault) override;
-  void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
-  void Confirm(EventKind kind, const std::string& fault_id) override;
-  bool SignalProcess(const std::string& name, int signal) override;
-  void HoldRestart(const std::string& name) override { Find(name)->held = true; }
-  void ReleaseRestart(const std::string& name) override { Find(name)->held = false; }
-  void SetDiskFull(bool full) override {
-    if (!members_.front().down) host_->SetDiskFull(full);
-  }
-  bool IsStopped(const std::string& name) const override;
-  std::int64_t BootOf(const std::string& name) const override;
-  std::string Obituary(const Member& member, const ChildEnd& end) const;
-  /// Signals and waits; kills whoever does not end.
-  void Stop(const std::vector<Member*>& members);
-  void CloseLog();
-
-  const MissionPlan& plan_;
-  MissionHost* host_;
-
-  Recorder recorder_;
-  Archive archive_;
-  StallWatch stall_watch_;
-  FaultInjector injector_;
-  FaultSwitch own_faults_;
-  OutageWatch network_;
-  EndWatch end_watch_;
-  RunRecord record_;
-  MissionView logged_;
-  std::int64_t heard_tick_ = -1;
-  TimeUs heard_us_ = 0;          ///< mission time
-  std::vector<Member> members_;  ///< the logger first: it goes last
-  std::vector<std::string> problems_;
-  std::vector<Packet> out_;
-  TimeUs heartbeat_us_ = 0;
-  TimeUs foreign_us_ = 0;
-  std::uint64_t foreign_sent_ = 0;
-  bool stopping_ = false;
-  bool finishing_ = false;
-};
+}  // namespace
 
 Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
@@ -180,6 +98,7 @@ void Supervisor::Turn() {
     if (const auto line = stall_watch_.Line(now.monotonic_us)) Say(*line);
     if (logged_.end_announced()) SeeToEnd(now);
   }
+  SayWait(now);
 
   const TimeUs look_us = recorder_.behind() ? kLookBehindUs : kLookUs;
   const TimeUs wait_us =
@@ -190,7 +109,7 @@ void Supervisor::Turn() {
     recorder_.OnHeard(packet, now);
     const std::optional<header_t> header = DecodeHeader(packet);
     if (!header || header->run_id != plan_.run_id) continue;
-    stall_watch_.OnHeard(packet, now.monotonic_us);
+    OnMember(packet, now);
     archive_.Add(packet);
     if (packet.channel == channel::kRequest) AnswerFromArchive(packet, now);
     if (packet.channel != channel::kClock) continue;
@@ -200,6 +119,15 @@ void Supervisor::Turn() {
       heard_us_ = std::max(heard_us_, clock->tick_us);
     }
   }
+}
+
+void Supervisor::OnMember(const Packet& packet, const Now& now) {
+  const std::optional<header_t> header = DecodeHeader(packet);
+  if (!header || header->run_id != plan_.run_id) return;
+  stall_watch_.OnHeard(packet, now.monotonic_us);
+  if (packet.channel != channel::kProcess) return;
+  heard_.Add(packet);
+  if (const auto line = namesakes_.OnHeard(packet)) Say(*line);
 }
 
 void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
@@ -236,16 +164,6 @@ bool Supervisor::NetworkIsGone() {
   if (lasts_us < kOutageUs * (1 + plan_.restarts.most)) return false;
   problems_.push_back(fmt::format("the network has been gone for {:.0f} s: {}", ToSeconds(lasts_us),
                                   network_.reason()));
-  return true;
-}
-
-template <class Condition>
-bool Supervisor::TurnUntil(Condition done, TimeUs longest_us) {
-  const TimeUs deadline_us = host_->now().monotonic_us + longest_us;
-  while (!done()) {
-    if (killed() || host_->now().monotonic_us >= deadline_us) return false;
-    Turn();
-  }
   return true;
 }
 
@@ -289,6 +207,12 @@ bool Supervisor::SignalProcess(const std::string& name, int signal) {
   if (member->down || has_ended(*member)) return false;
   host_->Signal(name, signal);
   return true;
+}
+
+bool Supervisor::IsGone(const std::string& name) const {
+  const auto found = std::find_if(members_.begin(), members_.end(),
+                                  [&](const Member& member) { return member.name == name; });
+  return found != members_.end() && found->gone;
 }
 
 bool Supervisor::IsStopped(const std::string& name) const {
@@ -382,30 +306,6 @@ bool Supervisor::KeepAlive() {
   return true;
 }
 
-void Supervisor::Stop(const std::vector<Member*>& members) {
-  std::vector<Member*> alive;
-  for (Member* member : members) {
-    if (has_ended(*member)) continue;
-    host_->AskToEnd(member->name);
-    alive.push_back(member);
-  }
-  TurnUntil(
-      [&] {
-        return std::all_of(alive.begin(), alive.end(),
-                           [this](Member* member) { return has_ended(*member); });
-      },
-      kStopUs);
-  for (Member* member : alive) {
-    if (const std::optional<ChildEnd> end = host_->EndOf(member->name)) {
-      if (!end->clean()) problems_.push_back(Obituary(*member, *end));
-    } else if (!killed()) {
-      problems_.push_back(fmt::format("{} did not end within {} s and was killed", member->name,
-                                      kStopUs / kSecondUs));
-    }
-  }
-  for (Member* member : members) host_->Kill(member->name);
-}
-
 void Supervisor::CloseLog() {
   ReadLog(host_->now());
   const std::int64_t starts = members_.front().starts;
@@ -437,6 +337,7 @@ MissionResult Supervisor::Run() {
       result.end = MissionEnd::kComplete;
       break;
     }
+    LeaveBehind(host_->now());
     if (!KeepAlive() || NetworkIsGone()) break;
     if (!ready && host_->now().monotonic_us >= ready_by_us) {
       for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
@@ -473,8 +374,6 @@ MissionResult Supervisor::Run() {
   result.record = std::move(record_);
   return result;
 }
-
-}  // namespace
 
 int ExitCodeOf(const MissionResult& result) {
   switch (result.end) {

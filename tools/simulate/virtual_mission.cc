@@ -226,6 +226,7 @@ MissionResult RunVirtualMission(const VirtualMission& mission) {
   plan.restarts = mission.restarts;
   plan.faults = mission.faults;
   plan.goes_on = mission.goes_on;
+  plan.lost_after_us = mission.lost_after_us;
   VirtualHost host(mission);
   MissionResult result = Supervise(plan, &host);
   if (result.end == MissionEnd::kInterrupted && host.out_of_patience()) {

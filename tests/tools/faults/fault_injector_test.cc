@@ -28,6 +28,7 @@ struct FakeMission : FaultActions {
   void ReleaseRestart(const std::string& name) override { held.erase(name); }
   void SetDiskFull(bool full) override { disk_full = full; }
   bool IsStopped(const std::string&) const override { return stopped; }
+  bool IsGone(const std::string& name) const override { return gone.count(name) > 0; }
   std::int64_t BootOf(const std::string& name) const override {
     return name == "uav" ? uav_boot : 0;
   }
@@ -37,6 +38,7 @@ struct FakeMission : FaultActions {
   std::vector<std::pair<int, std::string>> confirmed;
   std::vector<std::pair<std::string, int>> signals;
   std::set<std::string> held;
+  std::set<std::string> gone;
   bool disk_full = false;
   bool down = false;
   bool stopped = false;

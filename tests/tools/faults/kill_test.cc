@@ -197,6 +197,59 @@ TEST_F(KillTest, WhoEndsForGoodIsDoneWithout) {
   EXPECT_GT(report["tasks_done"], 0);
 }
 
+// It is frozen for good: a mission that goes on without it ends without it, too.
+TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600",
+                 "--on-loss", "continue", "--lost-after", "4"});
+  LiveLog log(folder_.File("run"));
+  ASSERT_TRUE(Eventually([&] {
+    log.Read();
+    return log.tick() >= 60 && log.pid("uav") > 0;
+  }));
+  ASSERT_EQ(kill(log.pid("uav"), SIGSTOP), 0);
+  EXPECT_EQ(muster.Wait(), 0) << muster.output();
+  for (const char* said :
+       {"it waits for uav", "uav has been silent for", "the mission ends without it"}) {
+    EXPECT_NE(muster.output().find(said), std::string::npos) << said << muster.output();
+  }
+}
+
+// In the place of the frozen launcher: its log tells nobody what it holds.
+TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
+  Muster muster(
+      folder_, "run",
+      {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "7200", "--on-loss",
+       "continue", "--lost-after", "0.5", "--fault", "process_stopped:lcm-logger@60+4s"});
+  EXPECT_EQ(muster.Wait(), 0) << muster.output();
+  const Json report = Report("run");
+  EXPECT_EQ(report["digest"], expected_);
+  EXPECT_EQ(report["events"]["process_lost"], 0);
+}
+
+TEST_F(KillTest, ASecondProcessOfANameIsNamed) {
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "60",
+                 "--lcm-url", "udpm://239.255.76.67:7699?ttl=0"});
+  LiveLog log(folder_.File("run"));
+  ASSERT_TRUE(Eventually([&] {
+    log.Read();
+    return log.tick() >= 1 && log.pid("scheduler") > 0;
+  }));
+  const Json manifest = Json::parse(TextOf(folder_.File("run") + "/manifest.json"));
+  const std::string program =
+      (fs::path(MUSTER_PROGRAM).parent_path() / "muster-scheduler").string();
+  Child second({"second",
+                {program, "--lcm-url", manifest["lcm_url"], "--run-id",
+                 std::to_string(manifest["run_id"].get<std::int64_t>())},
+                folder_.File("second")});
+  EXPECT_TRUE(Eventually([&] {
+    return muster.output().find("two processes speak as scheduler") != std::string::npos;
+  })) << muster.output();
+  muster.child().Signal(SIGTERM);
+  EXPECT_EQ(muster.Wait(), 130) << muster.output();
+}
+
 TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }
 TEST_F(KillTest, SchedulerUavsAndLoggerOverABadNetwork) {
   KillAll({"scheduler", "uav", "lcm-logger"}, 9, {"--drop", "0.1"});

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "tools/launch/namesakes.h"
 
 namespace muster::tools {
 namespace {
@@ -81,6 +84,41 @@ TEST(StallWatch, SaysHowLateAPacedMissionIs) {
             "the mission is 6 s behind its rate at 10.0 min: this host is too slow");
   EXPECT_FALSE(line(30, 38 * kSecondUs)) << "8 s, said at 6";
   EXPECT_TRUE(line(40, 53 * kSecondUs));
+}
+
+TEST(Patience, SaysAfterThreeSecondsAndThenTwiceAsLong) {
+  Patience patience;
+  std::vector<int> said;
+  for (int s = 0; s < 30; ++s) {
+    patience.WaitFor("uav", s * kSecondUs);
+    if (patience.Due(s * kSecondUs)) said.push_back(s);
+  }
+  EXPECT_EQ(said, (std::vector<int>{3, 6, 12, 24}));
+  patience.WaitFor("worker", 30 * kSecondUs);
+  EXPECT_FALSE(patience.Due(32 * kSecondUs));
+  EXPECT_TRUE(patience.Due(33 * kSecondUs));
+  patience.WaitFor("", 40 * kSecondUs);
+  EXPECT_FALSE(patience.Due(90 * kSecondUs));
+}
+
+TEST(Namesakes, NamesTwoLivingProcessesOfOneNameOnce) {
+  const auto said_by = [](std::int64_t boot_id, int pid, const char* host) {
+    process_status_t status{};
+    status.header.sender = status.name = "world";
+    status.header.boot_id = boot_id;
+    status.pid = pid;
+    status.host = host;
+    return Packet{"MUSTER_PROCESS", Encode(status)};
+  };
+  Namesakes namesakes;
+  EXPECT_FALSE(namesakes.OnHeard(said_by(0, 10, "here")));
+  EXPECT_FALSE(namesakes.OnHeard(said_by(0, 10, "here")));
+  EXPECT_FALSE(namesakes.OnHeard(said_by(1, 11, "here")));  // started again
+  const auto line = namesakes.OnHeard(said_by(1, 11, "there"));
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->rfind("two processes speak as world: pid 11 on here and pid 11 on there", 0), 0U)
+      << *line;
+  EXPECT_FALSE(namesakes.OnHeard(said_by(1, 12, "there")));
 }
 
 }  // namespace

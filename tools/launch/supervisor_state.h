@@ -1,0 +1,123 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/fault_switch.h"
+#include "protocol/outage_watch.h"
+#include "recorder/archive.h"
+#include "recorder/recorder.h"
+#include "tools/faults/fault_injector.h"
+#include "tools/launch/end_watch.h"
+#include "tools/launch/member.h"
+#include "tools/launch/mission_view.h"
+#include "tools/launch/namesakes.h"
+#include "tools/launch/stall_watch.h"
+#include "tools/launch/supervisor.h"
+
+namespace muster::tools {
+
+/// One mission from start to end: what Supervise() does. Of supervisor.cc and supervisor_waits.cc.
+class Supervisor : private FaultActions {
+ public:
+  Supervisor(const MissionPlan& plan, MissionHost* host);
+
+  MissionResult Run();
+
+ private:
+  bool killed() const { return host_->stops_asked() > 1; }
+  bool has_ended(const Member& member) { return host_->EndOf(member.name).has_value(); }
+  bool Ended() const;
+  /// Sees to the bus, the log and the display once; waits a little when there is nothing to do.
+  void Turn();
+  /// Turns until `done` holds; false when the time is over or a second signal came first.
+  template <class Condition>
+  bool TurnUntil(Condition done, TimeUs longest_us);
+  /// Takes note of who says something in this mission.
+  void OnMember(const Packet& packet, const Now& now);
+  /// Says, now and then, for whom and what a mission waits that has not begun, or has ended.
+  void SayWait(const Now& now);
+  /// Whom and what a mission that has ended still waits for.
+  std::string Open() const;
+  /// Without those who are silent after the mission's end.
+  void LeaveBehind(const Now& now);
+  /// Gives up, after the end, what nobody can say.
+  void SeeToEnd(const Now& now);
+  void LookAtNetwork();
+  /// The network has been gone for as long as it may.
+  bool NetworkIsGone();
+  void ReadLog(const Now& now);
+  void AnswerFromArchive(const Packet& request, const Now& now);
+  void Show(bool at_end);
+  bool is_logger(const Member& member) const { return &member == &members_.front(); }
+  void Start(Member* member);
+  /// Looks for members that should be there and are not, and starts again those whose time has
+  /// come. False: one has ended for good.
+  bool KeepAlive();
+  bool OnEnd(Member* member, const Now& now);
+  void NoteBack(Member* member, const Now& now);
+  /// Publishes an event_t about a process.
+  void Announce(EventKind kind, std::string detail, const Now& now);
+  void Say(const std::string& line) { host_->Say(line); }
+  Member* Find(const std::string& name);
+  SentPacket Publish(const fault_t& fault) override;
+  void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
+  void Confirm(EventKind kind, const std::string& fault_id) override;
+  bool SignalProcess(const std::string& name, int signal) override;
+  void HoldRestart(const std::string& name) override { Find(name)->held = true; }
+  void ReleaseRestart(const std::string& name) override { Find(name)->held = false; }
+  void SetDiskFull(bool full) override {
+    if (!members_.front().down) host_->SetDiskFull(full);
+  }
+  bool IsStopped(const std::string& name) const override;
+  bool IsGone(const std::string& name) const override;
+  std::int64_t BootOf(const std::string& name) const override;
+  std::string Obituary(const Member& member, const ChildEnd& end) const;
+  /// Signals and waits; kills whoever does not end.
+  void Stop(const std::vector<Member*>& members);
+  void CloseLog();
+
+  const MissionPlan& plan_;
+  MissionHost* host_;
+
+  Recorder recorder_;
+  Archive archive_;
+  StallWatch stall_watch_;
+  Patience patience_;
+  Namesakes namesakes_;
+  FaultInjector injector_;
+  FaultSwitch own_faults_;
+  OutageWatch network_;
+  EndWatch end_watch_;
+  RunRecord record_;
+  MissionView logged_;
+  MissionView heard_;  ///< states of processes
+  std::int64_t heard_tick_ = -1;
+  TimeUs heard_us_ = 0;          ///< mission time
+  std::vector<Member> members_;  ///< the logger first: it goes last
+  std::vector<std::string> problems_;
+  std::vector<Packet> out_;
+  std::string stopping_whom_;  ///< who is to end now
+  TimeUs end_heard_us_ = kNever;
+  TimeUs turned_us_ = 0;
+  TimeUs heartbeat_us_ = 0;
+  TimeUs foreign_us_ = 0;
+  std::uint64_t foreign_sent_ = 0;
+  bool stopping_ = false;
+  bool finishing_ = false;
+};
+
+template <class Condition>
+bool Supervisor::TurnUntil(Condition done, TimeUs longest_us) {
+  const TimeUs deadline_us = host_->now().monotonic_us + longest_us;
+  while (!done()) {
+    if (killed() || host_->now().monotonic_us >= deadline_us) return false;
+    Turn();
+  }
+  return true;
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,117 @@
+// For whom and what a mission waits before its beginning and after its end.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "tools/launch/supervisor_state.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr TimeUs kStopUs = 5 * kSecondUs;
+constexpr TimeUs kHeartbeatsUs = 3 * kSecondUs;  // three of a process that lives
+
+}  // namespace
+
+std::string Supervisor::Open() const {
+  std::vector<std::string> open;
+  for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+    if (member->gone || logged_.StateOf(member->name) == ProcessState::kEnded) continue;
+    open.push_back(fmt::format("{} to say that it has ended", member->name));
+  }
+  if (!logged_.end_announced() || recorder_.behind()) {
+    open.push_back(fmt::format("{} to write what was said", process_name::kLogger));
+  }
+  if (!injector_.Settled(*this)) open.push_back("those hit by faults to say that these are over");
+  return fmt::format("{}", fmt::join(open, ", "));
+}
+
+void Supervisor::SayWait(const Now& now) {
+  const bool ended = stall_watch_.ended() || logged_.end_announced();
+  // Whoever was held up itself has heard nobody meanwhile.
+  const bool was_held_up = now.monotonic_us > turned_us_ + kSecondUs;
+  turned_us_ = now.monotonic_us;
+  if (ended && (end_heard_us_ == kNever || was_held_up)) end_heard_us_ = now.monotonic_us;
+  std::string what;
+  if (stopping_) {
+    what = stopping_whom_;
+  } else if (ended) {
+    what = "end";
+  } else if (!stall_watch_.begun()) {
+    what = "begin";
+  }
+  patience_.WaitFor(what, now.monotonic_us);
+  if (!patience_.Due(now.monotonic_us)) return;
+  const double waited_s = ToSeconds(patience_.waited_us(now.monotonic_us));
+  if (stopping_) {
+    Say(fmt::format("waiting for {} to end, for {:.0f} s now", stopping_whom_, waited_s));
+  } else if (ended) {
+    // Of the others, and of gaps, the end watch speaks.
+    if (logged_.end_announced() && injector_.Settled(*this)) return;
+    Say(fmt::format("the mission has ended, and for {:.0f} s now it waits for {}", waited_s,
+                    Open()));
+  } else {
+    std::vector<std::string> silent;
+    for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+      if (logged_.StateOf(member->name) == ProcessState::kStarting) silent.push_back(member->name);
+    }
+    Say(fmt::format("the mission has not begun after {:.0f} s: it waits for {}", waited_s,
+                    !silent.empty()
+                        ? fmt::format("the first word of {} in the log", fmt::join(silent, ", "))
+                    : recorder_.behind() ? fmt::format("{} to write", process_name::kLogger)
+                                         : "agents that nobody reports yet"));
+  }
+}
+
+void Supervisor::LeaveBehind(const Now& now) {
+  const TimeUs silent_us = std::max(plan_.lost_after_us, kHeartbeatsUs);
+  if (!plan_.goes_on || end_heard_us_ == kNever || now.monotonic_us < end_heard_us_ + silent_us) {
+    return;
+  }
+  for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
+    if (member->gone || member->name == process_name::kWorld ||
+        logged_.StateOf(member->name) == ProcessState::kEnded ||
+        stall_watch_.SilentUs(member->name, now.monotonic_us) < silent_us) {
+      continue;
+    }
+    // What it has said, and the log lacks, the recorder says in its place.
+    recorder_.OnEnd(member->name, member->starts - 1, now);
+    if (heard_.StateOf(member->name) == ProcessState::kEnded) continue;
+    member->gone = true;
+    Say(fmt::format("{} has been silent for {:.0f} s and does not end: the mission ends without it",
+                    member->name,
+                    ToSeconds(stall_watch_.SilentUs(member->name, now.monotonic_us))));
+    Announce(EventKind::kProcessLost, fmt::format("{} did not end", member->name), now);
+  }
+}
+
+void Supervisor::Stop(const std::vector<Member*>& members) {
+  std::vector<Member*> alive;
+  stopping_whom_.clear();
+  for (Member* member : members) {
+    if (has_ended(*member)) continue;
+    host_->AskToEnd(member->name);
+    alive.push_back(member);
+    stopping_whom_ += (stopping_whom_.empty() ? "" : ", ") + member->name;
+  }
+  TurnUntil(
+      [&] {
+        return std::all_of(alive.begin(), alive.end(),
+                           [this](Member* member) { return has_ended(*member); });
+      },
+      kStopUs);
+  for (Member* member : alive) {
+    if (const std::optional<ChildEnd> end = host_->EndOf(member->name)) {
+      if (!end->clean()) problems_.push_back(Obituary(*member, *end));
+    } else if (!killed()) {
+      std::string text = fmt::format("{} did not end within {} s and was killed", member->name,
+                                     kStopUs / kSecondUs);
+      member->gone ? Say(text) : problems_.push_back(std::move(text));
+    }
+  }
+  stopping_whom_.clear();
+  for (Member* member : members) host_->Kill(member->name);
+}
+
+}  // namespace muster::tools
