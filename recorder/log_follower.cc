@@ -8,7 +8,7 @@ std::optional<header_t> LogFollower::Add(const Packet& event) {
   // lcm-logger records all of LCM: self-tests, and what users' own tools say.
   if (!event.channel.starts_with("MUSTER_")) return std::nullopt;
   std::optional<header_t> header = DecodeHeader(event);
-  if (!header || header->run_id != run_id_) {
+  if (!header || header->run_id != run_id_ || header->seq >= kMostSeq) {
     ++strangers_;
     return std::nullopt;
   }

@@ -17,7 +17,10 @@ namespace muster::tools {
 /// network may reorder, so the log has doubles and holes that close later.
 class LogFollower {
  public:
-  /// Messages of other runs are counted and left out.
+  /// Whoever counts what is missing below a seq, over all senders, does not run over.
+  static constexpr std::int64_t kMostSeq = std::int64_t{1} << 40;
+
+  /// Messages of other runs, and those numbered kMostSeq or higher, are counted and left out.
   explicit LogFollower(std::int64_t run_id) : run_id_(run_id) {}
 
   /// Takes the log's next event. Returns its header when it is a message of this run that the log

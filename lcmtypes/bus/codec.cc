@@ -250,12 +250,9 @@ std::optional<T> Decode(Bytes bytes) noexcept {
   }
 }
 
-/// Whoever counts what is missing below a seq, over all senders, does not run over.
-constexpr std::int64_t kMostSeq = std::int64_t{1} << 40;
-
 bool Valid(const header_t& h) {
   return !h.sender.empty() && IsName(h.sender) &&
-         NotNegative(h.boot_id, h.seq, h.sim_us, h.wall_us) && h.seq < kMostSeq;
+         NotNegative(h.boot_id, h.seq, h.sim_us, h.wall_us);
 }
 bool Valid(const agent_states_t& m) {
   return Valid(m.header) && IsWord<AgentKind>(m.kind) && m.tick >= 0 && m.applied_decision >= -1 &&

@@ -220,7 +220,7 @@ TEST(Recorder, AGapThatNobodyFillsCanBeGivenUp) {
   hear(MessageOf("uav", 9, 7));
   EXPECT_EQ(recorder.gaps()[0].messages, 9);
   hear(MessageOf("worker", std::numeric_limits<std::int64_t>::max()));
-  EXPECT_EQ(recorder.gaps().size(), 1u) << "not a message at all";
+  EXPECT_EQ(recorder.gaps().size(), 1u) << "nobody says so many";
 }
 
 }  // namespace
