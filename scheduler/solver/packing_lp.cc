@@ -7,18 +7,20 @@
 namespace muster::scheduler {
 namespace {
 
-constexpr double kReducedCost = 1e-9;  ///< below it a column does not enter
-constexpr double kNoise = 1e-9;        ///< below it an entry of alpha counts as zero
-constexpr double kPivot = 1e-5;        ///< below it no row leaves: true entries are larger
-constexpr double kFeasible = 1e-12;    ///< what a value may be below zero
-constexpr double kMisfit = 1e-7;       ///< of values and prices, relative to the largest cost
-constexpr double kZero = 1e-11;        ///< rounding: entries are quotients of small numbers
-constexpr double kRaise = 1e-6;        ///< of right-hand sides, times 1 to 2
-constexpr std::size_t kCandidates = 24;
+constexpr double kNoise = 1e-9;      ///< below it an entry of alpha counts as zero
+constexpr double kPivot = 1e-5;      ///< below it no row leaves: true entries are larger
+constexpr double kFeasible = 1e-12;  ///< what a value may be below zero
+constexpr double kMisfit = 1e-7;     ///< of values and prices, relative to the largest cost
+constexpr double kZero = 1e-11;      ///< rounding: entries are quotients of small numbers
+constexpr double kRaise = 1e-6;      ///< of right-hand sides, times 1 to 2
+/// Counted steps of a program that is easy: these, and those for each row. Of the paper's settings
+/// none was seen to take half as many. They may not change, nor what is done up to there: another
+/// rule ends at another vertex where optima tie, and a recorded mission has to be decided again bit
+/// for bit.
+constexpr std::int64_t kEasyWork = 15'000'000, kEasyWorkPerRow = 500;
 /// A column of the inverse with more entries than that, and than this part of all, is an array.
 constexpr std::size_t kSparse = 64, kPart = 4;
 constexpr std::int64_t kArraySpeed = 4;  ///< entries of an array that cost as much as one elsewhere
-constexpr std::int32_t kNothing = std::numeric_limits<std::int32_t>::min();
 
 }  // namespace
 
@@ -35,10 +37,10 @@ PackingLp::PackingLp(std::span<const std::int32_t> capacity)
       dense_(capacity.size()),
       rows_at_(capacity.size()),
       alpha_(capacity.size(), 0),
+      inverse_row_{std::vector<double>(capacity.size() + 1, 0), {}},
       where_(capacity.size(), -1),
       looked_at_(capacity.size(), 0),
-      slack_pooled_(capacity.size(), 0),
-      is_cheaper_(capacity.size(), 0),
+      largest_(capacity.size()),
       columns_at_(capacity.size()) {
   std::uint32_t state = 12345;
   for (std::int32_t i = 0; i < m_; ++i) {
@@ -55,12 +57,11 @@ std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows)
   rows_.push_back(rows);
   position_of_.push_back(-1);
   closed_.push_back(0);
-  column_pooled_.push_back(0);
   const std::int32_t column = n_columns() - 1;
   for (const std::int32_t r : rows) {
     if (r >= 0) columns_at_[At(r)].push_back(column);
   }
-  Pool(column);
+  Changed(column);
   return column;
 }
 
@@ -69,40 +70,42 @@ void PackingLp::Close(std::int32_t column, bool close) {
   closed_[At(column)] = close;
   const double change = close ? -closed_cost_ : closed_cost_;
   cost_[At(column)] += change;
-  Pool(column);
-  ChangeCost(position_of_[At(column)], change);
+  Changed(column);
+  if (IsBasic(column)) ChangeCost(position_of_[At(column)], change);
 }
 
 bool PackingLp::Require(std::int32_t row, bool require) {
   if ((slack_cost_[At(row)] != 0) == require) return false;
   slack_cost_[At(row)] = require ? -closed_cost_ : 0;
-  ChangeCost(slack_position_[At(row)], require ? -closed_cost_ : closed_cost_);
-  if (slack_position_[At(row)] >= 0) {
-    ChangePrice(row, slack_cost_[At(row)] - price_[At(row)]);
+  if (IsBasic(~row)) {
+    ChangeCost(slack_position_[At(row)], require ? -closed_cost_ : closed_cost_);
     price_[At(row)] = slack_cost_[At(row)];
   }
-  Pool(~row);
+  Changed(~row);
   return true;
+}
+
+void PackingLp::Changed(std::int32_t variable) {
+  if (devex_) {
+    devex_->Changed(*this, variable);
+  } else {
+    largest_.Changed(variable);
+  }
 }
 
 void PackingLp::ChangePrice(std::int32_t row, double change) {
   price_[At(row)] += change;
-  if (change >= 0 || is_cheaper_[At(row)]) return;
-  is_cheaper_[At(row)] = 1;
-  cheaper_.push_back(row);
+  if (change < 0 && !devex_) largest_.PriceFell(row);
 }
 
-void PackingLp::Pool(std::int32_t variable) {
-  char& pooled = variable >= 0 ? column_pooled_[At(variable)] : slack_pooled_[At(~variable)];
-  if (pooled) return;
-  pooled = 1;
-  pool_.push_back(variable);
-}
-
-template <class Visit>
-void PackingLp::AtPosition(std::int32_t position, Visit&& visit) {
+void PackingLp::FillInverseRow(std::int32_t position) {
+  for (const std::int32_t row : inverse_row_.rows) inverse_row_.values[At(row + 1)] = 0;
+  inverse_row_.rows.clear();
+  const auto add = [&](std::int32_t row, double value) {
+    inverse_row_.values[At(row + 1)] = value;
+    inverse_row_.rows.push_back(row);
+  };
   std::vector<std::int32_t>& rows = rows_at_[At(position)];
-  const std::size_t n_dense = dense_rows_.size();  // visit may add some of the others
   std::size_t kept = 0;
   ++look_;
   for (const std::int32_t row : rows) {
@@ -116,19 +119,23 @@ void PackingLp::AtPosition(std::int32_t position, Visit&& visit) {
     work_ += entry - column.begin() + 1;
     if (entry == column.end()) continue;
     rows[kept++] = row;
-    visit(row, entry->value);
+    add(row, entry->value);
   }
   rows.resize(kept);
-  for (std::size_t k = 0; k < n_dense; ++k) {
-    const double value = dense_[At(dense_rows_[k])][At(position)];
-    if (std::abs(value) >= kZero) visit(dense_rows_[k], value);
+  for (const std::int32_t row : dense_rows_) {
+    const double value = dense_[At(row)][At(position)];
+    if (std::abs(value) >= kZero) add(row, value);
   }
-  work_ += static_cast<std::int64_t>(n_dense);
+  work_ += static_cast<std::int64_t>(dense_rows_.size());
+  // The column of a row that is not active is a unit vector.
+  const std::int32_t variable = basic_[At(position)];
+  if (variable < 0 && slack_position_[At(~variable)] == position) add(~variable, 1);
 }
 
 void PackingLp::ChangeCost(std::int32_t position, double change) {
-  if (position < 0) return;
-  AtPosition(position, [&](std::int32_t row, double value) { ChangePrice(row, change * value); });
+  FillInverseRow(position);
+  for (const std::int32_t r : inverse_row_.rows) ChangePrice(r, change * inverse_row_.at(r));
+  if (devex_) devex_->BasicCostChanged(*this, inverse_row_, change, &work_);
 }
 
 double PackingLp::Bound() const {
@@ -146,65 +153,18 @@ double PackingLp::value(std::int32_t column) const {
   return position < 0 ? 0 : x_[At(position)];
 }
 
-double PackingLp::ReducedCost(std::int32_t column) const {
-  double reduced = cost_[At(column)];
-  for (const std::int32_t r : rows_[At(column)]) {
+double PackingLp::ReducedCost(std::int32_t variable) const {
+  if (variable < 0) return slack_cost_[At(~variable)] - price_[At(~variable)];
+  double reduced = cost_[At(variable)];
+  for (const std::int32_t r : rows_[At(variable)]) {
     if (r >= 0) reduced -= price_[At(r)];
   }
   return reduced;
 }
 
-double PackingLp::ReducedCostOf(std::int32_t variable) const {
-  return variable >= 0 ? ReducedCost(variable) : slack_cost_[At(~variable)] - price_[At(~variable)];
-}
-
 std::int32_t PackingLp::Entering() {
-  for (const bool refill : {false, true}) {
-    if (refill) {
-      work_ += static_cast<std::int64_t>(cheaper_.size() + pool_.size());
-      for (const std::int32_t r : cheaper_) {
-        is_cheaper_[At(r)] = 0;
-        Pool(~r);
-        for (const std::int32_t j : columns_at_[At(r)]) {
-          if (position_of_[At(j)] < 0 && ReducedCost(j) > kReducedCost) Pool(j);
-        }
-        work_ += static_cast<std::int64_t>(columns_at_[At(r)].size());
-      }
-      cheaper_.clear();
-      candidates_.clear();
-      std::erase_if(pool_, [&](std::int32_t variable) {
-        const bool column = variable >= 0;
-        if ((column ? position_of_[At(variable)] : slack_position_[At(~variable)]) < 0) {
-          const double reduced = ReducedCostOf(variable);
-          if (reduced > kReducedCost) {
-            candidates_.emplace_back(reduced, variable);
-            return false;
-          }
-        }
-        (column ? column_pooled_[At(variable)] : slack_pooled_[At(~variable)]) = 0;
-        return true;
-      });
-      if (candidates_.size() > 2 * kCandidates) {
-        std::nth_element(candidates_.begin(), candidates_.begin() + kCandidates, candidates_.end(),
-                         std::greater<>());
-        candidates_.resize(kCandidates);
-      }
-    }
-    double best = kReducedCost;
-    std::int32_t entering = kNothing;
-    for (const auto& [old, variable] : candidates_) {
-      const bool basic =
-          variable >= 0 ? position_of_[At(variable)] >= 0 : slack_position_[At(~variable)] >= 0;
-      if (basic) continue;
-      const double reduced = ReducedCostOf(variable);
-      if (reduced > best) {
-        best = reduced;
-        entering = variable;
-      }
-    }
-    if (entering != kNothing) return entering;
-  }
-  return kNothing;
+  if (!devex_ && work_ >= kEasyWork + kEasyWorkPerRow * m_) devex_.emplace(*this, &work_);
+  return devex_ ? devex_->Entering(*this, &work_) : largest_.Entering(*this, &work_);
 }
 
 /// alpha = inverse of the basis times the variable's column.
@@ -239,9 +199,16 @@ void PackingLp::FillAlpha(std::int32_t variable) {
   }
   // Sorted, so that equal ratios are decided alike whatever the order of the entries; and without
   // what cancelled, of which a position may have been listed twice.
-  std::sort(alpha_nonzero_.begin(), alpha_nonzero_.end());
-  alpha_nonzero_.erase(std::unique(alpha_nonzero_.begin(), alpha_nonzero_.end()),
-                       alpha_nonzero_.end());
+  if (alpha_nonzero_.size() > At(m_) / kPart) {
+    alpha_nonzero_.clear();
+    for (std::int32_t i = 0; i < m_; ++i) {
+      if (alpha_[At(i)] != 0) alpha_nonzero_.push_back(i);
+    }
+  } else {
+    std::sort(alpha_nonzero_.begin(), alpha_nonzero_.end());
+    alpha_nonzero_.erase(std::unique(alpha_nonzero_.begin(), alpha_nonzero_.end()),
+                         alpha_nonzero_.end());
+  }
   std::erase_if(alpha_nonzero_, [&](std::int32_t i) {
     if (std::abs(alpha_[At(i)]) > kNoise) return false;
     alpha_[At(i)] = 0;
@@ -266,20 +233,26 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
   }
   alpha_values_.clear();
   for (const std::int32_t i : alpha_nonzero_) alpha_values_.push_back(alpha_[At(i)]);
-  AtPosition(position, [&](std::int32_t row, double value) {
-    const double factor = value / pivot;
+  FillInverseRow(position);
+  const bool many = alpha_nonzero_.size() > At(m_) / kPart;
+  for (const std::int32_t row : inverse_row_.rows) {
+    const double factor = inverse_row_.at(row) / pivot;
+    ChangePrice(row, reduced * factor);
     if (dense_[At(row)].empty()) {
       UpdateSparse(row, position, factor);
+      continue;
+    }
+    double* const column = dense_[At(row)].data();
+    if (many) {
+      for (std::size_t i = 0; i < alpha_.size(); ++i) column[i] -= factor * alpha_[i];
     } else {
-      std::vector<double>& column = dense_[At(row)];
       for (std::size_t k = 0; k < alpha_nonzero_.size(); ++k) {
         column[At(alpha_nonzero_[k])] -= factor * alpha_values_[k];
       }
-      column[At(position)] = factor;
-      work_ += static_cast<std::int64_t>(alpha_nonzero_.size()) / kArraySpeed;
     }
-    ChangePrice(row, reduced * factor);
-  });
+    column[At(position)] = factor;
+    work_ += static_cast<std::int64_t>(alpha_nonzero_.size()) / kArraySpeed;
+  }
   basic_[At(position)] = entering;
   if (entering < 0) {
     // The row's column is a unit vector again.
@@ -293,6 +266,9 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
     }
   } else {
     position_of_[At(entering)] = position;
+  }
+  if (devex_) {
+    devex_->Pivoted(*this, inverse_row_, entering, leaving, reduced, pivot, &work_);
   }
   ++pivots_;
 }
@@ -341,10 +317,10 @@ std::int32_t PackingLp::Leaving() const {
 
 bool PackingLp::Solve(std::int64_t work_limit, const std::function<bool()>& stop) {
   const std::int64_t end = work_ + work_limit;
-  candidates_.clear();
+  largest_.ForgetCandidates();
   while (work_ < end) {
     const std::int32_t entering = Entering();
-    if (entering == kNothing) {
+    if (entering == kNoVariable) {
       if (pivots_ - verified_at_ < m_ || Verify()) return true;
       continue;
     }
@@ -355,7 +331,7 @@ bool PackingLp::Solve(std::int64_t work_limit, const std::function<bool()>& stop
       if (Verify()) return false;
       continue;
     }
-    Pivot(entering, position, ReducedCostOf(entering));
+    Pivot(entering, position, ReducedCost(entering));
     if (pivots_ % 64 == 0 && stop()) return false;
   }
   return false;
@@ -408,8 +384,12 @@ void PackingLp::ResetToSlacks() {
     x_[At(row)] = raised_[At(row)];
     price_[At(row)] = slack_cost_[At(row)];
   }
-  for (std::int32_t k = 0; k < n_columns(); ++k) Pool(k);
-  candidates_.clear();
+  if (devex_) {
+    devex_->Restart(*this, &work_);
+  } else {
+    for (std::int32_t k = 0; k < n_columns(); ++k) largest_.Changed(k);
+    largest_.ForgetCandidates();
+  }
   work_ += m_ + n_columns();
 }
 

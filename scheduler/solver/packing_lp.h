@@ -3,8 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "base/index.h"
+#include "scheduler/solver/pricing.h"
 
 namespace muster::scheduler {
 
@@ -14,10 +18,11 @@ namespace muster::scheduler {
 /// Primal simplex with the inverse of the basis stored by columns, of which only those of rows
 /// whose slack is not basic differ from unit vectors: about two for each UAV of a decision. They
 /// are sparse, so what one step costs depends on how far an exchange of agents reaches, not on the
-/// size of the whole; one that fills up is kept as an array. Columns are looked at again only where
-/// a price fell. Right-hand sides are raised by different small amounts against stalling; dual
-/// prices do not depend on it. Of the rows that may leave, the one with the largest pivot does
-/// (Harris 1973), and the inverse is made anew when it no longer fits the basis.
+/// size of the whole; one that fills up is kept as an array. What enters is chosen by the largest
+/// reduced cost, and once that has taken many steps by devex weights. Right-hand sides are raised
+/// by different small amounts against stalling; dual prices do not depend on it. Of the rows that
+/// may leave, the one with the largest pivot does (Harris 1973), and the inverse is made anew when
+/// it no longer fits the basis.
 class PackingLp {
  public:
   static constexpr std::int32_t kNoRow = -1;
@@ -59,25 +64,25 @@ class PackingLp {
   std::int32_t n_columns() const { return static_cast<std::int32_t>(cost_.size()); }
   std::int64_t work() const { return work_; }
   std::int64_t pivots() const { return pivots_; }
+  /// Of a column, or of a row's slack: ~row.
+  double ReducedCost(std::int32_t variable) const;
+  bool IsBasic(std::int32_t variable) const {
+    return (variable >= 0 ? position_of_[At(variable)] : slack_position_[At(~variable)]) >= 0;
+  }
 
  private:
-  static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
   struct Entry {
     std::int32_t position;
     double value;
   };
-  double ReducedCost(std::int32_t column) const;
-  double ReducedCostOf(std::int32_t variable) const;
-  /// Calls visit(row, entry) for the active rows whose inverse column has an entry at `position`.
-  template <class Visit>
-  void AtPosition(std::int32_t position, Visit&& visit);
-  /// Entering variable: a column, or slack of row r as ~r; none: kNone.
   std::int32_t Entering();
+  /// A new variable, or one whose cost changed, may enter.
+  void Changed(std::int32_t variable);
   void FillAlpha(std::int32_t variable);
+  /// The inverse's row at a position, to inverse_row_.
+  void FillInverseRow(std::int32_t position);
   void ChangeCost(std::int32_t position, double change);
   void ChangePrice(std::int32_t row, double change);
-  /// Notes that a variable's reduced cost may have become positive.
-  void Pool(std::int32_t variable);
   /// Position that the variable in alpha_ takes; -1: none, which is rounding only.
   std::int32_t Leaving() const;
   void Pivot(std::int32_t entering, std::int32_t position, double reduced);
@@ -107,16 +112,13 @@ class PackingLp {
   std::vector<std::vector<std::int32_t>> rows_at_;
   std::vector<double> alpha_;  ///< [m] zero but for alpha_nonzero_
   std::vector<std::int32_t> alpha_nonzero_;
-  std::vector<double> alpha_values_;     ///< of these
+  std::vector<double> alpha_values_;  ///< of these
+  InverseRow inverse_row_;
   std::vector<std::int32_t> where_;      ///< [m] -1 between uses
   std::vector<std::int64_t> looked_at_;  ///< [m]
   std::int64_t look_ = 0;
-  std::vector<std::pair<double, std::int32_t>> candidates_;
-  /// Every variable that may enter is in pool_, or in a row that is listed in cheaper_.
-  std::vector<std::int32_t> pool_;
-  std::vector<char> column_pooled_, slack_pooled_;
-  std::vector<std::int32_t> cheaper_;  ///< rows whose price fell since their columns were looked at
-  std::vector<char> is_cheaper_;       ///< [m]
+  LargestReducedCost largest_;
+  std::optional<Devex> devex_;  ///< in its place, of a program that is not easy
   std::vector<std::vector<std::int32_t>> columns_at_;  ///< [m]
   double closed_cost_ = 1e4;
   std::int64_t work_ = 0, pivots_ = 0, verified_at_ = 0;

@@ -19,7 +19,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kWork = 80'000'000;        ///< default limit: this
 constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
-constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that
+constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that,
+constexpr std::int64_t kFarWork = 60'000'000;     ///< or that where the gap is not close enough
 constexpr double kWorthAnotherStart = 1e-4;       ///< gap, relative
 
 class Search {
@@ -107,7 +108,10 @@ class Search {
 
   void Branch() {
     if (Proven() || Stop()) return;
-    if (limits_.work <= 0) work_limit_ = std::min(work_limit_, Work() + kBranchWork);
+    if (limits_.work <= 0) {
+      const bool far = Gap() > kCloseEnough * relaxation_.bound();
+      work_limit_ = std::min(work_limit_, Work() + (far ? kFarWork : kBranchWork));
+    }
     if (relaxation_.known().size() <= kProofColumns) {
       Prove([this] { return Stop(); });
     } else {
