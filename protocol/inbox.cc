@@ -1,5 +1,7 @@
 #include "protocol/inbox.h"
 
+#include <algorithm>
+
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 
@@ -36,6 +38,11 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (name == channel::kScenario) return DecodeAs<scenario_t>(packet);
   if (name == channel::kFault) return DecodeAs<fault_t>(packet);
   return std::nullopt;
+}
+
+std::int64_t GapsIn(const IntervalSet& seqs) {
+  constexpr std::int64_t kMost = 1'000'000'000'000;
+  return seqs.max() < 0 ? 0 : std::min(kMost, seqs.max() - seqs.size() + 1);
 }
 
 const header_t& HeaderOf(const Message& message) {
@@ -91,7 +98,7 @@ bool Inbox::Count(const Message& message) {
 
 std::int64_t Inbox::lost() const {
   std::int64_t lost = 0;
-  for (const auto& [key, start] : starts_) lost += start.seqs.max() + 1 - start.seqs.size();
+  for (const auto& [key, start] : starts_) lost += GapsIn(start.seqs);
   return lost;
 }
 

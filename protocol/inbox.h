@@ -24,6 +24,10 @@
 
 namespace muster {
 
+/// How many numbers below the highest are missing; at most 10^12 are counted, so that damaged or
+/// forged numbers of many starts make no sum that no message can carry.
+std::int64_t GapsIn(const IntervalSet& seqs);
+
 using Message =
     std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, schedule_t, event_t,
                  fault_t, process_status_t, log_status_t, request_t, restore_t>;

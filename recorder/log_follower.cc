@@ -1,6 +1,7 @@
 #include "recorder/log_follower.h"
 
 #include "lcmtypes/bus/codec.h"
+#include "protocol/inbox.h"
 
 namespace muster::tools {
 
@@ -43,7 +44,7 @@ std::int64_t LogFollower::missing_below(const std::string& sender, std::int64_t 
 
 std::int64_t LogFollower::missing() const {
   std::int64_t sum = 0;
-  for (const auto& [start, seqs] : starts_) sum += seqs.max() + 1 - seqs.size();
+  for (const auto& [start, seqs] : starts_) sum += GapsIn(seqs);
   return sum;
 }
 

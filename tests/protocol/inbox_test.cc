@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <string>
+
 #include "lcmtypes/bus/codec.h"
 
 namespace muster {
@@ -108,6 +111,43 @@ TEST(Inbox, WhoFloodsItWithNamesGetsNoMoreThanSomeThousand) {
   EXPECT_FALSE(open(10'000));
   EXPECT_TRUE(open(9'998));
   EXPECT_TRUE(inbox.Open(ClockFrom("world", 1)));
+}
+
+TEST(Inbox, CountsWhatIsLostWhateverNumbersAreHeard) {
+  Inbox inbox(1, "uav");
+  for (const std::int64_t boot_id : {0, 1, 2}) {
+    for (const std::int64_t seq : {std::int64_t{3}, std::numeric_limits<std::int64_t>::max()}) {
+      request_t request{};
+      request.header.run_id = 1;
+      request.header.sender = "world";
+      request.header.boot_id = boot_id;
+      request.header.seq = seq;
+      request.channel = channel::kUavs;
+      EXPECT_TRUE(inbox.Open({std::string(channel::kRequest), Encode(request)}));
+    }
+  }
+  EXPECT_EQ(inbox.lost(), 3'000'000'000'000);
+}
+
+// One flipped bit must not make a process deaf.
+TEST(Inbox, ATimeThatNobodyConfirmsIsForgotten) {
+  Inbox inbox(1, "uav");
+  const auto open = [&](std::int64_t seq, std::int64_t sim_us) {
+    request_t request{};
+    request.header.run_id = 1;
+    request.header.sender = "world";
+    request.header.seq = seq;
+    request.header.sim_us = sim_us;
+    request.channel = channel::kUavs;
+    return inbox.Open({std::string(channel::kRequest), Encode(request)}).has_value();
+  };
+  EXPECT_TRUE(open(1, 30));
+  EXPECT_TRUE(open(2, 30 + (std::int64_t{1} << 40)));
+  EXPECT_FALSE(open(3, 60));
+  EXPECT_FALSE(open(3, 60));
+  EXPECT_TRUE(open(4, 90));
+  EXPECT_TRUE(open(3, 60));
+  EXPECT_FALSE(open(5, 60));
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST(LaunchOptions, AnOwnProgramMustBeThereAndHaveARole) {
 TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   EXPECT_EQ(ErrorOf({}), "command line: SCENARIO: found nothing, expected a scenario file");
   EXPECT_EQ(ErrorOf({"a.json", "--rate", "fast"}),
-            "command line: --rate: found 'fast', expected max or a number above 0");
+            "command line: --rate: found 'fast', expected max or a number from 0.001");
   for (const char* rate : {"0", "-1", "nan", "inf", "1x", ""}) {
     EXPECT_NE(ErrorOf({"a.json", "--rate", rate}), "") << rate;
   }
