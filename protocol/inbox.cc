@@ -11,6 +11,8 @@ namespace {
 /// Starts of senders that are told apart; a mission has some tens. Who floods a process with names
 /// gets no more memory than this.
 constexpr std::size_t kMostStarts = 10'000;
+/// Messages in a row that contradict the newest time of their sender.
+constexpr int kMostDoubts = 5;
 
 template <class T>
 std::optional<Message> DecodeAs(const Packet& packet) {
@@ -82,15 +84,10 @@ bool Inbox::Count(const Message& message) {
   // A heartbeat bears the time of the last clock heard, and a world that starts again may go back
   // behind that; what its sender does was not undone.
   if (header.seq > start.seqs.max() && !std::holds_alternative<process_status_t>(message)) {
-    // Two in a row that agree: what seemed newer was damaged or forged.
-    const bool agree = header.seq > start.doubted_seq && header.sim_us >= start.doubted_sim_us;
-    if (header.sim_us < start.newest_sim_us && (start.doubted_seq < 0 || !agree)) {
-      start.doubted_seq = header.seq;
-      start.doubted_sim_us = header.sim_us;
-      return false;
-    }
+    // When nobody confirms what seemed newest, it was damaged or forged.
+    if (header.sim_us < start.newest_sim_us && ++start.doubts < kMostDoubts) return false;
     start.newest_sim_us = header.sim_us;
-    start.doubted_seq = -1;
+    start.doubts = 0;
   }
   start.seqs.Add(header.seq);
   return true;

@@ -69,8 +69,7 @@ class Inbox {
   struct Start {
     IntervalSet seqs;
     std::int64_t newest_sim_us = 0;  ///< of the highest seq that is no heartbeat's
-    std::int64_t doubted_seq = -1;   ///< of the latest that was behind that; -1: none since
-    std::int64_t doubted_sim_us = 0;
+    int doubts = 0;                  ///< messages since then that were behind that
   };
   std::map<std::pair<std::string, std::int64_t>, Start> starts_;  ///< by sender, boot_id
 };

@@ -143,10 +143,9 @@ TEST(Inbox, ATimeThatNobodyConfirmsIsForgotten) {
   };
   EXPECT_TRUE(open(1, 30));
   EXPECT_TRUE(open(2, 30 + (std::int64_t{1} << 40)));
-  EXPECT_FALSE(open(3, 60));
-  EXPECT_FALSE(open(3, 60));
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(open(3, 60));
+  EXPECT_TRUE(open(3, 60));  // who waits for it asks again, and there is nothing else to say
   EXPECT_TRUE(open(4, 90));
-  EXPECT_TRUE(open(3, 60));
   EXPECT_FALSE(open(5, 60));
 }
 

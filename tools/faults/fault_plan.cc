@@ -22,16 +22,16 @@ using Json = nlohmann::json;
 
 constexpr double kLongestMin = 1e6;
 constexpr double kLongest_s = 3600;
+constexpr double kMostDamaged = 0.2;  // of packets
 
 [[noreturn]] void Refuse(const PlannedFault& fault, std::string_view key, std::string_view found,
                          std::string_view expected) {
   throw InputError(fault.where, key, found, expected);
 }
 
-/// Every packet is lost or damaged: its target hears nothing.
+/// Every packet is lost: its target hears nothing.
 bool Deafens(const PlannedFault& fault) {
-  return (fault.kind == FaultKind::kLoss || fault.kind == FaultKind::kCorruption) &&
-         fault.probability >= 1;
+  return fault.kind == FaultKind::kLoss && fault.probability >= 1;
 }
 
 /// While it lasts, the mission waits for somebody.
@@ -87,6 +87,10 @@ void CheckShape(const PlannedFault& fault) {
   }
   const bool has_share = IsPacketFault(fault.kind) && fault.kind != FaultKind::kPartition &&
                          fault.kind != FaultKind::kForeign;
+  if (fault.kind == FaultKind::kCorruption && fault.probability > kMostDamaged) {
+    Refuse(fault, "probability", fmt::format("{}", fault.probability),
+           fmt::format("at most {} for corruption: of more, lies outlast the truth", kMostDamaged));
+  }
   if (has_share != (fault.probability > 0)) {
     const char* key = fault.kind == FaultKind::kDelay ? "delay_ms" : "probability";
     Refuse(fault, key, has_share ? "nothing" : "a value",

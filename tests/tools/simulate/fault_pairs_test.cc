@@ -57,7 +57,7 @@ TEST(FaultPairs, EachRunsOrIsRefusedByName) {
   int ran = 0, refused = 0;
   for (const std::string_view kind : kNames<FaultKind>) {
     for (const std::string& target : kTargets) {
-      for (const char* more : {"", "+5", "+2s", "=0.3", "+5=0.3", "+5=1", "+2s=1"}) {
+      for (const char* more : {"", "+5", "+2s", "=0.2", "+5=0.2", "+5=1", "+2s=1"}) {
         for (const bool goes_on : {false, true}) {
           const std::string text = fmt::format("{}:{}@10{}", kind, target, more);
           SCOPED_TRACE(text + (goes_on ? ", continue" : ", wait"));
