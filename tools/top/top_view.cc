@@ -29,8 +29,8 @@ std::string Age(double seconds) {
                         : fmt::format("{:.0f}h", seconds / 3600);
 }
 
-/// Text of a log or the bus, for a terminal: nothing that it would obey.
-std::string Printable(std::string text) {
+/// Text of a log or the bus for a display in ASCII, a column a byte: what is not, as "?".
+std::string Ascii(std::string text) {
   for (char& c : text) {
     if (c < ' ' || c > '~') c = '?';
   }
@@ -71,13 +71,13 @@ std::string TopView::MissionLine() const {
   const auto& schedules = timeline.schedules().rows;
   const std::int64_t now_us = timeline.now_ms() * 1000;
   const std::int64_t limit_us = timeline.scenario().rules.limit_us;
-  std::string line = fmt::format("{}  {} of {} ({:.0f} %){}", Printable(timeline.scenario().name),
-                                 ClockText(now_us), ClockText(limit_us),
-                                 100 * Seconds(now_us) / std::max(1.0, Seconds(limit_us)),
-                                 timeline.ended() ? ", ended" : "");
+  std::string line =
+      fmt::format("{}  {} of {} ({:.0f} %){}", Ascii(timeline.scenario().name), ClockText(now_us),
+                  ClockText(limit_us), 100 * Seconds(now_us) / std::max(1.0, Seconds(limit_us)),
+                  timeline.ended() ? ", ended" : "");
   if (!schedules.empty()) {
     line += fmt::format("  decision {} by {}", schedules.back().decision,
-                        Printable(schedules.back().policy));
+                        Ascii(schedules.back().policy));
   }
   return line;
 }
@@ -172,7 +172,7 @@ void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const 
         now.rss_bytes <= 0 ? "-"
                            : fmt::format("{:.1f} MB", static_cast<double>(now.rss_bytes) / 1e6);
     lines->push_back(
-        {fmt::format(kRow, Printable(row.name), row.state, Age(row.age_s),
+        {fmt::format(kRow, Ascii(row.name), row.state, Age(row.age_s),
                      fmt::format("{:.0f}", row.rate.messages),
                      fmt::format("{:.1f}", row.rate.bytes / 1000), Amount(now.received),
                      Amount(now.lost), Amount(now.rejected), Amount(now.resent), now.boot_id + 1,
