@@ -28,10 +28,27 @@ class Sum {
 }  // namespace
 
 Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads_(threads) {
-  const auto n_sites = At(instance.n_sites());
+  const std::int32_t highest = std::max(GroupPartners(), ListWays());
+  ListSolos();
+  for (std::int32_t level = 0; level <= std::min(highest, 4096); ++level) {
+    inverse_.push_back(1.0 / std::max(level, 1));
+  }
+  prices_.site.assign(instance.capacity.size(), 0);
+  for (const Instance::Partner& partner : instance.partners) {
+    prices_.partner.push_back(partner.stay);
+  }
+  value_.resize(instance.partners.size());
+  best_value_.resize(instance.uavs.size());
+  bound_value_.resize(instance.uavs.size());
+  best_column_.resize(instance.uavs.size());
+}
+
+/// Partners of each site by level; returns the highest.
+std::int32_t Dual::GroupPartners() {
+  const Instance& instance = instance_;
   std::int32_t highest = 1;
-  places_.resize(n_sites);
-  for (std::size_t s = 0; s < n_sites; ++s) {
+  places_.resize(At(instance.n_sites()));
+  for (std::size_t s = 0; s < places_.size(); ++s) {
     places_[s].begin = static_cast<std::int32_t>(groups_.size());
     for (std::int32_t j = instance.partner_begin[s]; j < instance.partner_begin[s + 1]; ++j) {
       const std::int32_t level = instance.partner_arcs[At(j)].level;
@@ -46,7 +63,13 @@ Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads
     places_[s].rest = instance.rest_level.empty() ? 0 : instance.rest_level[s];
     if (places_[s].begin < places_[s].end) places_[s].least = groups_[At(places_[s].begin)].level;
   }
+  return highest;
+}
 
+/// Ways of each UAV, and those that it may take alone; returns the highest level.
+std::int32_t Dual::ListWays() {
+  const Instance& instance = instance_;
+  std::int32_t highest = 1;
   arc_begin_.assign(instance.uavs.size() + 1, 0);
   uav_solo_begin_.assign(instance.uavs.size() + 1, 0);
   const auto uav_is_solo = [&](const Instance::UavArc& arc) {
@@ -72,7 +95,12 @@ Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads
       if (uav_is_solo(arc)) uav_solos_[At(next_solo[At(arc.uav)]++)] = {s, i, arc.solo};
     }
   }
+  return highest;
+}
 
+/// Ways that each partner may take alone.
+void Dual::ListSolos() {
+  const Instance& instance = instance_;
   solo_begin_.assign(instance.partners.size() + 1, 0);
   const auto is_solo = [&](const Instance::PartnerArc& arc) {
     return arc.solo && arc.gain > instance.partners[At(arc.partner)].stay;
@@ -87,27 +115,14 @@ Dual::Dual(const Instance& instance, int threads) : instance_(instance), threads
   adds_.resize(gain_of_.size());
   for (std::size_t p = 0; p < instance.partners.size(); ++p) solo_begin_[p + 1] += solo_begin_[p];
   solos_.resize(At(solo_begin_.back()));
-  next.assign(solo_begin_.begin(), solo_begin_.end() - 1);
-  for (std::size_t s = 0; s < n_sites; ++s) {
-    for (std::int32_t j = instance.partner_begin[s]; j < instance.partner_begin[s + 1]; ++j) {
+  std::vector<std::int32_t> next(solo_begin_.begin(), solo_begin_.end() - 1);
+  for (std::int32_t s = 0; s < instance.n_sites(); ++s) {
+    for (std::int32_t j = instance.partner_begin[At(s)]; j < instance.partner_begin[At(s) + 1];
+         ++j) {
       const Instance::PartnerArc& arc = instance.partner_arcs[At(j)];
-      if (is_solo(arc)) {
-        solos_[At(next[At(arc.partner)]++)] = {static_cast<std::int32_t>(s), j, arc.gain};
-      }
+      if (is_solo(arc)) solos_[At(next[At(arc.partner)]++)] = {s, j, arc.gain};
     }
   }
-
-  for (std::int32_t level = 0; level <= std::min(highest, 4096); ++level) {
-    inverse_.push_back(1.0 / std::max(level, 1));
-  }
-  prices_.site.assign(n_sites, 0);
-  for (const Instance::Partner& partner : instance.partners) {
-    prices_.partner.push_back(partner.stay);
-  }
-  value_.resize(instance.partners.size());
-  best_value_.resize(instance.uavs.size());
-  bound_value_.resize(instance.uavs.size());
-  best_column_.resize(instance.uavs.size());
 }
 
 double Dual::InverseLevel(std::int32_t a, std::int32_t b) const {

@@ -85,6 +85,9 @@ class Dual {
 
  private:
   static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+  std::int32_t GroupPartners();
+  std::int32_t ListWays();
+  void ListSolos();
   /// Partner arcs of one site and level.
   struct Group {
     std::int32_t begin, end, level;

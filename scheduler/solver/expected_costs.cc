@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "base/index.h"
 #include "scheduler/solver/parallel.h"
 
 namespace muster::scheduler {
@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::int32_t kTable = 64;  // exp(-64) is below any tolerance next to exp(0)
 
-constexpr std::size_t kLeaf = 16;        ///< places of a cell that is not divided
 constexpr double kFar = 9;               ///< levels, and ln(number): the rest does not count
 constexpr double kCellTolerance = 4e-4;  ///< of the mean, by one cell; errors of cells cancel
 constexpr double kRough = 0.3;           ///< radius / distance of cells for a first mean
@@ -36,7 +35,7 @@ Vector All(double x) { return All(static_cast<float>(x)); }
 const std::array<double, kTable + 1>& Exp() {
   static const std::array<double, kTable + 1> table = [] {
     std::array<double, kTable + 1> t{};
-    for (int k = 0; k < kTable; ++k) t[static_cast<std::size_t>(k)] = std::exp(-k);
+    for (int k = 0; k < kTable; ++k) t[At(k)] = std::exp(-k);
     return t;
   }();
   return table;
@@ -48,9 +47,8 @@ struct Lanes {
 
   Lanes(const Queries& queries, const Queries::Block& block) {
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const auto k = std::min(static_cast<std::size_t>(block.begin) + i,
-                              static_cast<std::size_t>(block.end) - 1);
-      const Point p = queries.at()[static_cast<std::size_t>(queries.order()[k])];
+      const auto k = std::min(At(block.begin) + i, At(block.end) - 1);
+      const Point p = queries.at()[At(queries.order()[k])];
       x[i / kWidth][i % kWidth] = static_cast<float>(p.x_m - block.centre.x_m);
       y[i / kWidth][i % kWidth] = static_cast<float>(p.y_m - block.centre.y_m);
     }
@@ -73,12 +71,143 @@ void NarrowBlocks(const Queries& queries, double per_m, int threads, Visit&& vis
         continue;
       }
       for (std::int32_t k = blocks[b].begin; k < blocks[b].end; ++k) {
-        const auto q = static_cast<std::size_t>(queries.order()[static_cast<std::size_t>(k)]);
+        const auto q = At(queries.order()[At(k)]);
         visit(Queries::Block{queries.at()[q], 0, k, k + 1});
       }
     }
   });
 }
+
+double Away(Point from, const PlaceTree::Cell& cell) {
+  return Distance(from, {cell.x_m, cell.y_m});
+}
+
+/// Metres to some place near by, not always the nearest.
+double NearbyPlace(const PlaceTree& tree, Point from) {
+  const std::vector<PlaceTree::Cell>& cells = tree.cells();
+  std::size_t near = 0;
+  while (!cells[near].leaf) {
+    const std::size_t left = near + 1, right = At(cells[left].next);
+    near = Away(from, cells[left]) <= Away(from, cells[right]) ? left : right;
+  }
+  const PlaceTree::Cell& cell = cells[near];
+  const auto begin = At(cell.begin);
+  const auto end = cell.radius_m == 0 ? begin + 1 : At(cell.end);
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (auto i = begin; i < end; ++i) {
+    nearest_m = std::min(nearest_m, Distance(from, {tree.x_m()[i], tree.y_m()[i]}));
+  }
+  return nearest_m;
+}
+
+/// exp(nearest - level): levels are counted from a place near by, which others may be closer than.
+struct ExpOf {
+  double nearest;
+  double operator()(double level) const {
+    const double k = level - nearest;
+    return k < 0 ? std::exp(-k) : Exp()[static_cast<std::size_t>(std::min<double>(k, kTable))];
+  }
+};
+
+/// A block's softmax mean and its mass, roughly. A cell is opened later when taking its places
+/// together may move the mean by more than a share of the tolerance, by its weight's variation
+/// times its values' distance from the mean.
+struct RoughMean {
+  double mean, mass = 0;
+
+  RoughMean(const PlaceTree& tree, Point centre, double per_m, const ExpOf& exp_of, double far) {
+    const std::vector<PlaceTree::Cell>& cells = tree.cells();
+    double sum = 0;
+    for (std::size_t c = 0; c < cells.size();) {
+      const PlaceTree::Cell& cell = cells[c];
+      const double z = Away(centre, cell) * per_m, radius = cell.radius_m * per_m;
+      if (z - radius > far) {
+        c = At(cell.next);
+        continue;
+      }
+      if (!cell.leaf && radius > kRough * (z - exp_of.nearest) && radius > kRough) {
+        ++c;
+        continue;
+      }
+      const double e = exp_of(exp_of.nearest + std::floor(z - exp_of.nearest));
+      mass += e * cell.count;
+      sum += e * cell.value;
+      c = At(cell.next);
+    }
+    mean = sum / mass;
+  }
+};
+
+constexpr std::int32_t kSteps = 16;  ///< levels that a cell may be spread over
+
+/// Softmax sums of a block's queries: masses, and values from a mean, times masses.
+struct BlockSum {
+  const Lanes lanes;
+  const PlaceTree& tree;
+  const Point centre;
+  const double per_m;
+  const ExpOf exp_of;
+  const double mean;
+  std::array<Vector, kVectors> mass{}, sum{};
+
+  /// Places spread evenly over 2 * width along the line of sight, of which a share lies beyond the
+  /// end k of a level: 1/2 + (z - k) / (2 * width), with (z^2 - k^2) / (2 k) for z - k.
+  void AddTogether(const PlaceTree::Cell& cell, double first, double last) {
+    std::array<Vector, kSteps> bound, slope, drop;
+    const double width = cell.width_m * per_m;
+    std::size_t steps = 0;
+    for (double k = first; k < last; ++k) {
+      slope[steps] = All(per_m * per_m / (4 * k * width));
+      bound[steps] = All(0.5 - k / (4 * width));
+      drop[steps++] = All(exp_of(k - 1) - exp_of(k));
+    }
+    const Vector px = All(cell.x_m - centre.x_m), py = All(cell.y_m - centre.y_m);
+    const Vector count = All(cell.count), value = All(cell.value - cell.count * mean);
+    const Vector zero = All(0.0), one = All(1.0), top = All(exp_of(first - 1));
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const Vector square = lanes.Square(v, px, py);
+      Vector e = top;
+      for (std::size_t k = 0; k < steps; ++k) {
+        Vector share = square * slope[k] + bound[k];
+        share = share > zero ? share : zero;
+        share = share < one ? share : one;
+        e -= share * drop[k];
+      }
+      mass[v] += e * count;
+      sum[v] += e * value;
+    }
+  }
+
+  /// Places one by one, all alike where they are at one spot; as many levels at a time as fit.
+  void AddPlaces(const PlaceTree::Cell& cell, double first, double last) {
+    std::array<Vector, kSteps> bound, drop;
+    const bool spot = cell.radius_m == 0;
+    const auto begin = At(cell.begin);
+    const auto end = spot ? begin + 1 : At(cell.end);
+    std::size_t steps = 0;
+    for (double k = first; k < std::min(last, first + kSteps); ++k) {
+      const double end_m = k / per_m * (1 + kClose);
+      bound[steps] = All(end_m * end_m);
+      drop[steps++] = All(exp_of(k - 1) - exp_of(k));
+    }
+    const Vector top = All(exp_of(first - 1));
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vector px = All(tree.x_m()[i] - centre.x_m);
+      const Vector py = All(tree.y_m()[i] - centre.y_m);
+      const Vector count = All(spot ? cell.count : 1.0);
+      const Vector value = All(spot ? cell.value - cell.count * mean : tree.value()[i] - mean);
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        const Vector square = lanes.Square(v, px, py);
+        Vector e = top;
+        for (std::size_t k = 0; k < steps; ++k) {
+          e -= reinterpret_cast<Vector>(reinterpret_cast<Mask>(drop[k]) & (square > bound[k]));
+        }
+        mass[v] += e * count;
+        sum[v] += e * value;
+      }
+    }
+  }
+};
 
 constexpr std::size_t kBlock = 64;
 
@@ -104,110 +233,6 @@ void LevelsTo(Point from, std::span<const double> x_m, std::span<const double> y
     if (any == 0) continue;
     for (std::size_t i = begin; i < end; ++i) levels[i] = level(Distance(from, {x_m[i], y_m[i]}));
   }
-}
-
-PlaceTree::PlaceTree(std::span<const Point> places, std::span<const double> values) {
-  std::vector<std::int32_t> order(places.size());
-  std::iota(order.begin(), order.end(), 0);
-  Build(&order, 0, static_cast<std::int32_t>(order.size()), places, values);
-  for (const std::int32_t i : order) {
-    x_m_.push_back(places[static_cast<std::size_t>(i)].x_m);
-    y_m_.push_back(places[static_cast<std::size_t>(i)].y_m);
-    if (!values.empty()) value_.push_back(values[static_cast<std::size_t>(i)]);
-  }
-}
-
-void PlaceTree::Build(std::vector<std::int32_t>* order, std::int32_t begin, std::int32_t end,
-                      std::span<const Point> places, std::span<const double> values) {
-  const auto at = [&](std::int32_t k) {
-    return places[static_cast<std::size_t>((*order)[static_cast<std::size_t>(k)])];
-  };
-  Cell cell{};
-  cell.begin = begin;
-  cell.end = end;
-  cell.count = end - begin;
-  Point low = at(begin), high = at(begin);
-  for (std::int32_t k = begin; k < end; ++k) {
-    const Point p = at(k);
-    cell.x_m += p.x_m;
-    cell.y_m += p.y_m;
-    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
-    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
-    if (!values.empty()) {
-      const double value = values[static_cast<std::size_t>((*order)[static_cast<std::size_t>(k)])];
-      cell.value += value;
-      cell.low = k == begin ? value : std::min(cell.low, value);
-      cell.high = k == begin ? value : std::max(cell.high, value);
-    }
-  }
-  cell.x_m /= cell.count;
-  cell.y_m /= cell.count;
-  double spread_m2 = 0;
-  for (std::int32_t k = begin; k < end; ++k) {
-    const double d = Distance({cell.x_m, cell.y_m}, at(k));
-    cell.radius_m = std::max(cell.radius_m, d);
-    spread_m2 += d * d / cell.count;
-  }
-  // Half of the variance lies along the line of sight; an even spread of half width w has w^2 / 3.
-  cell.width_m = std::min(cell.radius_m, std::sqrt(1.5 * spread_m2));
-  cell.leaf = end - begin <= static_cast<std::int32_t>(kLeaf) || cell.radius_m == 0;
-  const std::size_t self = cells_.size();
-  cells_.push_back(cell);
-  if (!cell.leaf) {
-    const bool by_x = high.x_m - low.x_m >= high.y_m - low.y_m;
-    const std::int32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order->begin() + begin, order->begin() + middle, order->begin() + end,
-                     [&](std::int32_t a, std::int32_t b) {
-                       const Point p = places[static_cast<std::size_t>(a)];
-                       const Point q = places[static_cast<std::size_t>(b)];
-                       const double u = by_x ? p.x_m : p.y_m, v = by_x ? q.x_m : q.y_m;
-                       return u != v ? u < v : a < b;
-                     });
-    Build(order, begin, middle, places, values);
-    Build(order, middle, end, places, values);
-  }
-  cells_[self].next = static_cast<std::int32_t>(cells_.size());
-}
-
-void Queries::Divide() {
-  if (!blocks_.empty() || at_.empty()) return;
-  order_.resize(at_.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  Divide(0, static_cast<std::int32_t>(order_.size()));
-}
-
-void Queries::Divide(std::int32_t begin, std::int32_t end) {
-  const auto at = [&](std::int32_t k) {
-    return at_[static_cast<std::size_t>(order_[static_cast<std::size_t>(k)])];
-  };
-  Point low = at(begin), high = at(begin);
-  for (std::int32_t k = begin; k < end; ++k) {
-    const Point p = at(k);
-    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
-    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
-  }
-  if (end - begin <= kLanes) {
-    const Point centre = {(low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2};
-    double radius_m = 0;
-    for (std::int32_t k = begin; k < end; ++k) {
-      radius_m = std::max(radius_m, Distance(centre, at(k)));
-    }
-    blocks_.push_back({centre, radius_m, begin, end});
-    return;
-  }
-  const bool by_x = high.x_m - low.x_m >= high.y_m - low.y_m;
-  // All blocks but the last are full.
-  const std::int32_t blocks = (end - begin + kLanes - 1) / kLanes;
-  const std::int32_t middle = begin + blocks / 2 * kLanes;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                   [&](std::int32_t a, std::int32_t b) {
-                     const Point p = at_[static_cast<std::size_t>(a)];
-                     const Point q = at_[static_cast<std::size_t>(b)];
-                     const double u = by_x ? p.x_m : p.y_m, v = by_x ? q.x_m : q.y_m;
-                     return u != v ? u < v : a < b;
-                   });
-  Divide(begin, middle);
-  Divide(middle, end);
 }
 
 PlaceSums::PlaceSums(std::span<const Point> places, std::span<const double> values,
@@ -247,7 +272,7 @@ double PlaceSums::ExactMean(Point from, const LevelOf& level) const {
   const auto& table = Exp();
   double mass = 0, sum = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double e = table[static_cast<std::size_t>(std::min(levels[i] - least, kTable))];
+    const double e = table[At(std::min(levels[i] - least, kTable))];
     mass += e;
     sum += e * value_[i];
   }
@@ -259,75 +284,31 @@ void PlaceSums::BlockMeans(const Queries& from, const Queries::Block& block, con
   const PlaceTree& tree = tree_.front();
   const std::vector<PlaceTree::Cell>& cells = tree.cells();
   const double per_m = level.per_m();
-  const auto away = [&](const PlaceTree::Cell& cell) {
-    return Distance(block.centre, {cell.x_m, cell.y_m});
-  };
-  // Some place near by: levels are counted from its.
-  std::size_t near = 0;
-  while (!cells[near].leaf) {
-    const std::size_t left = near + 1, right = static_cast<std::size_t>(cells[left].next);
-    near = away(cells[left]) <= away(cells[right]) ? left : right;
-  }
-  double nearest_m = std::numeric_limits<double>::infinity();
-  const auto near_begin = static_cast<std::size_t>(cells[near].begin);
-  const auto near_end =
-      cells[near].radius_m == 0 ? near_begin + 1 : static_cast<std::size_t>(cells[near].end);
-  for (auto i = near_begin; i < near_end; ++i) {
-    nearest_m = std::min(nearest_m, Distance(block.centre, {tree.x_m()[i], tree.y_m()[i]}));
-  }
-  const double nearest = std::floor(nearest_m * per_m);
-  const auto& table = Exp();
-  // exp(-level) for levels counted from the nearest, which a query of the block may be closer to.
-  const auto exp_of = [&](double k) {
-    return k < 0 ? std::exp(-k) : table[static_cast<std::size_t>(std::min<double>(k, kTable))];
-  };
-  const double far = nearest + kFar + std::log(cells[0].count);
+  const ExpOf exp_of{std::floor(NearbyPlace(tree, block.centre) * per_m)};
+  const double far = exp_of.nearest + kFar + std::log(cells[0].count);
+  const RoughMean rough(tree, block.centre, per_m, exp_of, far);
+  const double mean = rough.mean;
+  const double allowed = kCellTolerance * std::abs(mean) * rough.mass;
 
-  // A rough mean at the centre first: a cell is opened when taking its places together may move
-  // the mean by more than a share of the tolerance, by its weight's variation times its values'
-  // distance from the mean.
-  double rough_mass = 0, rough_sum = 0;
-  for (std::size_t c = 0; c < cells.size();) {
-    const PlaceTree::Cell& cell = cells[c];
-    const double z = away(cell) * per_m, radius = cell.radius_m * per_m;
-    if (z - radius > far) {
-      c = static_cast<std::size_t>(cell.next);
-      continue;
-    }
-    if (!cell.leaf && radius > kRough * (z - nearest) && radius > kRough) {
-      ++c;
-      continue;
-    }
-    const double e = exp_of(std::floor(z - nearest));
-    rough_mass += e * cell.count;
-    rough_sum += e * cell.value;
-    c = static_cast<std::size_t>(cell.next);
-  }
-  const double mean = rough_sum / rough_mass;
-  const double allowed = kCellTolerance * std::abs(mean) * rough_mass;
-
-  const Lanes lanes(from, block);
+  BlockSum sum{Lanes(from, block), tree, block.centre, per_m, exp_of, mean};
   const double wide = block.radius_m * per_m;
   double shared_mass = 0, shared_sum = 0;  // the same for all queries
-  std::array<Vector, kVectors> mass{}, sum{};
-  constexpr std::int32_t kSteps = 16;  // levels that a cell may be spread over
-  std::array<Vector, kSteps> bound, slope, drop;
   for (std::size_t c = 0; c < cells.size();) {
     const PlaceTree::Cell& cell = cells[c];
-    const double z = away(cell) * per_m, radius = cell.radius_m * per_m;
+    const double z = Away(block.centre, cell) * per_m, radius = cell.radius_m * per_m;
     const double from_z = z - radius - wide, to_z = z + radius + wide;
     if (from_z > far) {
-      c = static_cast<std::size_t>(cell.next);
+      c = At(cell.next);
       continue;
     }
     // Level k covers (k - 1, k], the first one 0 too.
     const double first = std::max(1.0, std::ceil(from_z * (1 - kClose) - kClose));
     const double last = std::max(1.0, std::ceil(to_z * (1 + kClose)));
-    const double most = exp_of(first - 1 - nearest);
+    const double most = exp_of(first - 1);
     if (first == last) {
       shared_mass += most * cell.count;
       shared_sum += most * (cell.value - cell.count * mean);
-      c = static_cast<std::size_t>(cell.next);
+      c = At(cell.next);
       continue;
     }
     const double off = std::max(std::abs(cell.high - mean), std::abs(cell.low - mean));
@@ -337,67 +318,18 @@ void PlaceSums::BlockMeans(const Queries& from, const Queries::Block& block, con
       ++c;
       continue;
     }
-    c = static_cast<std::size_t>(cell.next);
-    const Vector top = All(most);
+    c = At(cell.next);
     if (together) {
-      // Places spread evenly over 2 * width along the line of sight, of which a share lies beyond
-      // the end k of a level: 1/2 + (z - k) / (2 * width), with (z^2 - k^2) / (2 k) for z - k.
-      const double width = cell.width_m * per_m;
-      std::size_t steps = 0;
-      for (double k = first; k < last; ++k) {
-        slope[steps] = All(per_m * per_m / (4 * k * width));
-        bound[steps] = All(0.5 - k / (4 * width));
-        drop[steps++] = All(exp_of(k - 1 - nearest) - exp_of(k - nearest));
-      }
-      const Vector px = All(cell.x_m - block.centre.x_m), py = All(cell.y_m - block.centre.y_m);
-      const Vector count = All(cell.count), value = All(cell.value - cell.count * mean);
-      const Vector zero = All(0.0), one = All(1.0);
-      for (std::size_t v = 0; v < kVectors; ++v) {
-        const Vector square = lanes.Square(v, px, py);
-        Vector e = top;
-        for (std::size_t k = 0; k < steps; ++k) {
-          Vector share = square * slope[k] + bound[k];
-          share = share > zero ? share : zero;
-          share = share < one ? share : one;
-          e -= share * drop[k];
-        }
-        mass[v] += e * count;
-        sum[v] += e * value;
-      }
-      continue;
-    }
-    // Places one by one, all alike where they are at one spot; as many levels at a time as fit.
-    const bool spot = cell.radius_m == 0;
-    const auto begin = static_cast<std::size_t>(cell.begin);
-    const auto end = spot ? begin + 1 : static_cast<std::size_t>(cell.end);
-    std::size_t steps = 0;
-    for (double k = first; k < std::min(last, first + kSteps); ++k) {
-      const double end_m = k / per_m * (1 + kClose);
-      bound[steps] = All(end_m * end_m);
-      drop[steps++] = All(exp_of(k - 1 - nearest) - exp_of(k - nearest));
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vector px = All(tree.x_m()[i] - block.centre.x_m);
-      const Vector py = All(tree.y_m()[i] - block.centre.y_m);
-      const Vector count = All(spot ? cell.count : 1.0);
-      const Vector value = All(spot ? cell.value - cell.count * mean : tree.value()[i] - mean);
-      for (std::size_t v = 0; v < kVectors; ++v) {
-        const Vector square = lanes.Square(v, px, py);
-        Vector e = top;
-        for (std::size_t k = 0; k < steps; ++k) {
-          e -= reinterpret_cast<Vector>(reinterpret_cast<Mask>(drop[k]) & (square > bound[k]));
-        }
-        mass[v] += e * count;
-        sum[v] += e * value;
-      }
+      sum.AddTogether(cell, first, last);
+    } else {
+      sum.AddPlaces(cell, first, last);
     }
   }
-  for (auto k = static_cast<std::size_t>(block.begin); k < static_cast<std::size_t>(block.end);
-       ++k) {
-    const std::size_t i = k - static_cast<std::size_t>(block.begin);
-    const double m = shared_mass + static_cast<double>(mass[i / kWidth][i % kWidth]);
-    const double s = shared_sum + static_cast<double>(sum[i / kWidth][i % kWidth]);
-    (*means)[static_cast<std::size_t>(from.order()[k])] = mean + s / m;
+  for (auto k = At(block.begin); k < At(block.end); ++k) {
+    const std::size_t i = k - At(block.begin);
+    const double m = shared_mass + static_cast<double>(sum.mass[i / kWidth][i % kWidth]);
+    const double s = shared_sum + static_cast<double>(sum.sum[i / kWidth][i % kWidth]);
+    (*means)[At(from.order()[k])] = mean + s / m;
   }
 }
 
@@ -459,7 +391,7 @@ void LevelSums::BlockSums(const Queries& to, const Queries::Block& block,
     const double z = away * per_m, radius = cell.radius_m * per_m;
     const double least = z - radius - wide;
     if (radius > 0 && least > kNear && radius <= kAngle * (z - wide)) {
-      c = static_cast<std::size_t>(cell.next);
+      c = At(cell.next);
       // Places beside the line of sight are a little farther than the centroid. The mean of the
       // level over 2 * width, by the integral of the level from 0 to x.
       const Vector px = All(cell.x_m - block.centre.x_m), py = All(cell.y_m - block.centre.y_m);
@@ -479,17 +411,17 @@ void LevelSums::BlockSums(const Queries& to, const Queries::Block& block,
     const double first = std::max(1.0, std::ceil(least - kClose));
     if (first == std::max(1.0, std::ceil((z + radius + wide) * (1 + kClose)))) {
       shared += cell.count * first;
-      c = static_cast<std::size_t>(cell.next);
+      c = At(cell.next);
       continue;
     }
     if (!cell.leaf) {
       ++c;
       continue;
     }
-    c = static_cast<std::size_t>(cell.next);
+    c = At(cell.next);
     const bool spot = cell.radius_m == 0;
-    const auto begin = static_cast<std::size_t>(cell.begin);
-    const auto end = spot ? begin + 1 : static_cast<std::size_t>(cell.end);
+    const auto begin = At(cell.begin);
+    const auto end = spot ? begin + 1 : At(cell.end);
     const Vector count = All(spot ? cell.count : 1.0);
     for (std::size_t i = begin; i < end; ++i) {
       const Vector px = All(tree.x_m()[i] - block.centre.x_m);
@@ -499,11 +431,9 @@ void LevelSums::BlockSums(const Queries& to, const Queries::Block& block,
       }
     }
   }
-  for (auto k = static_cast<std::size_t>(block.begin); k < static_cast<std::size_t>(block.end);
-       ++k) {
-    const std::size_t i = k - static_cast<std::size_t>(block.begin);
-    (*sums)[static_cast<std::size_t>(to.order()[k])] =
-        shared + static_cast<double>(sum[i / kWidth][i % kWidth]);
+  for (auto k = At(block.begin); k < At(block.end); ++k) {
+    const std::size_t i = k - At(block.begin);
+    (*sums)[At(to.order()[k])] = shared + static_cast<double>(sum[i / kWidth][i % kWidth]);
   }
 }
 

@@ -20,6 +20,11 @@ constexpr std::int64_t kWorkPerUav = 60'000;  ///< of one search
 constexpr double kWorthwhile = 1e-6;  ///< loss that a window is searched for, of the whole weight
 constexpr double kEqual = 1e-6;       ///< regrets
 
+bool LessRegret(const Column& a, const Column& b) {
+  return std::tie(a.regret, a.uav_arc, a.partner_arc) <
+         std::tie(b.regret, b.uav_arc, b.partner_arc);
+}
+
 }  // namespace
 
 Windows::Windows(const Instance& instance, const Dual& dual, Relaxation* relaxation)
@@ -97,10 +102,7 @@ void Windows::Widen(const Plan& plan, std::vector<Index>* uavs) {
     work_ += 2 * dual_.n_arcs(u);
     const std::size_t n = std::min(kNeighbours, columns_.size());
     std::partial_sort(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(n),
-                      columns_.end(), [](const Column& a, const Column& b) {
-                        return std::tie(a.regret, a.uav_arc, a.partner_arc) <
-                               std::tie(b.regret, b.uav_arc, b.partner_arc);
-                      });
+                      columns_.end(), LessRegret);
     for (std::size_t k = 0; k < n; ++k) {
       const Column& column = columns_[k];
       if (column.site < 0) continue;
@@ -112,163 +114,171 @@ void Windows::Widen(const Plan& plan, std::vector<Index>* uavs) {
   for (const Index u : *uavs) uav_row_[At(u)] = -1;
 }
 
-bool Windows::Improve(Plan* plan, std::vector<Index> uavs, const std::function<bool()>& stop) {
-  Widen(*plan, &uavs);
-  // What the window's UAVs hold becomes free; so do partners on their own that one of them could
-  // take along.
-  const std::vector<Column> held = [&] {
-    std::vector<Column> columns;
-    for (const Index u : uavs) columns.push_back(plan->column[At(u)]);
-    return columns;
-  }();
-  double loss = kEqual, before = 0;
-  for (std::size_t i = 0; i < uavs.size(); ++i) {
-    loss += planner_.Regret(uavs[i], held[i]);
-    before += planner_.WeightOf(uavs[i], held[i]) - instance_.uavs[At(uavs[i])].stay;
-    if (const Index p = planner_.PartnerOf(held[i]); p >= 0) {
-      before -= instance_.partners[At(p)].stay;
+/// What a window's UAVs hold becomes free.
+Windows::Window Windows::Open(Plan* plan, std::vector<Index> uavs) {
+  Window window;
+  window.uavs = std::move(uavs);
+  window.loss = kEqual;
+  for (const Index u : window.uavs) {
+    const Column held = plan->column[At(u)];
+    window.held.push_back(held);
+    window.loss += planner_.Regret(u, held);
+    window.before += planner_.WeightOf(u, held) - instance_.uavs[At(u)].stay;
+    if (const Index p = planner_.PartnerOf(held); p >= 0) {
+      window.before -= instance_.partners[At(p)].stay;
     }
   }
-  for (const Index u : uavs) planner_.Remove(plan, u);
-  struct Item {
-    Index agent;
-    Column column;
-    const Dual::Solo* solo;
-  };
-  std::vector<Item> items;
-  std::vector<Index> partners, sites;
-  std::vector<std::pair<Index, const Dual::Solo*>> own;
-  const auto partner_joins = [&](Index p) {
-    if (p < 0 || partner_row_[At(p)] >= 0) return;
-    partner_row_[At(p)] = static_cast<Index>(partners.size());
-    partners.push_back(p);
-    const Dual::Solo* solo = plan->own[At(p)];
-    if (solo == nullptr) return;
-    own.emplace_back(p, solo);
-    before += solo->weight - instance_.partners[At(p)].stay;
-    ++plan->free_places[At(solo->site)];
-    plan->own[At(p)] = nullptr;
-  };
-  const auto site_joins = [&](Index s) {
-    if (site_row_[At(s)] >= 0) return;
-    site_row_[At(s)] = static_cast<Index>(sites.size());
-    sites.push_back(s);
-  };
-  std::vector<std::pair<std::size_t, Column>> wanted;
-  for (std::size_t i = 0; i < uavs.size(); ++i) {
-    const Index u = uavs[i];
-    columns_.clear();
-    dual_.TopColumns(u, loss, &columns_);
-    work_ += 2 * dual_.n_arcs(u);
-    for (const Index k : relaxation_.lp()->columns_at(u)) {
-      const Column& column = relaxation_.known()[At(k)].column;
-      columns_.push_back(column);
-      columns_.back().regret = planner_.Regret(u, column);
-    }
-    std::erase_if(columns_, [&](const Column& c) {
-      const Index p = planner_.PartnerOf(c);
-      return c.site < 0 || (p >= 0 && plan->partner_of[At(p)] >= 0);
-    });
-    columns_.push_back(held[i]);
-    columns_.back().regret = 0;
-    const auto order = [](const Column& a, const Column& b) {
-      return std::tie(a.regret, a.uav_arc, a.partner_arc) <
-             std::tie(b.regret, b.uav_arc, b.partner_arc);
-    };
-    std::sort(columns_.begin(), columns_.end(), order);
-    if (columns_.size() > kColumns) columns_.resize(kColumns);
-    // Once each.
-    std::sort(columns_.begin(), columns_.end(), [](const Column& a, const Column& b) {
-      return std::tie(a.uav_arc, a.partner_arc) < std::tie(b.uav_arc, b.partner_arc);
-    });
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-      const Column& column = columns_[k];
-      if (column.site < 0) continue;
-      if (k > 0 && column.uav_arc == columns_[k - 1].uav_arc &&
-          column.partner_arc == columns_[k - 1].partner_arc) {
-        continue;
-      }
-      partner_joins(planner_.PartnerOf(column));
-      wanted.emplace_back(i, column);
-    }
-  }
-  for (const auto& [i, column] : wanted) {
-    if (plan->free_places[At(column.site)] <= 0) continue;
-    site_joins(column.site);
-    items.push_back({uavs[i], column, nullptr});
-  }
-  for (std::size_t k = 0; k < partners.size(); ++k) {
-    for (const Dual::Solo& solo : dual_.solos(partners[k])) {
-      if (plan->free_places[At(solo.site)] <= 0) continue;
-      site_joins(solo.site);
-      items.push_back({partners[k], {}, &solo});
-    }
-  }
+  for (const Index u : window.uavs) planner_.Remove(plan, u);
+  return window;
+}
 
-  std::vector<std::int32_t> capacity(uavs.size() + partners.size(), 1);
-  for (const Index s : sites) capacity.push_back(plan->free_places[At(s)]);
+/// The columns of a UAV that may be in the window's solution, into columns_: those of little
+/// regret, those that the relaxation knows, and the one that it holds; once each.
+void Windows::ListColumns(const Plan& plan, Index u, const Column& held, double loss) {
+  columns_.clear();
+  dual_.TopColumns(u, loss, &columns_);
+  work_ += 2 * dual_.n_arcs(u);
+  for (const Index k : relaxation_.lp()->columns_at(u)) {
+    const Column& column = relaxation_.known()[At(k)].column;
+    columns_.push_back(column);
+    columns_.back().regret = planner_.Regret(u, column);
+  }
+  std::erase_if(columns_, [&](const Column& c) {
+    const Index p = planner_.PartnerOf(c);
+    return c.site < 0 || (p >= 0 && plan.partner_of[At(p)] >= 0);
+  });
+  columns_.push_back(held);
+  columns_.back().regret = 0;
+  std::sort(columns_.begin(), columns_.end(), LessRegret);
+  if (columns_.size() > kColumns) columns_.resize(kColumns);
+  const auto arcs = [](const Column& c) { return std::tie(c.uav_arc, c.partner_arc); };
+  std::sort(columns_.begin(), columns_.end(),
+            [&](const Column& a, const Column& b) { return arcs(a) < arcs(b); });
+  columns_.erase(std::unique(columns_.begin(), columns_.end(),
+                             [&](const Column& a, const Column& b) { return arcs(a) == arcs(b); }),
+                 columns_.end());
+  std::erase_if(columns_, [](const Column& c) { return c.site < 0; });
+}
+
+/// A partner that a UAV of the window could take along; what it does on its own becomes free.
+void Windows::AddPartner(Plan* plan, Index p, Window* window) {
+  if (p < 0 || partner_row_[At(p)] >= 0) return;
+  partner_row_[At(p)] = static_cast<Index>(window->partners.size());
+  window->partners.push_back(p);
+  const Dual::Solo* solo = plan->own[At(p)];
+  if (solo == nullptr) return;
+  window->own.emplace_back(p, solo);
+  window->before += solo->weight - instance_.partners[At(p)].stay;
+  ++plan->free_places[At(solo->site)];
+  plan->own[At(p)] = nullptr;
+}
+
+/// All that the window's UAVs and partners can do where places are free.
+void Windows::ListItems(Plan* plan, Window* window) {
+  std::vector<std::pair<Index, Column>> wanted;
+  for (std::size_t i = 0; i < window->uavs.size(); ++i) {
+    const Index u = window->uavs[i];
+    ListColumns(*plan, u, window->held[i], window->loss);
+    for (const Column& column : columns_) {
+      AddPartner(plan, planner_.PartnerOf(column), window);
+      wanted.emplace_back(u, column);
+    }
+  }
+  const auto add = [&](const Window::Item& item) {
+    if (plan->free_places[At(item.site)] <= 0) return;
+    if (site_row_[At(item.site)] < 0) {
+      site_row_[At(item.site)] = static_cast<Index>(window->sites.size());
+      window->sites.push_back(item.site);
+    }
+    window->items.push_back(item);
+  };
+  for (const auto& [u, column] : wanted) {
+    const Index p = planner_.PartnerOf(column);
+    double gain = planner_.WeightOf(u, column) - instance_.uavs[At(u)].stay;
+    if (p >= 0) gain -= instance_.partners[At(p)].stay;
+    add({.uav = u, .partner = p, .site = column.site, .gain = gain, .column = column});
+  }
+  for (const Index p : window->partners) {
+    for (const Dual::Solo& solo : dual_.solos(p)) {
+      const double gain = solo.weight - instance_.partners[At(p)].stay;
+      add({.uav = -1, .partner = p, .site = solo.site, .gain = gain, .solo = &solo});
+    }
+  }
+}
+
+/// The window's items as a packing: rows of UAVs, then partners, then sites.
+PackingLp Windows::Program(const Plan& plan, const Window& window) {
+  std::vector<std::int32_t> capacity(window.uavs.size() + window.partners.size(), 1);
+  for (const Index s : window.sites) capacity.push_back(plan.free_places[At(s)]);
   PackingLp lp(capacity);
-  const auto n_uavs = static_cast<Index>(uavs.size());
-  const auto first_site = n_uavs + static_cast<Index>(partners.size());
-  for (Index i = 0; i < n_uavs; ++i) uav_row_[At(uavs[At(i)])] = i;
-  for (const Item& item : items) {
-    const Index p = item.solo != nullptr ? item.agent : planner_.PartnerOf(item.column);
-    const Index site = item.solo != nullptr ? item.solo->site : item.column.site;
-    double cost = item.solo != nullptr ? item.solo->weight
-                                       : planner_.WeightOf(item.agent, item.column) -
-                                             instance_.uavs[At(item.agent)].stay;
-    if (p >= 0) cost -= instance_.partners[At(p)].stay;
-    lp.AddColumn(cost, {item.solo != nullptr ? PackingLp::kNoRow : uav_row_[At(item.agent)],
-                        p < 0 ? PackingLp::kNoRow : n_uavs + partner_row_[At(p)],
-                        first_site + site_row_[At(site)]});
+  const auto n_uavs = static_cast<Index>(window.uavs.size());
+  const auto first_site = n_uavs + static_cast<Index>(window.partners.size());
+  for (Index i = 0; i < n_uavs; ++i) uav_row_[At(window.uavs[At(i)])] = i;
+  for (const Window::Item& item : window.items) {
+    lp.AddColumn(item.gain,
+                 {item.uav < 0 ? PackingLp::kNoRow : uav_row_[At(item.uav)],
+                  item.partner < 0 ? PackingLp::kNoRow : n_uavs + partner_row_[At(item.partner)],
+                  first_site + site_row_[At(item.site)]});
   }
-  double best = before;
-  std::vector<Index> chosen;
-  Branching search(
-      &lp, n_uavs, 0,
-      {stop, [&] { return best; },
-       [&] {
-         double weight = 0;
-         std::vector<Index> now;
-         for (Index k = 0; k < lp.n_columns(); ++k) {
-           if (lp.value(k) <= 0.5) continue;
-           const Item& item = items[At(k)];
-           now.push_back(k);
-           const Index p = item.solo != nullptr ? item.agent : planner_.PartnerOf(item.column);
-           weight += item.solo != nullptr ? item.solo->weight
-                                          : planner_.WeightOf(item.agent, item.column) -
-                                                instance_.uavs[At(item.agent)].stay;
-           if (p >= 0) weight -= instance_.partners[At(p)].stay;
-         }
-         if (weight <= best + kNegligible) return;
-         best = weight;
-         chosen = std::move(now);
-       }});
-  search.Search(std::numeric_limits<double>::infinity(),
-                kWorkPerUav * static_cast<std::int64_t>(uavs.size()));
-  work_ += search.work() + lp.work() + static_cast<std::int64_t>(capacity.size());
+  work_ += static_cast<std::int64_t>(capacity.size());
+  return lp;
+}
 
-  for (const Index u : uavs) uav_row_[At(u)] = -1;
-  for (const Index p : partners) partner_row_[At(p)] = -1;
-  for (const Index s : sites) site_row_[At(s)] = -1;
-  if (chosen.empty()) {
-    for (std::size_t i = 0; i < uavs.size(); ++i) planner_.Put(plan, uavs[i], held[i]);
-    for (const auto& [p, solo] : own) {
-      plan->own[At(p)] = solo;
-      --plan->free_places[At(solo->site)];
+/// The items that together are heavier than what was held; none where nothing is.
+std::vector<Index> Windows::Search(const Plan& plan, const Window& window,
+                                   const std::function<bool()>& stop) {
+  PackingLp lp = Program(plan, window);
+  double best = window.before;
+  std::vector<Index> chosen;
+  const auto take = [&] {
+    double weight = 0;
+    std::vector<Index> now;
+    for (Index k = 0; k < lp.n_columns(); ++k) {
+      if (lp.value(k) <= 0.5) continue;
+      now.push_back(k);
+      weight += window.items[At(k)].gain;
     }
-    return false;
+    if (weight <= best + kNegligible) return;
+    best = weight;
+    chosen = std::move(now);
+  };
+  Branching search(&lp, static_cast<Index>(window.uavs.size()), 0,
+                   {stop, [&] { return best; }, take});
+  search.Search(std::numeric_limits<double>::infinity(),
+                kWorkPerUav * static_cast<std::int64_t>(window.uavs.size()));
+  work_ += search.work() + lp.work();
+  return chosen;
+}
+
+void Windows::Close(Plan* plan, const Window& window, const std::vector<Index>& chosen) {
+  for (const Index u : window.uavs) uav_row_[At(u)] = -1;
+  for (const Index p : window.partners) partner_row_[At(p)] = -1;
+  for (const Index s : window.sites) site_row_[At(s)] = -1;
+  const auto put_own = [&](Index p, const Dual::Solo* solo) {
+    plan->own[At(p)] = solo;
+    --plan->free_places[At(solo->site)];
+  };
+  if (chosen.empty()) {
+    for (std::size_t i = 0; i < window.uavs.size(); ++i) {
+      planner_.Put(plan, window.uavs[i], window.held[i]);
+    }
+    for (const auto& [p, solo] : window.own) put_own(p, solo);
   }
   for (const Index k : chosen) {
-    const Item& item = items[At(k)];
+    const Window::Item& item = window.items[At(k)];
     if (item.solo == nullptr) {
-      planner_.Put(plan, item.agent, item.column);
+      planner_.Put(plan, item.uav, item.column);
     } else {
-      plan->own[At(item.agent)] = item.solo;
-      --plan->free_places[At(item.solo->site)];
+      put_own(item.partner, item.solo);
     }
   }
-  return true;
+}
+
+void Windows::Improve(Plan* plan, std::vector<Index> uavs, const std::function<bool()>& stop) {
+  Widen(*plan, &uavs);
+  Window window = Open(plan, std::move(uavs));
+  ListItems(plan, &window);
+  Close(plan, window, Search(*plan, window, stop));
 }
 
 }  // namespace muster::scheduler

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
+#include "scheduler/solver/packing_lp.h"
 #include "scheduler/solver/plan.h"
 #include "scheduler/solver/relaxation.h"
 
@@ -24,9 +26,33 @@ class Windows {
 
  private:
   static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
-  /// True when the plan is better.
-  bool Improve(Plan* plan, std::vector<std::int32_t> uavs, const std::function<bool()>& stop);
+  /// UAVs, the partners that they could take along and the sites that these could use.
+  struct Window {
+    struct Item {
+      std::int32_t uav, partner, site;   ///< uav or partner -1 where there is none
+      double gain;                       ///< over staying
+      Column column{};                   ///< with a UAV
+      const Dual::Solo* solo = nullptr;  ///< without
+    };
+    std::vector<std::int32_t> uavs, partners, sites;
+    std::vector<Column> held;  ///< of each UAV when the window was opened
+    std::vector<std::pair<std::int32_t, const Dual::Solo*>> own;  ///< of partners, likewise
+    double before = 0;                                            ///< gain of what was held
+    double loss = 0;                                              ///< of what was held, by regret
+    std::vector<Item> items;
+  };
+
+  void Improve(Plan* plan, std::vector<std::int32_t> uavs, const std::function<bool()>& stop);
   void Widen(const Plan& plan, std::vector<std::int32_t>* uavs);
+  Window Open(Plan* plan, std::vector<std::int32_t> uavs);
+  void ListColumns(const Plan& plan, std::int32_t u, const Column& held, double loss);
+  void AddPartner(Plan* plan, std::int32_t p, Window* window);
+  void ListItems(Plan* plan, Window* window);
+  PackingLp Program(const Plan& plan, const Window& window);
+  std::vector<std::int32_t> Search(const Plan& plan, const Window& window,
+                                   const std::function<bool()>& stop);
+  /// Puts the chosen items into the plan, or what was held where there is none.
+  void Close(Plan* plan, const Window& window, const std::vector<std::int32_t>& chosen);
 
   const Instance& instance_;
   const Dual& dual_;
