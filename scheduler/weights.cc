@@ -150,7 +150,7 @@ Eigen::ArrayXd IntervalCounts(const Eigen::ArrayXd& way_m, double speed_m_s, Tim
 }
 
 double TaskLikelihood(double range_share) {
-  return std::max(kLeastLikelihood, std::expm1(-range_share) / std::expm1(-1.0));
+  return std::max(kLeastLikelihood, (1 - std::exp(-range_share)) / (1 - std::exp(-1.0)));
 }
 
 double ChargeLikelihood(double range_share) { return TaskLikelihood(1.0 - range_share); }
@@ -188,8 +188,11 @@ double MoveBenefit(double before, double after, std::int32_t intervals) {
   return Softplus(gain) / intervals;
 }
 
-double UavBenefit(double range_share_after, double task_benefit, double charge_benefit) {
-  return range_share_after * task_benefit + (1.0 - range_share_after) * charge_benefit;
+double UavBenefit(double range_after_m, double range_full_m, double task_benefit,
+                  double charge_benefit) {
+  if (range_full_m <= 0) return charge_benefit;
+  return range_after_m / range_full_m * task_benefit +
+         (range_full_m - range_after_m) / range_full_m * charge_benefit;
 }
 
 double SenseFoundation(Foundation foundation) {
@@ -290,14 +293,14 @@ void WeighUavs(const Site& site, const Eigen::ArrayXd& full_m, const CostsAt& as
       const double cost_m = site.tasks[w->tasks[static_cast<std::size_t>(x)].index()].cost_m;
       const double on_arrival_m = w->range_m(u) - w->uav_task.way_m(u, x);
       const double task_part = task_part_at_task(u, x), charge_part = charge_part_at_task(u, x);
-      w->uav_to_task(u, x) = UavBenefit(on_arrival_m / full_m(u), task_part, charge_part);
-      w->uav_senses(u, x) = UavBenefit((on_arrival_m - cost_m) / full_m(u), task_part, charge_part);
+      w->uav_to_task(u, x) = UavBenefit(on_arrival_m, full_m(u), task_part, charge_part);
+      w->uav_senses(u, x) = UavBenefit(on_arrival_m - cost_m, full_m(u), task_part, charge_part);
     }
     for (Eigen::Index y = 0; y < n_charges; ++y) {
       const double on_arrival_m = w->range_m(u) - w->uav_charge.way_m(u, y);
       const double task_part = task_part_at_charge(u, y), charge_part = charge_part_at_charge(u, y);
-      w->uav_to_charge(u, y) = UavBenefit(on_arrival_m / full_m(u), task_part, charge_part);
-      w->uav_charges(u, y) = UavBenefit(1.0, task_part, charge_part);
+      w->uav_to_charge(u, y) = UavBenefit(on_arrival_m, full_m(u), task_part, charge_part);
+      w->uav_charges(u, y) = UavBenefit(full_m(u), full_m(u), task_part, charge_part);
     }
   }
 }

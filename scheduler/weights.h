@@ -57,9 +57,10 @@ Eigen::ArrayXd ChoiceProbabilities(const Eigen::ArrayXd& intervals);
 /// Source: Eq. 4-10, 4-12, 4-14, 4-17.
 double MoveBenefit(double before, double after, std::int32_t intervals);
 
-/// icmUi: a UAV's two benefits, weighted by its share of range after the action.
-/// Source: Eq. 4-15.
-double UavBenefit(double range_share_after, double task_benefit, double charge_benefit);
+/// icmUi: a UAV's two benefits, weighted by its share of range after the action; one without range
+/// counts as empty. Source: Eq. 4-15.
+double UavBenefit(double range_after_m, double range_full_m, double task_benefit,
+                  double charge_benefit);
 
 /// Numerator of the pair's own term for sensing: Softplus(100); uniform: Softplus(1).
 /// Source: Eq. 4-18; section 5.3.3.

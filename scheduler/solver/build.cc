@@ -12,6 +12,7 @@
 #include "scheduler/solver/expected_costs.h"
 #include "scheduler/solver/levels.h"
 #include "scheduler/solver/parallel.h"
+#include "scheduler/weights.h"
 
 namespace muster::scheduler {
 namespace {
@@ -22,8 +23,6 @@ using Clock = std::chrono::steady_clock;
 double Seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
-
-double Softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
 /// Where that many agents and tasks are, neighbours get neighbouring numbers, as memory far apart
 /// is slow to reach.
@@ -43,11 +42,6 @@ std::uint32_t ZOrder(double x, double y) {
     return (z | z << 1) & 0x55555555u;
   };
   return spread(x) | spread(y) << 1;
-}
-
-/// softplus of the reduction rate of an expected cost; 0/0 counts as no reduction.
-double Gain(double before, double after) {
-  return Softplus(before == 0 ? 0.0 : (before - after) / before);
 }
 
 /// Levels depend on speed alone; agents of one speed share their expected costs.
@@ -174,9 +168,6 @@ class Builder {
     return idle;
   }
 
-  double E(double share) const {
-    return std::max(1e-6, (1 - std::exp(-share)) / (1 - std::exp(-1.0)));
-  }
   double Share(std::size_t u) const {
     return uavs_[u]->range_full_m > 0 ? range_m_[u] / uavs_[u]->range_full_m : 0;
   }
@@ -279,7 +270,7 @@ class Builder {
       std::vector<std::int32_t> feasible(n_places, 0);
       std::vector<double> per_level(uavs_.size());
       for (std::size_t u = 0; u < uavs_.size(); ++u) {
-        per_level[u] = E(charging ? 1 - Share(u) : Share(u));
+        per_level[u] = charging ? ChargeLikelihood(Share(u)) : TaskLikelihood(Share(u));
       }
       for (const Way& way : ways) {
         cost[At(way.place)] += way.level / per_level[At(way.agent)];
@@ -434,7 +425,7 @@ class Builder {
   }
 
   void AddUavArcs(Instance* instance) {
-    const double sense_base = Softplus(100);
+    const double sense_base = SenseFoundation(Foundation::kHierarchical);
     std::vector<Instance::UavArc> arcs(uav_to_task_.size() + uav_to_charge_.size());
     std::vector<Index> site(arcs.size());
     const auto fill = [&](const Way& way, bool charging, std::size_t at) {
@@ -448,27 +439,28 @@ class Builder {
       if (charging && site_of_charge_[At(way.place)] < 0) return;
       const auto& tasks_after = charging ? uav_tasks_.charge[c] : uav_tasks_.task[c];
       const auto& charges_after = charging ? uav_charges_.charge[c] : uav_charges_.task[c];
-      const double to_tasks = Gain(uav_tasks_.agent[u], tasks_after[At(way.place)]) / way.level;
+      const double to_tasks =
+          MoveBenefit(uav_tasks_.agent[u], tasks_after[At(way.place)], way.level);
       const double to_charges =
-          Gain(uav_charges_.agent[u], charges_after[At(way.place)]) / way.level;
-      const double full = uav.range_full_m, arrival = range_m_[u] - way.metres;
-      const auto gain = [&](double range) {
-        return full > 0 ? range / full * to_tasks + (full - range) / full * to_charges : to_charges;
+          MoveBenefit(uav_charges_.agent[u], charges_after[At(way.place)], way.level);
+      const double arrival_m = range_m_[u] - way.metres;
+      const auto gain = [&](double range_m) {
+        return UavBenefit(range_m, uav.range_full_m, to_tasks, to_charges);
       };
       arc.uav = way.agent;
       arc.level = way.level;
       arc.arrive_us = situation_.now_us + travel;
-      arc.solo = gain(arrival);
+      arc.solo = gain(arrival_m);
       if (charging) {
         site[at] = site_of_charge_[At(way.place)];
-        arc.base = Softplus(10 + std::exp(1 - Share(u)));
-        arc.pair_gain = gain(full);
-        arc.missing_m = full - arrival;
+        arc.base = ChargeFoundation(Foundation::kHierarchical, Share(u));
+        arc.pair_gain = gain(uav.range_full_m);
+        arc.missing_m = uav.range_full_m - arrival_m;
       } else {
         site[at] = way.place;
         const double cost = site_.tasks[tasks_[At(way.place)].index()].cost_m;
         arc.base = sense_base;
-        arc.pair_gain = gain(arrival - cost);
+        arc.pair_gain = gain(arrival_m - cost);
         arc.duration_us = SensingUs(cost, uav.speed_m_s);
       }
     };
@@ -506,7 +498,7 @@ class Builder {
         const double speed = speeds.speeds[c];
         arcs[i].partner = charging ? n_workers + way.agent : way.agent;
         arcs[i].level = way.level;
-        arcs[i].gain = Gain(mean.agent[At(way.agent)], after[At(way.place)]) / way.level;
+        arcs[i].gain = MoveBenefit(mean.agent[At(way.agent)], after[At(way.place)], way.level);
         arcs[i].arrive_us = situation_.now_us + TravelUs(way.metres, speed);
         site[i] = charging ? site_of_charge_[At(way.place)] : way.place;
       }

@@ -128,7 +128,8 @@ TEST(MoveBenefit, IsTheRelativeGainPerInterval) {
 
 // Eq. 4-15
 TEST(UavBenefit, WeighsByTheRangeLeft) {
-  EXPECT_NEAR(UavBenefit(0.25, 0.8, 0.4), 0.5, 1e-15);  // 0.25 * 0.8 + 0.75 * 0.4
+  EXPECT_NEAR(UavBenefit(5000, 20000, 0.8, 0.4), 0.5, 1e-15);  // 0.25 * 0.8 + 0.75 * 0.4
+  EXPECT_EQ(UavBenefit(0, 0, 0.8, 0.4), 0.4);
 }
 
 // Eq. 4-18
