@@ -58,6 +58,38 @@ PlaceLook Look::AtCharge(ChargeId charge, UavId uav, VehicleId vehicle) const {
                  vehicle.valid() ? RowOf(AgentKind::kVehicle, vehicle.value) : kAny);
 }
 
+/// Among the best: heaviest first; ties by the ids, in which order they come.
+void Look::AddFeasible(const PairLook& pair, PlaceLook* look) {
+  ++look->pairs_feasible;
+  std::vector<PairLook>& best = look->best;
+  const auto at = std::find_if(best.begin(), best.end(),
+                               [&](const PairLook& other) { return other.weight < pair.weight; });
+  if (at == best.end() && best.size() == PlaceLook::kBest) return;
+  best.insert(at, pair);
+  if (best.size() > PlaceLook::kBest) best.pop_back();
+}
+
+/// A pair that would end too late: by which rule, and whether it is the nearest to be in time.
+void Look::AddLate(const AgentState& uav, const AgentState& partner, PairLook pair,
+                   PlaceLook* look) const {
+  const Rules& rules = situation_.site->rules;
+  if (pair.end_us > rules.limit_us) {
+    pair.obstacle = Obstacle::kLimit;
+    pair.latest_us = rules.limit_us;
+    ++look->pairs_after_limit;
+  } else {
+    pair.obstacle = Obstacle::kWindow;
+    const bool by_uav = uav.online_until_us <= partner.online_until_us;
+    pair.window_of = by_uav ? uav.kind : partner.kind;
+    pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
+    ++look->pairs_after_window;
+  }
+  if (!look->nearest_time ||
+      pair.end_us - pair.latest_us < look->nearest_time->end_us - look->nearest_time->latest_us) {
+    look->nearest_time = pair;
+  }
+}
+
 PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_uav,
                         int only_partner) const {
   const Rules& rules = situation_.site->rules;
@@ -97,34 +129,11 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
       pair.partner = partner.id;
       pair.end_us = charging ? feasible_.ChargeEnd(u, column, p) : feasible_.SenseEnd(u, column, p);
       if (charging ? feasible_.Charge(u, column, p) : feasible_.Sense(u, column, p)) {
-        ++look.pairs_feasible;
         pair.weight = charging ? weights_.Charge(u, column, p) : weights_.Sense(u, column, p);
         pair.latest_us = std::min(LatestEnd(uav, rules), LatestEnd(partner, rules));
-        // Heaviest first; ties by the ids, in which order they come.
-        const auto at =
-            std::find_if(look.best.begin(), look.best.end(),
-                         [&](const PairLook& other) { return other.weight < pair.weight; });
-        if (at != look.best.end() || look.best.size() < PlaceLook::kBest) {
-          look.best.insert(at, pair);
-          if (look.best.size() > PlaceLook::kBest) look.best.pop_back();
-        }
-        continue;
-      }
-      if (charging && feasible_.free_places(column) == 0) continue;
-      if (pair.end_us > rules.limit_us) {
-        pair.obstacle = Obstacle::kLimit;
-        pair.latest_us = rules.limit_us;
-        ++look.pairs_after_limit;
-      } else {
-        pair.obstacle = Obstacle::kWindow;
-        const bool by_uav = uav.online_until_us <= partner.online_until_us;
-        pair.window_of = by_uav ? uav.kind : partner.kind;
-        pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
-        ++look.pairs_after_window;
-      }
-      if (!look.nearest_time ||
-          pair.end_us - pair.latest_us < look.nearest_time->end_us - look.nearest_time->latest_us) {
-        look.nearest_time = pair;
+        AddFeasible(pair, &look);
+      } else if (!charging || feasible_.free_places(column) > 0) {
+        AddLate(uav, partner, pair, &look);
       }
     }
   }

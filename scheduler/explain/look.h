@@ -86,6 +86,9 @@ class Look {
 
  private:
   int RowOf(AgentKind kind, std::int32_t id) const;
+  static void AddFeasible(const PairLook& pair, PlaceLook* look);
+  void AddLate(const AgentState& uav, const AgentState& partner, PairLook pair,
+               PlaceLook* look) const;
   PlaceLook AtPlace(bool charging, std::int32_t site, int column, int only_uav,
                     int only_partner) const;
 

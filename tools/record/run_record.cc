@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "protocol/process.h"
@@ -241,14 +242,7 @@ double RunRecord::wall_s() const {
 
 RunRecord::Completeness RunRecord::CheckComplete() const {
   Completeness result;
-  for (const auto& [start, seqs] : reader_.seqs()) {
-    const auto later = reader_.seqs().upper_bound(start);
-    const bool superseded = later != reader_.seqs().end() && later->first.first == start.first;
-    for (const IntervalSet::Range& range : seqs.Missing(0, seqs.max())) {
-      (superseded ? result.lost_tails : result.gaps)
-          .push_back({start.first, start.second, range.first, range.last});
-    }
-  }
+  ListGaps(&result);
   result.repeated = repeated_;
   result.damage = damage_;
   if (reader_.overflowed()) {
@@ -256,77 +250,91 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
         fmt::format("no scenario in the first {} messages", MissionReader::kMostHeldBack));
   }
   result.torn_tails = torn_tails_;
+  const auto lacks = [&](const char* what, std::int64_t at) {
+    ++result.n_missing;
+    if (result.missing.size() < kMaxListed) result.missing.push_back({what, at, at});
+  };
   if (!scenario()) {
-    result.missing.push_back({"scenario", 0, 0});
-    result.n_missing = 1;
+    lacks("scenario", 0);
     return result;
   }
-
-  const std::size_t n_uavs = scenario()->uavs.size();
-  const std::size_t n_workers = scenario()->workers.size();
-  const auto agent_name = [&](std::size_t i) {
-    return i < n_uavs               ? fmt::format("uav:{}", i)
-           : i < n_uavs + n_workers ? fmt::format("worker:{}", i - n_uavs)
-                                    : fmt::format("vehicle:{}", i - n_uavs - n_workers);
-  };
-  // Owner 0 clock, 1 world, 2 rulings, then the agents: each one's run of missing ticks.
-  const std::size_t n_owners = said_.size() + 3;
-  std::vector<IntervalSet::Range> runs(n_owners, {-1, -2});
-  const auto owner_name = [&](std::size_t owner) -> std::string {
-    constexpr const char* kNames[] = {"clock", "world", "rulings"};
-    return owner < 3 ? kNames[owner] : agent_name(owner - 3);
-  };
-  const auto finish = [&](std::size_t owner) {
-    IntervalSet::Range& run = runs[owner];
-    if (run.first >= 0 && result.missing.size() < kMaxListed) {
-      result.missing.push_back({owner_name(owner), run.first, run.last});
-    }
-    run = {-1, -2};
-  };
-  const auto lacks = [&](std::size_t owner, std::int64_t first, std::int64_t last) {
-    result.n_missing += last - first + 1;
-    if (runs[owner].last + 1 != first) finish(owner);
-    if (runs[owner].first < 0) runs[owner].first = first;
-    runs[owner].last = last;
-  };
   const std::int64_t newest =
       std::max(covered_ticks_.max(), open_ticks_.empty() ? -1 : open_ticks_.rbegin()->first);
   result.ended = end_announced_;
   result.last_tick = end_announced_ || newest >= last_tick()
                          ? last_tick()
                          : std::max<std::int64_t>(-1, newest - 1);
-  for (const IntervalSet::Range& range : covered_ticks_.Missing(0, result.last_tick)) {
+  ListMissingTicks(&result);
+  const Rules& rules = scenario()->rules;
+  for (std::int32_t d = 0; d < scenario()->decisions(); ++d) {
+    if (schedules_.contains(d) || skipped_.contains(d)) continue;
+    if (d * rules.interval_us > rules.TimeOf(result.last_tick)) break;
+    lacks("schedule", d);
+  }
+  if (!end_announced_) lacks("end", last_tick());
+  result.complete =
+      result.gaps.empty() && result.n_missing == 0 && result.repeated == 0 && result.damage.empty();
+  return result;
+}
+
+/// Numbers that no message of a process has: gaps, or the last words of one that started again.
+void RunRecord::ListGaps(Completeness* result) const {
+  for (const auto& [start, seqs] : reader_.seqs()) {
+    const auto later = reader_.seqs().upper_bound(start);
+    const bool superseded = later != reader_.seqs().end() && later->first.first == start.first;
+    for (const IntervalSet::Range& range : seqs.Missing(0, seqs.max())) {
+      (superseded ? result->lost_tails : result->gaps)
+          .push_back({start.first, start.second, range.first, range.last});
+    }
+  }
+}
+
+/// Runs of ticks of which the clock, the world, its rulings or an agent said nothing, in the order
+/// in which they end.
+void RunRecord::ListMissingTicks(Completeness* result) const {
+  const std::size_t n_uavs = scenario()->uavs.size();
+  const std::size_t n_workers = scenario()->workers.size();
+  // The first three, then the agents.
+  const auto name_of = [&](std::size_t owner) -> std::string {
+    constexpr std::array kNames = {"clock", "world", "rulings"};
+    if (owner < kNames.size()) return kNames[owner];
+    const std::size_t i = owner - kNames.size();
+    return i < n_uavs               ? fmt::format("uav:{}", i)
+           : i < n_uavs + n_workers ? fmt::format("worker:{}", i - n_uavs)
+                                    : fmt::format("vehicle:{}", i - n_uavs - n_workers);
+  };
+  constexpr IntervalSet::Range kNone{-1, -2};
+  std::vector<IntervalSet::Range> runs(said_.size() + 3, kNone);
+  const auto finish = [&](std::size_t owner) {
+    IntervalSet::Range& run = runs[owner];
+    if (run.first >= 0 && result->missing.size() < kMaxListed) {
+      result->missing.push_back({name_of(owner), run.first, run.last});
+    }
+    run = kNone;
+  };
+  const auto lacks = [&](std::size_t owner, std::int64_t tick) {
+    ++result->n_missing;
+    if (runs[owner].last + 1 != tick) finish(owner);
+    if (runs[owner].first < 0) runs[owner].first = tick;
+    runs[owner].last = tick;
+  };
+  for (const IntervalSet::Range& range : covered_ticks_.Missing(0, result->last_tick)) {
     for (std::int64_t tick = range.first; tick <= range.last; ++tick) {
       const auto open = open_ticks_.find(tick);
       const TickCover none;
       const TickCover& cover = open == open_ticks_.end() ? none : open->second;
-      if (!cover.clock) lacks(0, tick, tick);
-      if (!cover.world) lacks(1, tick, tick);
-      if (!cover.rulings) lacks(2, tick, tick);
+      if (!cover.clock) lacks(0, tick);
+      if (!cover.world) lacks(1, tick);
+      if (!cover.rulings) lacks(2, tick);
       for (std::size_t i = 0; i < said_.size(); ++i) {
-        if (!cover.agents.empty() && cover.agents[i]) continue;
-        if (std::find(cover.excused.begin(), cover.excused.end(), i) != cover.excused.end())
-          continue;
-        lacks(i + 3, tick, tick);
+        const bool said = !cover.agents.empty() && cover.agents[i];
+        const bool excused =
+            std::find(cover.excused.begin(), cover.excused.end(), i) != cover.excused.end();
+        if (!said && !excused) lacks(i + 3, tick);
       }
     }
   }
-  for (std::size_t owner = 0; owner < n_owners; ++owner) finish(owner);
-  for (std::int32_t d = 0; d < scenario()->decisions(); ++d) {
-    if (schedules_.contains(d) || skipped_.contains(d)) continue;
-    if (d * scenario()->rules.interval_us > scenario()->rules.TimeOf(result.last_tick)) break;
-    ++result.n_missing;
-    if (result.missing.size() < kMaxListed) result.missing.push_back({"schedule", d, d});
-  }
-  if (!end_announced_) {
-    ++result.n_missing;
-    if (result.missing.size() < kMaxListed) {
-      result.missing.push_back({"end", last_tick(), last_tick()});
-    }
-  }
-  result.complete =
-      result.gaps.empty() && result.n_missing == 0 && result.repeated == 0 && result.damage.empty();
-  return result;
+  for (std::size_t owner = 0; owner < runs.size(); ++owner) finish(owner);
 }
 
 }  // namespace muster::tools

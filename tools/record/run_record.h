@@ -138,6 +138,8 @@ class RunRecord {
     std::vector<std::size_t> excused;  // of those: ruled to have failed, need not report
     std::size_t n_agents = 0;
   };
+  void ListGaps(Completeness* result) const;
+  void ListMissingTicks(Completeness* result) const;
   /// Ticks that one start of a sender has said of one agent.
   struct Said {
     std::string sender;
