@@ -6,7 +6,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr TimeUs kPatienceUs = 3 * kSecondUs;
 /// Twenty times the longest pause between two repairs of a sender.
 constexpr TimeUs kGapUs = 10 * kSecondUs;
 
@@ -20,17 +19,10 @@ std::optional<std::string> EndWatch::Line(const Waiting& waiting, TimeUs now_us)
   }
   gaps_ = waiting.gaps;
 
-  if (waiting.for_whom.empty()) {
-    since_us_ = kNever;
-    said_after_us_ = 0;
-    return {};
-  }
-  if (since_us_ == kNever) since_us_ = now_us;
-  const TimeUs waits_us = now_us - since_us_;
-  if (waits_us < kPatienceUs || waits_us < 2 * said_after_us_) return {};
-  said_after_us_ = waits_us;
-  return fmt::format("the mission has been over for {:.0f} s: it waits for {}", ToSeconds(waits_us),
-                     fmt::join(waiting.for_whom, ", "));
+  patience_.WaitFor(waiting.for_whom.empty() ? "" : "end", now_us);
+  if (!patience_.Due(now_us)) return {};
+  return fmt::format("the mission has been over for {:.0f} s: it waits for {}",
+                     ToSeconds(patience_.waited_us(now_us)), fmt::join(waiting.for_whom, ", "));
 }
 
 EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,

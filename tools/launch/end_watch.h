@@ -10,6 +10,7 @@
 #include "tools/launch/member.h"
 #include "tools/launch/mission_host.h"
 #include "tools/launch/mission_view.h"
+#include "tools/launch/stall_watch.h"
 
 namespace muster::tools {
 
@@ -29,8 +30,7 @@ class EndWatch {
   bool hopeless(TimeUs now_us) const;
 
  private:
-  TimeUs since_us_ = kNever;
-  TimeUs said_after_us_ = 0;
+  Patience patience_;
   std::int64_t gaps_ = 0;
   TimeUs gaps_since_us_ = kNever;
 };
