@@ -111,6 +111,12 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
                  fault.target.find(other.target) != std::string::npos;
         });
     if (HoldsAProcess(fault.kind) && has_just_begun) continue;
+    // Nobody waits for the scheduler before the next decision: a hold in real time lasts till then.
+    if (HoldsAProcess(fault.kind) && fault.for_us == 0 &&
+        fault.target.starts_with(process_name::kScheduler)) {
+      const TimeUs interval_us = scenario.rules.interval_us;
+      hold_over_us = (fault.at_us / interval_us + 1) * interval_us + kBetweenHoldsUs;
+    }
     plan.push_back(std::move(fault));
   }
   return plan;

@@ -52,6 +52,28 @@ TEST(RandomPlan, HoldsNobodyWhosePacketsHaveJustBegunToSuffer) {
   }
 }
 
+TEST(RandomPlan, HoldsNobodyWhileTheSchedulerMayStillBeHeld) {
+  // Held for moments of real time, it is not missed before the next decision.
+  const Scenario scenario = Generate(PresetByName("Random_10"), 1);
+  int scheduler_held = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(seed);
+    const FaultPlan plan =
+        DrawPlan(scenario, {.seed = seed, .rate_per_hour = 12, .kinds = AllSurvivableKinds()});
+    TimeUs held_until_us = 0;
+    for (const PlannedFault& fault : plan) {
+      const bool holds = fault.for_real_us > 0 || fault.kind == FaultKind::kProcessKilled;
+      if (!holds) continue;
+      EXPECT_GE(fault.at_us, held_until_us) << fault.id;
+      if (!fault.target.starts_with("scheduler")) continue;
+      ++scheduler_held;
+      const TimeUs interval_us = scenario.rules.interval_us;
+      held_until_us = (fault.at_us / interval_us + 1) * interval_us;
+    }
+  }
+  EXPECT_GT(scheduler_held, 100);
+}
+
 TEST(RandomPlan, DrawsAboutAsManyAsAskedFor) {
   const Scenario scenario = Generate(PresetByName("Random_1"), 1);  // 3 h
   std::size_t n = 0;
