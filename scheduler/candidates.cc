@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/index.h"
 #include "model/feasibility.h"
 
 namespace muster::scheduler {
@@ -55,7 +56,7 @@ Elements ElementsOf(const Weights& weights, const Feasibility& feasible) {
   elements.n_workers = weights.n_workers();
   elements.n_vehicles = weights.n_vehicles();
   elements.n_tasks = weights.n_tasks();
-  elements.capacity.assign(static_cast<std::size_t>(elements.n_agents() + elements.n_tasks), 1);
+  elements.capacity.assign(At(elements.n_agents()) + At(elements.n_tasks), 1);
   for (int y = 0; y < weights.n_charging_points(); ++y) {
     elements.capacity.push_back(feasible.free_places(y));
   }
