@@ -22,13 +22,18 @@ class Planner {
   }
 
   Decision Decide() {
-    const std::vector<Match> first =
-        HeaviestPairs(situation_, participants_, open_, settings_, &candidates_);
+    return Decide(HeaviestPairs(situation_, participants_, open_, settings_, &candidates_));
+  }
+
+  /// The rest of a decision with that first matching. `plan`, when given, takes what it rests on.
+  Decision Decide(const std::vector<Match>& first, HorizonPlan* plan = nullptr) {
+    if (plan != nullptr) plan->now = participants_;
     for (const Match& match : first) Command(match);
+    std::vector<Match> second;
     if (settings_.send_ahead) {
       for (const Match& match : first) Advance(match);
-      for (const Match& match :
-           HeaviestPairs(situation_, participants_, open_, settings_, nullptr)) {
+      second = HeaviestPairs(situation_, participants_, open_, settings_, nullptr);
+      for (const Match& match : second) {
         const bool uav = Free(match, AgentKind::kUav);
         const bool partner = Free(match, PartnerKindOf(match));
         if (uav && partner) {
@@ -38,7 +43,21 @@ class Planner {
         }
       }
     }
+    if (plan != nullptr) {
+      plan->first = first;
+      plan->then = std::move(participants_);
+      plan->second = std::move(second);
+    }
     return MakeDecision(std::move(actions_), candidates_);
+  }
+
+  HorizonPlan Plan(const std::vector<Match>* first) {
+    HorizonPlan plan;
+    plan.decision = Decide(
+        first != nullptr ? *first
+                         : HeaviestPairs(situation_, participants_, open_, settings_, &candidates_),
+        &plan);
+    return plan;
   }
 
  private:
@@ -199,6 +218,11 @@ class Planner {
 
 Decision HorizonPolicy::Decide(const Situation& situation) {
   return Planner(situation, settings_).Decide();
+}
+
+HorizonPlan PlanHorizon(const Situation& situation, const HorizonSettings& settings,
+                        const std::vector<Match>* first) {
+  return Planner(situation, settings).Plan(first);
 }
 
 }  // namespace muster::scheduler

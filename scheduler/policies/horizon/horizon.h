@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "scheduler/policies/horizon/matching.h"
 #include "scheduler/policies/horizon/settings.h"
 #include "scheduler/policy.h"
 
@@ -13,9 +16,23 @@ class HorizonPolicy : public Policy {
  public:
   explicit HorizonPolicy(const HorizonSettings& settings = {}) : settings_(settings) {}
   Decision Decide(const Situation& situation) override;
+  const HorizonSettings& settings() const { return settings_; }
 
  private:
   HorizonSettings settings_;
 };
+
+/// A decision of `horizon` with the matchings that it rests on.
+struct HorizonPlan {
+  Participants now;           ///< of the first matching; of agents of the situation
+  std::vector<Match> first;   ///< members are indices into `now`
+  Participants then;          ///< the same agents as they will be after it
+  std::vector<Match> second;  ///< members are indices into `then`; empty without `send_ahead`
+  Decision decision;
+};
+
+/// What HorizonPolicy decides, and why. `first`, when given, takes the place of the first matching.
+HorizonPlan PlanHorizon(const Situation& situation, const HorizonSettings& settings,
+                        const std::vector<Match>* first = nullptr);
 
 }  // namespace muster::scheduler

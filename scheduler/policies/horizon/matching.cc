@@ -149,15 +149,8 @@ class Builder {
     }
   }
 
-  /// The chance's part in the worth of an agent at a task.
   double Jitter(AgentKind kind, std::int32_t id, std::int32_t task) const {
-    if (settings_.jitter == 0) return 0;
-    const auto entity = static_cast<std::uint64_t>(kind) << 60 |
-                        static_cast<std::uint64_t>(settings_.draw) << 50 |
-                        static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
-    return Random(site_.seed, Stream::kPolicy, entity,
-                  static_cast<std::uint32_t>(situation_.decision))
-        .Uniform(-settings_.jitter, settings_.jitter);
+    return JitterOf(situation_, settings_, kind, id, task);
   }
 
   double PartnerGain(const Participant& partner, TimeUs travel) const {
@@ -312,34 +305,62 @@ OpenSites OpenSitesOf(const Situation& situation) {
   return open;
 }
 
+double JitterOf(const Situation& situation, const HorizonSettings& settings, AgentKind kind,
+                std::int32_t id, std::int32_t task) {
+  if (settings.jitter == 0) return 0;
+  const auto entity = static_cast<std::uint64_t>(kind) << 60 |
+                      static_cast<std::uint64_t>(settings.draw) << 50 |
+                      static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
+  return Random(situation.site->seed, Stream::kPolicy, entity,
+                static_cast<std::uint32_t>(situation.decision))
+      .Uniform(-settings.jitter, settings.jitter);
+}
+
+PairInstance PairsToMatch(const Situation& situation, const Participants& participants,
+                          const OpenSites& open, const HorizonSettings& settings) {
+  Builder builder(situation, participants, open, settings);
+  PairInstance pairs;
+  pairs.instance = builder.Build();
+  pairs.site_ids = builder.site_ids();
+  pairs.n_tasks = builder.n_tasks();
+  pairs.n_workers = static_cast<std::int32_t>(participants.workers.size());
+  return pairs;
+}
+
+Match MatchOf(const PairInstance& pairs, const Participants& participants, std::int32_t site,
+              const Instance::UavArc& uav, const Instance::PartnerArc& partner) {
+  Match match;
+  match.charging = site >= pairs.n_tasks;
+  match.uav = uav.uav;
+  match.partner = match.charging ? partner.partner - pairs.n_workers : partner.partner;
+  match.site = pairs.site_ids[At(site)];
+  match.weight = Instance::PairWeight(uav, partner);
+  const TimeUs duration =
+      match.charging
+          ? TravelUs(uav.missing_m, participants.vehicles[At(match.partner)].agent->charge_rate_m_s)
+          : uav.duration_us;
+  match.end_us = std::max(uav.arrive_us, partner.arrive_us) + duration;
+  return match;
+}
+
+std::vector<Match> MatchesOf(const PairInstance& pairs, const Participants& participants,
+                             const Assignment& assignment) {
+  std::vector<Match> matches;
+  for (const Assignment::Choice& choice : assignment.uavs) {
+    if (choice.partner_arc < 0) continue;
+    matches.push_back(MatchOf(pairs, participants, choice.site,
+                              pairs.instance.uav_arcs[At(choice.uav_arc)],
+                              pairs.instance.partner_arcs[At(choice.partner_arc)]));
+  }
+  return matches;
+}
+
 std::vector<Match> HeaviestPairs(const Situation& situation, const Participants& participants,
                                  const OpenSites& open, const HorizonSettings& settings,
                                  std::int64_t* candidates) {
-  Builder builder(situation, participants, open, settings);
-  const Instance instance = builder.Build();
-  if (candidates != nullptr) *candidates = CountNodes(instance);
-  const SolverResult solution = Solve(instance);
-  std::vector<Match> matches;
-  const auto n_workers = static_cast<std::int32_t>(participants.workers.size());
-  for (std::size_t u = 0; u < solution.assignment.uavs.size(); ++u) {
-    const Assignment::Choice& choice = solution.assignment.uavs[u];
-    if (choice.partner_arc < 0) continue;
-    const Instance::UavArc& uav = instance.uav_arcs[At(choice.uav_arc)];
-    const Instance::PartnerArc& partner = instance.partner_arcs[At(choice.partner_arc)];
-    Match match;
-    match.charging = choice.site >= builder.n_tasks();
-    match.uav = static_cast<std::int32_t>(u);
-    match.partner = match.charging ? partner.partner - n_workers : partner.partner;
-    match.site = builder.site_ids()[At(choice.site)];
-    match.weight = Instance::PairWeight(uav, partner);
-    const TimeUs duration =
-        match.charging ? TravelUs(uav.missing_m,
-                                  participants.vehicles[At(match.partner)].agent->charge_rate_m_s)
-                       : uav.duration_us;
-    match.end_us = std::max(uav.arrive_us, partner.arrive_us) + duration;
-    matches.push_back(match);
-  }
-  return matches;
+  const PairInstance pairs = PairsToMatch(situation, participants, open, settings);
+  if (candidates != nullptr) *candidates = CountNodes(pairs.instance);
+  return MatchesOf(pairs, participants, Solve(pairs.instance).assignment);
 }
 
 }  // namespace muster::scheduler

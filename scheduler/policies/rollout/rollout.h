@@ -40,6 +40,7 @@ class RolloutPolicy : public Policy {
  public:
   explicit RolloutPolicy(RolloutSettings settings = {});
   Decision Decide(const Situation& situation) override;
+  const RolloutSettings& settings() const { return settings_; }
   bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
     settings_.deadline = deadline;
     return true;
