@@ -32,9 +32,7 @@ class ExactDecisions {
   explicit ExactDecisions(const Situation& situation);
 
   const Optimum& best() const { return best_; }
-  /// The heaviest decision that meets the demand. None: no decision does, or none was found within
-  /// the solver's limit of work. A weight that no other nodes can outweigh is added to the arcs
-  /// that meet the demand, and taken off again. Source: ours.
+  /// The heaviest decision that meets the demand, as SolveWith.
   std::optional<Optimum> Forced(const Demand& demand) const;
 
  private:

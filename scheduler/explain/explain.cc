@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kSame = 1e-6;  ///< weights closer than this are equal
 
-/// The agent of that kind in the action, or -1.
 bool AtSite(const Action& action, bool charging, std::int32_t site) {
   return charging ? action.charge.value == site : action.task.value == site;
 }
@@ -46,14 +45,31 @@ std::string_view ToString(AgentCondition condition) {
   return kNames[static_cast<int>(condition)];
 }
 
-Explainer::Explainer(const Situation& situation, std::vector<Action> commanded)
-    : situation_(situation),
-      commanded_(std::move(commanded)),
-      look_(situation),
-      exact_(situation) {}
+std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task) {
+  for (const AgentState& uav : situation.uavs) {
+    if (uav.action != ActionKind::kSense || uav.target != task.value) continue;
+    if (uav.busy_until_us <= situation.now_us) continue;
+    if (uav.activity) return uav.activity;
+    return Activity{
+        Activity::Kind::kSensing, UavId(uav.id), uav.partner, task.value, kNever, kNever};
+  }
+  return {};
+}
 
-Action Explainer::DoneBy(AgentKind kind, std::int32_t id) const {
-  for (const Action& action : commanded_) {
+AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int32_t id,
+                           const AgentSpec& spec, std::optional<AgentState>* state) {
+  const TimeUs now = situation.now_us;
+  if (const AgentState* agent = Find(situation.agents(kind), id)) {
+    *state = *agent;
+    return agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
+  }
+  if (now < spec.online_from_us) return AgentCondition::kNotYetOnline;
+  return now < spec.online_until_us ? AgentCondition::kFailed : AgentCondition::kOffline;
+}
+
+Action CommandTo(const Situation& situation, const std::vector<Action>& commanded, AgentKind kind,
+                 std::int32_t id) {
+  for (const Action& action : commanded) {
     if (MemberOf(action, kind) == id) return action;
   }
   Action stay;
@@ -71,9 +87,37 @@ Action Explainer::DoneBy(AgentKind kind, std::int32_t id) const {
       stay.vehicle = VehicleId(id);
       break;
   }
-  if (const AgentState* agent = Find(situation_.agents(kind), id)) stay.to = agent->to;
-  stay.weight = look_.WeightOf(stay).value_or(0);
+  if (const AgentState* agent = Find(situation.agents(kind), id)) stay.to = agent->to;
   return stay;
+}
+
+std::vector<AgentAnswer::Blocked> BlockedOf(const std::vector<PlaceLook>& places) {
+  std::map<std::pair<Obstacle, bool>, AgentAnswer::Blocked> groups;
+  for (const PlaceLook& place : places) {
+    if (place.obstacle == Obstacle::kNone) continue;
+    auto [entry, is_new] = groups.try_emplace({place.obstacle, place.charging});
+    AgentAnswer::Blocked& group = entry->second;
+    ++group.places;
+    if (is_new || Lack(place) < Lack(group.nearest)) group.nearest = place;
+    group.obstacle = place.obstacle;
+    group.charging = place.charging;
+  }
+  std::vector<AgentAnswer::Blocked> blocked;
+  for (const auto& [key, group] : groups) blocked.push_back(group);
+  return blocked;
+}
+
+Explainer::Explainer(const Situation& situation, std::vector<Action> commanded)
+    : situation_(situation),
+      commanded_(std::move(commanded)),
+      look_(situation),
+      exact_(situation) {}
+
+Action Explainer::DoneBy(AgentKind kind, std::int32_t id) const {
+  Action action = CommandTo(situation_, commanded_, kind, id);
+  const bool logged = std::find(commanded_.begin(), commanded_.end(), action) != commanded_.end();
+  if (!logged) action.weight = look_.WeightOf(action).value_or(0);
+  return action;
 }
 
 Option Explainer::MakeOption(const PlaceLook& look, const PairLook& pair) const {
@@ -130,15 +174,7 @@ TaskAnswer Explainer::AboutTask(TaskId task) const {
   }
   if (status != TaskStatus::kOpen) {
     answer.verdict = TaskVerdict::kUnderWay;
-    for (const AgentState& uav : situation_.uavs) {
-      if (uav.action != ActionKind::kSense || uav.target != task.value) continue;
-      if (uav.busy_until_us <= situation_.now_us) continue;
-      answer.activity = uav.activity;
-      if (!answer.activity) {
-        answer.activity = Activity{
-            Activity::Kind::kSensing, UavId(uav.id), uav.partner, task.value, kNever, kNever};
-      }
-    }
+    answer.activity = UnderWayAt(situation_, task);
     return answer;
   }
   for (const Action& action : commanded_) {
@@ -170,17 +206,7 @@ TaskAnswer Explainer::AboutTask(TaskId task) const {
 
 AgentAnswer Explainer::AboutAgent(AgentKind kind, std::int32_t id, const AgentSpec& spec) const {
   AgentAnswer answer;
-  const AgentState* agent = Find(situation_.agents(kind), id);
-  const TimeUs now = situation_.now_us;
-  if (agent != nullptr) {
-    answer.state = *agent;
-    answer.condition = agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
-  } else if (now < spec.online_from_us) {
-    answer.condition = AgentCondition::kNotYetOnline;
-  } else {
-    answer.condition =
-        now < spec.online_until_us ? AgentCondition::kFailed : AgentCondition::kOffline;
-  }
+  answer.condition = ConditionOf(situation_, kind, id, spec, &answer.state);
   if (answer.condition != AgentCondition::kIdle) return answer;
   answer.did = DoneBy(kind, id);
 
@@ -198,24 +224,15 @@ AgentAnswer Explainer::AboutAgent(AgentKind kind, std::int32_t id, const AgentSp
                                       kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId()));
     }
   }
-  std::map<std::pair<Obstacle, bool>, AgentAnswer::Blocked> blocked;
   std::vector<const PlaceLook*> others;
   for (const PlaceLook& place : places) {
-    if (place.obstacle == Obstacle::kNone) {
-      ++answer.places_feasible;
-      const bool commanded =
-          IsPair(answer.did->kind) && AtSite(*answer.did, place.charging, place.site);
-      if (!commanded) others.push_back(&place);
-      continue;
-    }
-    auto [entry, is_new] = blocked.try_emplace({place.obstacle, place.charging});
-    AgentAnswer::Blocked& group = entry->second;
-    ++group.places;
-    if (is_new || Lack(place) < Lack(group.nearest)) group.nearest = place;
-    group.obstacle = place.obstacle;
-    group.charging = place.charging;
+    if (place.obstacle != Obstacle::kNone) continue;
+    ++answer.places_feasible;
+    const bool commanded =
+        IsPair(answer.did->kind) && AtSite(*answer.did, place.charging, place.site);
+    if (!commanded) others.push_back(&place);
   }
-  for (const auto& [key, group] : blocked) answer.blocked.push_back(group);
+  answer.blocked = BlockedOf(places);
   std::stable_sort(others.begin(), others.end(), [](const PlaceLook* a, const PlaceLook* b) {
     return a->best.front().weight > b->best.front().weight;
   });

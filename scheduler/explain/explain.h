@@ -82,6 +82,20 @@ struct AgentAnswer {
   static constexpr std::size_t kOptions = 3;
 };
 
+/// Who senses a task that is reserved or being sensed; start_us kNever: not known yet.
+std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task);
+
+/// An agent's state, if it is online or under way, and its condition.
+AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int32_t id,
+                           const AgentSpec& spec, std::optional<AgentState>* state);
+
+/// What was commanded to an idle agent; a stay where nothing was.
+Action CommandTo(const Situation& situation, const std::vector<Action>& commanded, AgentKind kind,
+                 std::int32_t id);
+
+/// Groups the places where an agent has no pair, by obstacle and kind of place.
+std::vector<AgentAnswer::Blocked> BlockedOf(const std::vector<PlaceLook>& places);
+
 /// Answers questions about one decision from the situation that it rests on and what was commanded.
 /// Source: ours; feasibility and weights are EnumerateCandidates', costs those of exact decisions.
 class Explainer {

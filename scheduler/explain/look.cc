@@ -28,8 +28,42 @@ std::string_view ToString(Obstacle obstacle) {
       return "online window";
     case Obstacle::kLimit:
       return "time limit";
+    case Obstacle::kNoUse:
+      return "no use";
   }
   return "none";
+}
+
+void PlaceLook::Offer(const PairLook& pair) {
+  const auto at = std::find_if(best.begin(), best.end(),
+                               [&](const PairLook& other) { return other.weight < pair.weight; });
+  if (at == best.end() && best.size() == kBest) return;
+  best.insert(at, pair);
+  if (best.size() > kBest) best.pop_back();
+}
+
+void PlaceLook::OfferLate(PairLook pair, TimeUs limit_us, const AgentState& uav,
+                          const AgentState& partner) {
+  if (pair.end_us > limit_us) {
+    pair.obstacle = Obstacle::kLimit;
+    pair.latest_us = limit_us;
+    ++pairs_after_limit;
+  } else {
+    pair.obstacle = Obstacle::kWindow;
+    const bool by_uav = uav.online_until_us <= partner.online_until_us;
+    pair.window_of = by_uav ? uav.kind : partner.kind;
+    pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
+    ++pairs_after_window;
+  }
+  if (!nearest_time ||
+      pair.end_us - pair.latest_us < nearest_time->end_us - nearest_time->latest_us) {
+    nearest_time = pair;
+  }
+}
+
+void PlaceLook::OfferShort(const RangeNeed& need) {
+  const auto lacks = [](const RangeNeed& n) { return n.needs_m() - n.range_m; };
+  if (!nearest_range || lacks(need) < lacks(*nearest_range)) nearest_range = need;
 }
 
 Look::Look(const Situation& situation)
@@ -58,38 +92,6 @@ PlaceLook Look::AtCharge(ChargeId charge, UavId uav, VehicleId vehicle) const {
                  vehicle.valid() ? RowOf(AgentKind::kVehicle, vehicle.value) : kAny);
 }
 
-/// Among the best: heaviest first; ties by the ids, in which order they come.
-void Look::AddFeasible(const PairLook& pair, PlaceLook* look) {
-  ++look->pairs_feasible;
-  std::vector<PairLook>& best = look->best;
-  const auto at = std::find_if(best.begin(), best.end(),
-                               [&](const PairLook& other) { return other.weight < pair.weight; });
-  if (at == best.end() && best.size() == PlaceLook::kBest) return;
-  best.insert(at, pair);
-  if (best.size() > PlaceLook::kBest) best.pop_back();
-}
-
-/// A pair that would end too late: by which rule, and whether it is the nearest to be in time.
-void Look::AddLate(const AgentState& uav, const AgentState& partner, PairLook pair,
-                   PlaceLook* look) const {
-  const Rules& rules = situation_.site->rules;
-  if (pair.end_us > rules.limit_us) {
-    pair.obstacle = Obstacle::kLimit;
-    pair.latest_us = rules.limit_us;
-    ++look->pairs_after_limit;
-  } else {
-    pair.obstacle = Obstacle::kWindow;
-    const bool by_uav = uav.online_until_us <= partner.online_until_us;
-    pair.window_of = by_uav ? uav.kind : partner.kind;
-    pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
-    ++look->pairs_after_window;
-  }
-  if (!look->nearest_time ||
-      pair.end_us - pair.latest_us < look->nearest_time->end_us - look->nearest_time->latest_us) {
-    look->nearest_time = pair;
-  }
-}
-
 PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_uav,
                         int only_partner) const {
   const Rules& rules = situation_.site->rules;
@@ -104,19 +106,16 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
   look.idle_partners = n_partners;
   look.busy_uavs = static_cast<int>(situation_.uavs.size()) - look.idle_uavs;
   look.busy_partners = static_cast<int>(partners.size()) - n_partners;
-  const auto lacks = [](const RangeNeed& need) { return need.needs_m() - need.range_m; };
   for (int u = 0; u < weights_.n_uavs(); ++u) {
     if (only_uav != kAny && u != only_uav) continue;
     const AgentState& uav = situation_.uavs[At(weights_.uavs[At(u)])];
     if (!(charging ? weights_.chargeable(u, column) : weights_.senseable(u, column))) {
-      RangeNeed need{UavId(uav.id), weights_.range_m(u), legs.way_m(u, column), 0, 0};
+      RangeNeed need{UavId(uav.id), weights_.range_m(u), legs.way_m(u, column), 0, 0, {}};
       if (!charging) {
         need.cost_m = situation_.site->tasks[At(site)].cost_m;
         need.to_charge_m = situation_.site->task_to_charge_m[At(site)];
       }
-      if (!look.nearest_range || lacks(need) < lacks(*look.nearest_range)) {
-        look.nearest_range = need;
-      }
+      look.OfferShort(need);
       continue;
     }
     ++look.uavs_in_range;
@@ -131,9 +130,10 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
       if (charging ? feasible_.Charge(u, column, p) : feasible_.Sense(u, column, p)) {
         pair.weight = charging ? weights_.Charge(u, column, p) : weights_.Sense(u, column, p);
         pair.latest_us = std::min(LatestEnd(uav, rules), LatestEnd(partner, rules));
-        AddFeasible(pair, &look);
+        ++look.pairs_feasible;
+        look.Offer(pair);
       } else if (!charging || feasible_.free_places(column) > 0) {
-        AddLate(uav, partner, pair, &look);
+        look.OfferLate(pair, rules.limit_us, uav, partner);
       }
     }
   }

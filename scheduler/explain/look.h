@@ -20,9 +20,10 @@ enum class Obstacle {
   kRange,      ///< constraint (6) at a task, (5) at a charging point
   kWindow,     ///< it would end after a participant's downtime
   kLimit,      ///< it would end after the mission
+  kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit"
+/// "time limit", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -30,8 +31,9 @@ struct RangeNeed {
   UavId uav;
   double range_m = 0;
   double way_m = 0;
-  double cost_m = 0;       ///< of sensing; 0 at a charging point
-  double to_charge_m = 0;  ///< from the task to the nearest charging point; 0 at one
+  double cost_m = 0;              ///< of sensing; 0 at a charging point
+  double to_charge_m = 0;         ///< from the task to the nearest charging point; 0 at one
+  std::optional<TimeUs> free_us;  ///< when it will be free with that range, if it is not idle
   double needs_m() const { return way_m + cost_m + to_charge_m; }
 };
 
@@ -44,17 +46,22 @@ struct PairLook {
   TimeUs end_us = 0;     ///< when it would be done
   TimeUs latest_us = 0;  ///< by when it must be: of kWindow the downtime, of kLimit the limit
   std::optional<AgentKind> window_of;  ///< of kWindow: whose downtime
+  /// When they can be commanded, unless they are idle; only in horizon's terms.
+  std::optional<TimeUs> uav_free_us, partner_free_us;
 };
 
-/// All pairs of idle agents at one place.
+/// All pairs at one place: of idle agents, in horizon's terms also of those that will be free soon.
 struct PlaceLook {
   bool charging = false;
   std::int32_t site = -1;  ///< task or charging point
   Obstacle obstacle = Obstacle::kNone;
   int idle_uavs = 0, idle_partners = 0;
-  int busy_uavs = 0, busy_partners = 0;  ///< under way
+  int soon_uavs = 0, soon_partners = 0;  ///< take part, as they will be free soon
+  std::int32_t soon_decisions = 0;       ///< within that many decisions; 0: idle ones only
+  int busy_uavs = 0, busy_partners = 0;  ///< under way, and take no part
   int uavs_in_range = 0;
-  int pairs = 0;  ///< of a UAV in range and a partner
+  int uavs_without_use = 0;  ///< in range of the charging point, of kNoUse
+  int pairs = 0;             ///< of a UAV in range and a partner
   int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0;
   std::vector<PairLook> best;  ///< feasible, heaviest first, at most kBest
   std::optional<RangeNeed>
@@ -62,6 +69,12 @@ struct PlaceLook {
   std::optional<PairLook> nearest_time;  ///< of the pairs that end too late, the least late
 
   static constexpr std::size_t kBest = 3;
+  /// Keeps a feasible pair if it is among the best. Ties by the order of the calls.
+  void Offer(const PairLook& pair);
+  /// Keeps a pair that ends too late if it is the least late. Sets its obstacle, counts it.
+  void OfferLate(PairLook pair, TimeUs limit_us, const AgentState& uav, const AgentState& partner);
+  /// Keeps the need if it is the one that lacks least.
+  void OfferShort(const RangeNeed& need);
 };
 
 /// One decision's situation under the paper's weights, to be asked about single places and agents.
@@ -86,9 +99,6 @@ class Look {
 
  private:
   int RowOf(AgentKind kind, std::int32_t id) const;
-  static void AddFeasible(const PairLook& pair, PlaceLook* look);
-  void AddLate(const AgentState& uav, const AgentState& partner, PairLook pair,
-               PlaceLook* look) const;
   PlaceLook AtPlace(bool charging, std::int32_t site, int column, int only_uav,
                     int only_partner) const;
 

@@ -9,11 +9,14 @@
 #include "base/options.h"
 #include "base/program.h"
 #include "base/text.h"
+#include "protocol/run_process.h"
 #include "tools/explain/story.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {
 
+constexpr TimeUs kQuietUs = 2 * kSecondUs;  ///< progress is shown to who has waited for longer
 constexpr std::int64_t kMostId = std::numeric_limits<std::int32_t>::max();
 
 std::pair<AgentKind, std::int32_t> ParseAgent(const std::string& text) {
@@ -39,7 +42,8 @@ int ExplainCommand(int argc, const char* const* argv) {
   Options options(
       argv[0],
       "Says why a task or an agent was commanded as it was: what stood against it, what it lost\n"
-      "to, and what forcing it would have cost. All weights are the paper's.");
+      "to, what was planned for it, and what forcing it would have cost, in the terms of the\n"
+      "policy that decided.");
   options.Run();
   options.Add("task", "N", "A task").Integer(0, kMostId);
   options.Add("agent", "NAME", "An agent: uav:N, worker:N or vehicle:N");
@@ -57,12 +61,23 @@ int ExplainCommand(int argc, const char* const* argv) {
   std::optional<std::pair<AgentKind, std::int32_t>> agent;
   if (arguments->Has("agent")) agent = ParseAgent(arguments->Get("agent"));
 
+  ProgressPrinter printer(stderr, StyleFor(stderr, false));
+  const TimeUs start_us = MonotonicUs();
+  const TellProgress progress = [&](std::size_t told, std::size_t of) {
+    const TimeUs now_us = MonotonicUs();
+    if (now_us - start_us < kQuietUs || !printer.due(now_us)) return;
+    printer.Show(fmt::format("{} of {} decisions explained", told, of), now_us);
+  };
   LogSource source(run);
   const DecisionLog log = ReadDecisionLog(&source);
+  const auto print = [&](const auto& story) {
+    printer.Break();
+    Print(story, json);
+  };
   if (agent) {
-    Print(TellAgent(log, run, agent->first, agent->second, decision), json);
+    print(TellAgent(log, run, agent->first, agent->second, decision, progress));
   } else {
-    Print(TellTask(log, run, arguments->Get<std::int32_t>("task"), decision), json);
+    print(TellTask(log, run, arguments->Get<std::int32_t>("task"), decision, progress));
   }
   return kExitOk;
 }

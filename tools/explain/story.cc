@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
+#include <memory>
+#include <utility>
 
 #include "base/check.h"
 #include "model/feasibility.h"
 #include "protocol/convert.h"
+#include "scheduler/policies/registry.h"
 
 namespace muster::tools {
 namespace {
@@ -31,52 +35,160 @@ bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs
   return (at_us < event.at_us || decision == 0) && event.at_us <= next_us;
 }
 
-/// Chapters with what `ask(explainer)` answers and the events that `concerns` picks.
-template <class Answer>
-std::vector<Chapter<Answer>> Tell(const DecisionLog& log, const std::string& run,
-                                  std::optional<std::int32_t> only,
-                                  const std::function<Answer(const Explainer&)>& ask,
-                                  const std::function<bool(const event_t&)>& concerns) {
-  if (only && !log.decisions.contains(*only)) {
-    throw InputError(run, "--decision", fmt::to_string(*only),
-                     log.decisions.empty() ? std::string("a log with a decision")
-                                           : fmt::format("a decision of the log, {} to {}",
-                                                         log.decisions.begin()->first,
-                                                         log.decisions.rbegin()->first));
+/// A log's decisions as the `horizon` family made them, each made again once.
+class HorizonDecisions {
+ public:
+  HorizonDecisions(const DecisionLog& log, const scheduler::Policy& policy)
+      : log_(log), policy_(policy) {}
+
+  /// Null: its messages are not whole.
+  const scheduler::HorizonDecision* at(std::int32_t decision) {
+    const auto [entry, is_new] = decisions_.try_emplace(decision);
+    const auto logged = log_.decisions.find(decision);
+    if (!is_new || logged == log_.decisions.end()) return entry->second.get();
+    if (auto situation = SituationOf(logged->second, log_.scenario)) {
+      entry->second = std::make_unique<scheduler::HorizonDecision>(
+          std::move(*situation), CommandsOf(logged->second, log_.scenario), policy_);
+    }
+    return entry->second.get();
   }
-  std::vector<Chapter<Answer>> chapters;
+
+ private:
+  const DecisionLog& log_;
+  const scheduler::Policy& policy_;
+  std::map<std::int32_t, std::unique_ptr<scheduler::HorizonDecision>> decisions_;
+};
+
+/// The policy of the log's first schedule, when it is one of ours.
+std::unique_ptr<scheduler::Policy> PolicyOf(const DecisionLog& log, std::string* name) {
   for (const auto& [d, logged] : log.decisions) {
-    if (only && d != *only) continue;
+    if (logged.schedules.empty()) continue;
+    *name = logged.schedules.front().policy;
+    const auto& known = scheduler::Policies();
+    const bool ours = std::any_of(known.begin(), known.end(),
+                                  [&](const auto& policy) { return policy.name == *name; });
+    return ours ? scheduler::MakePolicy(*name) : nullptr;
+  }
+  return nullptr;
+}
+
+/// What a story is about.
+template <class Answer>
+struct Question {
+  std::function<Answer(const Explainer&)> ask;
+  std::function<typename HorizonAnswerFor<Answer>::Type(const scheduler::HorizonExplainer&)>
+      ask_horizon;
+  std::function<bool(const event_t&)> concerns;  ///< whether an event belongs to the story
+};
+
+/// The planned pairs of an answer, those aside that were commanded.
+std::vector<scheduler::PairPlan> PlannedIn(const scheduler::HorizonTaskAnswer& answer) {
+  if (!answer.plan) return {};
+  return {*answer.plan};
+}
+std::vector<scheduler::PairPlan> PlannedIn(const scheduler::HorizonAgentAnswer& answer) {
+  std::vector<scheduler::PairPlan> planned;
+  for (const scheduler::PairPlan& pair : answer.plans) {
+    const bool commanded =
+        answer.did && IsPair(answer.did->kind) &&
+        (pair.charging ? answer.did->charge.value : answer.did->task.value) == pair.site;
+    if (!commanded) planned.push_back(pair);
+  }
+  return planned;
+}
+
+/// Tells chapter by chapter.
+template <class Answer>
+class Teller {
+ public:
+  Teller(const DecisionLog& log, Question<Answer> question)
+      : log_(log), question_(std::move(question)), policy_(PolicyOf(log, &policy_name_)) {
+    if (policy_ && scheduler::DecidesByHorizon(*policy_)) horizon_.emplace(log, *policy_);
+  }
+
+  const std::string& policy() const { return policy_name_; }
+  Terms terms() const { return horizon_ ? Terms::kHorizon : Terms::kPaper; }
+
+  std::vector<Chapter<Answer>> Tell(const std::string& run, std::optional<std::int32_t> only,
+                                    const TellProgress& progress) {
+    if (only && !log_.decisions.contains(*only)) {
+      throw InputError(run, "--decision", fmt::to_string(*only),
+                       log_.decisions.empty() ? std::string("a log with a decision")
+                                              : fmt::format("a decision of the log, {} to {}",
+                                                            log_.decisions.begin()->first,
+                                                            log_.decisions.rbegin()->first));
+    }
+    std::vector<Chapter<Answer>> chapters;
+    const std::size_t of = only ? 1 : log_.decisions.size();
+    for (const auto& [d, logged] : log_.decisions) {
+      if (only && d != *only) continue;
+      if (progress) progress(chapters.size(), of);
+      chapters.push_back(TellOne(logged));
+    }
+    return chapters;
+  }
+
+ private:
+  Chapter<Answer> TellOne(const LoggedDecision& logged) {
     Chapter<Answer> chapter;
-    chapter.decision = d;
+    chapter.decision = logged.decision;
     chapter.at_us = logged.at_us;
     chapter.scheduled = !logged.schedules.empty();
     chapter.in_force = logged.in_force;
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
-    const TimeUs until = logged.at_us + log.scenario.rules.interval_us;
-    for (const event_t& event : log.events) {
-      if (concerns(event) && BelongsTo(event, d, logged.at_us, until)) {
+    const TimeUs until = logged.at_us + log_.scenario.rules.interval_us;
+    for (const event_t& event : log_.events) {
+      if (question_.concerns(event) && BelongsTo(event, logged.decision, logged.at_us, until)) {
         chapter.events.push_back(event);
       }
     }
-    const auto situation = SituationOf(logged, log.scenario);
-    if (situation) {
-      const Explainer explainer(*situation, CommandsOf(logged, log.scenario));
+    if (horizon_) {
+      if (const scheduler::HorizonDecision* decision = horizon_->at(logged.decision)) {
+        chapter.horizon = InHorizonTerms(*decision);
+        return chapter;
+      }
+    } else if (const auto situation = SituationOf(logged, log_.scenario)) {
+      const Explainer explainer(*situation, CommandsOf(logged, log_.scenario));
       chapter.quality = explainer.Quality();
-      chapter.answer = ask(explainer);
-    } else {
-      chapter.missing = WhatIsMissing(logged, log.scenario);
-      if (chapter.missing.empty()) chapter.missing = "a message that can be";
+      chapter.answer = question_.ask(explainer);
+      return chapter;
     }
-    chapters.push_back(std::move(chapter));
+    chapter.missing = WhatIsMissing(logged, log_.scenario);
+    if (chapter.missing.empty()) chapter.missing = "a message that can be";
+    return chapter;
   }
-  return chapters;
-}
+
+  HorizonChapter<Answer> InHorizonTerms(const scheduler::HorizonDecision& decision) {
+    HorizonChapter<Answer> chapter;
+    const scheduler::Deciding& deciding = decision.deciding;
+    chapter.again = deciding.again;
+    chapter.forecast = deciding.follow.has_value();
+    chapter.variant = deciding.variant;
+    chapter.variants = deciding.variants;
+    chapter.draw = deciding.draw;
+    chapter.settings = scheduler::Difference(deciding.settings);
+    chapter.answer = question_.ask_horizon(scheduler::HorizonExplainer(decision));
+    for (const scheduler::PairPlan& pair : PlannedIn(chapter.answer)) {
+      chapter.fates.emplace_back(
+          pair, scheduler::FateOf(pair, decision.situation.decision, log_.scenario,
+                                  [this](std::int32_t d) { return horizon_->at(d); }));
+    }
+    return chapter;
+  }
+
+  const DecisionLog& log_;
+  Question<Answer> question_;
+  std::string policy_name_;
+  std::unique_ptr<scheduler::Policy> policy_;
+  std::optional<HorizonDecisions> horizon_;
+};
 
 }  // namespace
 
+std::string_view NameOf(Terms terms) { return terms == Terms::kHorizon ? "horizon" : "paper"; }
+
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
-                   std::optional<std::int32_t> decision) {
+                   std::optional<std::int32_t> decision, const TellProgress& progress) {
   const auto n = static_cast<std::int32_t>(log.scenario.tasks.size());
   if (task < 0 || task >= n) {
     throw InputError(run, "--task", fmt::to_string(task),
@@ -96,14 +208,21 @@ TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t 
   for (const event_t& event : log.events) {
     if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
   }
-  story.chapters = Tell<scheduler::TaskAnswer>(
-      log, run, decision,
-      [&](const Explainer& explainer) { return explainer.AboutTask(story.task); }, concerns);
+  Teller<scheduler::TaskAnswer> teller(
+      log, {[&](const Explainer& explainer) { return explainer.AboutTask(story.task); },
+            [&](const scheduler::HorizonExplainer& explainer) {
+              return explainer.AboutTask(story.task);
+            },
+            concerns});
+  story.policy = teller.policy();
+  story.terms = teller.terms();
+  story.chapters = teller.Tell(run, decision, progress);
   return story;
 }
 
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
-                     std::int32_t id, std::optional<std::int32_t> decision) {
+                     std::int32_t id, std::optional<std::int32_t> decision,
+                     const TellProgress& progress) {
   const auto& specs = log.scenario.agents(kind);
   const auto n = static_cast<std::int32_t>(specs.size());
   if (id < 0 || id >= n) {
@@ -115,13 +234,18 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
   story.kind = kind;
   story.id = id;
   story.spec = specs[static_cast<std::size_t>(id)];
-  story.chapters = Tell<scheduler::AgentAnswer>(
-      log, run, decision,
-      [&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
-      [kind, id](const event_t& event) {
-        return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
-               IsOutcome(static_cast<EventKind>(event.kind));
-      });
+  Teller<scheduler::AgentAnswer> teller(
+      log, {[&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
+            [&](const scheduler::HorizonExplainer& explainer) {
+              return explainer.AboutAgent(kind, id, story.spec);
+            },
+            [kind, id](const event_t& event) {
+              return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
+                     IsOutcome(static_cast<EventKind>(event.kind));
+            }});
+  story.policy = teller.policy();
+  story.terms = teller.terms();
+  story.chapters = teller.Tell(run, decision, progress);
   return story;
 }
 

@@ -1,14 +1,49 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "scheduler/explain/explain.h"
+#include "scheduler/explain/fate.h"
+#include "scheduler/explain/horizon_facts.h"
 #include "tools/explain/decision_log.h"
 
 namespace muster::tools {
+
+/// In whose terms reasons are given, and how `--json` names them.
+enum class Terms {
+  kPaper,   ///< weights of Eq. 4-18 and 4-19, by exact decisions
+  kHorizon  ///< worth in tasks, by horizon's matching: `horizon` and `rollout` in all variants
+};
+/// "paper", "horizon"
+std::string_view NameOf(Terms terms);
+
+template <class Answer>
+struct HorizonAnswerFor;
+template <>
+struct HorizonAnswerFor<scheduler::TaskAnswer> {
+  using Type = scheduler::HorizonTaskAnswer;
+};
+template <>
+struct HorizonAnswerFor<scheduler::AgentAnswer> {
+  using Type = scheduler::HorizonAgentAnswer;
+};
+
+/// What a chapter tells in horizon's terms.
+template <class Answer>
+struct HorizonChapter {
+  typename HorizonAnswerFor<Answer>::Type answer;
+  bool again = false;     ///< as scheduler::Deciding
+  bool forecast = false;  ///< `rollout`
+  std::int32_t variant = 0, variants = 1;
+  std::optional<std::int32_t> draw;
+  std::string settings;  ///< what tells them from horizon's own
+  /// Planned pairs and what became of them.
+  std::vector<std::pair<scheduler::PairPlan, scheduler::Fate>> fates;
+};
 
 /// One decision of a story. `Answer` is scheduler::TaskAnswer or AgentAnswer.
 template <class Answer>
@@ -19,8 +54,9 @@ struct Chapter {
   bool scheduled = true;  ///< the log holds a schedule for it
   bool in_force = true;   ///< as LoggedDecision; else nobody was commanded
   std::string policy;
-  scheduler::DecisionQuality quality;
+  scheduler::DecisionQuality quality;  ///< in the paper's terms, as `answer`
   Answer answer;
+  std::optional<HorizonChapter<Answer>> horizon;  ///< in the place of both
   std::vector<event_t> events;  ///< of the task or agent, after the decision, up to the next
 };
 
@@ -31,6 +67,8 @@ struct TaskStory {
   double to_charge_m = 0;
   TaskStatus last_status = TaskStatus::kOpen;  ///< as the log shows last
   std::optional<event_t> done;
+  std::string policy;  ///< of the log's first schedule; empty: it has none
+  Terms terms = Terms::kPaper;
   std::vector<Chapter<scheduler::TaskAnswer>> chapters;
 };
 
@@ -39,15 +77,22 @@ struct AgentStory {
   AgentKind kind = AgentKind::kUav;
   std::int32_t id = -1;
   AgentSpec spec;
+  std::string policy;
+  Terms terms = Terms::kPaper;
   std::vector<Chapter<scheduler::AgentAnswer>> chapters;
 };
 
-/// All decisions, or one. Throws InputError when the scenario has no such task or agent, or the log
-/// no such decision; `run` is named then. Costs a few exact decisions each.
+/// Is told how many decisions of how many are told.
+using TellProgress = std::function<void(std::size_t told, std::size_t of)>;
+
+/// All decisions, or one, in the terms of the policy that decided. Throws InputError when the
+/// scenario has no such task or agent, or the log no such decision; `run` is named then. Costs a
+/// few exact decisions each, or a few matchings and forecasts.
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
-                   std::optional<std::int32_t> decision);
+                   std::optional<std::int32_t> decision, const TellProgress& progress = {});
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
-                     std::int32_t id, std::optional<std::int32_t> decision);
+                     std::int32_t id, std::optional<std::int32_t> decision,
+                     const TellProgress& progress = {});
 
 /// For people.
 std::string ToText(const TaskStory& story);

@@ -1,6 +1,8 @@
 #include <cmath>
 
 #include "protocol/convert.h"
+#include "tools/explain/facts_json.h"
+#include "tools/explain/horizon_json.h"
 #include "tools/explain/story.h"
 #include "tools/explain/words.h"
 
@@ -13,62 +15,8 @@ using scheduler::AgentCondition;
 using scheduler::Forcing;
 using scheduler::Optimum;
 using scheduler::Option;
-using scheduler::PairLook;
-using scheduler::PlaceLook;
-using scheduler::RangeNeed;
 using scheduler::TaskAnswer;
 using scheduler::TaskVerdict;
-
-Json Seconds(TimeUs t) { return t == kNever ? Json() : Json(ToSeconds(t)); }
-
-Json ActionsJson(const std::vector<Action>& actions) {
-  Json list = Json::array();
-  for (const Action& action : actions) list.push_back(ActionJson(ToWire(action)));
-  return list;
-}
-
-std::string PartnerName(bool charging, std::int32_t id) {
-  return AgentName(charging ? AgentKind::kVehicle : AgentKind::kWorker, id);
-}
-
-Json ToJson(const RangeNeed& need) {
-  return {{"uav", need.uav.value}, {"range_m", need.range_m},  {"needs_m", need.needs_m()},
-          {"way_m", need.way_m},   {"sensing_m", need.cost_m}, {"to_charge_m", need.to_charge_m}};
-}
-
-Json ToJson(const PairLook& pair, bool charging) {
-  Json json = {{"uav", pair.uav.value},
-               {charging ? "vehicle" : "worker", pair.partner},
-               {"end_s", Seconds(pair.end_us)},
-               {"latest_s", Seconds(pair.latest_us)}};
-  if (pair.obstacle == scheduler::Obstacle::kNone) {
-    json["weight"] = pair.weight;
-  } else {
-    json["obstacle"] = ToString(pair.obstacle);
-  }
-  if (pair.window_of) {
-    json["window_of"] = *pair.window_of == AgentKind::kUav
-                            ? AgentName(AgentKind::kUav, pair.uav.value)
-                            : PartnerName(charging, pair.partner);
-  }
-  return json;
-}
-
-Json ToJson(const PlaceLook& look) {
-  Json json = {{"obstacle", ToString(look.obstacle)},
-               {"idle_uavs", look.idle_uavs},
-               {"busy_uavs", look.busy_uavs},
-               {look.charging ? "idle_vehicles" : "idle_workers", look.idle_partners},
-               {look.charging ? "busy_vehicles" : "busy_workers", look.busy_partners},
-               {"uavs_in_range", look.uavs_in_range},
-               {"pairs_in_range", look.pairs},
-               {"pairs_feasible", look.pairs_feasible},
-               {"pairs_after_online_window", look.pairs_after_window},
-               {"pairs_after_time_limit", look.pairs_after_limit}};
-  json["nearest_by_range"] = look.nearest_range ? ToJson(*look.nearest_range) : Json();
-  json["nearest_by_time"] = look.nearest_time ? ToJson(*look.nearest_time, look.charging) : Json();
-  return json;
-}
 
 Json ToJson(const std::optional<Forcing>& forcing) {
   if (!forcing) return {};
@@ -86,7 +34,7 @@ Json ToJson(const std::optional<Forcing>& forcing) {
 Json ToJson(const Option& option) {
   Json json = {
       {option.charging ? "charge" : "task", option.site},
-      {"pair", ToJson(option.pair, option.charging)},
+      {"pair", FactJson(option.pair, option.charging)},
       {"uav_did", ActionJson(ToWire(option.uav_did))},
       {option.charging ? "vehicle_did" : "worker_did", ActionJson(ToWire(option.partner_did))}};
   json["place_taken_by"] = option.site_holder ? ActionJson(ToWire(*option.site_holder)) : Json();
@@ -102,6 +50,7 @@ Json HeadOf(const Chapter<Answer>& chapter) {
     json["missing"] = chapter.missing;
     return json;
   }
+  if (chapter.horizon) return json;
   const Optimum& best = chapter.quality.best;
   json["weight"] = chapter.quality.weight;
   json["best_weight"] = best.weight;
@@ -130,14 +79,11 @@ void Add(const TaskAnswer& answer, Json* json) {
   if (answer.verdict == TaskVerdict::kDone) return;
   if (answer.verdict == TaskVerdict::kUnderWay) {
     if (!answer.activity) return;
-    (*json)["pair"] = {{"uav", answer.activity->uav.value},
-                       {"worker", answer.activity->partner},
-                       {"start_s", Seconds(answer.activity->start_us)},
-                       {"end_s", Seconds(answer.activity->end_us)}};
+    (*json)["pair"] = FactJson(*answer.activity);
     return;
   }
   (*json)["commanded"] = ActionsJson(answer.commanded);
-  (*json)["pairs"] = ToJson(answer.look);
+  (*json)["pairs"] = FactJson(answer.look);
   if (answer.verdict != TaskVerdict::kLost) return;
   Json options = Json::array();
   for (const Option& option : answer.options) options.push_back(ToJson(option));
@@ -149,13 +95,7 @@ void Add(const TaskAnswer& answer, Json* json) {
 void Add(const AgentAnswer& answer, Json* json) {
   (*json)["condition"] = ToString(answer.condition);
   if (answer.condition == AgentCondition::kBusy && answer.state) {
-    const AgentState& state = *answer.state;
-    (*json)["under_way"] = {{"kind", static_cast<int>(state.action)},
-                            {"symbol", ToString(state.action)},
-                            {"target", state.target},
-                            {"partner", state.partner},
-                            {"since_decision", state.decision},
-                            {"until_s", Seconds(state.busy_until_us)}};
+    (*json)["under_way"] = FactJson(*answer.state);
   }
   if (answer.condition != AgentCondition::kIdle) return;
   (*json)["did"] = ActionJson(ToWire(*answer.did));
@@ -167,14 +107,7 @@ void Add(const AgentAnswer& answer, Json* json) {
     options.push_back(std::move(option));
   }
   (*json)["options"] = std::move(options);
-  Json blocked = Json::array();
-  for (const AgentAnswer::Blocked& group : answer.blocked) {
-    blocked.push_back({{"obstacle", ToString(group.obstacle)},
-                       {group.charging ? "charging_points" : "tasks", group.places},
-                       {group.charging ? "nearest_charge" : "nearest_task", group.nearest.site},
-                       {"nearest", ToJson(group.nearest)}});
-  }
-  (*json)["blocked"] = std::move(blocked);
+  (*json)["blocked"] = FactJson(answer.blocked);
 }
 
 template <class Answer>
@@ -182,18 +115,28 @@ Json ChaptersJson(const std::vector<Chapter<Answer>>& chapters) {
   Json list = Json::array();
   for (const auto& chapter : chapters) {
     Json json = HeadOf(chapter);
-    if (chapter.missing.empty()) Add(chapter.answer, &json);
+    if (chapter.horizon) {
+      AddHorizon(*chapter.horizon, &json);
+    } else if (chapter.missing.empty()) {
+      Add(chapter.answer, &json);
+    }
     AddEvents(chapter, &json);
     list.push_back(std::move(json));
   }
   return list;
 }
 
+/// Of weights, worths and costs.
+const char* UnitOf(Terms terms) { return terms == Terms::kHorizon ? "tasks" : "weight"; }
+
 }  // namespace
 
 Json ToJson(const TaskStory& story) {
   constexpr const char* kStatus[] = {"open", "reserved", "sensing", "done"};
-  return {{"version", 1},
+  return {{"version", 2},
+          {"terms", NameOf(story.terms)},
+          {"unit", UnitOf(story.terms)},
+          {"policy", story.policy.empty() ? Json() : Json(story.policy)},
           {"task", story.task.value},
           {"x_m", story.spec.at.x_m},
           {"y_m", story.spec.at.y_m},
@@ -205,7 +148,10 @@ Json ToJson(const TaskStory& story) {
 }
 
 Json ToJson(const AgentStory& story) {
-  return {{"version", 1},
+  return {{"version", 2},
+          {"terms", NameOf(story.terms)},
+          {"unit", UnitOf(story.terms)},
+          {"policy", story.policy.empty() ? Json() : Json(story.policy)},
           {"agent", AgentName(story.kind, story.id)},
           {"online_from_s", ToSeconds(story.spec.online_from_us)},
           {"online_until_s", ToSeconds(story.spec.online_until_us)},

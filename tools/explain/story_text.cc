@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 
+#include "tools/explain/horizon_text.h"
+#include "tools/explain/phrases.h"
 #include "tools/explain/story.h"
 #include "tools/explain/words.h"
 
@@ -14,78 +16,11 @@ using scheduler::AgentCondition;
 using scheduler::Forcing;
 using scheduler::Obstacle;
 using scheduler::Option;
-using scheduler::PairLook;
-using scheduler::PlaceLook;
-using scheduler::RangeNeed;
 using scheduler::TaskAnswer;
 using scheduler::TaskVerdict;
 
-std::string Km(double metres) { return fmt::format("{:.2f} km", metres / 1000); }
-
-std::string Until(TimeUs t) { return t == kNever ? "an unknown time" : ClockWords(t); }
-
-std::string PartnerOf(const PairLook& pair, bool charging) {
-  return AgentName(charging ? AgentKind::kVehicle : AgentKind::kWorker, pair.partner);
-}
-
-std::string PairWords(const PairLook& pair, bool charging) {
-  return fmt::format("{} and {}", AgentName(AgentKind::kUav, pair.uav.value),
-                     PartnerOf(pair, charging));
-}
-
 std::string Weighed(const Action& action) {
   return fmt::format("{} ({:.3f})", Words(action), action.weight);
-}
-
-std::string RangeWords(const RangeNeed& need, bool charging) {
-  const std::string uav = AgentName(AgentKind::kUav, need.uav.value);
-  if (charging) {
-    return fmt::format("{} has {} of range and is {} away", uav, Km(need.range_m), Km(need.way_m));
-  }
-  return fmt::format("{} has {} of range and needs {}: {} to the task, {} to sense, {} to charge",
-                     uav, Km(need.range_m), Km(need.needs_m()), Km(need.way_m), Km(need.cost_m),
-                     Km(need.to_charge_m));
-}
-
-std::string LateWords(const PairLook& pair, bool charging) {
-  if (pair.end_us == kNever) return PairWords(pair, charging) + " would never be done";
-  const std::string done =
-      fmt::format("{} would be done at {}", PairWords(pair, charging), ClockWords(pair.end_us));
-  if (!pair.window_of) {
-    return fmt::format("{}, the mission ends at {}", done, ClockWords(pair.latest_us));
-  }
-  return fmt::format("{}, but {} goes offline at {}", done,
-                     *pair.window_of == AgentKind::kUav ? AgentName(AgentKind::kUav, pair.uav.value)
-                                                        : PartnerOf(pair, charging),
-                     ClockWords(pair.latest_us));
-}
-
-/// Why no pair is possible at a place, with the one that comes nearest.
-std::string ObstacleWords(const PlaceLook& look) {
-  const char* partner = look.charging ? "vehicle" : "worker";
-  switch (look.obstacle) {
-    case Obstacle::kNone:
-      return "possible";
-    case Obstacle::kNoUav:
-      return fmt::format("no UAV is free ({} under way)", look.busy_uavs);
-    case Obstacle::kNoPartner:
-      return fmt::format("no {} is free ({} under way)", partner, look.busy_partners);
-    case Obstacle::kNoPlace:
-      return "the charging point is full";
-    case Obstacle::kRange:
-      return fmt::format("range (constraint {}): {}", look.charging ? 5 : 6,
-                         look.nearest_range ? RangeWords(*look.nearest_range, look.charging) : "");
-    case Obstacle::kWindow:
-    case Obstacle::kLimit:
-      return fmt::format("{}: {}",
-                         look.obstacle == Obstacle::kWindow ? "online window" : "time limit",
-                         look.nearest_time ? LateWords(*look.nearest_time, look.charging) : "");
-  }
-  return "";
-}
-
-std::string Plural(int n, const char* what) {
-  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
 std::string ForcingWords(const std::optional<Forcing>& forcing, double best) {
@@ -122,37 +57,12 @@ std::string InsteadWords(const Option& option) {
   return text;
 }
 
-/// Collects a chapter's lines; the first has decision and time in front.
-class Lines {
- public:
-  explicit Lines(std::string* text) : text_(text) {}
-  void Begin(std::int32_t decision, TimeUs at_us) {
-    lead_ = fmt::format("decision {:>3}  {}  ", decision, ClockWords(at_us));
-  }
-  void Add(const std::string& line) {
-    *text_ += lead_ + line + "\n";
-    lead_ = std::string(23, ' ');
-  }
-
- private:
-  std::string* text_;
-  std::string lead_;
-};
-
-template <class Answer>
-void AddEvents(const Chapter<Answer>& chapter, Lines* lines) {
-  for (const event_t& event : chapter.events) {
-    std::string who;
-    const auto add = [&who](const char* name, std::int32_t id) {
-      if (id >= 0) who += fmt::format(" {}:{}", name, id);
-    };
-    add("uav", event.uav_id);
-    add("worker", event.worker_id);
-    add("vehicle", event.vehicle_id);
-    add("task", event.task_id);
-    add("charge", event.charge_id);
-    lines->Add(fmt::format("* {} {}{}", ClockWords(event.at_us),
-                           Spaced(ToString<EventKind>(event.kind)), who));
+/// Why nobody was commanded at all.
+void AddForce(bool scheduled, bool in_force, Lines* lines) {
+  if (!in_force) {
+    lines->Add("no decision was in force: the scheduler was lost");
+  } else if (!scheduled) {
+    lines->Add("the log holds no decision");
   }
 }
 
@@ -167,33 +77,27 @@ void AddQuality(const Chapter<Answer>& chapter, Lines* lines) {
   }
 }
 
-/// Why nobody was commanded at all.
-template <class Answer>
-void AddForce(const Chapter<Answer>& chapter, Lines* lines) {
-  if (!chapter.in_force) {
-    lines->Add("no decision was in force: the scheduler was lost");
-  } else if (!chapter.scheduled) {
-    lines->Add("the log holds no decision");
+/// Whose terms the reasons are in.
+template <class Story>
+std::string TermsWords(const Story& story) {
+  if (story.terms == Terms::kHorizon) {
+    return fmt::format(
+        "In {}'s own terms: what a pair is worth to its matching, in tasks (1: done before the "
+        "next decision).\n",
+        story.policy);
   }
-}
-
-template <class Answer>
-void AddNotes(const std::vector<Chapter<Answer>>& chapters, std::string* text) {
-  bool own = false;
-  std::string policy;
-  for (const auto& chapter : chapters) {
-    if (!chapter.missing.empty() || !chapter.scheduled || !chapter.in_force ||
-        !chapter.quality.own_weights)
-      continue;
-    own = true;
-    policy = chapter.policy;
+  for (const auto& chapter : story.chapters) {
+    if (chapter.missing.empty() && chapter.scheduled && chapter.in_force &&
+        chapter.quality.own_weights) {
+      return fmt::format(
+          "In the paper's weights, though policy {} decides by weights of its own: those of what "
+          "was commanded are as logged.\n",
+          chapter.policy);
+    }
   }
-  if (own) {
-    *text += fmt::format(
-        "Policy {} decides by weights of its own: those of what was commanded are as logged, all "
-        "others are the paper's.\n",
-        policy);
-  }
+  return story.policy.empty()
+             ? "In the paper's weights.\n"
+             : fmt::format("In the paper's weights, by which {} decides.\n", story.policy);
 }
 
 void AddAnswer(const TaskAnswer& answer, double best, Lines* lines) {
@@ -204,17 +108,7 @@ void AddAnswer(const TaskAnswer& answer, double best, Lines* lines) {
     case TaskVerdict::kDone:
       break;
     case TaskVerdict::kUnderWay:
-      if (!answer.activity) {
-        lines->Add("under way");
-      } else if (answer.activity->start_us == kNever) {
-        lines->Add(fmt::format("under way: uav:{} and worker:{} are going there",
-                               answer.activity->uav.value, answer.activity->partner));
-      } else {
-        lines->Add(fmt::format("under way: uav:{} and worker:{} sense it from {} to {}",
-                               answer.activity->uav.value, answer.activity->partner,
-                               ClockWords(answer.activity->start_us),
-                               Until(answer.activity->end_us)));
-      }
+      lines->Add(UnderWayWords(answer.activity));
       break;
     case TaskVerdict::kChosen:
       for (const Action& action : answer.commanded) {
@@ -279,30 +173,7 @@ std::string Summary(const TaskStory& story) {
 
 void AddAnswer(const AgentAnswer& answer, AgentKind kind, double best, Lines* lines) {
   if (answer.condition == AgentCondition::kBusy) {
-    const AgentState& state = *answer.state;
-    Action action;
-    action.kind = state.action;
-    action.to = state.to;
-    const auto set = [&](AgentKind of, std::int32_t id) {
-      if (of == AgentKind::kUav) action.uav = UavId(id);
-      if (of == AgentKind::kWorker) action.worker = WorkerId(id);
-      if (of == AgentKind::kVehicle) action.vehicle = VehicleId(id);
-    };
-    set(kind, state.id);
-    if (IsPair(state.action)) {
-      const bool charging = state.action == ActionKind::kCharge;
-      set(kind != AgentKind::kUav ? AgentKind::kUav
-          : charging              ? AgentKind::kVehicle
-                                  : AgentKind::kWorker,
-          state.partner);
-      (charging ? action.charge.value : action.task.value) = state.target;
-    } else if (state.target >= 0) {
-      const bool charging =
-          state.action == ActionKind::kUavToCharge || state.action == ActionKind::kVehicleToCharge;
-      (charging ? action.charge.value : action.task.value) = state.target;
-    }
-    lines->Add(fmt::format("busy until {}: {} (since decision {})", Until(state.busy_until_us),
-                           Words(action), state.decision));
+    lines->Add(BusyWords(kind, *answer.state));
     return;
   }
   if (answer.condition != AgentCondition::kIdle) {
@@ -324,14 +195,7 @@ void AddAnswer(const AgentAnswer& answer, AgentKind kind, double best, Lines* li
                    (IsPair(answer.did->kind) ? 1 : 0);
   if (more > 0) lines->Add(fmt::format("and {} with less weight", Plural(more, "other place")));
   for (const AgentAnswer::Blocked& group : answer.blocked) {
-    const bool numbers = group.obstacle == Obstacle::kRange ||
-                         group.obstacle == Obstacle::kWindow || group.obstacle == Obstacle::kLimit;
-    lines->Add(fmt::format(
-        "not {}: {}{}", Plural(group.places, group.charging ? "charging point" : "task"),
-        numbers ? fmt::format("at {}:{}, which comes nearest, ", group.charging ? "charge" : "task",
-                              group.nearest.site)
-                : "",
-        ObstacleWords(group.nearest)));
+    lines->Add(BlockedWords(group.places, group.nearest));
   }
 }
 
@@ -345,26 +209,32 @@ std::string ToText(const TaskStory& story) {
       story.done ? fmt::format("done at {} by uav:{} and worker:{}", ClockWords(story.done->at_us),
                                story.done->uav_id, story.done->worker_id)
                  : std::string("not done"));
-  AddNotes(story.chapters, &text);
+  text += TermsWords(story);
   text += "\n";
   Lines lines(&text);
   for (const auto& chapter : story.chapters) {
-    if (chapter.missing.empty() && chapter.answer.verdict == TaskVerdict::kDone) {
-      if (story.chapters.size() > 1) continue;
-    }
+    const bool done = chapter.horizon
+                          ? chapter.horizon->answer.verdict == scheduler::HorizonVerdict::kDone
+                          : chapter.answer.verdict == TaskVerdict::kDone;
+    if (chapter.missing.empty() && done && story.chapters.size() > 1) continue;
     lines.Begin(chapter.decision, chapter.at_us);
     if (!chapter.missing.empty()) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
-    } else if (chapter.answer.verdict == TaskVerdict::kDone) {
+    } else if (done) {
       lines.Add("done");
+    } else if (chapter.horizon) {
+      AddForce(chapter.scheduled, chapter.in_force, &lines);
+      AddHorizon(chapter, &lines);
     } else {
-      AddForce(chapter, &lines);
+      AddForce(chapter.scheduled, chapter.in_force, &lines);
       AddAnswer(chapter.answer, chapter.quality.best.weight, &lines);
       if (chapter.answer.verdict == TaskVerdict::kLost) AddQuality(chapter, &lines);
     }
-    AddEvents(chapter, &lines);
+    lines.AddEvents(chapter.events);
   }
-  if (story.chapters.size() > 1) text += "\n" + Summary(story);
+  if (story.chapters.size() > 1) {
+    text += "\n" + (story.terms == Terms::kHorizon ? HorizonSummary(story) : Summary(story));
+  }
   return text;
 }
 
@@ -372,19 +242,22 @@ std::string ToText(const AgentStory& story) {
   std::string text =
       fmt::format("{} is online from {} to {}\n", AgentName(story.kind, story.id),
                   ClockWords(story.spec.online_from_us), ClockWords(story.spec.online_until_us));
-  AddNotes(story.chapters, &text);
+  text += TermsWords(story);
   text += "\n";
   Lines lines(&text);
   for (const auto& chapter : story.chapters) {
     lines.Begin(chapter.decision, chapter.at_us);
     if (!chapter.missing.empty()) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
+    } else if (chapter.horizon) {
+      AddForce(chapter.scheduled, chapter.in_force, &lines);
+      AddHorizon(chapter, story.kind, &lines);
     } else {
-      AddForce(chapter, &lines);
+      AddForce(chapter.scheduled, chapter.in_force, &lines);
       AddAnswer(chapter.answer, story.kind, chapter.quality.best.weight, &lines);
       if (!chapter.answer.options.empty()) AddQuality(chapter, &lines);
     }
-    AddEvents(chapter, &lines);
+    lines.AddEvents(chapter.events);
   }
   return text;
 }

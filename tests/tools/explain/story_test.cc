@@ -279,14 +279,107 @@ TEST(TaskStory, TellsWhatATaskLostToAndItsPrice) {
   EXPECT_FALSE(json["own_weights"].get<bool>());
 }
 
+/// The packets with another name in the place of the policy's.
+std::vector<Packet> Renamed(std::vector<Packet> packets, const std::string& policy) {
+  for (Packet& packet : packets) {
+    if (packet.channel != channel::kSchedule) continue;
+    auto schedule = *Decode<schedule_t>(packet.bytes);
+    schedule.policy = policy;
+    packet.bytes = Encode(schedule);
+  }
+  return packets;
+}
+
 TEST(TaskStory, APolicyWithWeightsOfItsOwnIsNamed) {
-  Scenario scenario = NearAndFar();
-  const DecisionLog log = Logged(SimulatedPackets(scenario, "horizon"));
-  EXPECT_TRUE(Contains(ToText(TellTask(log, "run", 1, {})),
-                       "Policy horizon decides by weights of "
-                       "its own"));
-  const DecisionLog paper = Logged(SimulatedPackets(scenario, "mpq"));
-  EXPECT_FALSE(Contains(ToText(TellTask(paper, "run", 1, {})), "weights of its own"));
+  const auto packets = Renamed(SimulatedPackets(NearAndFar(), "horizon"), "mine");
+  const TaskStory outside = TellTask(Logged(packets), "run", 1, {});
+  EXPECT_EQ(outside.terms, Terms::kPaper);
+  EXPECT_TRUE(Contains(ToText(outside),
+                       "In the paper's weights, though policy mine decides by weights of its own"));
+  const DecisionLog paper = Logged(SimulatedPackets(NearAndFar(), "mpq"));
+  const std::string text = ToText(TellTask(paper, "run", 1, {}));
+  EXPECT_TRUE(Contains(text, "In the paper's weights, by which mpq decides.\n")) << text;
+  EXPECT_FALSE(Contains(text, "weights of its own"));
+}
+
+TEST(TaskStory, HorizonIsToldInItsOwnTerms) {
+  const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "horizon"));
+  const TaskStory story = TellTask(log, "run", 1, {});
+  EXPECT_EQ(story.terms, Terms::kHorizon);
+  ASSERT_EQ(story.chapters.size(), 6u);
+  for (const auto& chapter : story.chapters) {
+    ASSERT_TRUE(chapter.horizon);
+    EXPECT_TRUE(chapter.horizon->again);
+    EXPECT_EQ(chapter.horizon->answer.verdict, scheduler::HorizonVerdict::kImpossible);
+  }
+  const std::string text = ToText(story);
+  EXPECT_TRUE(Contains(text,
+                       "In horizon's own terms: what a pair is worth to its matching, in tasks (1: "
+                       "done before the next decision).\n"))
+      << text;
+  EXPECT_TRUE(Contains(text,
+                       "decision   0  0:00:00  impossible, range (constraint 6): uav:0 has 12.00 "
+                       "km of range and needs 12.12 km: 5.00 km to the task, 3.00 km to sense, "
+                       "4.12 km to charge\n"))
+      << text;
+  // At 10 min the UAV is busy until 11:40 and takes part as free at 20 min, with 6 km.
+  EXPECT_TRUE(Contains(text,
+                       "decision   1  0:10:00  impossible, range (constraint 6): uav:0 (free at "
+                       "0:20:00) has 6.00 km of range and needs 11.12 km: 4.00 km"))
+      << text;
+  EXPECT_TRUE(Contains(text,
+                       "decision   3  0:30:00  impossible, no worker is idle or free within 2 "
+                       "decisions (0 under way for longer)\n"))
+      << text;
+  EXPECT_TRUE(Contains(text, "Of 6 decisions: impossible in 6 (no worker soon 3, range 3).\n"))
+      << text;
+  EXPECT_FALSE(Contains(text, "paper"));
+  const auto json = ToJson(story);
+  EXPECT_EQ(json["version"], 2);
+  EXPECT_EQ(json["terms"], "horizon");
+  EXPECT_EQ(json["unit"], "tasks");
+  EXPECT_EQ(json["decisions"][1]["verdict"], "impossible");
+  EXPECT_EQ(json["decisions"][1]["pairs"]["nearest_by_range"]["free_s"], 1200.0);
+  EXPECT_FALSE(json["decisions"][1].contains("best_weight"));
+}
+
+TEST(TaskStory, OutbidInTasksAndByTheForecast) {
+  const DecisionLog log = Logged(SimulatedPackets(NearAndFar(), "rollout"));
+  const TaskStory story = TellTask(log, "run", 1, {});
+  const auto& chapter = story.chapters[0];
+  ASSERT_TRUE(chapter.horizon);
+  EXPECT_TRUE(chapter.horizon->again);
+  const auto& answer = chapter.horizon->answer;
+  ASSERT_TRUE(answer.forcing && answer.quality.forecast_done && answer.forcing->forecast_done);
+  // Nobody comes later and nothing fails: what is forecast happens, as far as horizon decides on.
+  int done = 0;
+  for (const event_t& event : log.events) done += event.kind == EventKind::kSensingDone ? 1 : 0;
+  EXPECT_EQ(*answer.quality.forecast_done, static_cast<std::size_t>(done));
+  const std::string text = ToText(story);
+  EXPECT_TRUE(Contains(text, fmt::format("forcing it costs {:.3f} of {:.3f} tasks",
+                                         answer.forcing->cost, answer.quality.worth)))
+      << text;
+  EXPECT_TRUE(Contains(text, "; the forecast ends with ")) << text;
+  EXPECT_TRUE(Contains(text, "decided by variant ")) << text;
+  const auto json = ToJson(story)["decisions"][0];
+  EXPECT_EQ(json["forcing"]["cost"], answer.forcing->cost);
+  EXPECT_EQ(json["forecast_done"], done);
+  EXPECT_EQ(json["options"][0]["outbid_by"][0]["task"], 0);
+}
+
+TEST(AgentStory, HorizonIsToldInItsOwnTerms) {
+  const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "horizon"));
+  const AgentStory story = TellAgent(log, "run", AgentKind::kWorker, 0, {});
+  EXPECT_EQ(story.terms, Terms::kHorizon);
+  const std::string text = ToText(story);
+  EXPECT_TRUE(Contains(text, "decision   0  0:00:00  idle: uav:0 and worker:0 sense task:0 ("))
+      << text;
+  EXPECT_TRUE(Contains(text, "matched: uav:0 and worker:0 for task:0 by 0:11:40 (")) << text;
+  EXPECT_TRUE(Contains(text, "takes part as free at 0:20:00\n")) << text;
+  EXPECT_TRUE(Contains(text, "decision   3  0:30:00  offline\n")) << text;
+  const auto json = ToJson(story);
+  EXPECT_EQ(json["decisions"][0]["matched"][0]["task"], 0);
+  EXPECT_EQ(json["decisions"][1]["free_s"], 1200.0);
 }
 
 TEST(TaskStory, ALogWithHolesIsToldAsFarAsItGoes) {
@@ -340,7 +433,8 @@ TEST_F(Commands, ExplainPrintsTextAndJson) {
   EXPECT_TRUE(Contains(out_, "task:1 at")) << out_;
   EXPECT_EQ(Run(ExplainCommand, {"--agent", "uav:0", "--decision", "0", "--json"}), kExitOk);
   const auto json = nlohmann::json::parse(out_);
-  EXPECT_EQ(json["version"], 1);
+  EXPECT_EQ(json["version"], 2);
+  EXPECT_EQ(json["terms"], "paper");
   EXPECT_EQ(json["agent"], "uav:0");
   ASSERT_EQ(json["decisions"].size(), 1u);
   EXPECT_EQ(json["decisions"][0]["options"][0]["task"], 1);
