@@ -14,8 +14,9 @@ namespace muster::scheduler {
 /// Up to this many places a sum over them is exact: every place is looked at. Beyond it, distant
 /// places are taken together by cell. Random_29, the paper's largest setting, has 480 tasks.
 inline constexpr std::size_t kExactPlaces = 512;
-/// Beyond it a sum is within this of the exact one, relative to it
-/// (tests/scheduler/solver/expected_costs_test.cc).
+/// Beyond it a weight that is made of such sums is within this of the exact one, relative to that
+/// of staying (tests/scheduler/solver/expected_costs_test.cc). One sum is within a hundredth, where
+/// not many ways are whole intervals at once (place_sums_test.cc).
 inline constexpr double kCostTolerance = 1e-3;
 
 /// Softmax means over places (open tasks, charging points) of their expected costs.

@@ -99,20 +99,44 @@ TEST(Steps, OfManySmallInstancesAreThoseTheyWere) {
   }
 }
 
-/// Number of arcs and sums over them, each weighed by its place so that order counts.
+/// FNV-1a, 32 bits.
+std::uint32_t HashOf(const std::string& text) {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return hash;
+}
+
+/// Number of arcs, sums of levels and of weights, and a hash of all that is in the instance.
 std::string Told(const Instance& instance) {
-  double uavs = 0, partners = 0, places = 1;
+  std::string text;
+  std::int64_t levels = 0;
+  double weights = 0;
+  for (const auto& uav : instance.uavs) {
+    text += fmt::format("{:.9g} {} {};", uav.stay, uav.latest_us, uav.place);
+  }
+  for (const auto& p : instance.partners) {
+    text += fmt::format("{:.9g} {} {:.9g};", p.stay, p.latest_us, p.charge_rate_m_s);
+  }
   for (const auto& arc : instance.uav_arcs) {
-    uavs += places * (arc.level + (arc.solo == Instance::kNone ? -1 : arc.solo) + arc.base +
-                      (arc.pair_gain == Instance::kNone ? -2 : arc.pair_gain));
-    places += 0.1;
+    levels += arc.level;
+    weights += (arc.solo == Instance::kNone ? 0 : arc.solo) + arc.base +
+               (arc.pair_gain == Instance::kNone ? 0 : arc.pair_gain);
+    text += fmt::format("{} {} {:.9g} {:.9g} {:.9g} {} {} {:.9g};", arc.uav, arc.level, arc.solo,
+                        arc.base, arc.pair_gain, arc.arrive_us, arc.duration_us, arc.missing_m);
   }
   for (const auto& arc : instance.partner_arcs) {
-    partners += places * (arc.level + arc.gain + (arc.solo ? 1 : 0));
-    places += 0.1;
+    levels += arc.level;
+    weights += arc.gain;
+    text += fmt::format("{} {} {:.9g} {} {};", arc.partner, arc.level, arc.gain, arc.arrive_us,
+                        arc.solo);
   }
-  return fmt::format("{} {} {:.11g} {:.11g}", instance.uav_arcs.size(),
-                     instance.partner_arcs.size(), uavs, partners);
+  for (const auto* list :
+       {&instance.capacity, &instance.uav_begin, &instance.partner_begin, &instance.rest_level}) {
+    for (const std::int32_t n : *list) text += fmt::format("{} ", n);
+    text += ";";
+  }
+  return fmt::format("{} {} {} {:.10g} {:08x}", instance.uav_arcs.size(),
+                     instance.partner_arcs.size(), levels, weights, HashOf(text));
 }
 
 TEST(Steps, OfSituationsAreThoseTheyWere) {
@@ -124,23 +148,24 @@ TEST(Steps, OfSituationsAreThoseTheyWere) {
   };
   const auto strict = Availability::kStrict, overrun = Availability::kOverrun;
   const Case cases[] = {
-      {1, strict, 512, kAllPairs, "582 1138 803475.83498 590167.22999",
+      {1, strict, 512, kAllPairs, "582 1138 5051 37746.69119 9126cb64",
        "1959.575925 1959.575925 22708"},
-      {2, strict, 512, kAllPairs, "681 1495 1037838.6197 1067982.0675",
+      {2, strict, 512, kAllPairs, "681 1495 7211 42823.10452 21db70fd",
        "1769.91221 1769.91221 17644"},
-      {3, overrun, 512, kAllPairs, "922 3450 2253889.5194 6854910.2754",
+      {3, overrun, 512, kAllPairs, "922 3450 25888 64007.88466 74bb6c1b",
        "1704.580037 1704.580037 32418"},
-      {4, overrun, 512, 0, "1316 3594 3686605.0304 7544200.9994", "2317.583682 2317.583682 42437"},
-      {5, overrun, 8, 0, "1031 3312 2454033.9372 5753320.9199", "2104.842964 2104.842964 51933"},
-      {6, strict, 8, kAllPairs, "788 1057 1409942.8012 651127.98548",
+      {4, overrun, 512, 0, "1316 3594 24687 80431.2845 8e5ae4fe", "2317.583682 2317.583682 42437"},
+      {5, overrun, 8, 0, "1031 3312 20835 66385.37784 ec03b38a", "2104.842964 2104.842964 51933"},
+      {6, strict, 8, kAllPairs, "788 1057 5773 49776.42727 9a637fa8",
        "2197.269379 2197.269379 12513"},
-      {7, strict, 8, kAllPairs, "1040 1317 2806143.2175 1062835.5866",
+      {7, strict, 8, kAllPairs, "1040 1317 7550 71382.54315 848cd112",
        "2070.981936 2070.981936 22390"},
-      {8, overrun, 8, kAllPairs, "1012 3492 2386264.0273 7440307.5317",
+      {8, overrun, 8, kAllPairs, "1012 3492 26889 65214.7417 ba26d959",
        "2072.372059 2072.372059 35474"},
-      {9, strict, 1, kAllPairs, "689 1186 1133118.926 757339.7178",
+      {9, strict, 1, kAllPairs, "689 1186 6249 44883.64756 bf3b856a",
        "1648.502756 1648.502756 33213"},
-      {10, overrun, 20, 100, "1168 3226 2958808.3685 5963929.891", "2055.756082 2055.756082 58555"},
+      {10, overrun, 20, 100, "1168 3226 22056 72055.40106 f4adb78a",
+       "2055.756082 2055.756082 58555"},
   };
   for (const Case& c : cases) {
     Rules rules;
@@ -151,6 +176,58 @@ TEST(Steps, OfSituationsAreThoseTheyWere) {
     EXPECT_EQ(Told(instance), c.told) << "seed " << c.seed;
     EXPECT_EQ(Found(instance), c.found) << "seed " << c.seed;
   }
+}
+
+/// Areas of all sizes, rules as printed in the paper, nobody of a class, nothing to do.
+TEST(Steps, OfOtherSituationsAreThoseTheyWere) {
+  struct Case {
+    testing::RandomSize size;
+    const char *told, *found;
+  };
+  const Case cases[] = {
+      {{20, 20, 10, 30, 10, 6},
+       "359 575 7393 25495.05457 d610dcc6",
+       "562.7201655 562.7201655 8807"},
+      {{20, 20, 10, 30, 10, 90},
+       "17 504 7752 589.3168492 e338cf43",
+       "85.70533606 85.70533606 2645"},
+      {{30, 12, 4, 40, 30, 25},
+       "675 245 2263 36007.43371 65975f5b",
+       "914.0811198 914.0811198 20577"},
+      {{0, 12, 4, 20, 10, 20}, "0 205 7346 5.891491555 10fdd90c", "9.010913347 9.010913347 436"},
+      {{12, 0, 9, 20, 10, 20}, "71 27 180 4170.621683 b6ed8d38", "47.4119442 47.4119442 1563"},
+      {{12, 15, 0, 20, 10, 20}, "103 198 998 7235.76689 5701ebc9", "297.1215292 297.1215292 1786"},
+      {{12, 15, 8, 0, 10, 20}, "35 40 1061 398.2387076 4cdc968b", "21.463757 21.463757 631"},
+      {{12, 15, 8, 20, 0, 20}, "0 210 945 41.9409306 6803316c", "20.10126824 20.10126824 434"},
+      {{60, 10, 10, 20, 3, 30}, "38 6 44 2972.805512 ac32e213", "58.29570417 58.29570417 934"},
+      {{10, 60, 30, 20, 3, 30},
+       "47 674 28743 3390.109911 82cf6a6f",
+       "111.8098868 111.8098868 5082"},
+      {{25, 30, 15, 40, 20, 40},
+       "89 307 1368 5238.950953 1669a73e",
+       "680.8190332 680.8190332 4175"},
+      {{25, 30, 15, 40, 20, 12},
+       "628 1086 3759 41177.71246 18744d9f",
+       "1591.000542 1591.000542 115559"},
+  };
+  std::uint64_t seed = 20;
+  for (const Case& c : cases) {
+    ++seed;
+    Rules rules;
+    if (seed % 2 == 0) rules.availability = Availability::kOverrun;
+    rules.ceil_to_minutes = seed % 3 == 0;
+    rules.mean_over_all = seed % 5 == 0;
+    const Situation situation = testing::RandomSituation(seed, c.size, rules);
+    const Instance instance = BuildInstance(situation, 1, seed % 4 == 0 ? 8 : kExactPlaces,
+                                            seed % 4 == 2 ? 50 : kAllPairs)
+                                  .instance;
+    EXPECT_EQ(Told(instance), c.told) << "seed " << seed;
+    EXPECT_EQ(Found(instance), c.found) << "seed " << seed;
+  }
+  // So many that neighbours get neighbouring numbers; two threads change nothing.
+  const Situation large = testing::RandomSituation(40, {900, 900, 400, 1900, 200, 400});
+  EXPECT_EQ(Told(BuildInstance(large).instance), "2251 4494 24559 174612.6755 db967ba5");
+  EXPECT_EQ(Told(BuildInstance(large, 2).instance), "2251 4494 24559 174612.6755 db967ba5");
 }
 
 }  // namespace
