@@ -56,6 +56,7 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   previous_us_ = t;
   task_status_ = std::move(task_status);
   verdict_ = verdict;
+  JoinOutages(t);
   std::erase_if(outages_, [&](const Outage& outage) { return outage.until_us <= t; });
   failed_.clear();
   for (const Ruling& ruling : verdict.rulings()) {
@@ -146,18 +147,26 @@ void Referee::PlanNewActivities(TimeUs t, Agents* agents) {
   }
 }
 
-void Referee::Return(TimeUs t) {
-  for (const Outage& outage : outages_) {
-    if (outage.until_us > t) continue;
-    // One outage may follow the other without a break.
+/// An outage that is over by t, and that another follows without a break, is a part of that one.
+void Referee::JoinOutages(TimeUs t) {
+  std::stable_sort(outages_.begin(), outages_.end(),
+                   [](const Outage& a, const Outage& b) { return a.until_us < b.until_us; });
+  for (Outage& outage : outages_) {
+    if (outage.until_us > t) break;
     const auto next = std::find_if(outages_.begin(), outages_.end(), [&](const Outage& other) {
-      return other.kind == outage.kind && other.agent == outage.agent && other.until_us > t &&
-             other.from_us <= outage.until_us;
+      return other.kind == outage.kind && other.agent == outage.agent &&
+             other.until_us > outage.until_us && other.from_us <= outage.until_us;
     });
-    if (next != outages_.end()) {
-      next->from_us = std::min(next->from_us, outage.from_us);
-      continue;
-    }
+    if (next == outages_.end()) continue;
+    next->from_us = std::min(next->from_us, outage.from_us);
+    outage.goes_on = true;
+  }
+}
+
+void Referee::Return(TimeUs t) {
+  JoinOutages(t);
+  for (const Outage& outage : outages_) {
+    if (outage.until_us > t || outage.goes_on) continue;
     // Whoever had failed for good before does not come back.
     const auto failed = failed_.find({outage.kind, outage.agent});
     if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;

@@ -44,6 +44,7 @@ struct Outage {
   TimeUs from_us = 0;
   TimeUs until_us = kNever;
   FailureReason reason;
+  bool goes_on = false;  ///< in another one, after its end
 };
 
 /// The states of all agents of a scenario; the index is the id.
@@ -100,6 +101,7 @@ class Referee {
 
   void UpdateVerdict();
   void PlanNewActivities(TimeUs t, Agents* agents);
+  void JoinOutages(TimeUs t);
   void Return(TimeUs t);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
   void Fail(const Failure& failure, Agents* agents);
