@@ -17,12 +17,13 @@ class AgentQueues {
     for (std::size_t id = 0; id < nodes_->size(); ++id) {
       const int agent = ElementsOf((*nodes_)[id], elements).element[0];
       heaps_[static_cast<std::size_t>(agent)].push_back(static_cast<NodeId>(id));
-      ++size_;
     }
     for (auto& heap : heaps_) std::make_heap(heap.begin(), heap.end(), Later{nodes_});
   }
 
-  bool empty() const { return size_ == 0; }
+  bool empty() const {
+    return std::all_of(heaps_.begin(), heaps_.end(), [](const auto& heap) { return heap.empty(); });
+  }
 
   /// Moves up to k nodes of every queue into the graph.
   void Extract(std::int64_t k, WorkingGraph* graph) {
@@ -31,7 +32,6 @@ class AgentQueues {
         std::pop_heap(heap.begin(), heap.end(), Later{nodes_});
         graph->Add(heap.back());
         heap.pop_back();
-        --size_;
       }
     }
   }
@@ -48,7 +48,6 @@ class AgentQueues {
 
   const std::vector<Node>* nodes_;
   std::vector<std::vector<NodeId>> heaps_;
-  std::size_t size_ = 0;
 };
 
 bool AllRepresented(const Solution& solution, const Elements& elements) {
