@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -453,6 +454,24 @@ void EditReport(Findings* findings, const Packets& packets) {
     edited[at] = nullptr;
     check(kind, edited);
   }
+}
+
+/// All in one cell of 1 km: who is free meets at once.
+TEST(AuditMeetings, BeginWithTheFirstDecision) {
+  const Packets packets = Small("greedy-nearest", [](GeneratorSettings* s) {
+    s->width_km = s->height_km = 1;
+    s->uptime = Uptime::kWithinLimit;
+    s->online_min = Always(60);
+    s->rules.start_on_meeting = true;
+  });
+  bool found = false;
+  const std::string text = AuditOf(packets, &found);
+  EXPECT_FALSE(found) << text;
+  const auto begun = std::count_if(packets.begin(), packets.end(), [](const Packet& packet) {
+    const auto event = Decode<event_t>(packet.bytes);
+    return event && event->kind == EventKind::kSensingStarted && event->at_us == 0;
+  });
+  EXPECT_GT(begun, 0) << text;
 }
 
 class AuditFindings : public ::testing::TestWithParam<std::size_t> {};
