@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -13,10 +12,17 @@ inline constexpr TimeUs kSecondUs = 1'000'000;
 inline constexpr TimeUs kMinuteUs = 60 * kSecondUs;
 inline constexpr TimeUs kNever = std::numeric_limits<TimeUs>::max();
 
+/// The whole number nearest to x, halves away from zero: std::llround without the call. |x| < 2^63.
+inline std::int64_t RoundHalfAway(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  const double rest = x - static_cast<double>(whole);  // exact
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
 /// Seconds to microseconds, rounded to nearest; durations that do not fit become kNever.
 inline TimeUs ToUs(double seconds) {
   const double us = seconds * 1e6;
-  return us >= 9e18 ? kNever : static_cast<TimeUs>(std::llround(us));
+  return us >= 9e18 ? kNever : RoundHalfAway(us);
 }
 inline constexpr double ToSeconds(TimeUs us) { return static_cast<double>(us) * 1e-6; }
 inline constexpr double ToMinutes(TimeUs us) { return static_cast<double>(us) / kMinuteUs; }

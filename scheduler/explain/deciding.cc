@@ -41,7 +41,7 @@ double WorthOf(const Situation& situation, const HorizonSettings& settings, cons
   std::erase_if(few.workers,
                 [&](const Participant& p) { return p.agent->id != pair.worker.value; });
   few.vehicles.clear();
-  const PairInstance pairs = PairsToMatch(situation, few, OpenSitesOf(situation), settings);
+  const PossiblePairs pairs = FindPairs(situation, few, OpenSitesOf(situation), settings);
   const Instance& instance = pairs.instance;
   for (std::int32_t site = 0; site < pairs.n_tasks; ++site) {
     if (pairs.site_ids[At(site)] != pair.task.value) continue;

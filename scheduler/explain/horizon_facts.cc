@@ -151,7 +151,7 @@ HorizonOption HorizonExplainer::MakeOption(const PlaceLook& look, const PairLook
 std::optional<HorizonForcing> HorizonExplainer::Force(bool charging, std::int32_t site,
                                                       std::optional<AgentKind> kind,
                                                       std::int32_t agent) const {
-  const PairInstance& pairs = look_.pairs();
+  const PossiblePairs& pairs = look_.pairs();
   PairDemand demand;
   demand.site = look_.SiteOf(charging, site);
   if (kind) {

@@ -19,7 +19,7 @@ std::optional<TimeUs> FreeUs(const Participant& participant) {
 }
 
 /// Of an instance's sites; -1: not one of them.
-std::int32_t SiteIn(const PairInstance& pairs, bool charging, std::int32_t site) {
+std::int32_t SiteIn(const PossiblePairs& pairs, bool charging, std::int32_t site) {
   const auto tasks_end = pairs.site_ids.begin() + pairs.n_tasks;
   const auto begin = charging ? tasks_end : pairs.site_ids.begin();
   const auto end = charging ? pairs.site_ids.end() : tasks_end;
@@ -45,7 +45,7 @@ HorizonLook::HorizonLook(const Situation& situation, const HorizonSettings& sett
       settings_(settings),
       participants_(ParticipantsOf(situation, settings)),
       open_(OpenSitesOf(situation)),
-      pairs_(PairsToMatch(situation, participants_, open_, settings)) {}
+      pairs_(FindPairs(situation, participants_, open_, settings)) {}
 
 std::int32_t HorizonLook::IndexOf(AgentKind kind, std::int32_t id) const {
   const auto& of_kind = participants_[kind];
@@ -117,7 +117,7 @@ HorizonLook::Untimed HorizonLook::Build(const PlaceLook& look, std::int32_t uav,
   }
   HorizonSettings settings = settings_;
   settings.chains = false;  // a part of the worth, which is not asked for
-  untimed.pairs = PairsToMatch(situation_, endless, open, settings);
+  untimed.pairs = FindPairs(situation_, endless, open, settings);
   return untimed;
 }
 
@@ -129,7 +129,7 @@ void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLoo
     untimed = Build(*look, uav, partner);
   }
   const Participants& some = untimed->participants;
-  const PairInstance& pairs = untimed->pairs;
+  const PossiblePairs& pairs = untimed->pairs;
   const std::int32_t site = SiteIn(pairs, look->charging, look->site);
   const Instance& instance = pairs.instance;
   std::vector<char> in_range(some.uavs.size(), 0);

@@ -4,13 +4,13 @@
 #include <optional>
 
 #include "scheduler/explain/look.h"
-#include "scheduler/policies/horizon/matching.h"
+#include "scheduler/policies/horizon/pairs.h"
 
 namespace muster::scheduler {
 
 /// One decision's first matching as `horizon` sees it, to be asked about single places and agents:
 /// agents that will be free soon take part, members wait for each other, a pair's weight is its
-/// worth in tasks. Pairs, their worth and their ends are PairsToMatch's. Source: ours.
+/// worth in tasks. Pairs, their worth and their ends are FindPairs's. Source: ours.
 class HorizonLook {
  public:
   /// `situation` must outlive this.
@@ -19,7 +19,7 @@ class HorizonLook {
   HorizonLook& operator=(const HorizonLook&) = delete;
 
   const Participants& participants() const { return participants_; }
-  const PairInstance& pairs() const { return pairs_; }
+  const PossiblePairs& pairs() const { return pairs_; }
 
   /// Among the participants of that kind; -1: takes no part.
   std::int32_t IndexOf(AgentKind kind, std::int32_t id) const;
@@ -40,7 +40,7 @@ class HorizonLook {
   struct Untimed {
     std::int32_t uav = -1, partner = -1;
     Participants participants;  ///< with their true times
-    PairInstance pairs;
+    PossiblePairs pairs;
   };
   Untimed Build(const PlaceLook& look, std::int32_t uav, std::int32_t partner) const;
 
@@ -48,7 +48,7 @@ class HorizonLook {
   HorizonSettings settings_;
   Participants participants_;
   OpenSites open_;
-  PairInstance pairs_;
+  PossiblePairs pairs_;
   mutable std::optional<Untimed> charges_;  ///< of the last question about a charging point
 };
 

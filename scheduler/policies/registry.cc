@@ -39,7 +39,7 @@ std::unique_ptr<Policy> Mpq() {
   return std::make_unique<MpqPolicy>(kFoundation);
 }
 std::unique_ptr<Policy> Certified() { return std::make_unique<CertifiedPolicy>(); }
-std::unique_ptr<Policy> Horizon() { return std::make_unique<HorizonPolicy>(); }
+std::unique_ptr<Policy> Horizon() { return std::make_unique<HorizonPolicy>(HorizonSettings(), 2); }
 template <bool HorizonSettings::*kIngredient, bool kOn = false>
 std::unique_ptr<Policy> HorizonVariant() {
   HorizonSettings settings;

@@ -53,7 +53,7 @@ std::int32_t Dual::GroupPartners() {
     for (std::int32_t j = instance.partner_begin[s]; j < instance.partner_begin[s + 1]; ++j) {
       const std::int32_t level = instance.partner_arcs[At(j)].level;
       if (j == instance.partner_begin[s] || groups_.back().level != level) {
-        groups_.push_back({j, j, level, -1, 0});
+        groups_.push_back({j, j, level, -1, 0, 0});
       }
       groups_.back().end = j + 1;
       highest = std::max(highest, level);
@@ -176,7 +176,10 @@ void Dual::PriceSites(std::int32_t begin, std::int32_t end) {
           group.best = j;
         }
       }
-      place.most = std::max(place.most, group.most);
+    }
+    for (std::int32_t g = place.end; g-- > place.begin;) {
+      place.most = std::max(place.most, groups_[At(g)].most);
+      groups_[At(g)].most_on = place.most;
     }
   }
 }
@@ -199,6 +202,7 @@ void Dual::PriceUavs(std::int32_t begin, std::int32_t end) {
       for (std::int32_t g = place.begin; g < place.end; ++g) {
         const Group& group = groups_[At(g)];
         const double rest = own + way.base * InverseLevel(way.level, group.level);
+        if (rest + group.most_on <= best) break;  // higher levels make it less still
         if (rest + group.most <= best) continue;
         if (instance_.Compatible(whole, instance_.partner_arcs[At(group.best)])) {
           best = rest + group.most;
@@ -236,6 +240,7 @@ void Dual::PairsNear(std::int32_t uav, const double& most, Visit&& visit) const 
     if (own - way.base * InverseLevel(way.level, place.least) - place.most > most) continue;
     for (std::int32_t g = place.begin; g < place.end; ++g) {
       const double regret = own - way.base * InverseLevel(way.level, groups_[At(g)].level);
+      if (regret - groups_[At(g)].most_on > most) break;  // of higher levels even more so
       if (regret - groups_[At(g)].most <= most) visit(way, regret, g);
     }
   }
@@ -270,6 +275,10 @@ void Dual::RankPartners() {
       // Equal partners rank differently at different sites, so that they are not all offered the
       // same few.
       const std::int32_t size = groups_[g].end - groups_[g].begin;
+      if (size == 1) {
+        ranks = {groups_[g].begin, -1, -1, -1};
+        continue;
+      }
       std::int32_t j =
           groups_[g].begin + static_cast<std::int32_t>(Mix(g) % static_cast<std::uint32_t>(size));
       for (std::int32_t k0 = 0; k0 < size; ++k0, ++j) {

@@ -93,6 +93,7 @@ class Dual {
     std::int32_t begin, end, level;
     std::int32_t best;  ///< arc of the partner that adds most
     double most;        ///< that
+    double most_on;     ///< the most that one of this or of a higher level adds
   };
   /// What the loops over a UAV's ways need of them.
   struct Way {

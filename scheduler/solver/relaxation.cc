@@ -61,16 +61,28 @@ void Relaxation::OffersOf(Index u, std::vector<Column>* columns, std::vector<Off
   }
   if (columns->size() > kColumnsPerRound) {
     // The best one, then good ones: which of them differs from UAV to UAV.
-    const auto key = [&](const Column& c) {
-      return std::tuple(
-          std::floor(c.regret / kAlike),
-          Mix(static_cast<std::uint64_t>(u) << 32 ^ static_cast<std::uint64_t>(c.site) << 16 ^
-              static_cast<std::uint64_t>(planner_.PartnerOf(c))),
-          c.uav_arc, c.partner_arc);
+    struct Keyed {
+      double alike;
+      std::uint32_t mix;
+      Column column;
     };
-    std::nth_element(columns->begin() + 1, columns->begin() + kColumnsPerRound, columns->end(),
-                     [&](const Column& a, const Column& b) { return key(a) < key(b); });
+    std::vector<Keyed> keyed;
+    keyed.reserve(columns->size() - 1);
+    for (std::size_t k = 1; k < columns->size(); ++k) {
+      const Column& c = (*columns)[k];
+      keyed.push_back(
+          {std::floor(c.regret / kAlike),
+           Mix(static_cast<std::uint64_t>(u) << 32 ^ static_cast<std::uint64_t>(c.site) << 16 ^
+               static_cast<std::uint64_t>(planner_.PartnerOf(c))),
+           c});
+    }
+    std::nth_element(keyed.begin(), keyed.begin() + (kColumnsPerRound - 1), keyed.end(),
+                     [](const Keyed& a, const Keyed& b) {
+                       return std::tie(a.alike, a.mix, a.column.uav_arc, a.column.partner_arc) <
+                              std::tie(b.alike, b.mix, b.column.uav_arc, b.column.partner_arc);
+                     });
     columns->resize(kColumnsPerRound);
+    for (std::size_t k = 1; k < kColumnsPerRound; ++k) (*columns)[k] = keyed[k - 1].column;
   }
   for (const Column& column : *columns) {
     if (column.site >= 0) offers->push_back({more - column.regret, u, column});

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "base/geometry.h"
+#include "base/random.h"
 
 namespace muster {
 namespace {
@@ -46,6 +48,24 @@ TEST(Units, SecondsRoundToTheNearestMicrosecond) {
   EXPECT_EQ(ToUs(std::numeric_limits<double>::infinity()), kNever);
   EXPECT_EQ(ToSeconds(2'500'000), 2.5);
   EXPECT_EQ(ToMinutes(90 * kSecondUs), 1.5);
+}
+
+TEST(Units, HalvesRoundAwayFromZeroAsInTheLibrary) {
+  const double half = 0.5, below = std::nextafter(half, 0.0);
+  for (const double x : {0.0, -0.0, half, -half, below, -below, 1.5, 2.5, -2.5, 1e15 + half, 0x1p52,
+                         0x1p52 - half, 0x1p53 + 2, 9e18, -9e18}) {
+    EXPECT_EQ(RoundHalfAway(x), std::llround(x)) << x;
+  }
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed, Stream::kTest);
+    for (int i = 0; i < 500; ++i) {
+      const double x = std::exp(random.Uniform(-3, 43)) * (random.Below(2) == 0 ? 1 : -1);
+      EXPECT_EQ(RoundHalfAway(x), std::llround(x)) << "seed " << seed << " " << x;
+      const double tie = std::floor(x) + half;
+      EXPECT_EQ(RoundHalfAway(tie), std::llround(tie)) << "seed " << seed << " " << tie;
+      EXPECT_EQ(RoundHalfAway(std::nextafter(tie, 0.0)), std::llround(std::nextafter(tie, 0.0)));
+    }
+  }
 }
 
 TEST(Geometry, DistanceIsEuclidean) {

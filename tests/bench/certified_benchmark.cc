@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "base/random.h"
+#include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/solver/build.h"
 #include "scheduler/solver/dual.h"
 #include "scheduler/solver/solver.h"
@@ -35,6 +36,22 @@ void Solve(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(scheduler::Solve(built.instance).bound);
 }
 BENCHMARK(Solve)->Arg(1)->Arg(29)->Unit(benchmark::kMicrosecond);
+
+/// Who could meet where, at so many times Random_29's size: grows with the ways in reach.
+void HorizonPairs(benchmark::State& state) {
+  const auto situation =
+      tools::MidMission(Scaled(PresetByName("Random_29"), static_cast<double>(state.range(0))), 1);
+  const scheduler::HorizonSettings settings;
+  const auto participants = scheduler::ParticipantsOf(situation, settings);
+  const auto open = scheduler::OpenSitesOf(situation);
+  std::size_t ways = 0;
+  for (auto _ : state) {
+    const auto pairs = scheduler::FindPairs(situation, participants, open, settings);
+    ways = pairs.instance.uav_arcs.size() + pairs.instance.partner_arcs.size();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ways));
+}
+BENCHMARK(HorizonPairs)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMillisecond);
 
 void SoftmaxMean(benchmark::State& state) {
   const auto n = static_cast<std::size_t>(state.range(0));

@@ -13,16 +13,17 @@ namespace {
 
 class Planner {
  public:
-  Planner(const Situation& situation, const HorizonSettings& settings)
+  Planner(const Situation& situation, const HorizonSettings& settings, int threads)
       : situation_(situation),
         settings_(settings),
+        threads_(threads),
         participants_(ParticipantsOf(situation, settings)),
         open_(OpenSitesOf(situation)) {
     for (const AgentKind kind : kAgentKinds) used_[kind].assign(participants_[kind].size(), 0);
   }
 
   Decision Decide() {
-    return Decide(HeaviestPairs(situation_, participants_, open_, settings_, &candidates_));
+    return Decide(HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_));
   }
 
   /// The rest of a decision with that first matching. `plan`, when given, takes what it rests on.
@@ -32,7 +33,7 @@ class Planner {
     std::vector<Match> second;
     if (settings_.send_ahead) {
       for (const Match& match : first) Advance(match);
-      second = HeaviestPairs(situation_, participants_, open_, settings_, nullptr);
+      second = HeaviestPairs(situation_, participants_, open_, settings_, threads_);
       for (const Match& match : second) {
         const bool uav = Free(match, AgentKind::kUav);
         const bool partner = Free(match, PartnerKindOf(match));
@@ -55,7 +56,7 @@ class Planner {
     HorizonPlan plan;
     plan.decision = Decide(
         first != nullptr ? *first
-                         : HeaviestPairs(situation_, participants_, open_, settings_, &candidates_),
+                         : HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_),
         &plan);
     return plan;
   }
@@ -207,6 +208,7 @@ class Planner {
 
   const Situation& situation_;
   const HorizonSettings& settings_;
+  int threads_;
   Participants participants_;
   OpenSites open_;
   PerKind<std::vector<char>> used_;  ///< by the first matching
@@ -217,12 +219,12 @@ class Planner {
 }  // namespace
 
 Decision HorizonPolicy::Decide(const Situation& situation) {
-  return Planner(situation, settings_).Decide();
+  return Planner(situation, settings_, threads_).Decide();
 }
 
 HorizonPlan PlanHorizon(const Situation& situation, const HorizonSettings& settings,
                         const std::vector<Match>* first) {
-  return Planner(situation, settings).Plan(first);
+  return Planner(situation, settings, 1).Plan(first);
 }
 
 }  // namespace muster::scheduler

@@ -14,12 +14,15 @@ namespace muster::scheduler {
 /// has nothing else to do goes ahead. Source: ours.
 class HorizonPolicy : public Policy {
  public:
-  explicit HorizonPolicy(const HorizonSettings& settings = {}) : settings_(settings) {}
+  /// threads: 1 or 2; no decision depends on it.
+  explicit HorizonPolicy(const HorizonSettings& settings = {}, int threads = 1)
+      : settings_(settings), threads_(threads) {}
   Decision Decide(const Situation& situation) override;
   const HorizonSettings& settings() const { return settings_; }
 
  private:
   HorizonSettings settings_;
+  int threads_;
 };
 
 /// A decision of `horizon` with the matchings that it rests on.

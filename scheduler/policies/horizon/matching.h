@@ -5,7 +5,6 @@
 
 #include "scheduler/policies/horizon/settings.h"
 #include "scheduler/situation.h"
-#include "scheduler/solver/instance.h"
 
 namespace muster::scheduler {
 
@@ -47,32 +46,11 @@ struct OpenSites {
 };
 OpenSites OpenSitesOf(const Situation& situation);
 
-/// The pairs that a matching chooses from, as a way of each member to each place: an instance in
-/// which nobody goes alone. A pair's weight is its worth, in tasks.
-struct PairInstance {
-  Instance instance;                   ///< partners: workers, then vehicles
-  std::vector<std::int32_t> site_ids;  ///< [n_sites] ids of open tasks, then of charging points
-  std::int32_t n_tasks = 0;            ///< of the sites
-  std::int32_t n_workers = 0;          ///< of the partners
-};
-PairInstance PairsToMatch(const Situation& situation, const Participants& participants,
-                          const OpenSites& open, const HorizonSettings& settings);
-
-/// The pair of two arcs of a site.
-Match MatchOf(const PairInstance& pairs, const Participants& participants, std::int32_t site,
-              const Instance::UavArc& uav, const Instance::PartnerArc& partner);
-/// The pairs of an assignment, by UAV.
-std::vector<Match> MatchesOf(const PairInstance& pairs, const Participants& participants,
-                             const Assignment& assignment);
-
-/// The chance's part (HorizonSettings::jitter) in the worth of a UAV, or worker, at a task.
-double JitterOf(const Situation& situation, const HorizonSettings& settings, AgentKind kind,
-                std::int32_t id, std::int32_t task);
-
 /// The heaviest set of pairs in which nobody, no task and no place is used twice. Sorted by UAV.
-/// `candidates`, when given, takes the number of pairs to choose from.
+/// `candidates`, when given, takes the number of pairs to choose from. threads: 1 or 2; the result
+/// does not depend on it.
 std::vector<Match> HeaviestPairs(const Situation& situation, const Participants& participants,
                                  const OpenSites& open, const HorizonSettings& settings,
-                                 std::int64_t* candidates = nullptr);
+                                 int threads = 1, std::int64_t* candidates = nullptr);
 
 }  // namespace muster::scheduler

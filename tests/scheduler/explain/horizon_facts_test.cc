@@ -10,6 +10,7 @@
 
 #include "scheduler/explain/fate.h"
 #include "scheduler/policies/horizon/horizon.h"
+#include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/policies/rollout/rollout.h"
 #include "tests/scheduler/situation_builder.h"
 
@@ -33,7 +34,7 @@ class AllMatchings {
   AllMatchings(const Situation& situation, const HorizonSettings& settings, Visit visit)
       : open_(OpenSitesOf(situation)), visit_(std::move(visit)) {
     const Participants participants = ParticipantsOf(situation, settings);
-    const PairInstance pairs = PairsToMatch(situation, participants, open_, settings);
+    const PossiblePairs pairs = FindPairs(situation, participants, open_, settings);
     by_uav_.resize(participants.uavs.size());
     for (std::int32_t site = 0; site < pairs.instance.n_sites(); ++site) {
       const auto s = static_cast<std::size_t>(site);
