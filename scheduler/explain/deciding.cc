@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/index.h"
+#include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/policies/rollout/forward_model.h"
 #include "scheduler/policies/rollout/rollout.h"
 

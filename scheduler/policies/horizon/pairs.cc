@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <span>
 #include <utility>
 
 #include "base/grid_index.h"
@@ -16,10 +16,8 @@
 namespace muster::scheduler {
 namespace {
 
-/// So few agents are looked through one by one.
-constexpr std::size_t kFew = 64;
-/// Sites from which on two threads are worth while.
-constexpr std::size_t kManySites = 512;
+/// Sites and agents from which on two threads are worth while.
+constexpr std::size_t kManySites = 512, kManyAgents = 1024;
 
 /// What a way depends on, close together in memory.
 struct Mover {
@@ -32,55 +30,77 @@ struct Mover {
   std::int32_t id;
 };
 
-/// The agents of one kind, to be found by place.
-class Movers {
- public:
-  Movers(const std::vector<Participant>& participants, const HorizonSettings& settings) {
-    for (const Participant& p : participants) {
-      const AgentState& agent = *p.agent;
-      double reach_m = ToSeconds(p.latest_us - p.ready_us) * agent.speed_m_s * (1 + 1e-9) + 1;
-      if (agent.kind == AgentKind::kUav) reach_m = std::min(reach_m, p.range_m);
-      all_.push_back({p.at, agent.speed_m_s, p.ready_us, p.latest_us, p.range_m, agent.range_full_m,
+std::vector<Mover> MoversOf(const std::vector<Participant>& participants,
+                            const HorizonSettings& settings) {
+  std::vector<Mover> movers;
+  movers.reserve(participants.size());
+  for (const Participant& p : participants) {
+    const AgentState& agent = *p.agent;
+    double reach_m = ToSeconds(p.latest_us - p.ready_us) * agent.speed_m_s * (1 + 1e-9) + 1;
+    if (agent.kind == AgentKind::kUav) reach_m = std::min(reach_m, p.range_m);
+    movers.push_back({p.at, agent.speed_m_s, p.ready_us, p.latest_us, p.range_m, agent.range_full_m,
                       reach_m, p.idle ? 0 : settings.tentative - 1, agent.id});
-      reach_m_ = std::max(reach_m_, reach_m);
-    }
-    if (all_.size() <= kFew) return;
-    std::vector<Point> places;
-    for (const Mover& mover : all_) places.push_back(mover.at);
-    index_.emplace(places);
   }
+  return movers;
+}
 
-  /// Calls visit(index, distance) for everybody within reach of the place. Ascends by index if
-  /// `ordered`.
-  template <class Visit>
-  void Near(Point place, const Visit& visit) const {
-    const auto look = [&](std::int32_t i, double way_m) {
-      if (way_m <= all_[At(i)].reach_m) visit(i, way_m);
-    };
-    if (index_) return index_->Within(place, reach_m_, look);
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      look(static_cast<std::int32_t>(i), Distance(all_[i].at, place));
-    }
-  }
-  bool ordered() const { return !index_; }
-  const std::vector<Mover>& all() const { return all_; }
-  const Mover& operator[](std::int32_t i) const { return all_[At(i)]; }
-
- private:
-  std::vector<Mover> all_;
-  std::optional<GridIndex> index_;
-  double reach_m_ = -1;
+/// An agent's way to a site, which of it may turn out to be impossible.
+struct Way {
+  std::int32_t agent, site;
+  double metres;
 };
 
-/// The ways to a run of sites, and what is at hand while they are looked for.
-struct SiteWays {
+/// The ways of one kind of agents to one kind of sites, by site, ascending by agent.
+class Ways {
+ public:
+  /// Those that reach allows, and reaches(mover, site, metres).
+  template <class Reaches>
+  Ways(const std::vector<Mover>& movers, const GridIndex& sites, std::size_t n_sites, int threads,
+       const Reaches& reaches) {
+    std::array<std::vector<Way>, 2> halves;
+    ParallelFor(movers.size(), threads, kManyAgents, [&](std::size_t begin, std::size_t end) {
+      std::vector<Way>* found = &halves[begin == 0 ? 0 : 1];
+      for (std::size_t i = begin; i < end; ++i) {
+        sites.Within(movers[i].at, movers[i].reach_m, [&](std::int32_t s, double metres) {
+          if (reaches(movers[i], At(s), metres)) {
+            found->push_back({static_cast<std::int32_t>(i), s, metres});
+          }
+        });
+      }
+    });
+    begin_.assign(n_sites + 1, 0);
+    for (const auto& half : halves) {
+      for (const Way& way : half) ++begin_[At(way.site) + 1];
+    }
+    for (std::size_t s = 0; s < n_sites; ++s) begin_[s + 1] += begin_[s];
+    ways_.resize(At(begin_.back()));
+    std::vector<std::int32_t> next(begin_.begin(), begin_.end() - 1);
+    for (const auto& half : halves) {
+      for (const Way& way : half) ways_[At(next[At(way.site)]++)] = way;
+    }
+  }
+
+  std::span<const Way> to(std::size_t site) const {
+    return {ways_.data() + begin_[site], ways_.data() + begin_[site + 1]};
+  }
+  /// To the sites [begin, end).
+  std::size_t count(std::size_t begin, std::size_t end) const {
+    return At(begin_[end] - begin_[begin]);
+  }
+
+ private:
+  std::vector<std::int32_t> begin_;  ///< [n_sites + 1]
+  std::vector<Way> ways_;
+};
+
+/// The arcs of a run of sites, and what is at hand while they are made.
+struct Arcs {
   std::vector<Instance::UavArc> uavs;
   std::vector<Instance::PartnerArc> partners;
   std::vector<std::int32_t> uav_end, partner_end;  ///< [sites of the run]
 
-  std::vector<std::pair<std::int32_t, double>> near;  ///< UAVs and their distances
-  std::vector<std::pair<double, TimeUs>> next;        ///< tasks close by: range needed, duration
-  std::vector<Instance::PartnerArc> found;            ///< of a site, in any order
+  std::vector<std::pair<double, TimeUs>> next;  ///< tasks close by: range needed, duration
+  std::vector<Instance::PartnerArc> found;      ///< of a site, in any order
   std::vector<std::pair<std::uint64_t, std::size_t>> order;  ///< by (level, partner)
 };
 
@@ -91,76 +111,98 @@ class PairFinder {
       : situation_(situation),
         site_(*situation.site),
         participants_(participants),
-        open_(open),
         settings_(settings),
         threads_(threads),
         worths_(situation, settings),
-        uavs_(participants.uavs, settings),
-        workers_(participants.workers, settings),
-        vehicles_(participants.vehicles, settings) {}
+        uavs_(MoversOf(participants.uavs, settings)),
+        workers_(MoversOf(participants.workers, settings)),
+        vehicles_(MoversOf(participants.vehicles, settings)),
+        pairs_(OpenAll(open)),
+        tasks_(TaskPlaces()),
+        charges_(ChargePlaces()),
+        uavs_to_task_(uavs_, tasks_, n_tasks(), threads,
+                      [&](const Mover& uav, std::size_t s, double way_m) {
+                        return CanSense(uav.range_m, way_m, TaskAt(s).cost_m, ToChargeFrom(s));
+                      }),
+        uavs_to_charge_(uavs_, charges_, n_charges(), threads, kAnybody),
+        workers_to_task_(workers_, tasks_, n_tasks(), threads, kAnybody),
+        vehicles_to_charge_(vehicles_, charges_, n_charges(), threads, kAnybody) {}
 
   PossiblePairs Find() {
     Instance& instance = pairs_.instance;
-    for (const Mover& uav : uavs_.all()) {
+    for (const Mover& uav : uavs_) {
       instance.uavs.push_back({0, uav.latest_us});
       fastest_uav_m_s_ = std::max(fastest_uav_m_s_, uav.speed_m_s);
     }
-    for (const Mover& worker : workers_.all()) {
-      instance.partners.push_back({0, worker.latest_us, 0});
-    }
-    pairs_.n_workers = static_cast<std::int32_t>(workers_.all().size());
+    for (const Mover& worker : workers_) instance.partners.push_back({0, worker.latest_us, 0});
+    pairs_.n_workers = static_cast<std::int32_t>(workers_.size());
     for (const Participant& vehicle : participants_.vehicles) {
       const double rate_m_s = vehicle.agent->charge_rate_m_s;
       instance.partners.push_back({0, vehicle.latest_us, rate_m_s});
       fastest_charge_m_s_ = std::max(fastest_charge_m_s_, rate_m_s);
     }
-    OpenAll();
     ChargeWorths();
-    if (settings_.chains) NextTasks();
-
-    std::array<SiteWays, 2> halves;
-    ParallelFor(instance.capacity.size(), threads_, kManySites,
-                [&](std::size_t begin, std::size_t end) {
-                  SiteWays* ways = &halves[begin == 0 ? 0 : 1];
-                  for (std::size_t s = begin; s < end; ++s) AddSite(s, ways);
-                });
+    std::array<Arcs, 2> halves;
+    ParallelFor(
+        instance.capacity.size(), threads_, kManySites, [&](std::size_t begin, std::size_t end) {
+          Arcs* arcs = &halves[begin == 0 ? 0 : 1];
+          arcs->uavs.reserve(CountWays(uavs_to_task_, uavs_to_charge_, begin, end));
+          arcs->partners.reserve(CountWays(workers_to_task_, vehicles_to_charge_, begin, end));
+          for (std::size_t s = begin; s < end; ++s) AddSite(s, arcs);
+        });
     Join(&halves[0], &halves[1]);
     return std::move(pairs_);
   }
 
  private:
-  void OpenAll() {
-    std::vector<std::int32_t>& ids = pairs_.site_ids;
-    for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
-      if (open_.task[x]) ids.push_back(static_cast<std::int32_t>(x));
-    }
-    pairs_.n_tasks = static_cast<std::int32_t>(ids.size());
-    pairs_.instance.capacity.assign(ids.size(), 1);
-    for (std::size_t y = 0; y < site_.charging_points.size(); ++y) {
-      if (open_.place[y] <= 0) continue;
-      ids.push_back(static_cast<std::int32_t>(y));
-      pairs_.instance.capacity.push_back(open_.place[y]);
-    }
-  }
+  static constexpr auto kAnybody = [](const Mover&, std::size_t, double) { return true; };
 
-  /// For each open task the others within the way that is expected to a next one.
-  void NextTasks() {
-    const auto n_tasks = At(pairs_.n_tasks);
+  PossiblePairs OpenAll(const OpenSites& open) const {
+    PossiblePairs pairs;
+    for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
+      if (open.task[x]) pairs.site_ids.push_back(static_cast<std::int32_t>(x));
+    }
+    pairs.n_tasks = static_cast<std::int32_t>(pairs.site_ids.size());
+    pairs.instance.capacity.assign(pairs.site_ids.size(), 1);
+    for (std::size_t y = 0; y < site_.charging_points.size(); ++y) {
+      if (open.place[y] <= 0) continue;
+      pairs.site_ids.push_back(static_cast<std::int32_t>(y));
+      pairs.instance.capacity.push_back(open.place[y]);
+    }
+    return pairs;
+  }
+  std::size_t n_tasks() const { return At(pairs_.n_tasks); }
+  std::size_t n_charges() const { return pairs_.site_ids.size() - n_tasks(); }
+  const Task& TaskAt(std::size_t s) const { return site_.tasks[At(pairs_.site_ids[s])]; }
+  double ToChargeFrom(std::size_t s) const {
+    return site_.task_to_charge_m[At(pairs_.site_ids[s])];
+  }
+  Point ChargeAt(std::size_t k) const {
+    return site_.charging_points[At(pairs_.site_ids[n_tasks() + k])].at;
+  }
+  std::vector<Point> TaskPlaces() const {
     std::vector<Point> places;
-    for (std::size_t s = 0; s < n_tasks; ++s) places.push_back(TaskAt(s).at);
-    next_index_.emplace(places);
-    next_radius_m_ =
-        std::sqrt(site_.width_m * site_.height_m / std::max(1.0, static_cast<double>(n_tasks)));
+    for (std::size_t s = 0; s < n_tasks(); ++s) places.push_back(TaskAt(s).at);
+    return places;
+  }
+  std::vector<Point> ChargePlaces() const {
+    std::vector<Point> places;
+    for (std::size_t k = 0; k < n_charges(); ++k) places.push_back(ChargeAt(k));
+    return places;
+  }
+  /// Mean distance between open tasks.
+  double MeanWay() const {
+    return std::sqrt(site_.width_m * site_.height_m /
+                     std::max(1.0, static_cast<double>(n_tasks())));
   }
 
   /// Tasks that each UAV can still do, without and with charging first.
   void ChargeWorths() {
-    const double open_tasks = std::max(1.0, static_cast<double>(pairs_.n_tasks));
+    const double open_tasks = std::max(1.0, static_cast<double>(n_tasks()));
     double cost = 0;
-    for (std::size_t s = 0; s < At(pairs_.n_tasks); ++s) cost += TaskAt(s).cost_m;
+    for (std::size_t s = 0; s < n_tasks(); ++s) cost += TaskAt(s).cost_m;
     cost /= open_tasks;
-    const double way =
-        settings_.expected_way * std::sqrt(site_.width_m * site_.height_m / open_tasks);
+    const double way = settings_.expected_way * MeanWay();
     for (const Participant& uav : participants_.uavs) {
       const double full = uav.agent->range_full_m;
       if (!settings_.charge_by_use) {
@@ -183,16 +225,22 @@ class PairFinder {
     }
   }
 
-  const Task& TaskAt(std::size_t s) const { return site_.tasks[At(pairs_.site_ids[s])]; }
+  /// Ways to the sites [begin, end).
+  std::size_t CountWays(const Ways& to_task, const Ways& to_charge, std::size_t begin,
+                        std::size_t end) const {
+    const auto charge = [&](std::size_t s) { return s < n_tasks() ? 0 : s - n_tasks(); };
+    return to_task.count(std::min(begin, n_tasks()), std::min(end, n_tasks())) +
+           to_charge.count(charge(begin), charge(end));
+  }
 
-  void AddSite(std::size_t s, SiteWays* ways) const {
-    if (s < At(pairs_.n_tasks)) {
-      AddTask(s, ways);
+  void AddSite(std::size_t s, Arcs* arcs) const {
+    if (s < n_tasks()) {
+      AddTask(s, arcs);
     } else {
-      AddCharge(At(pairs_.site_ids[s]), ways);
+      AddCharge(s - n_tasks(), arcs);
     }
-    ways->uav_end.push_back(static_cast<std::int32_t>(ways->uavs.size()));
-    ways->partner_end.push_back(static_cast<std::int32_t>(ways->partners.size()));
+    arcs->uav_end.push_back(static_cast<std::int32_t>(arcs->uavs.size()));
+    arcs->partner_end.push_back(static_cast<std::int32_t>(arcs->partners.size()));
   }
 
   std::int32_t Level(TimeUs arrive, TimeUs duration) const {
@@ -213,59 +261,47 @@ class PairFinder {
     return uav.idle_gain - (settings_.ties ? settings_.uav_way * way_m / uav.range_full_m : 0);
   }
 
-  /// The UAVs near a place for which reaches(UAV, metres) holds, ascending.
-  template <class Reaches>
-  void FindUavs(Point place, SiteWays* ways, const Reaches& reaches) const {
-    ways->near.clear();
-    uavs_.Near(place, [&](std::int32_t u, double way_m) {
-      if (reaches(uavs_[u], way_m)) ways->near.emplace_back(u, way_m);
-    });
-    if (!uavs_.ordered()) std::sort(ways->near.begin(), ways->near.end());
-  }
-
-  void AddPartners(const Movers& partners, std::int32_t first, Point at, TimeUs duration,
-                   std::int32_t task, SiteWays* ways) const {
-    ways->found.clear();
-    ways->order.clear();
-    partners.Near(at, [&](std::int32_t p, double way_m) {
-      const Mover& partner = partners[p];
-      const TimeUs travel = TravelUs(way_m, partner.speed_m_s);
-      if (travel > partner.latest_us - partner.ready_us - duration) return;
+  void AddPartners(std::span<const Way> ways, const std::vector<Mover>& partners,
+                   std::int32_t first, TimeUs duration, std::int32_t task, Arcs* arcs) const {
+    arcs->found.clear();
+    arcs->order.clear();
+    for (const Way& way : ways) {
+      const Mover& partner = partners[At(way.agent)];
+      const TimeUs travel = TravelUs(way.metres, partner.speed_m_s);
+      if (travel > partner.latest_us - partner.ready_us - duration) continue;
       Instance::PartnerArc arc;
-      arc.partner = first + p;
+      arc.partner = first + way.agent;
       arc.arrive_us = partner.ready_us + travel;
       arc.level = Level(arc.arrive_us, duration);
       arc.gain = PartnerGain(partner, travel);
       if (task >= 0) arc.gain += Jitter(AgentKind::kWorker, partner.id, task);
       arc.solo = false;
-      ways->order.push_back(
-          {static_cast<std::uint64_t>(arc.level) << 32 | static_cast<std::uint64_t>(arc.partner),
-           ways->found.size()});
-      ways->found.push_back(arc);
-    });
-    std::sort(ways->order.begin(), ways->order.end());
-    for (const auto& [key, i] : ways->order) ways->partners.push_back(ways->found[i]);
+      arcs->order.emplace_back(
+          static_cast<std::uint64_t>(arc.level) << 32 | static_cast<std::uint64_t>(arc.partner),
+          arcs->found.size());
+      arcs->found.push_back(arc);
+    }
+    std::sort(arcs->order.begin(), arcs->order.end());
+    for (const auto& [key, i] : arcs->order) arcs->partners.push_back(arcs->found[i]);
   }
 
-  /// The tasks that may follow this one, for a UAV of that speed.
-  void FindNext(std::size_t s, double speed_m_s, SiteWays* ways) const {
-    ways->next.clear();
-    next_index_->Within(TaskAt(s).at, next_radius_m_, [&](std::int32_t i, double way_m) {
+  /// The open tasks within the way that is expected to a next one, for a UAV of that speed.
+  void FindNext(std::size_t s, double speed_m_s, Arcs* arcs) const {
+    arcs->next.clear();
+    tasks_.Within(TaskAt(s).at, MeanWay(), [&](std::int32_t i, double way_m) {
       if (At(i) == s) return;
-      const Task& next = TaskAt(At(i));
-      ways->next.emplace_back(
-          way_m + next.cost_m + site_.task_to_charge_m[At(pairs_.site_ids[At(i)])],
-          TravelUs(way_m, speed_m_s) + SensingUs(next.cost_m, speed_m_s));
+      const double cost_m = TaskAt(At(i)).cost_m;
+      arcs->next.emplace_back(way_m + cost_m + ToChargeFrom(At(i)),
+                              TravelUs(way_m, speed_m_s) + SensingUs(cost_m, speed_m_s));
     });
   }
 
   /// What it is worth to be at a task at `end` with that range: the best task that the UAV can do
   /// next, if any.
-  double ChainGain(const Mover& uav, double range_m, TimeUs end, const SiteWays& ways) const {
-    const TimeUs interval = site_.rules.interval_us;
-    const TimeUs ready = DecisionAfter(end, interval);
+  double ChainGain(const Mover& uav, double range_m, TimeUs end, const Arcs& arcs) const {
+    const TimeUs ready = DecisionAfter(end, site_.rules.interval_us);
     TimeUs first_end = kNever;
-    for (const auto& [need_m, takes] : ways.next) {
+    for (const auto& [need_m, takes] : arcs.next) {
       if (need_m <= range_m && ready + takes <= uav.latest_us) {
         first_end = std::min(first_end, ready + takes);
       }
@@ -274,68 +310,62 @@ class PairFinder {
     return settings_.chain_worth * worths_.Of(worths_.Decisions(first_end - situation_.now_us));
   }
 
-  void AddTask(std::size_t s, SiteWays* ways) const {
+  void AddTask(std::size_t s, Arcs* arcs) const {
     const Task& task = TaskAt(s);
     const std::int32_t x = pairs_.site_ids[s];
-    const double to_charge_m = site_.task_to_charge_m[At(x)];
     double speed_m_s = -1;  // that duration and next tasks are of
     TimeUs duration = 0;
-    FindUavs(task.at, ways, [&](const Mover& uav, double way) {
-      return CanSense(uav.range_m, way, task.cost_m, to_charge_m);
-    });
-    for (const auto& [u, way] : ways->near) {
-      const Mover& uav = uavs_[u];
+    for (const Way& way : uavs_to_task_.to(s)) {
+      const Mover& uav = uavs_[At(way.agent)];
       if (uav.speed_m_s != speed_m_s) {
         speed_m_s = uav.speed_m_s;
         duration = SensingUs(task.cost_m, speed_m_s);
-        if (settings_.chains) FindNext(s, speed_m_s, ways);
+        if (settings_.chains) FindNext(s, speed_m_s, arcs);
       }
       Instance::UavArc arc;
-      arc.uav = u;
-      arc.arrive_us = uav.ready_us + TravelUs(way, speed_m_s);
+      arc.uav = way.agent;
+      arc.arrive_us = uav.ready_us + TravelUs(way.metres, speed_m_s);
       arc.duration_us = duration;
       if (arc.arrive_us + duration > uav.latest_us) continue;
       arc.level = Level(arc.arrive_us, duration);
       arc.base = Worths::kParts;
-      arc.pair_gain = UavGain(uav, way) + Jitter(AgentKind::kUav, uav.id, x);
+      arc.pair_gain = UavGain(uav, way.metres) + Jitter(AgentKind::kUav, uav.id, x);
       if (settings_.chains) {
         arc.pair_gain +=
-            ChainGain(uav, uav.range_m - way - task.cost_m, arc.arrive_us + duration, *ways);
+            ChainGain(uav, uav.range_m - way.metres - task.cost_m, arc.arrive_us + duration, *arcs);
       }
-      ways->uavs.push_back(arc);
+      arcs->uavs.push_back(arc);
     }
-    AddPartners(workers_, 0, task.at,
-                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x, ways);
+    AddPartners(workers_to_task_.to(s), workers_, 0,
+                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x, arcs);
   }
 
-  void AddCharge(std::size_t y, SiteWays* ways) const {
-    const Point at = site_.charging_points[y].at;
+  void AddCharge(std::size_t k, Arcs* arcs) const {
     TimeUs shortest = kNever;
-    FindUavs(at, ways,
-             [](const Mover& uav, double way) { return CanReachCharge(uav.range_m, way); });
-    for (const auto& [u, way] : ways->near) {
-      const Mover& uav = uavs_[u];
-      if (charge_worth_[At(u)] <= 0) continue;
+    for (const Way& way : uavs_to_charge_.to(k)) {
+      const Mover& uav = uavs_[At(way.agent)];
+      const double worth = charge_worth_[At(way.agent)];
+      if (!CanReachCharge(uav.range_m, way.metres) || worth <= 0) continue;
       Instance::UavArc arc;
-      arc.uav = u;
-      arc.arrive_us = uav.ready_us + TravelUs(way, uav.speed_m_s);
-      arc.missing_m = uav.range_full_m - (uav.range_m - way);
+      arc.uav = way.agent;
+      arc.arrive_us = uav.ready_us + TravelUs(way.metres, uav.speed_m_s);
+      arc.missing_m = uav.range_full_m - (uav.range_m - way.metres);
       const TimeUs duration =
           fastest_charge_m_s_ > 0 ? TravelUs(arc.missing_m, fastest_charge_m_s_) : kNever;
       if (duration == kNever || arc.arrive_us + duration > uav.latest_us) continue;
       shortest = std::min(shortest, duration);
       arc.level = Level(arc.arrive_us, duration);
-      arc.base = Worths::kParts * charge_worth_[At(u)];
-      arc.pair_gain = UavGain(uav, way);
-      ways->uavs.push_back(arc);
+      arc.base = Worths::kParts * worth;
+      arc.pair_gain = UavGain(uav, way.metres);
+      arcs->uavs.push_back(arc);
     }
     if (shortest == kNever) return;
-    AddPartners(vehicles_, static_cast<std::int32_t>(workers_.all().size()), at, shortest, -1,
-                ways);
+    AddPartners(vehicles_to_charge_.to(k), vehicles_, static_cast<std::int32_t>(workers_.size()),
+                shortest, -1, arcs);
   }
 
-  /// The ways to all sites, those of the second run after those of the first.
-  void Join(SiteWays* first, SiteWays* second) {
+  /// The arcs of all sites, those of the second run after those of the first.
+  void Join(Arcs* first, Arcs* second) {
     Instance& instance = pairs_.instance;
     const auto join = [](auto* begins, auto* arcs, auto* run, const auto& ends) {
       const auto before = static_cast<std::int32_t>(arcs->size());
@@ -348,24 +378,23 @@ class PairFinder {
     };
     instance.uav_begin.push_back(0);
     instance.partner_begin.push_back(0);
-    for (SiteWays* ways : {first, second}) {
-      join(&instance.uav_begin, &instance.uav_arcs, &ways->uavs, ways->uav_end);
-      join(&instance.partner_begin, &instance.partner_arcs, &ways->partners, ways->partner_end);
+    for (Arcs* run : {first, second}) {
+      join(&instance.uav_begin, &instance.uav_arcs, &run->uavs, run->uav_end);
+      join(&instance.partner_begin, &instance.partner_arcs, &run->partners, run->partner_end);
     }
   }
 
   const Situation& situation_;
   const Site& site_;
   const Participants& participants_;
-  const OpenSites& open_;
   const HorizonSettings& settings_;
   int threads_;
   Worths worths_;
-  Movers uavs_, workers_, vehicles_;
+  std::vector<Mover> uavs_, workers_, vehicles_;
   PossiblePairs pairs_;
+  GridIndex tasks_, charges_;  ///< the open ones, in the order of the sites
+  Ways uavs_to_task_, uavs_to_charge_, workers_to_task_, vehicles_to_charge_;
   std::vector<double> charge_worth_;  ///< [n_uavs]
-  std::optional<GridIndex> next_index_;
-  double next_radius_m_ = 0;
   double fastest_uav_m_s_ = 0, fastest_charge_m_s_ = 0;
 };
 
