@@ -90,7 +90,7 @@ configure_package_config_file(cmake/MusterConfig.cmake.in "${PROJECT_BINARY_DIR}
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/MusterConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/MusterConfig.cmake"
-  "${PROJECT_BINARY_DIR}/MusterConfigVersion.cmake" cmake/FindLcm.cmake
+  "${PROJECT_BINARY_DIR}/MusterConfigVersion.cmake" cmake/FindLcm.cmake cmake/FindSodium.cmake
   DESTINATION "${package_dir}" COMPONENT dev)
 file(RELATIVE_PATH up "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(cmake/muster.pc.in "${PROJECT_BINARY_DIR}/muster.pc" @ONLY)
@@ -116,7 +116,7 @@ set(CPACK_COMPONENT_MUSTER_DESCRIPTION
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME muster-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION devel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "muster (= ${PROJECT_VERSION}), liblcm-dev, liblcm-bin, libglib2.0-dev, libfmt-dev, libeigen3-dev, pkg-config")
+  "muster (= ${PROJECT_VERSION}), liblcm-dev, liblcm-bin, libglib2.0-dev, libfmt-dev, libeigen3-dev, libsodium-dev, pkg-config")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "libraries and headers for policies and processes of Muster missions\nStatic libraries, headers, CMake package and pkg-config file.")
 include(CPack)

@@ -60,7 +60,7 @@ class Scanner {
            Skip(static_cast<std::uint64_t>(count) * element_bytes);
   }
 
-  bool at_end() const { return rest_.empty(); }
+  std::size_t left() const { return rest_.size(); }
 
  private:
   Bytes rest_;
@@ -124,26 +124,28 @@ std::uint64_t ReadFingerprint(Bytes bytes) {
   return value;
 }
 
+/// How many bytes are behind the whole message that the bytes begin with; none: there is none.
 template <class T>
-bool IsWhole(Bytes bytes) {
+std::optional<std::size_t> BytesBehind(Bytes bytes) {
   if (bytes.size() < kFingerprintBytes ||
       bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    return false;
+    return std::nullopt;
   }
-  if (ReadFingerprint(bytes) != static_cast<std::uint64_t>(T::getHash())) return false;
+  if (ReadFingerprint(bytes) != static_cast<std::uint64_t>(T::getHash())) return std::nullopt;
   Scanner in(bytes.subspan(kFingerprintBytes));
-  return Scan(in, static_cast<const T*>(nullptr)) && in.at_end();
+  if (!Scan(in, static_cast<const T*>(nullptr))) return std::nullopt;
+  return in.left();
 }
 
 struct TypeRow {
   std::string_view name;
-  bool (*is_whole)(Bytes);
+  std::optional<std::size_t> (*bytes_behind)(Bytes);
   std::int64_t (*fingerprint)();
 };
 
 template <class T>
 TypeRow RowOf() {
-  return {T::getTypeName(), &IsWhole<T>, &T::getHash};
+  return {T::getTypeName(), &BytesBehind<T>, &T::getHash};
 }
 
 const TypeRow* FindType(std::string_view name) {
@@ -240,7 +242,7 @@ std::vector<std::uint8_t> Encode(const T& message) {
 template <class T>
 std::optional<T> Decode(Bytes bytes) noexcept {
   try {
-    if (!IsWhole<T>(bytes)) return std::nullopt;
+    if (BytesBehind<T>(bytes) != 0) return std::nullopt;
     std::optional<T> message(std::in_place);
     const int size = static_cast<int>(bytes.size());
     if (message->decode(bytes.data(), 0, size) != size) return std::nullopt;
@@ -311,7 +313,7 @@ std::optional<header_t> DecodeHeader(const Packet& packet) noexcept {
   if (channel == nullptr) return std::nullopt;
   const TypeRow* type = FindType(channel->type);
   try {
-    if (type == nullptr || !type->is_whole(packet.bytes)) return std::nullopt;
+    if (type == nullptr || type->bytes_behind(packet.bytes) != 0) return std::nullopt;
     std::optional<header_t> header(std::in_place);
     const int size = static_cast<int>(packet.bytes.size() - kFingerprintBytes);
     if (header->_decodeNoHash(packet.bytes.data(), kFingerprintBytes, size) < 0)
@@ -321,6 +323,13 @@ std::optional<header_t> DecodeHeader(const Packet& packet) noexcept {
   } catch (const std::exception&) {
     return std::nullopt;
   }
+}
+
+std::optional<std::size_t> BytesBehindMessage(const Packet& packet) noexcept {
+  const Channel* channel = FindChannel(packet.channel);
+  const TypeRow* type = channel == nullptr ? nullptr : FindType(channel->type);
+  if (type == nullptr) return std::nullopt;
+  return type->bytes_behind(packet.bytes);
 }
 
 std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept {

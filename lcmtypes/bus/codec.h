@@ -65,6 +65,10 @@ std::optional<T> DecodeValid(std::span<const std::uint8_t> bytes) noexcept {
 /// whoever counts messages of any type, such as a recorder. Does not decode the rest.
 std::optional<header_t> DecodeHeader(const Packet& packet) noexcept;
 
+/// How many bytes a packet has behind the whole message of its channel's type that it begins with;
+/// none where it begins with none, or the channel is not of the table. Does not decode it.
+std::optional<std::size_t> BytesBehindMessage(const Packet& packet) noexcept;
+
 /// The type's fingerprint, as in a message's first eight bytes; none for a name that is no type of
 /// the channel table.
 std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept;

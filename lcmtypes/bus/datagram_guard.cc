@@ -11,6 +11,7 @@
 #include <cstring>
 #include <utility>
 
+#include "lcmtypes/bus/seal.h"
 #include "lcmtypes/channels.h"
 
 namespace muster {
@@ -38,7 +39,7 @@ constexpr std::uint32_t kRoom = 3;     // bytes of the message from the fragment
 constexpr std::uint32_t LargestMessage() {
   std::int64_t most = 0;
   for (const Channel& row : kChannels) most = std::max(most, row.max_bytes);
-  return static_cast<std::uint32_t>(most);
+  return static_cast<std::uint32_t>(most) + kTagBytes;
 }
 
 /// Builds a program. Every test is "drop unless": what follows it may rely on it.

@@ -13,6 +13,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "lcmtypes/channels.h"
 
 namespace muster {
 namespace {
@@ -138,6 +139,16 @@ void EventLogReader::SkipGarbage() {
 }
 
 std::optional<LogEvent> EventLogReader::Next() {
+  while (std::optional<LogEvent> event = NextOfAll()) {
+    event->tag = CutTag(&event->packet);
+    const bool ours = FindChannel(event->packet.channel) != nullptr;
+    if (!seal_ || !ours || seal_->Holds(event->packet, event->tag)) return event;
+    ++refused_;
+  }
+  return std::nullopt;
+}
+
+std::optional<LogEvent> EventLogReader::NextOfAll() {
   for (;;) {
     if (available() == 0 && !ReadMore()) return std::nullopt;
     std::size_t size = EventSize(begin_);

@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/seal.h"
 
 struct _lcm_eventlog_t;
 
@@ -17,7 +19,8 @@ namespace muster {
 struct LogEvent {
   std::int64_t number = 0;       ///< as counted by the writer, from 0
   std::int64_t received_us = 0;  ///< wall time, microseconds since the Unix epoch
-  Packet packet;
+  Packet packet;                 ///< without the tag
+  Tag tag = {};                  ///< of a sealed mission's message (seal.h); empty: none
   bool operator==(const LogEvent&) const = default;
 };
 
@@ -42,6 +45,10 @@ class EventLogReader {
   /// may have grown. Throws SystemError when reading fails or the file became shorter.
   std::optional<LogEvent> Next();
 
+  /// From now on what is on channels of ours without the right tag is left out, and counted.
+  void OnlyWith(std::optional<Seal> seal) { seal_ = std::move(seal); }
+  std::int64_t refused() const { return refused_; }
+
   /// Bytes that belonged to no event.
   std::int64_t garbage_bytes() const { return garbage_bytes_; }
   /// Bytes read behind the last event: the start of one that is not complete yet. 0 with kFinal
@@ -49,6 +56,7 @@ class EventLogReader {
   std::int64_t pending_bytes() const { return static_cast<std::int64_t>(buffer_.size() - begin_); }
 
  private:
+  std::optional<LogEvent> NextOfAll();
   std::size_t available() const { return buffer_.size() - begin_; }
   bool ReadMore();
   bool Ensure(std::size_t bytes);
@@ -63,6 +71,8 @@ class EventLogReader {
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  ///< of what is not handed out yet
   std::int64_t garbage_bytes_ = 0;
+  std::optional<Seal> seal_;
+  std::int64_t refused_ = 0;
 };
 
 /// Writes a log that lcm-logplayer and other tools of LCM read.

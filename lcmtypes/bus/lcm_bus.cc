@@ -83,7 +83,8 @@ std::string LcmVersion() {
 
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
-LcmBus::LcmBus(const std::string& url) : url_(url), parts_(ParseMulticastUrl(url)) {
+LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes)
+    : url_(url), tag_bytes_(tag_bytes), parts_(ParseMulticastUrl(url)) {
   // LCM's own self-test speaks to stderr only and may abort: what it needs is looked at first.
   if (const auto problem = MulticastProblem(parts_.address)) {
     throw SystemError(fmt::format(
@@ -154,7 +155,7 @@ int LcmBus::Send(const std::string& channel, const void* data, std::size_t size)
 }
 
 void LcmBus::Publish(const Packet& packet) {
-  RequireAcceptable(packet);
+  RequireAcceptable(packet, tag_bytes_);
   if (!outage_.empty()) {
     ++counters_.not_sent;
     return;
@@ -268,7 +269,8 @@ void LcmBus::OnMessage(const lcm_recv_buf_t* message, const char* channel, void*
   try {
     const auto* data = static_cast<const std::uint8_t*>(message->data);
     const Channel* row = FindChannel(channel);
-    if (row == nullptr || message->data_size > static_cast<std::uint64_t>(row->max_bytes)) {
+    if (row == nullptr ||
+        message->data_size > static_cast<std::size_t>(row->max_bytes) + self->tag_bytes_) {
       ++self->counters_.rejected;
       return;
     }

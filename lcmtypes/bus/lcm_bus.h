@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -36,7 +37,8 @@ class LcmBus : public Bus {
  public:
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a
   /// bad URL, SystemError, saying what to do, when the host does not carry multicast.
-  explicit LcmBus(const std::string& url);
+  /// `tag_bytes`: how much longer than the channel table says a packet may be, both ways.
+  explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0);
   ~LcmBus() override;
 
   void Publish(const Packet& packet) override;
@@ -65,6 +67,7 @@ class LcmBus : public Bus {
   void Probe();
 
   std::string url_;
+  std::size_t tag_bytes_;
   MulticastUrl parts_;
   std::unique_ptr<_lcm_t, Destroy> lcm_;
   int fd_ = -1;

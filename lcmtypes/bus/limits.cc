@@ -12,12 +12,12 @@ bool Acceptable(const Packet& packet) {
   return channel != nullptr && packet.bytes.size() <= static_cast<std::size_t>(channel->max_bytes);
 }
 
-void RequireAcceptable(const Packet& packet) {
+void RequireAcceptable(const Packet& packet, std::size_t tag_bytes) {
   const Channel* channel = FindChannel(packet.channel);
   if (channel == nullptr) {
     throw SystemError(fmt::format("cannot publish: no channel '{}'", packet.channel));
   }
-  if (packet.bytes.size() > static_cast<std::size_t>(channel->max_bytes)) {
+  if (packet.bytes.size() > static_cast<std::size_t>(channel->max_bytes) + tag_bytes) {
     throw SystemError(fmt::format("cannot publish on {}: message of {} bytes, at most {} allowed",
                                   packet.channel, packet.bytes.size(), channel->max_bytes));
   }

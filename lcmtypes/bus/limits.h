@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "lcmtypes/bus/bus.h"
 
 namespace muster {
@@ -8,7 +10,8 @@ namespace muster {
 /// maximum.
 bool Acceptable(const Packet& packet);
 
-/// Throws SystemError, naming channel, size and limit, when receivers would not accept the packet.
-void RequireAcceptable(const Packet& packet);
+/// Throws SystemError, naming channel, size and limit, when receivers would not accept the packet,
+/// `tag_bytes` of which are behind the message.
+void RequireAcceptable(const Packet& packet, std::size_t tag_bytes = 0);
 
 }  // namespace muster

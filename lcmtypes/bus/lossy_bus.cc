@@ -38,7 +38,9 @@ void LossyBus::SetFaults(const PacketFaults& faults) {
 
 bool LossyBus::IsUnheard(const Packet& packet) const {
   if (faults_.unheard.empty()) return false;
-  const std::optional<header_t> header = DecodeHeader(packet);
+  Packet message = packet;
+  CutTag(&message);
+  const std::optional<header_t> header = DecodeHeader(message);
   return header && faults_.unheard.count(header->sender) > 0;
 }
 
@@ -47,7 +49,22 @@ void LossyBus::Publish(const Packet& packet) {
     ++counters_.lost;
     return;
   }
-  bus_->Publish(packet);
+  bus_->Publish(seal_ ? seal_->Closed(packet) : packet);
+}
+
+void LossyBus::Open(std::vector<Packet>* packets) {
+  if (!seal_) return;
+  std::vector<Packet> opened;
+  opened.reserve(packets->size());
+  for (Packet& packet : *packets) {
+    if (seal_->Open(&packet)) {
+      opened.push_back(std::move(packet));
+    } else {
+      ++refused_;
+      newest_refused_ = std::move(packet);
+    }
+  }
+  *packets = std::move(opened);
 }
 
 void LossyBus::Admit(Packet packet, std::int64_t now_us) {
@@ -125,6 +142,7 @@ std::vector<Packet> LossyBus::Receive(std::int64_t timeout_us) {
     for (Packet& packet : arrived) Admit(std::move(packet), now_us);
     if (arrived.empty()) Release(now_us);  // nothing came that could pass
     std::vector<Packet> due = TakeDue(now_us);
+    Open(&due);
     // Empty-handed before its time: a signal came, which ends the wait.
     const bool interrupted = arrived.empty() && now_us < wake_us;
     if (!due.empty() || interrupted || now_us >= deadline_us) return due;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/seal.h"
 
 namespace muster {
 
@@ -48,6 +50,14 @@ class LossyBus : public Bus {
   LossyBus(std::unique_ptr<Bus> bus, std::uint64_t seed, std::string_view name,
            std::function<std::int64_t()> now_us);
 
+  /// From now on what is sent has a tag, and of what arrives only that comes through which has the
+  /// right one. A network's faults come before: what they damage is refused.
+  void SetSeal(Seal seal) { seal_ = std::move(seal); }
+  /// Packets that came without the right tag.
+  std::int64_t refused() const { return refused_; }
+  /// The newest of them.
+  const Packet& newest_refused() const { return newest_refused_; }
+
   /// From now on; shares outside [0, 1] or negative times are a broken invariant. What is being
   /// delayed stays so.
   void SetFaults(const PacketFaults& faults);
@@ -68,6 +78,8 @@ class LossyBus : public Bus {
   void Admit(Packet packet, std::int64_t now_us);
   void Release(std::int64_t now_us);
   bool IsUnheard(const Packet& packet) const;
+  /// Takes tags off, and out what has none.
+  void Open(std::vector<Packet>* packets);
   std::vector<Packet> TakeDue(std::int64_t now_us);
 
   std::unique_ptr<Bus> bus_;
@@ -79,6 +91,9 @@ class LossyBus : public Bus {
   std::uint64_t released_ = 0;
   std::vector<std::pair<Packet, std::int64_t>> held_back_;  ///< with their delay
   std::map<Key, Packet> in_flight_;
+  std::optional<Seal> seal_;
+  std::int64_t refused_ = 0;
+  Packet newest_refused_;
 };
 
 }  // namespace muster

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/seal.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/datagrams.h"
 #include "tests/lcmtypes/test_network.h"
@@ -89,9 +90,10 @@ TEST_P(DatagramGuardTest, LetsMessagesOfEverySizePass) {
   for (std::size_t size = 0; size < 300; ++size) {
     ASSERT_TRUE(socket.Passes(DatagramsOf(channel::kScenario, Datagram(size, 'x')).front()));
   }
-  // About where one datagram ends, and two, and three; and the largest.
+  // About where one datagram ends, and two, and three; and the largest, with its tag.
+  constexpr std::size_t kLargest = (64 << 20) + kTagBytes;
   for (const std::size_t middle : {65'487u, 130'958u, 196'461u, 1'000'000u, 64u << 20}) {
-    for (std::size_t size = middle - 40; size <= std::min<std::size_t>(middle + 40, 64 << 20);
+    for (std::size_t size = middle - 40; size <= std::min<std::size_t>(middle + 40, kLargest);
          size += 4) {
       const auto datagrams = DatagramsOf(channel::kScenario, Datagram(size, 'x'));
       for (const std::size_t i : {std::size_t{0}, datagrams.size() / 2, datagrams.size() - 1}) {
@@ -135,20 +137,20 @@ TEST_P(DatagramGuardTest, DropsFragmentsThatContradictThemselves) {
   EXPECT_TRUE(socket.Passes(Fragment({1, 200, 100, 1, 2}, next)));
   EXPECT_TRUE(socket.Passes(Fragment({1, 100, 0, 0, 1}, first)));
   const FragmentHeader bad[] = {
-      {1, 200, 0xFFFFFF00, 1, 2},         // written out of bounds: offset + 100 is 0xFFFFFF64
-      {1, 200, 0xFFFFFF9C, 1, 2},         // offset + 100 is 0
-      {1, 200, 0xFFFFFFFF, 1, 2},         //
-      {1, 200, 101, 1, 2},                // one byte too far
-      {1, 200, 99, 1, 2},                 // the last does not end the message
-      {1, 200, 100, 2, 2},                // number beyond the count
-      {1, 200, 100, 1, 1},                //
-      {1, 200, 100, 65535, 2},            //
-      {1, 200, 100, 1, 0},                //
-      {1, 0, 0, 1, 2},                    // empty
-      {1, 99, 0, 1, 2},                   // smaller than its part
-      {1, (64 << 20) + 1, 100, 1, 4000},  // larger than any of ours
-      {1, 0xFFFFFFFF, 100, 1, 65535},     //
-      {1, 1001, 100, 1, 10},              // ten of these make up less
+      {1, 200, 0xFFFFFF00, 1, 2},          // written out of bounds: offset + 100 is 0xFFFFFF64
+      {1, 200, 0xFFFFFF9C, 1, 2},          // offset + 100 is 0
+      {1, 200, 0xFFFFFFFF, 1, 2},          //
+      {1, 200, 101, 1, 2},                 // one byte too far
+      {1, 200, 99, 1, 2},                  // the last does not end the message
+      {1, 200, 100, 2, 2},                 // number beyond the count
+      {1, 200, 100, 1, 1},                 //
+      {1, 200, 100, 65535, 2},             //
+      {1, 200, 100, 1, 0},                 //
+      {1, 0, 0, 1, 2},                     // empty
+      {1, 99, 0, 1, 2},                    // smaller than its part
+      {1, (64 << 20) + 17, 100, 1, 4000},  // larger than any of ours
+      {1, 0xFFFFFFFF, 100, 1, 65535},      //
+      {1, 1001, 100, 1, 10},               // ten of these make up less
   };
   for (const FragmentHeader& header : bad) {
     EXPECT_FALSE(socket.Passes(Fragment(header, next)))

@@ -1,0 +1,169 @@
+#include "lcmtypes/bus/seal.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <limits>
+
+#include "base/check.h"
+#include "base/text.h"
+#include "lcmtypes/bus/codec.h"
+
+namespace muster {
+namespace {
+
+constexpr std::string_view kExpected =
+    "64 hexadecimal digits, and the run id where it is of one run";
+constexpr std::size_t kLongestText = 200;
+
+void StartSodium() { MUSTER_CHECK(sodium_init() >= 0, "libsodium"); }
+
+/// Of what a file or a pipe holds, the first line or as much of it as a key may have.
+std::string FirstLine(int fd, const std::string& from) {
+  std::string text;
+  char c = 0;
+  while (text.size() < kLongestText) {
+    const ssize_t got = read(fd, &c, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw InputError(fmt::format("{}: {}", from, std::strerror(errno)));
+    if (got == 0 || c == '\n') break;
+    text += c;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string SodiumVersion() { return sodium_version_string(); }
+
+Tag CutTag(Packet* packet) {
+  if (BytesBehindMessage(*packet) != kTagBytes) return {};
+  const auto end = packet->bytes.end() - static_cast<std::ptrdiff_t>(kTagBytes);
+  Tag tag(end, packet->bytes.end());
+  packet->bytes.erase(end, packet->bytes.end());
+  return tag;
+}
+
+Packet WithTag(Packet packet, const Tag& tag) {
+  packet.bytes.insert(packet.bytes.end(), tag.begin(), tag.end());
+  return packet;
+}
+
+SealKey SealKey::Fresh(std::int64_t run_id) {
+  StartSodium();
+  SealKey key;
+  randombytes_buf(key.bytes.data(), key.bytes.size());
+  key.run_id = run_id;
+  return key;
+}
+
+SealKey SealKey::Parse(std::string_view text, const std::string& from) {
+  const auto fail = [&] { throw InputError(from, "key", "another text", kExpected); };
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
+  SealKey key;
+  const std::string_view digits = text.substr(0, 2 * key.bytes.size());
+  std::size_t n = 0;
+  if (sodium_hex2bin(key.bytes.data(), key.bytes.size(), digits.data(), digits.size(), nullptr, &n,
+                     nullptr) != 0 ||
+      n != key.bytes.size()) {
+    fail();
+  }
+  text.remove_prefix(digits.size());
+  if (text.empty()) return key;
+  if (text.front() != ' ') fail();
+  key.run_id = ToInteger(text.substr(1), std::numeric_limits<std::int64_t>::min());
+  if (!key.run_id) fail();
+  return key;
+}
+
+SealKey SealKey::Load(const std::string& file) {
+  if (file == "-") return Parse(FirstLine(STDIN_FILENO, "stdin"), "stdin");
+  const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  if (fd < 0 || fstat(fd, &status) != 0) {
+    const int error = errno;
+    if (fd >= 0) close(fd);
+    throw InputError(fmt::format("{}: {}", file, std::strerror(error)));
+  }
+  std::string text;
+  const mode_t others = status.st_mode & (S_IRWXG | S_IRWXO);
+  // A pipe is of whoever holds its ends.
+  const bool open_to_others = S_ISREG(status.st_mode) && others != 0;
+  try {
+    if (!open_to_others) text = FirstLine(fd, file);
+  } catch (...) {
+    close(fd);
+    throw;
+  }
+  close(fd);
+  if (open_to_others) {
+    throw InputError(file, "mode", fmt::format("{:04o}", status.st_mode & 07777U),
+                     "a key that its owner alone can read (chmod 600)");
+  }
+  return Parse(text, file);
+}
+
+std::string SealKey::Text() const {
+  std::array<char, 2 * sizeof bytes + 1> digits{};
+  sodium_bin2hex(digits.data(), digits.size(), bytes.data(), bytes.size());
+  return fmt::format("{}{}\n", digits.data(), run_id ? fmt::format(" {}", *run_id) : "");
+}
+
+SealKey SealKey::Of(std::int64_t run, const std::string& from) const {
+  if (run_id && *run_id != run) {
+    throw InputError(from, "key", fmt::format("that of run {}", *run_id),
+                     fmt::format("one of run {}, or of no run", run));
+  }
+  if (run_id) return *this;
+  StartSodium();
+  SealKey derived;
+  derived.run_id = run;
+  const std::string text = fmt::format("muster run {}", run);
+  crypto_generichash(derived.bytes.data(), derived.bytes.size(),
+                     reinterpret_cast<const unsigned char*>(text.data()), text.size(), bytes.data(),
+                     bytes.size());
+  return derived;
+}
+
+Seal::Seal(const SealKey& key) : key_(key) {
+  StartSodium();
+  MUSTER_CHECK(key_.run_id.has_value(), "a run's key");
+}
+
+Tag Seal::TagOf(const Packet& packet) const {
+  Tag tag(kTagBytes);
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, key_.bytes.data(), key_.bytes.size(), kTagBytes);
+  // With the NUL behind the name: no name and message make another pair's bytes.
+  crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(packet.channel.c_str()),
+                            packet.channel.size() + 1);
+  crypto_generichash_update(&state, packet.bytes.data(), packet.bytes.size());
+  crypto_generichash_final(&state, tag.data(), kTagBytes);
+  return tag;
+}
+
+bool Seal::Holds(const Packet& packet, const Tag& tag) const {
+  return tag.size() == kTagBytes && sodium_memcmp(TagOf(packet).data(), tag.data(), kTagBytes) == 0;
+}
+
+Packet Seal::Closed(Packet packet) const {
+  const Tag tag = TagOf(packet);
+  return WithTag(std::move(packet), tag);
+}
+
+bool Seal::Open(Packet* packet) const {
+  if (packet->bytes.size() < kTagBytes) return false;
+  const auto end = packet->bytes.end() - static_cast<std::ptrdiff_t>(kTagBytes);
+  const Tag tag(end, packet->bytes.end());
+  packet->bytes.erase(end, packet->bytes.end());
+  if (Holds(*packet, tag)) return true;
+  packet->bytes.insert(packet->bytes.end(), tag.begin(), tag.end());
+  return false;
+}
+
+}  // namespace muster
