@@ -11,6 +11,9 @@
 namespace muster {
 namespace {
 
+/// A fault plan has some tens; who floods a process with ended ones gets no more memory than this.
+constexpr std::size_t kMostOver = 1000;
+
 std::set<std::string> Names(std::string_view list) {
   std::set<std::string> names;
   while (!list.empty()) {
@@ -77,7 +80,7 @@ std::optional<event_t> FaultSwitch::Take(const fault_t& fault) {
   if (!Concerns(fault, name_)) return {};
   const bool ends = fault.for_us == 0;
   const auto active = active_.find(fault.fault_id);
-  if (ends == (active == active_.end())) return {};
+  if (ends == (active == active_.end()) || (!ends && over_.contains(fault.fault_id))) return {};
   const std::int64_t hits = Hits(static_cast<FaultKind>(fault.kind));
   event_t event{};
   event.kind = NumberOf(ends ? EventKind::kFaultEnded : EventKind::kFaultApplied);
@@ -87,6 +90,7 @@ std::optional<event_t> FaultSwitch::Take(const fault_t& fault) {
   event.detail = ends ? HitsText(name_, hits - active->second.hits_before) : name_;
   if (ends) {
     active_.erase(active);
+    if (over_.size() < kMostOver) over_.insert(fault.fault_id);
   } else {
     active_.emplace(fault.fault_id, Active{fault, hits});
   }

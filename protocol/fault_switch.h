@@ -55,6 +55,7 @@ class FaultSwitch {
   PacketFaults always_;  ///< as found
   std::function<std::int64_t()> rejected_;
   std::map<std::string, Active> active_;
+  std::set<std::string> over_;  ///< their order, heard once more, is no new one
 };
 
 }  // namespace muster

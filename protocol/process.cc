@@ -45,7 +45,7 @@ void Process::ReportStatus(const Usage& usage, const Now& now) {
   status.tick = tick();
   status.received = inbox_.counters().received;
   status.lost = inbox_.lost();
-  status.rejected = inbox_.counters().rejected;
+  status.rejected = rejected();
   status.resent = sender_.resent();
   status.cpu_s = usage.cpu_s;
   status.rss_bytes = usage.rss_bytes;

@@ -52,7 +52,9 @@ class Process {
   void Announce(event_t event, const Now& now);
 
   /// Packets that were no message of this mission, or an impossible one.
-  std::int64_t rejected() const { return inbox_.counters().rejected; }
+  std::int64_t rejected() const { return inbox_.counters().rejected + refused_; }
+  /// How many its bus has refused so far: they count as rejected.
+  void NoteRefused(std::int64_t refused) { refused_ = refused; }
 
   ProcessState state() const { return state_; }
   const Inbox::Counters& counters() const { return inbox_.counters(); }
@@ -78,6 +80,7 @@ class Process {
   Inbox inbox_;
   ProcessState state_ = ProcessState::kStarting;
   TimeUs sim_us_ = 0;
+  std::int64_t refused_ = 0;
 };
 
 /// std::visit with a lambda a type; messages that no lambda names are ignored.

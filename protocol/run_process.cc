@@ -19,6 +19,7 @@
 #include "lcmtypes/bus/lcm_bus.h"
 #include "protocol/drive.h"
 #include "protocol/outage_watch.h"
+#include "protocol/refusal_watch.h"
 
 namespace muster {
 namespace {
@@ -83,6 +84,9 @@ void AddProcessOptions(Options* options, std::string_view default_name) {
             "none records")
       .Integer(0, std::numeric_limits<int>::max())
       .Default(0);
+  options->Add("key", "FILE",
+               "The mission is sealed, and this is its key (docs/seal.md); -: the first line of "
+               "stdin");
   options->Add("drop", "P", "Share of received packets to drop, 0 to 1").Number({0, 1}).Default(0);
   options->Add("drop-seed", "N", "Seed of --drop").Seed().Default(1);
   options->Quiet();
@@ -98,6 +102,10 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   flags.drop = arguments.Get<double>("drop");
   flags.drop_seed = arguments.Get<std::uint64_t>("drop-seed");
   flags.quiet = arguments.Has("quiet");
+  if (arguments.Has("key")) {
+    const std::string file = arguments.Get("key");
+    flags.seal.emplace(SealKey::Load(file).Of(flags.identity.run_id, file));
+  }
   if (HasControls(flags.identity.name)) {
     throw InputError("command line", "--name", Printable(flags.identity.name),
                      "a name without control characters");
@@ -110,8 +118,10 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
 }
 
 std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags) {
-  auto bus = std::make_unique<LossyBus>(std::make_unique<LcmBus>(flags.lcm_url), flags.drop_seed,
-                                        flags.identity.name, &MonotonicUs);
+  auto bus = std::make_unique<LossyBus>(
+      std::make_unique<LcmBus>(flags.lcm_url, flags.seal ? kTagBytes : 0), flags.drop_seed,
+      flags.identity.name, &MonotonicUs);
+  if (flags.seal) bus->SetSeal(*flags.seal);
   bus->SetFaults({.loss = flags.drop});
   return bus;
 }
@@ -120,9 +130,12 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
   CatchStopSignals();
   Drive drive(process, bus);
   OutageWatch network;
+  RefusalWatch refusals;
   const auto look_at_network = [&] {
-    const auto line = network.Line(bus->Outage(), MonotonicUs());
-    if (line) fmt::print(stderr, "{}: {}\n", process->identity().name, *line);
+    for (const auto& line :
+         {network.Line(bus->Outage(), MonotonicUs()), refusals.Line(*bus, MonotonicUs())}) {
+      if (line) fmt::print(stderr, "{}: {}\n", process->identity().name, *line);
+    }
   };
   // Nobody can answer in an outage: its time does not count.
   const auto clock = [bus] {

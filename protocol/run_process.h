@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,7 @@ struct ProcessFlags {
   double drop = 0;
   std::uint64_t drop_seed = 0;
   bool quiet = false;
+  std::optional<Seal> seal = {};
 };
 
 void AddProcessOptions(Options* options, std::string_view default_name);
@@ -36,7 +38,7 @@ void AddProcessOptions(Options* options, std::string_view default_name);
 /// nobody listens to another on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 
-/// The bus of these flags: LCM, lossy as --drop says.
+/// The bus of these flags: LCM, sealed as --key and lossy as --drop say.
 std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);
 
 /// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's

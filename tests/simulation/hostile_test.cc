@@ -201,6 +201,49 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
   }
 }
 
+/// What a seal cannot refuse: a true message, heard before and said again. Whoever is killed while
+/// that goes on takes no old state for the present one.
+TEST(Hostile, WhatWasSaidBeforeChangesNothingWhenItIsSaidAgain) {
+  const std::string json = ScenarioToJson(Generate(PresetByName("Random_10"), 5));
+  RunRecord expected;
+  Simulate(json, "mpq", [&](const Packet& packet) { expected.Add(packet); });
+  const std::vector<std::string> names = {"world", "uav", "worker", "vehicle", "scheduler"};
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed, Stream::kTest);
+    Crew network({.loss = 0.05}, seed);
+    std::map<std::string, std::int64_t> boots;
+    for (const std::string& name : names) network.Add(StartProcess(name, 0, json));
+    std::vector<Packet> heard;
+    RunRecord record;
+    bool ended = false;
+    network.set_intruder([&](const Packet& packet) {
+      heard.push_back(packet);
+      return heard[random.Below(static_cast<std::uint32_t>(heard.size()))];
+    });
+    const auto observe = [&](const Packet& packet) {
+      record.Add(packet);
+      if (packet.channel == channel::kClock) {
+        ended |= Decode<muster::clock_t>(packet.bytes)->phase == 2;
+      }
+    };
+    constexpr TimeUs kLimitUs = 3600 * kSecondUs;
+    for (int i = 0; i < 6; ++i) {
+      const std::size_t until = heard.size() + 50 + random.Below(1000);
+      network.Run(
+          kLimitUs, [&] { return ended || heard.size() >= until; }, observe);
+      if (ended) break;
+      const std::string& victim =
+          i % 2 == 0 ? names[0] : names[random.Below(static_cast<std::uint32_t>(names.size()))];
+      network.Kill(victim);
+      network.Add(StartProcess(victim, ++boots[victim], json));
+    }
+    ASSERT_TRUE(network.Run(
+        kLimitUs, [&] { return ended; }, observe));
+    EXPECT_EQ(Digest(record), Digest(expected));
+  }
+}
+
 TEST(Hostile, OneWhoFloodsWithNamesGetsNoMemory) {
   Inbox inbox(kRun, "uav");
   event_t event{};

@@ -186,6 +186,9 @@ TEST(FaultSwitch, LargestShareHoldsAndTheEndRestores) {
   some.for_us = 0;
   EXPECT_TRUE(faults.Take(some));
   EXPECT_DOUBLE_EQ(bus.faults().loss, 0.1) << "as it was before";
+  some.for_us = 1;
+  EXPECT_FALSE(faults.Take(some)) << "an order that somebody has kept and says again";
+  EXPECT_DOUBLE_EQ(bus.faults().loss, 0.1);
 }
 
 TEST(FaultSwitch, EachKindHasItsOwnShareAndCount) {
