@@ -100,7 +100,7 @@ void Recorder::ReportStatus(ProcessState state, std::int64_t tick, const Usage& 
   status.tick = tick;
   status.received = heard_packets_;
   status.lost = follower_.missing();
-  status.rejected = follower_.strangers();
+  status.rejected = follower_.strangers() + refused_;
   status.resent = sender_.resent();
   status.cpu_s = usage.cpu_s;
   status.rss_bytes = usage.rss_bytes;

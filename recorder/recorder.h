@@ -47,6 +47,8 @@ class Recorder {
   /// Publishes an event_t; its header is the recorder's to fill.
   void Announce(event_t event, const Now& now);
   /// Publishes a process_status_t of the recorder itself.
+  /// How many its bus has refused so far: they count as rejected.
+  void NoteRefused(std::int64_t refused) { refused_ = refused; }
   void ReportStatus(ProcessState state, std::int64_t tick, const Usage& usage, const Now& now);
   /// Says that it ends. From here on only repeats.
   void Finish(std::int64_t tick, const Usage& usage, const Now& now);
@@ -84,6 +86,7 @@ class Recorder {
   LogFollower follower_;
   Sender sender_;
   std::int64_t heard_packets_ = 0;
+  std::int64_t refused_ = 0;
   std::map<Start, std::int64_t> heard_;  ///< of others: highest seq heard, plus one
   /// By seq: heard and not in the log.
   std::map<Start, std::map<std::int64_t, Packet>> kept_;

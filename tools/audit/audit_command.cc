@@ -13,6 +13,7 @@
 #include "lcmtypes/bus/event_log.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
+#include "tools/audit/seal_proof.h"
 #include "tools/files/log_files.h"
 
 namespace muster::tools {
@@ -40,16 +41,24 @@ void CompareReport(const std::string& file, const audit::Facts& facts,
 
 nlohmann::ordered_json ToJson(const audit::Auditor& auditor,
                               const std::vector<Violation>& violations, bool report_checked,
-                              std::int64_t garbage_bytes) {
+                              std::int64_t garbage_bytes,
+                              const std::optional<audit::SealProof>& proof) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Violation& v : violations) {
     list.push_back({{"at_us", v.at_us}, {"invariant", v.invariant}, {"text", v.text}});
   }
-  return {{"passed", violations.empty()},       {"messages", auditor.messages()},
-          {"duplicates", auditor.duplicates()}, {"undecodable", auditor.undecodable()},
-          {"garbage_bytes", garbage_bytes},     {"ticks", auditor.ticks()},
-          {"decisions", auditor.decisions()},   {"activities", auditor.activities()},
-          {"report_checked", report_checked},   {"violations", std::move(list)}};
+  return {{"passed", violations.empty()},
+          {"messages", auditor.messages()},
+          {"duplicates", auditor.duplicates()},
+          {"undecodable", auditor.undecodable()},
+          {"garbage_bytes", garbage_bytes},
+          {"proven", proof ? proof->proven() : 0},
+          {"refused", proof ? proof->refused() : 0},
+          {"ticks", auditor.ticks()},
+          {"decisions", auditor.decisions()},
+          {"activities", auditor.activities()},
+          {"report_checked", report_checked},
+          {"violations", std::move(list)}};
 }
 
 }  // namespace
@@ -59,6 +68,10 @@ int AuditCommand(int argc, const char* const* argv) {
                   "Checks a run's log against every rule of the mission, and report.json against "
                   "the log.\nExit code 4 when one is broken.");
   options.Run();
+  options.Add(
+      "key", "FILE",
+      "The key of a sealed mission: each message must have the right tag (default: seal.key "
+      "beside the log, where messages without it are left out)");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -66,12 +79,26 @@ int AuditCommand(int argc, const char* const* argv) {
 
   audit::Auditor auditor;
   std::int64_t garbage_bytes = 0;
-  for (const std::string& file : LogFilesOf(run)) {
+  const std::vector<std::string> files = LogFilesOf(run);
+  std::optional<audit::SealProof> proof;
+  if (arguments->Has("key")) {
+    proof.emplace(SealKey::Load(arguments->Get("key")), arguments->Get("key"));
+  } else if (const auto key = KeyBeside(files.front())) {
+    proof.emplace(*key, std::string(kSealKeyFile));
+  }
+  for (const std::string& file : files) {
     EventLogReader reader(file, EventLogReader::Tail::kFinal);
-    while (const auto event = reader.Next()) auditor.Add(event->packet);
+    while (const auto event = reader.Next()) {
+      if (!proof || proof->Takes(*event, file)) auditor.Add(event->packet);
+    }
     garbage_bytes += reader.garbage_bytes();
   }
   std::vector<Violation> violations = auditor.Finish();
+  if (arguments->Has("key") && proof->refused() > 0) {
+    violations.insert(violations.begin(), {proof->first_refused_us(), "seal",
+                                           fmt::format("{}; {} such in all", proof->first_refused(),
+                                                       proof->refused())});
+  }
   const std::string report = (std::filesystem::path(run) / "report.json").string();
   const bool has_report = std::filesystem::is_regular_file(report);
   if (has_report && auditor.facts()) CompareReport(report, *auditor.facts(), &violations);
@@ -79,15 +106,22 @@ int AuditCommand(int argc, const char* const* argv) {
                    [](const Violation& a, const Violation& b) { return a.at_us < b.at_us; });
 
   if (arguments->Has("json")) {
-    fmt::print("{}\n",
-               ToJson(auditor, violations, has_report && auditor.facts().has_value(), garbage_bytes)
-                   .dump(2));
+    fmt::print("{}\n", ToJson(auditor, violations, has_report && auditor.facts().has_value(),
+                              garbage_bytes, proof)
+                           .dump(2));
     return violations.empty() ? kExitOk : kExitCheckFailed;
   }
   fmt::print("{}: {} messages, {} ticks, {} decisions, {} activities\n", run, auditor.messages(),
              auditor.ticks(), auditor.decisions(), auditor.activities());
   if (garbage_bytes > 0 || auditor.undecodable() > 0) {
     fmt::print("{} bytes and {} packets could not be read\n", garbage_bytes, auditor.undecodable());
+  }
+  if (proof) {
+    fmt::print("sealed: {} messages have the right tag\n", proof->proven());
+    if (proof->refused() > 0) {
+      fmt::print("{} without it left out, the first: {}\n", proof->refused(),
+                 proof->first_refused());
+    }
   }
   if (violations.empty()) {
     fmt::print("passed: every rule holds{}\n", has_report

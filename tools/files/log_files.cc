@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "base/check.h"
 
@@ -24,6 +25,22 @@ std::vector<std::string> LogFilesOf(const std::string& run) {
   }
   if (files.empty()) throw InputError(fmt::format("{}: no mission.lcm in this directory", run));
   return files;
+}
+
+std::optional<SealKey> KeyBeside(const std::string& log_file) {
+  const std::string file = (std::filesystem::path(log_file).parent_path() / kSealKeyFile).string();
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  if (!std::getline(in, text)) return {};
+  const SealKey key = SealKey::Parse(text, file);
+  if (!key.run_id) throw InputError(file, "key", "one of no run", "the key of this run");
+  return key;
+}
+
+std::unique_ptr<EventLogReader> OpenLog(const std::string& file, EventLogReader::Tail tail) {
+  auto reader = std::make_unique<EventLogReader>(file, tail);
+  if (const auto key = KeyBeside(file)) reader->OnlyWith(Seal(*key));
+  return reader;
 }
 
 }  // namespace muster::tools

@@ -1,12 +1,27 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/bus/seal.h"
 
 namespace muster::tools {
 
 /// The log files of a run, in the order in which they were written: `run` is a run directory
 /// (mission.lcm, mission.lcm.1, ...) or one log file. Throws InputError when there is none.
 std::vector<std::string> LogFilesOf(const std::string& run);
+
+/// In the run directory of a sealed mission: the key of that run.
+inline constexpr std::string_view kSealKeyFile = "seal.key";
+/// The key beside a log file; none where none is, or somebody else's. Throws InputError where it is
+/// no key of a run.
+std::optional<SealKey> KeyBeside(const std::string& log_file);
+
+/// Opens one log file. Where a key is beside it, messages without the right tag are left out.
+std::unique_ptr<EventLogReader> OpenLog(const std::string& file, EventLogReader::Tail tail);
 
 }  // namespace muster::tools

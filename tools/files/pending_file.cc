@@ -1,5 +1,6 @@
 #include "tools/files/pending_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -45,9 +46,11 @@ void FailToWrite(const std::string& path, int error) {
   throw SystemError(fmt::format("{}: cannot write: {}", path, std::strerror(error)));
 }
 
-void WriteFile(const std::string& path, std::string_view text) {
+void WriteFile(const std::string& path, std::string_view text, Readers readers) {
   PendingFile pending(path);
-  std::FILE* const file = std::fopen(pending.temporary().c_str(), "wb");
+  const int fd = open(pending.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
+                      readers == Readers::kOwner ? 0600 : 0666);
+  std::FILE* const file = fd < 0 ? nullptr : fdopen(fd, "wb");
   if (file == nullptr) FailToWrite(path, errno);
   int error = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
   if (std::fclose(file) != 0 && error == 0) error = errno;

@@ -30,7 +30,10 @@ class PendingFile {
 /// "PATH: cannot write: WHY", where `error` is an errno.
 [[noreturn]] void FailToWrite(const std::string& path, int error);
 
+/// Who may read a file: whoever the umask lets, or its owner alone (mode 0600).
+enum class Readers { kAsUsual, kOwner };
+
 /// Writes a whole file, or leaves what was there. Throws SystemError.
-void WriteFile(const std::string& path, std::string_view text);
+void WriteFile(const std::string& path, std::string_view text, Readers readers = Readers::kAsUsual);
 
 }  // namespace muster::tools

@@ -55,6 +55,10 @@ void RunDirectory::Write(std::string_view name, std::string_view text) const {
   WriteFile(File(name), text);
 }
 
+void RunDirectory::WriteSecret(std::string_view name, std::string_view text) const {
+  WriteFile(File(name), text, Readers::kOwner);
+}
+
 std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed) {
   std::string stem = fmt::format("{}-{}-{}", scenario_name, policy, seed);
   for (char& c : stem) {

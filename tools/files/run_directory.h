@@ -21,6 +21,8 @@ class RunDirectory {
   std::string File(std::string_view name) const;
   /// Writes a whole file or, on failure (SystemError), none.
   void Write(std::string_view name, std::string_view text) const;
+  /// The same for its owner's eyes alone (mode 0600).
+  void WriteSecret(std::string_view name, std::string_view text) const;
 
  private:
   explicit RunDirectory(std::string path) : path_(std::move(path)) {}

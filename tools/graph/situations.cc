@@ -59,8 +59,8 @@ std::vector<scheduler::Situation> SituationsOf(const std::string& run_or_scenari
   const std::filesystem::path path(run_or_scenario);
   if (std::filesystem::is_directory(path) || path.extension() != ".json") {
     for (const std::string& file : LogFilesOf(run_or_scenario)) {
-      EventLogReader reader(file, EventLogReader::Tail::kFinal);
-      while (const auto event = reader.Next()) recorder.Add(event->packet);
+      const auto reader = OpenLog(file, EventLogReader::Tail::kFinal);
+      while (const auto event = reader->Next()) recorder.Add(event->packet);
     }
     if (recorder.n_decisions() == 0) {
       throw InputError(fmt::format("{}: the log holds no scenario", run_or_scenario));

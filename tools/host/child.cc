@@ -93,11 +93,22 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
     throw SystemError(fmt::format("cannot write {}: {}", spec_.output_file, std::strerror(errno)));
   }
   int held[2] = {-1, -1};
-  if (spec_.hold_stdin && pipe2(held, O_CLOEXEC) != 0) {
+  const bool has_pipe = spec_.hold_stdin || !spec_.input.empty();
+  if (has_pipe && pipe2(held, O_CLOEXEC) != 0) {
     throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
   }
-  stdin_fd_ = held[1];
-  const Descriptor input(spec_.hold_stdin ? held[0] : open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const Descriptor input(has_pipe ? held[0] : open("/dev/null", O_RDONLY | O_CLOEXEC));
+  // A line fits into a pipe.
+  if (!spec_.input.empty() && write(held[1], spec_.input.data(), spec_.input.size()) !=
+                                  static_cast<ssize_t>(spec_.input.size())) {
+    close(held[1]);
+    throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
+  }
+  if (has_pipe && !spec_.hold_stdin) {
+    close(held[1]);
+  } else {
+    stdin_fd_ = held[1];
+  }
   int ends[2];
   if (input.get() < 0 || pipe2(ends, O_CLOEXEC) != 0) {
     throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));

@@ -14,7 +14,8 @@ struct ChildSpec {
   std::vector<std::string> argv;  ///< argv[0] is the program's path
   std::string output_file;        ///< takes its stdout and stderr
   bool append = false;            ///< keep what output_file holds
-  bool hold_stdin = false;        ///< stdin is a pipe from this process, else /dev/null
+  bool hold_stdin = false;        ///< stdin is a pipe that stays open, and tells it our end
+  std::string input = {};         ///< a line for its stdin, which nobody else reads; else /dev/null
 };
 
 /// How a process ended.
@@ -27,8 +28,8 @@ struct ChildEnd {
 };
 
 /// A process of ours. It runs in a process group of its own (a terminal's Ctrl-C reaches the parent
-/// alone, which ends its children in order), reads nothing from stdin, inherits no other open file,
-/// and is killed by the kernel when the thread that started it ends in any way.
+/// alone, which ends its children in order), reads from stdin what its spec says, inherits no other
+/// open file, and is killed by the kernel when the thread that started it ends in any way.
 class Child {
  public:
   /// Starts it. Throws SystemError when the program cannot be executed or the file not be written.

@@ -24,6 +24,7 @@
 #include "base/check.h"
 #include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/seal.h"
 #include "lcmtypes/channels.h"
 #include "tools/host/child_guard.h"
 #include "tools/host/network_namespace.h"
@@ -206,6 +207,27 @@ HostCheck CheckGuard() {
   return check;
 }
 
+HostCheck CheckSeal() {
+  HostCheck check{"seal", Result::kOk, "", ""};
+  const Seal seal(SealKey::Fresh(1));
+  const Packet message{std::string(channel::kClock), std::vector<std::uint8_t>(1024, 7)};
+  Packet opened = seal.Closed(message);
+  Packet damaged = opened;
+  damaged.bytes.front() ^= 1;
+  constexpr int kTimes = 1000;
+  const auto start = Clock::now();
+  for (int i = 0; i < kTimes; ++i) opened = seal.Closed(message);
+  const double each_us = MillisecondsSince(start) * 1e3 / kTimes;
+  if (seal.Open(&opened) && opened == message && !seal.Open(&damaged)) {
+    check.found = fmt::format("libsodium {}, {:.1f} us for 1 kB", SodiumVersion(), each_us);
+    return check;
+  }
+  check.result = Result::kFail;
+  check.found = fmt::format("libsodium {} takes what is damaged for sound", SodiumVersion());
+  check.advice = "install libsodium23 again; until then run without --seal";
+  return check;
+}
+
 std::optional<std::string> FindInPath(std::string_view program) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path != nullptr ? path : "";
@@ -290,6 +312,7 @@ std::vector<HostCheck> CheckHost(const MulticastUrl& url) {
   checks.push_back(buffer);
   checks.push_back(CheckGuard());
   checks.push_back(CheckLcm(url.port));
+  checks.push_back(CheckSeal());
   checks.push_back(CheckProgram("lcm-logger", "'muster run' records with it", Result::kFail));
   checks.push_back(CheckProgram("lcm-logplayer", "plays a log back", Result::kWarn));
   checks.push_back(CheckGenerator());

@@ -179,11 +179,16 @@ ChildSpec OnHost(const Host& host, ChildSpec spec) {
   std::string command;
   for (const std::string& word : spec.argv) command += Quoted(word) + " ";
   // The remote end of stdin closes when ssh ends in any way: then the program is told to stop.
+  // A key comes first; the shell's own read and echo keep it out of every command line.
+  const std::string start =
+      spec.input.empty()
+          ? fmt::format("{} </dev/null &", command)
+          : fmt::format("IFS= read -r key <&3; echo \"$key\" | {} & unset key;", command);
   const std::string remote = fmt::format(
-      "exec 3<&0; {} </dev/null & p=$!; "
+      "exec 3<&0; {} p=$!; "
       "{{ cat <&3 >/dev/null 2>&1; kill -TERM $p; }} 2>/dev/null & w=$!; "
       "wait $p; code=$?; kill $w 2>/dev/null; exit $code",
-      command);
+      start);
   spec.argv = {"/usr/bin/env", "ssh",
                "-o",           "BatchMode=yes",
                "-o",           "ServerAliveInterval=5",

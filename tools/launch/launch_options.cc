@@ -82,6 +82,11 @@ void AddLaunchOptions(Options* options) {
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
+  options->Flag("seal",
+                "Only who has the mission's key is believed (docs/seal.md): a fresh one, kept in "
+                "seal.key of the run directory; with --hosts by default");
+  options->Add("key", "FILE", "Seal it with the key in that file, which its owner alone can read");
+  options->Flag("no-seal", "With --hosts: whoever speaks is believed");
   options
       ->Add("live", "PORT",
             "Show the mission in browsers of this host, and keep the page after its end until "
@@ -127,6 +132,15 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     }
     options.lcm_url = options.hosts.lcm_url;
   }
+  options.key_file = arguments->Has("key") ? arguments->Get("key") : "";
+  options.sealed = arguments->Has("seal") || arguments->Has("key") || arguments->Has("hosts");
+  if (arguments->Has("no-seal")) {
+    if (arguments->Has("seal") || arguments->Has("key")) {
+      throw InputError(kCommandLine, "--no-seal", arguments->Has("key") ? "--key" : "--seal",
+                       "one of the two");
+    }
+    options.sealed = false;
+  }
   arguments->Read("live", &options.live_port);
   if (options.live_port) RequirePage();
   for (const auto& [kind, count] : options.processes) {
@@ -148,6 +162,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     const std::string program = own == options.programs.end() ? "muster-" + role : own->second;
     arguments.insert(arguments.end(), {"--name", name, "--lcm-url", mission.lcm_url, "--run-id",
                                        fmt::to_string(mission.run_id)});
+    if (mission.key) arguments.insert(arguments.end(), {"--key", "-"});
     if (options.drop > 0) {
       arguments.insert(arguments.end(), {"--drop", fmt::to_string(options.drop), "--drop-seed",
                                          fmt::to_string(scenario.seed + plans.size())});

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/bus/seal.h"
 #include "model/scenario.h"
 #include "tools/launch/fault_options.h"
 #include "tools/launch/hosts.h"
@@ -24,6 +25,8 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
   HostList hosts;  ///< empty: all processes run here
+  bool sealed = false;
+  std::string key_file;  ///< "": a fresh key for this mission alone
 };
 
 /// Reads the command line. No value: --help or --version was answered. Throws InputError.
@@ -35,6 +38,8 @@ inline constexpr int kWorldWindow = 10;
 inline constexpr int kProcessWindow = 3;
 
 /// One process of a mission: program (absolute, or in the folder of `muster`) and its arguments.
+/// With
+/// `--key -` among them it is to get the key on its stdin.
 struct ProcessPlan {
   std::string name;
   std::string program;
@@ -46,6 +51,7 @@ struct MissionIdentity {
   std::string scenario_file;  ///< the resolved one
   std::string lcm_url;
   std::int64_t run_id = 0;
+  std::optional<SealKey> key = {};  ///< none: not sealed
 };
 
 /// The processes to start, in that order. An agent class in k > 1 processes is named uav-1 ...

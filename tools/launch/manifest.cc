@@ -42,6 +42,7 @@ std::string ManifestJson(const ManifestInput& input) {
   manifest["seed"] = input.seed;
   manifest["run_id"] = input.run_id;
   manifest["lcm_url"] = input.lcm_url;
+  manifest["sealed"] = input.sealed;
   manifest["scenario"] = {{"file", input.scenario_file}, {"sha256", Sha256(input.scenario_json)}};
   manifest["commit"] = kCommit;
   manifest["versions"] = {{"muster", kVersion},

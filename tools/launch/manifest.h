@@ -13,6 +13,7 @@ struct ManifestInput {
   std::uint64_t seed = 0;
   std::int64_t run_id = 0;
   std::string lcm_url;
+  bool sealed = false;
   std::string scenario_file;  ///< as the user named it
   std::string scenario_json;  ///< as resolved
   std::int64_t start_wall_us = 0;

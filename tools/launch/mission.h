@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct MissionPrograms {
   HostList hosts;                    ///< who runs elsewhere
   ChildSpec logger;                  ///< a stock lcm-logger; its file is added
   std::string lcm_url = {};
-  std::string log_file;  ///< of the first logger; the next one's is log_file.1, ...
+  std::optional<SealKey> key = {};  ///< of the mission, where it is sealed
+  std::string log_file;             ///< of the first logger; the next one's is log_file.1, ...
 };
 
 /// Supervises the mission with real processes over LCM until its end or the first of `stop`'s

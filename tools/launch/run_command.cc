@@ -23,6 +23,7 @@
 #include "model/agent.h"
 #include "model/scenario_json.h"
 #include "protocol/run_process.h"
+#include "tools/files/log_files.h"
 #include "tools/files/run_directory.h"
 #include "tools/host/network_namespace.h"
 #include "tools/host/progress.h"
@@ -113,6 +114,7 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
   MissionPrograms programs;
   programs.hosts = options.hosts;
   programs.lcm_url = mission.lcm_url;
+  programs.key = mission.key;
   programs.log_file = directory.File("mission.lcm");
   programs.logger = {process_name::kLogger,
                      {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
@@ -128,11 +130,13 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
 }
 
 /// For the classes that the user wants to start by hand.
-void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& mission) {
+void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& mission,
+                      const RunDirectory& directory) {
   for (const auto& [kind, count] : options.processes) {
     if (count > 0) continue;
-    Say("start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}\n",
-        ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id, kProcessWindow);
+    Say("start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}{}\n",
+        ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id, kProcessWindow,
+        mission.key ? fmt::format(" --key '{}'", directory.File(kSealKeyFile)) : "");
   }
 }
 
@@ -154,17 +158,23 @@ int RunCommand(int argc, const char* const* argv) {
   CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue");
   const StopSignals stop;
   const Now start = HostNow();
+  MissionIdentity mission;
+  mission.run_id = start.wall_us;
+  if (options->sealed) {
+    mission.key = options->key_file.empty()
+                      ? SealKey::Fresh(mission.run_id)
+                      : SealKey::Load(options->key_file).Of(mission.run_id, options->key_file);
+  }
   // Before the network: its socket stays in the host's, where the browsers are.
   std::optional<LiveServer> server;
   if (options->live_port) server.emplace(*options->live_port);
-  MissionIdentity mission;
   mission.lcm_url = FindNetwork(*options);
-  mission.run_id = start.wall_us;
   ProcessFlags flags;
   flags.identity = {mission.run_id, process_name::kRecorder, 0};
   flags.lcm_url = mission.lcm_url;
   flags.drop = options->drop;
   flags.drop_seed = scenario.seed;
+  if (mission.key) flags.seal.emplace(*mission.key);
   const std::unique_ptr<LossyBus> bus = OpenBus(flags);
 
   const RunDirectory directory =
@@ -174,19 +184,21 @@ int RunCommand(int argc, const char* const* argv) {
   const std::string json = ScenarioToJson(scenario);
   mission.scenario_file = directory.File("scenario.json");
   directory.Write("scenario.json", json);
+  if (mission.key) directory.WriteSecret(kSealKeyFile, mission.key->Text());
   ManifestInput manifest;
   manifest.command_line = {argv, argv + argc};
   manifest.policy = options->policy;
   manifest.seed = scenario.seed;
   manifest.run_id = mission.run_id;
   manifest.lcm_url = mission.lcm_url;
+  manifest.sealed = mission.key.has_value();
   manifest.scenario_file = options->scenario_file;
   manifest.scenario_json = json;
   manifest.start_wall_us = start.wall_us;
   directory.Write("manifest.json", ManifestJson(manifest));
   if (!options->quiet) {
     Say("recording in {}\n", directory.path());
-    PrintWhatToStart(*options, mission);
+    PrintWhatToStart(*options, mission, directory);
   }
 
   const std::vector<ProcessPlan> processes = PlanProcesses(*options, scenario, mission);
@@ -211,7 +223,12 @@ int RunCommand(int argc, const char* const* argv) {
     Say("muster: {}\n", error.what());
     code = kExitSystem;
   }
-  fmt::print("{}{:<14} {}\n", Summary(result.record), "run directory", directory.path());
+  fmt::print("{}", Summary(result.record));
+  if (mission.key) {
+    fmt::print("{:<14} {} packets without the right tag refused; the key is {}\n", "sealed",
+               result.refused, directory.File(kSealKeyFile));
+  }
+  fmt::print("{:<14} {}\n", "run directory", directory.path());
   if (server && stop.count() == 0) {
     std::fflush(stdout);
     Say("the page stays at {} until Ctrl-C\n", server->url());

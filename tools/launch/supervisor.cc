@@ -80,6 +80,7 @@ void Supervisor::Turn() {
   Now now = host_->now();
   if (!finishing_ && now.monotonic_us >= heartbeat_us_) {
     heartbeat_us_ = now.monotonic_us + kHeartbeatUs;
+    recorder_.NoteRefused(host_->bus().refused());
     recorder_.ReportStatus(logged_.started() ? ProcessState::kRunning : ProcessState::kReady,
                            logged_.tick(), host_->usage(), now);
   }
@@ -153,7 +154,9 @@ void Supervisor::SeeToEnd(const Now& now) {
 }
 
 void Supervisor::LookAtNetwork() {
-  const auto line = network_.Line(host_->bus().Outage(), host_->now().monotonic_us);
+  const TimeUs now_us = host_->now().monotonic_us;
+  if (const auto line = refusals_.Line(host_->bus(), now_us)) Say(*line);
+  const auto line = network_.Line(host_->bus().Outage(), now_us);
   if (!line) return;
   Say(*line);
   if (network_.reason().empty()) host_->OnNetworkBack();
@@ -362,6 +365,7 @@ MissionResult Supervisor::Run() {
   Stop(processes);
   finishing_ = true;
   if (!has_ended(logger)) {
+    recorder_.NoteRefused(host_->bus().refused());
     recorder_.Finish(logged_.tick(), host_->usage(), host_->now());
     TurnUntil([&] { return recorder_.finished() || has_ended(logger); }, kSecondUs);
   }
@@ -371,6 +375,7 @@ MissionResult Supervisor::Run() {
   if (!problems_.empty() && result.end == MissionEnd::kComplete) result.end = MissionEnd::kFailed;
   result.problems = std::move(problems_);
   result.without_effect = injector_.WithoutEffect();
+  result.refused = host_->bus().refused();
   result.record = std::move(record_);
   return result;
 }

@@ -8,6 +8,7 @@
 
 #include "protocol/fault_switch.h"
 #include "protocol/outage_watch.h"
+#include "protocol/refusal_watch.h"
 #include "recorder/archive.h"
 #include "recorder/recorder.h"
 #include "tools/faults/fault_injector.h"
@@ -91,6 +92,7 @@ class Supervisor : private FaultActions {
   FaultInjector injector_;
   FaultSwitch own_faults_;
   OutageWatch network_;
+  RefusalWatch refusals_;
   EndWatch end_watch_;
   RunRecord record_;
   MissionView logged_;

@@ -11,6 +11,7 @@
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/channels.h"
 #include "protocol/run_process.h"
+#include "tools/files/log_files.h"
 
 namespace muster::tools {
 namespace {
@@ -56,7 +57,7 @@ class FollowedRun : public PacketSource {
                                    : run_;
       std::error_code ignored;
       if ((!is_directory_ && !files_.empty()) || !fs::is_regular_file(next, ignored)) break;
-      files_.push_back(std::make_unique<EventLogReader>(next, EventLogReader::Tail::kMayGrow));
+      files_.push_back(OpenLog(next, EventLogReader::Tail::kMayGrow));
     }
     std::vector<Packet> packets;
     for (const auto& file : files_) {
@@ -76,14 +77,17 @@ class FollowedRun : public PacketSource {
 
 class HeardBus : public PacketSource {
  public:
-  explicit HeardBus(const std::string& url) : bus_(url) {}
+  explicit HeardBus(const std::string& url) : bus_(url, kTagBytes) {}
 
   std::vector<Packet> Read(TimeUs wait_us) override {
     std::vector<Packet> packets = bus_.Receive(wait_us);
-    for (const Packet& packet : packets) {
+    for (Packet& packet : packets) {
+      sealed_ |= !CutTag(&packet).empty();
       if (const auto header = DecodeHeader(packet)) heard_ = header->run_id;
       if (packet.channel == channel::kScenario) known_ = heard_;
     }
+    // Who has no key gets no answer.
+    if (sealed_) return packets;
     if (const auto question = request_.Due(heard_, heard_ && known_ == heard_, MonotonicUs())) {
       bus_.Publish(*question);
     }
@@ -97,6 +101,7 @@ class HeardBus : public PacketSource {
   LcmBus bus_;
   ScenarioRequest request_;
   std::optional<std::int64_t> heard_, known_;
+  bool sealed_ = false;
 };
 
 }  // namespace

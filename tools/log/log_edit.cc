@@ -25,7 +25,7 @@ EditResult Copy(LogSource* source, const std::string& out,
     while (const auto message = source->Next()) {
       ++result.read;
       if (!keeps(*message)) continue;
-      writer.Write(message->received_us, message->packet);
+      writer.Write(message->received_us, WithTag(message->packet, message->tag));
       ++result.written;
     }
     writer.Flush();

@@ -13,10 +13,12 @@ namespace muster::tools {
 void LogInfo::Add(const LoggedMessage& message) {
   Channel& channel = channels[message.packet.channel];
   ++channel.messages;
-  channel.bytes += static_cast<std::int64_t>(message.packet.bytes.size());
+  channel.bytes += static_cast<std::int64_t>(message.packet.bytes.size() + message.tag.size());
   if (messages == 0) first_received_us = message.received_us;
   last_received_us = std::max(last_received_us, message.received_us);
   ++messages;
+  ours += FindChannel(message.packet.channel) != nullptr;
+  sealed += !message.tag.empty();
   if (!message.header) {
     if (FindChannel(message.packet.channel) != nullptr) ++channel.undecodable;
     return;
@@ -38,6 +40,7 @@ LogInfo ReadLogInfo(const std::string& run) {
   while (const auto message = source.Next()) info.Add(*message);
   info.files = source.files();
   info.garbage_bytes = source.garbage_bytes();
+  info.refused = source.refused();
   return info;
 }
 
@@ -49,6 +52,12 @@ std::string ToText(const LogInfo& info) {
                  info.messages,
                  static_cast<double>(info.last_received_us - info.first_received_us) * 1e-6,
                  info.garbage_bytes);
+  if (info.sealed > 0) {
+    fmt::format_to(out, "sealed: {} of {} messages have a tag{}\n\n", info.sealed, info.ours,
+                   info.refused > 0
+                       ? fmt::format(", {} without the right one are left out", info.refused)
+                       : "");
+  }
   fmt::format_to(out, "{:<20} {:>10} {:>12} {:>12} {:>12} {:>11}\n", "channel", "messages", "bytes",
                  "first s", "last s", "undecodable");
   for (const auto& [name, c] : info.channels) {
@@ -95,6 +104,8 @@ nlohmann::ordered_json ToJson(const LogInfo& info) {
   }
   return {{"files", info.files},
           {"messages", info.messages},
+          {"sealed", info.sealed},
+          {"refused", info.refused},
           {"garbage_bytes", info.garbage_bytes},
           {"first_received_us", info.first_received_us},
           {"last_received_us", info.last_received_us},

@@ -32,6 +32,9 @@ struct LogInfo {
       senders;  ///< run, name, start
   std::vector<std::string> files;
   std::int64_t messages = 0;
+  std::int64_t ours = 0;     ///< of them: on channels of the table
+  std::int64_t sealed = 0;   ///< of these: with a tag
+  std::int64_t refused = 0;  ///< not counted above: without the tag that the key beside it makes
   std::int64_t garbage_bytes = 0;
   std::int64_t first_received_us = 0, last_received_us = 0;
 

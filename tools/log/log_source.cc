@@ -9,14 +9,14 @@ LogSource::LogSource(const std::string& run) : files_(LogFilesOf(run)) { Rewind(
 
 void LogSource::Rewind() {
   file_ = 0;
-  garbage_before_ = 0;
-  reader_ = std::make_unique<EventLogReader>(files_[0], EventLogReader::Tail::kFinal);
+  garbage_before_ = refused_before_ = 0;
+  reader_ = OpenLog(files_[0], EventLogReader::Tail::kFinal);
 }
 
 std::optional<LoggedMessage> MessageSource::Next() {
   std::optional<LogEvent> event = NextEvent();
   if (!event) return {};
-  LoggedMessage message{event->received_us, std::move(event->packet), {}};
+  LoggedMessage message{event->received_us, std::move(event->packet), std::move(event->tag), {}};
   message.header = DecodeHeader(message.packet);
   return message;
 }
@@ -26,10 +26,13 @@ std::optional<LogEvent> LogSource::NextEvent() {
     if (std::optional<LogEvent> event = reader_->Next()) return event;
     if (file_ + 1 == files_.size()) return {};
     garbage_before_ += reader_->garbage_bytes();
+    refused_before_ += reader_->refused();
     ++file_;
-    reader_ = std::make_unique<EventLogReader>(files_[file_], EventLogReader::Tail::kFinal);
+    reader_ = OpenLog(files_[file_], EventLogReader::Tail::kFinal);
   }
 }
+
+std::int64_t LogSource::refused() const { return refused_before_ + reader_->refused(); }
 
 std::int64_t LogSource::garbage_bytes() const { return garbage_before_ + reader_->garbage_bytes(); }
 

@@ -16,6 +16,7 @@ namespace muster::tools {
 struct LoggedMessage {
   std::int64_t received_us = 0;  ///< wall time at the logger, microseconds since the Unix epoch
   Packet packet;
+  Tag tag;                         ///< of a sealed mission's message; empty: none
   std::optional<header_t> header;  ///< none: no valid message of a channel of ours
 };
 
@@ -48,12 +49,14 @@ class LogSource : public MessageSource {
   std::size_t file() const { return file_; }
   /// Bytes so far that belong to no event.
   std::int64_t garbage_bytes() const;
+  /// Messages so far that have not the tag that the key beside the log makes.
+  std::int64_t refused() const;
 
  private:
   std::vector<std::string> files_;
   std::size_t file_ = 0;
   std::unique_ptr<EventLogReader> reader_;
-  std::int64_t garbage_before_ = 0;  ///< in files that have been read to their end
+  std::int64_t garbage_before_ = 0, refused_before_ = 0;  ///< in files read to their end
 };
 
 }  // namespace muster::tools

@@ -93,7 +93,7 @@ std::vector<Packet> Player::Step(TimeUs now_us) {
     if (is_decision) to_decision_ = false;
     const TimeUs at = next_->at_us;
     if (Plays(next_->message.packet.channel)) {
-      packets.push_back(std::move(next_->message.packet));
+      packets.push_back(WithTag(std::move(next_->message.packet), next_->message.tag));
       ++played_;
     }
     Fetch();

@@ -43,10 +43,10 @@ std::string ReadRun(const std::string& run) {
   const std::vector<std::string> files = LogFilesOf(run);
   MissionFeed feed;
   for (const std::string& file : files) {
-    EventLogReader log(file, EventLogReader::Tail::kFinal);
-    while (const auto event = log.Next()) feed.Add(event->packet);
-    if (log.garbage_bytes() == 0) continue;
-    std::string text = fmt::format("{}: {} bytes belong to no event", file, log.garbage_bytes());
+    const auto log = OpenLog(file, EventLogReader::Tail::kFinal);
+    while (const auto event = log->Next()) feed.Add(event->packet);
+    if (log->garbage_bytes() == 0) continue;
+    std::string text = fmt::format("{}: {} bytes belong to no event", file, log->garbage_bytes());
     // A logger that was killed leaves a torn event; all of it is in the next file.
     if (file == files.back()) {
       feed.record().NoteDamage(std::move(text));

@@ -79,7 +79,8 @@ TEST(Audit, CatchesEveryMutation) {
 /// Rules that need a mission which this one is not; the tests that break them.
 const std::map<std::string, const char*> kBrokenElsewhere = {
     {"meeting", "AuditMission.CatchesAMeetingThatLastsTooShort"},
-    {"report", "Audit.ComparesTheReportWithTheLog"}};
+    {"report", "Audit.ComparesTheReportWithTheLog"},
+    {"seal", "SealRunTest.TheFirstMessageThatWasChangedIsNamed"}};
 
 TEST(Audit, EveryRuleOfTheDocumentIsBrokenBySomeMutation) {
   std::ifstream document(MUSTER_SOURCE_DIR "/docs/audit.md");

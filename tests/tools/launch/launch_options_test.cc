@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "base/check.h"
+#include "tests/temporary_folder.h"
 
 namespace muster::tools {
 namespace {
@@ -45,6 +47,35 @@ TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   EXPECT_EQ(options.rate, "max");
   EXPECT_FALSE(options.interval_min || options.limit_min || options.seed || options.availability);
   EXPECT_EQ(options.processes.at(AgentKind::kUav), 1);
+}
+
+TEST(LaunchOptions, SealsWhatLeavesTheHost) {
+  EXPECT_FALSE(Parse({"a.json"}).sealed);
+  EXPECT_TRUE(Parse({"a.json", "--seal"}).sealed);
+  EXPECT_TRUE(Parse({"a.json", "--key", "k"}).sealed);
+  const TemporaryFolder folder;
+  const std::string hosts = folder.File("hosts.json");
+  std::ofstream(hosts) << R"({"version": 1, "hosts": [
+      {"name": "a", "netns": "a", "processes": ["uav"]}]})";
+  EXPECT_TRUE(Parse({"a.json", "--hosts", hosts.c_str()}).sealed);
+  EXPECT_FALSE(Parse({"a.json", "--hosts", hosts.c_str(), "--no-seal"}).sealed);
+  EXPECT_EQ(ErrorOf({"a.json", "--seal", "--no-seal"}),
+            "command line: --no-seal: found --seal, expected one of the two");
+  EXPECT_EQ(ErrorOf({"a.json", "--key", "k", "--no-seal"}),
+            "command line: --no-seal: found --key, expected one of the two");
+}
+
+TEST(LaunchOptions, NoCommandLineHasTheKey) {
+  MissionIdentity mission;
+  mission.key = SealKey::Fresh(7);
+  const auto plans = PlanProcesses(Parse({"a.json", "--seal"}), ScenarioWith(1, 1, 1), mission);
+  ASSERT_EQ(plans.size(), 5U);
+  for (const ProcessPlan& plan : plans) {
+    EXPECT_EQ(ValueOf(plan, "--key"), "-") << plan.name;
+    for (const std::string& argument : plan.arguments) {
+      EXPECT_EQ(argument.find(mission.key->Text().substr(0, 64)), std::string::npos);
+    }
+  }
 }
 
 TEST(LaunchOptions, AnOwnProgramTakesThePlaceOfOurs) {
