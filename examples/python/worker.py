@@ -17,6 +17,7 @@ import sys
 import time
 
 import muster
+from muster.seal import Seal
 from muster.transport import LCM
 
 OFFLINE, IDLE, MOVING, WAITING, SENSING, FAILED = 0, 1, 2, 3, 4, 6  # agent_t.status
@@ -293,7 +294,8 @@ class Workers:
         status = muster.process_status_t()
         status.name, status.host, status.pid = self.options.name, os.uname().nodename, os.getpid()
         status.state, status.tick = self.state, self.tick
-        status.received, status.rejected = self.received, self.rejected
+        status.received = self.received
+        status.rejected = self.rejected + self.sender.lcm.refused
         status.resent, status.cpu_s = self.sender.resent, time.process_time()
         self.sender.send("MUSTER_PROCESS", status, self.tick_us)
         self.reported = self.state
@@ -330,6 +332,7 @@ def main():
     parser.add_argument("--boot-id", type=int, default=0)
     parser.add_argument("--window", type=int, default=0, help="messages that may be out unlogged")
     parser.add_argument("--ids", type=id_range, help="of the workers to move, 0-9; default: all")
+    parser.add_argument("--key", help="of a sealed mission: a file, or - for a line of stdin")
     parser.add_argument("--drop", type=float, default=0, help="share of packets to lose, 0 to 1")
     parser.add_argument("--drop-seed", type=int, default=1)
     options = parser.parse_args()
@@ -339,7 +342,8 @@ def main():
         parser.error("--boot-id: this example cannot go on where an earlier start of it ended")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     signal.signal(signal.SIGINT, lambda *_: sys.exit(0))
-    lcm = LCM(options.lcm_url)
+    seal = Seal.load(options.key, options.run_id) if options.key else None
+    lcm = LCM(options.lcm_url, seal)
     process = Workers(lcm, options)
     while True:
         process.step()

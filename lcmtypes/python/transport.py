@@ -17,9 +17,12 @@ _EVENT = 0xEDA1DA01
 
 
 class LCM:
-    """A bus: LCM("udpm://239.255.76.67:7667?ttl=0")."""
+    """A bus: LCM("udpm://239.255.76.67:7667?ttl=0"). With a muster.seal.Seal what is published has
+    a tag, and what comes without the right one is dropped, and counted in `refused`."""
 
-    def __init__(self, url):
+    def __init__(self, url, seal=None):
+        self._seal = seal
+        self.refused = 0
         parts = urllib.parse.urlsplit(url)
         options = dict(urllib.parse.parse_qsl(parts.query))
         self._to = (parts.hostname, parts.port)
@@ -43,6 +46,8 @@ class LCM:
         self._handlers.append((re.compile(channel), handler))
 
     def publish(self, channel, data):
+        if self._seal:
+            data = self._seal.close(channel, data)
         name = channel.encode() + b"\0"
         self._seq = (self._seq + 1) % 2**32
         if len(name) + len(data) <= _MOST_BYTES:
@@ -64,10 +69,17 @@ class LCM:
             return False
         packet, sender = self._in.recvfrom(65536)
         message = self._open(packet, sender)
-        if message:
-            for pattern, handler in self._handlers:
-                if pattern.fullmatch(message[0]):
-                    handler(*message)
+        if not message:
+            return True
+        channel, data = message
+        handlers = [handler for pattern, handler in self._handlers if pattern.fullmatch(channel)]
+        if handlers and self._seal:
+            data = self._seal.open(channel, data)
+            if data is None:
+                self.refused += 1
+                return True
+        for handler in handlers:
+            handler(channel, data)
         return True
 
     def _open(self, packet, sender):
