@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -31,6 +32,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+/// Of a mission among much else that this host does.
+constexpr std::chrono::minutes kLongest{3};
+
 /// A file as it is, with all its bytes.
 std::string BytesOf(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -44,7 +48,7 @@ class SealRunTest : public ::testing::Test {
     std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
     Muster simulated(folder_, "simulated",
                      {"simulate", scenario_, "--policy", "mpq", "--out", folder_.File("virtual")});
-    ASSERT_EQ(simulated.Wait(), 0) << simulated.output();
+    ASSERT_EQ(simulated.Wait(kLongest), 0) << simulated.output();
     expected_ = Report("virtual")["digest"];
   }
   Muster Start(const std::vector<std::string>& more) const {
@@ -61,7 +65,7 @@ class SealRunTest : public ::testing::Test {
   /// What that command says of it, and its exit code.
   std::pair<std::string, int> Ask(const std::vector<std::string>& arguments) const {
     Muster muster(folder_, "asked", arguments);
-    const int code = muster.Wait();
+    const int code = muster.Wait(kLongest);
     return {muster.output(), code};
   }
   std::string WriteKey() const {
@@ -103,7 +107,7 @@ TEST_F(SealRunTest, DecidesAsWithoutAndKeepsItsKey) {
   const std::string seen = SeenOfProcesses();
   EXPECT_NE(seen.find("--key"), std::string::npos);
   EXPECT_EQ(seen.find(key), std::string::npos);
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], expected_);
   EXPECT_NE(muster.output().find("sealed         0 packets without the right tag refused"),
             std::string::npos)
@@ -125,7 +129,7 @@ TEST_F(SealRunTest, DecidesAsWithoutAndKeepsItsKey) {
 
 TEST_F(SealRunTest, ItsLogIsReadWithoutTheKeyAndProvenWithIt) {
   Muster muster = Start({"--key", WriteKey()});
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], expected_);
   const auto [info, info_code] = Ask({"log", "info", Run()});
   EXPECT_EQ(info_code, 0);
@@ -151,7 +155,7 @@ TEST_F(SealRunTest, ItsLogIsReadWithoutTheKeyAndProvenWithIt) {
 
 TEST_F(SealRunTest, TheFirstMessageThatWasChangedIsNamed) {
   Muster muster = Start({"--seal"});
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   const std::string forged = folder_.File("forged.lcm");
   {
     EventLogReader reader(Run() + "/mission.lcm", EventLogReader::Tail::kFinal);
@@ -178,7 +182,7 @@ TEST_F(SealRunTest, TheFirstMessageThatWasChangedIsNamed) {
 TEST_F(SealRunTest, DamagedPacketsAreRefused) {
   Muster muster = Start({"--seal", "--quiet", "--fault", "corruption:*@30+60=0.2", "--fault",
                          "loss:uav@50+30=0.2", "--fault", "process_killed:world@45"});
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], expected_);
   std::int64_t rejected = 0;
   const Json report = Report();
@@ -251,7 +255,7 @@ TEST_F(SealRunTest, AnImpostorOfEachRoleChangesNothingAndIsNamed) {
   Muster muster = Start({"--seal", "--quiet", "--rate", "3600"});
   Impostor impostor(MissionUrl(port_));
   while (!muster.child().Poll()) impostor.Turn();
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(impostor.senders(),
             (std::set<std::string>{"recorder", "scheduler", "uav", "vehicle", "worker", "world"}));
   EXPECT_EQ(Report()["digest"], expected_);
@@ -281,7 +285,7 @@ TEST_F(SealRunTest, OverSshTheKeyComesByStdin) {
                  folder_.File("hosts.json")});
   ASSERT_TRUE(UnderWay(&muster)) << muster.output();
   const std::string seen = SeenOfProcesses();
-  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], expected_);
   const std::string key = TextOf(KeyFile()).substr(0, 64);
   ASSERT_EQ(key.size(), 64U) << "sealed by default";
@@ -304,7 +308,7 @@ TEST_F(SealRunTest, AProcessStartedByHandNeedsTheKey) {
   })) << muster.output();
   EXPECT_NE(muster.output().find("says that it is of uav"), std::string::npos) << muster.output();
   Child uav({"uav", {"/bin/sh", "-c", "exec " + command}, folder_.File("uav")});
-  EXPECT_EQ(muster.Wait(), 0) << muster.output() << TextOf(folder_.File("uav"));
+  EXPECT_EQ(muster.Wait(kLongest), 0) << muster.output() << TextOf(folder_.File("uav"));
   EXPECT_EQ(Report()["digest"], expected_);
 }
 
