@@ -80,7 +80,7 @@ void AddVariant(const HorizonChapter<Answer>& chapter, bool scheduled, Lines* li
       chapter.draw ? fmt::format(", worth varied by chance, draw {}", *chapter.draw) : ""));
 }
 
-std::string FateWords(const PairPlan& pair, const Fate& fate) {
+std::string FateWords(const Fate& fate) {
   const std::string when =
       fate.decision < 0 ? std::string("no decision followed")
                         : fmt::format("at decision {}, {}", fate.decision, ClockWords(fate.at_us));
@@ -112,7 +112,7 @@ template <class Answer>
 void AddFates(const HorizonChapter<Answer>& chapter, Lines* lines) {
   for (const auto& [pair, fate] : chapter.fates) {
     lines->Add(fmt::format("the plan for {}:{} {}", pair.charging ? "charge" : "task", pair.site,
-                           FateWords(pair, fate)));
+                           FateWords(fate)));
   }
 }
 

@@ -23,7 +23,8 @@ class Planner {
   }
 
   Decision Decide() {
-    return Decide(HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_));
+    return Decide(
+        HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_));
   }
 
   /// The rest of a decision with that first matching. `plan`, when given, takes what it rests on.
@@ -54,10 +55,10 @@ class Planner {
 
   HorizonPlan Plan(const std::vector<Match>* first) {
     HorizonPlan plan;
-    plan.decision = Decide(
-        first != nullptr ? *first
-                         : HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_),
-        &plan);
+    plan.decision = Decide(first != nullptr ? *first
+                                            : HeaviestPairs(situation_, participants_, open_,
+                                                            settings_, threads_, &candidates_),
+                           &plan);
     return plan;
   }
 
