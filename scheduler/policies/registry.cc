@@ -64,44 +64,55 @@ std::unique_ptr<Policy> RolloutWithoutChains() {
 }
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
+constexpr PolicyGroup kOurs = PolicyGroup::kOurs, kPaper = PolicyGroup::kPaper,
+                      kAblation = PolicyGroup::kAblation;
+
 const Row kPolicies[] = {
-    {{"horizon", "ours: value per true duration, soon-idle agents, the others sent ahead"},
-     &Horizon},
-    {{"horizon-steps", "horizon with free moves of one interval towards far places"},
-     &HorizonVariant<&HorizonSettings::steps, true>},
-    {{"rollout", "ours: the variant of horizon that gets most done when simulated forward"},
+    {{kOurs, "rollout-steps",
+      "most tasks done: that variant of horizon-steps which gets most done when simulated forward"},
+     &Rollout<true>},
+    {{kOurs, "rollout", "the same without free moves: the paper's nine kinds of action only"},
      &Rollout<false>},
-    {{"rollout-steps", "rollout over variants of horizon-steps"}, &Rollout<true>},
-    {{"rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
-    {{"rollout-without-chains", "rollout that values no next task"}, &RolloutWithoutChains},
-    {{"horizon-without-true-duration", "horizon that counts ways only"},
-     &HorizonVariant<&HorizonSettings::true_duration>},
-    {{"horizon-without-soon-idle", "horizon with idle agents only"},
-     &HorizonVariant<&HorizonSettings::soon_idle>},
-    {{"horizon-without-meet-ahead", "horizon whose idle agents wait for a partner to be free"},
-     &HorizonVariant<&HorizonSettings::meet_ahead>},
-    {{"horizon-without-send-ahead", "horizon whose unmatched agents stay"},
-     &HorizonVariant<&HorizonSettings::send_ahead>},
-    {{"horizon-without-charge-by-use", "horizon with a fixed worth of charging"},
-     &HorizonVariant<&HorizonSettings::charge_by_use>},
-    {{"horizon-without-chains", "horizon that values no next task"},
-     &HorizonVariant<&HorizonSettings::chains>},
-    {{"horizon-without-ties", "horizon that sees whole decisions only"},
-     &HorizonVariant<&HorizonSettings::ties>},
-    {{"certified", "the heaviest decision, or one within a proven gap (ours)"}, &Certified},
-    {{"mpq", "HoCs-MPQ: iterated local search on a growing subgraph (paper, Alg. 5)"},
+    {{kOurs, "horizon-steps",
+      "nearly as many in about a hundredth of the time: value per true duration, soon-idle agents, "
+      "the others sent ahead, far places approached by free moves"},
+     &HorizonVariant<&HorizonSettings::steps, true>},
+    {{kOurs, "horizon", "the same without free moves"}, &Horizon},
+    {{kOurs, "certified",
+      "the paper's weights: the heaviest decision, or one within a proven gap of it"},
+     &Certified},
+    {{kPaper, "mpq", "HoCs-MPQ: iterated local search on a growing subgraph (Alg. 5)"},
      &Mpq<Foundation::kHierarchical>},
-    {{"mpq-uniform", "HoCs-MPQ with uniform foundational weights (paper, section 5.3.3)"},
+    {{kPaper, "mpq-uniform", "HoCs-MPQ with uniform foundational weights (section 5.3.3)"},
      &Mpq<Foundation::kUniform>},
-    {{"ils", "HoCs-ILS: iterated local search on the whole graph (paper, Alg. 2)"}, &Ils},
-    {{"kwta", "HoCs-KWTA: K-winners-take-all with K = 3 (paper, appendix B)"}, &Kwta<3>},
-    {{"kwta-1", "HoCs-KWTA with K = 1"}, &Kwta<1>},
-    {{"kwta-5", "HoCs-KWTA with K = 5"}, &Kwta<5>},
-    {{"kwta-10", "HoCs-KWTA with K = 10"}, &Kwta<10>},
-    {{"greedy-sum", "HoCs-GREEDY as the text says: least sum of distances (paper, appendix B)"},
+    {{kPaper, "ils", "HoCs-ILS: iterated local search on the whole graph (Alg. 2)"}, &Ils},
+    {{kPaper, "kwta", "HoCs-KWTA: K-winners-take-all with K = 3 (appendix B)"}, &Kwta<3>},
+    {{kPaper, "greedy-sum", "HoCs-GREEDY as the text says: least sum of distances (appendix B)"},
      &Greedy<GreedyPolicy::Aim::kSum>},
-    {{"greedy-nearest", "HoCs-GREEDY towards the nearest task, as the paper's figures suggest"},
+    {{kPaper, "greedy-nearest",
+      "HoCs-GREEDY towards the nearest task, as the paper's figures suggest"},
      &Greedy<GreedyPolicy::Aim::kNearest>},
+    {{kAblation, "kwta-1", "kwta with K = 1"}, &Kwta<1>},
+    {{kAblation, "kwta-5", "kwta with K = 5"}, &Kwta<5>},
+    {{kAblation, "kwta-10", "kwta with K = 10"}, &Kwta<10>},
+    {{kAblation, "rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
+    {{kAblation, "rollout-without-chains", "rollout that values no next task"},
+     &RolloutWithoutChains},
+    {{kAblation, "horizon-without-true-duration", "horizon that counts ways only"},
+     &HorizonVariant<&HorizonSettings::true_duration>},
+    {{kAblation, "horizon-without-soon-idle", "horizon with idle agents only"},
+     &HorizonVariant<&HorizonSettings::soon_idle>},
+    {{kAblation, "horizon-without-meet-ahead",
+      "horizon whose idle agents wait for a partner to be free"},
+     &HorizonVariant<&HorizonSettings::meet_ahead>},
+    {{kAblation, "horizon-without-send-ahead", "horizon whose unmatched agents stay"},
+     &HorizonVariant<&HorizonSettings::send_ahead>},
+    {{kAblation, "horizon-without-charge-by-use", "horizon with a fixed worth of charging"},
+     &HorizonVariant<&HorizonSettings::charge_by_use>},
+    {{kAblation, "horizon-without-chains", "horizon that values no next task"},
+     &HorizonVariant<&HorizonSettings::chains>},
+    {{kAblation, "horizon-without-ties", "horizon that sees whole decisions only"},
+     &HorizonVariant<&HorizonSettings::ties>},
 };
 
 std::vector<std::string> Names() {
@@ -122,8 +133,13 @@ const std::vector<PolicyInfo>& Policies() {
 }
 
 Option& AddPolicyOption(Options* options, std::string_view help) {
-  const std::vector<std::string> names = Names();
-  return options->Add("policy", "NAME", fmt::format("{} {}", help, fmt::join(names, " ")))
+  std::vector<std::string_view> names;
+  for (const Row& row : kPolicies) {
+    if (row.info.group != PolicyGroup::kAblation) names.push_back(row.info.name);
+  }
+  return options
+      ->Add("policy", "NAME",
+            fmt::format("{} {} (see muster policies)", help, fmt::join(names, " ")))
       .Default(kDefaultPolicy);
 }
 

@@ -22,13 +22,13 @@ class Planner {
     for (const AgentKind kind : kAgentKinds) used_[kind].assign(participants_[kind].size(), 0);
   }
 
-  Decision Decide() {
-    return Decide(
-        HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates_));
+  /// candidates, when given, takes the number of pairs to choose from.
+  std::vector<Action> Decide(std::int64_t* candidates) {
+    return Decide(HeaviestPairs(situation_, participants_, open_, settings_, threads_, candidates));
   }
 
   /// The rest of a decision with that first matching. `plan`, when given, takes what it rests on.
-  Decision Decide(const std::vector<Match>& first, HorizonPlan* plan = nullptr) {
+  std::vector<Action> Decide(const std::vector<Match>& first, HorizonPlan* plan = nullptr) {
     if (plan != nullptr) plan->now = participants_;
     for (const Match& match : first) Command(match);
     std::vector<Match> second;
@@ -50,15 +50,18 @@ class Planner {
       plan->then = std::move(participants_);
       plan->second = std::move(second);
     }
-    return MakeDecision(std::move(actions_), candidates_);
+    return std::move(actions_);
   }
 
   HorizonPlan Plan(const std::vector<Match>* first) {
     HorizonPlan plan;
-    plan.decision = Decide(first != nullptr ? *first
-                                            : HeaviestPairs(situation_, participants_, open_,
-                                                            settings_, threads_, &candidates_),
-                           &plan);
+    std::int64_t candidates = 0;
+    std::vector<Action> actions = Decide(
+        first != nullptr
+            ? *first
+            : HeaviestPairs(situation_, participants_, open_, settings_, threads_, &candidates),
+        &plan);
+    plan.decision = MakeDecision(std::move(actions), candidates);
     return plan;
   }
 
@@ -214,13 +217,18 @@ class Planner {
   OpenSites open_;
   PerKind<std::vector<char>> used_;  ///< by the first matching
   std::vector<Action> actions_;
-  std::int64_t candidates_ = 0;
 };
 
 }  // namespace
 
 Decision HorizonPolicy::Decide(const Situation& situation) {
-  return Planner(situation, settings_, threads_).Decide();
+  std::int64_t candidates = 0;
+  std::vector<Action> actions = Planner(situation, settings_, threads_).Decide(&candidates);
+  return MakeDecision(std::move(actions), candidates);
+}
+
+std::vector<Action> HorizonPolicy::ActionsOf(const Situation& situation) const {
+  return Planner(situation, settings_, threads_).Decide(nullptr);
 }
 
 HorizonPlan PlanHorizon(const Situation& situation, const HorizonSettings& settings,

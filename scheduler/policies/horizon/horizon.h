@@ -19,6 +19,8 @@ class HorizonPolicy : public Policy {
       : settings_(settings), threads_(threads) {}
   Decision Decide(const Situation& situation) override;
   const HorizonSettings& settings() const { return settings_; }
+  /// The same actions, in any order, without the count of what they were chosen from.
+  std::vector<Action> ActionsOf(const Situation& situation) const;
 
  private:
   HorizonSettings settings_;

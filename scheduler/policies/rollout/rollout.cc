@@ -39,7 +39,7 @@ RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(set
 }
 
 void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
-                           const Plan* known, std::vector<Plan>* plans) const {
+                           std::int64_t work, const Plan* known, std::vector<Plan>* plans) const {
   const std::size_t n = plans->size();
   /// Calls body(plan) for every plan, by two threads at once.
   const auto for_each = [&](auto body) {
@@ -57,7 +57,7 @@ void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock
            std::chrono::steady_clock::now() - start >= *settings_.deadline;
   };
   for_each([&](Plan* plan) {
-    if (late(plan)) return;
+    if (plan->decided || late(plan)) return;
     plan->decision = HorizonPolicy(plan->settings).Decide(situation);
     plan->decided = true;
   });
@@ -80,7 +80,7 @@ void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock
     if (!skip[i]) ++different;
   }
   if (different == 0) return;
-  const auto depth = std::max<std::size_t>(1, static_cast<std::size_t>(settings_.work) / different);
+  const auto depth = std::max<std::size_t>(1, static_cast<std::size_t>(work) / different);
   const auto limit = static_cast<double>(situation.site->rules.limit_us);
   for_each([&](Plan* plan) {
     if (skip[static_cast<std::size_t>(plan - plans->data())] || late(plan)) return;
@@ -89,7 +89,7 @@ void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock
     HorizonPolicy policy(plan->follow);
     model.Step(plan->decision.actions);
     for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
-      model.Step(policy.Decide(model.situation()).actions);
+      model.Step(policy.ActionsOf(model.situation()));
     }
     plan->done = model.done_us().size();
     for (const TimeUs done : model.done_us()) {
@@ -106,24 +106,40 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
     }
     return best;
   };
-  std::vector<Plan> variants(settings_.variants.size());
+  Plan first;
+  first.settings = first.follow = settings_.variants[0];
+  first.decision = HorizonPolicy(first.settings, settings_.threads).Decide(situation);
+  first.decided = true;
+  const std::int64_t allowed =
+      settings_.pairs / std::max<std::int64_t>(1, first.decision.candidates);
+  const std::int64_t work = std::min<std::int64_t>(settings_.work, allowed);
+  /// How many plans are followed, so that they can go to the end where work is short.
+  const auto at_most = [&](std::size_t n) {
+    if (work == settings_.work) return n;
+    const Rules& rules = situation.site->rules;
+    const std::int64_t to_go = Intervals(rules.limit_us - situation.now_us, rules.interval_us);
+    return std::min(n, static_cast<std::size_t>(work / to_go));
+  };
+  std::vector<Plan> variants(at_most(settings_.variants.size()));
+  if (variants.size() < std::min<std::size_t>(2, settings_.variants.size())) return first.decision;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     variants[i].settings = variants[i].follow = settings_.variants[i];
   }
-  Follow(situation, start, nullptr, &variants);
+  variants[0] = first;
+  Follow(situation, start, work, nullptr, &variants);
   const Plan* best = best_of(variants, nullptr);
 
   const auto left = static_cast<std::size_t>(
       std::count_if(situation.task_status.begin(), situation.task_status.end(),
                     [](TaskStatus status) { return status != TaskStatus::kDone; }));
   if (best->done >= left || best->decision.actions.empty()) return best->decision;
-  std::vector<Plan> near(static_cast<std::size_t>(settings_.draws));
+  std::vector<Plan> near(at_most(static_cast<std::size_t>(settings_.draws)));
   for (std::size_t i = 0; i < near.size(); ++i) {
     near[i].settings = near[i].follow = best->follow;
     near[i].settings.jitter = settings_.jitter;
     near[i].settings.draw = static_cast<std::uint32_t>(i);
   }
-  Follow(situation, start, best, &near);
+  Follow(situation, start, work, best, &near);
   return best_of(near, best)->decision;
 }
 

@@ -21,6 +21,11 @@ struct RolloutSettings {
   /// Decisions that are simulated for the variants, and again for the draws. Repeatable: all that
   /// are followed may go equally far.
   std::int32_t work = 800;
+  /// Pairs that these decisions may choose from, all together, for the variants and again for the
+  /// draws, as if each had those of the first variant's decision. Where that allows fewer than
+  /// `work`, the first variants and the first draws are followed, as many as can go to the end;
+  /// where not even two can, the first variant's decision stands.
+  std::int64_t pairs = 50'000'000;
   /// Wall time after which nothing further is followed, for live use: an answer may then depend on
   /// the machine's speed.
   std::optional<std::chrono::steady_clock::duration> deadline;
@@ -55,9 +60,10 @@ class RolloutPolicy : public Policy {
     double worth = 0;
     std::size_t done = 0;  ///< tasks
   };
-  /// Decides all plans, follows those that differ from each other and from `known`.
+  /// Decides all plans that are not decided yet, follows those that differ from each other and from
+  /// `known`, for `work` simulated decisions in all.
   void Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
-              const Plan* known, std::vector<Plan>* plans) const;
+              std::int64_t work, const Plan* known, std::vector<Plan>* plans) const;
 
   RolloutSettings settings_;
 };

@@ -97,5 +97,30 @@ TEST(Rollout, FollowsAVariantNoFartherThanTheWorkAllows) {
   }
 }
 
+TEST(Rollout, WhereALotCanBePairedFewerAreFollowedAndAtLastNobody) {
+  RolloutSettings none, few, plenty;
+  none.pairs = 1;  // not even one simulated decision
+  plenty.pairs = 1'000'000'000;
+  std::size_t followed_changes = 0;
+  for (std::uint64_t seed = 0; seed < 15; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Situation situation = RandomSituation(seed, {6, 8, 4, 15, 3, 15});
+    const Decision first = HorizonPolicy(none.variants[0]).Decide(situation);
+    EXPECT_EQ(RolloutPolicy(plenty).Decide(situation).actions,
+              RolloutPolicy().Decide(situation).actions);
+    if (first.candidates < 2) continue;
+    EXPECT_EQ(RolloutPolicy(none).Decide(situation).actions, first.actions);
+    // Two variants to the end, in 18 decisions at most: no worse than the first in the forecast.
+    few.pairs =
+        first.candidates * 2 * situation.site->rules.limit_us / situation.site->rules.interval_us;
+    few.threads = 1;
+    const Decision one = RolloutPolicy(few).Decide(situation);
+    few.threads = 2;
+    EXPECT_EQ(RolloutPolicy(few).Decide(situation).actions, one.actions);
+    if (one.actions != first.actions) ++followed_changes;
+  }
+  EXPECT_GT(followed_changes, 0u);
+}
+
 }  // namespace
 }  // namespace muster::scheduler
