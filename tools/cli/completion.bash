@@ -21,7 +21,7 @@ _muster_values() {
     /^$/ { on = 0 }
     on { sub(/^ +/, ""); printf "%s ", $0 }' <<<"$2")
   case $text in
-    *'How to decide: '*) text=${text#*How to decide: } && echo "${text%%(default*}" ;;
+    *'How to decide: '*) "${1%/*}"/muster policies 2>/dev/null | awk '/^  / { print $1 }' ;;
     *'--preset '*) "${1%/*}"/muster scenario --list 2>/dev/null | awk 'NR > 1 { print $1 }' ;;
     *) sed -n 's/^.*--[a-z-]* \([a-z]*|[a-z|]*\) .*/\1/p' <<<"$text" | tr '|' ' ' ;;
   esac

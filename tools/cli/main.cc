@@ -14,6 +14,7 @@
 #include "tools/replay/replay_command.h"
 #include "tools/report/report_command.h"
 #include "tools/scenario/import_command.h"
+#include "tools/scenario/policies_command.h"
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
 #include "tools/top/top_command.h"
@@ -35,6 +36,7 @@ const std::vector<Command> kCommands = {
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"live", "shows a mission in a browser while it goes on", LiveCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
+    {"policies", "says which policy to take for what", PoliciesCommand},
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
     {"report", "makes one page of one or several runs", ReportCommand},

@@ -147,7 +147,7 @@ TEST_F(CommandLine, TopTellsOneSnapshotAsJson) {
   EXPECT_EQ(top["at_s"], 1800);
   EXPECT_EQ(top["ended"], true);
   EXPECT_EQ(top["decision"], 2);
-  EXPECT_EQ(top["policy"], "certified");
+  EXPECT_EQ(top["policy"], "rollout-steps");
   int tasks = 0;
   for (const auto& [status, count] : top["tasks"].items()) tasks += count.get<int>();
   EXPECT_EQ(tasks, 3);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "scheduler/policies/registry.h"
 #include "tests/temporary_folder.h"
 
 namespace muster::tools {
@@ -43,7 +44,7 @@ std::string ValueOf(const ProcessPlan& plan, const std::string& flag) {
 TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   const LaunchOptions options = Parse({"a.json"});
   EXPECT_EQ(options.scenario_file, "a.json");
-  EXPECT_EQ(options.policy, "certified");
+  EXPECT_EQ(options.policy, scheduler::kDefaultPolicy);
   EXPECT_EQ(options.rate, "max");
   EXPECT_FALSE(options.interval_min || options.limit_min || options.seed || options.availability);
   EXPECT_EQ(options.processes.at(AgentKind::kUav), 1);

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,8 +18,10 @@
 #include "base/program.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tests/temporary_folder.h"
 #include "tools/scenario/import_command.h"
+#include "tools/scenario/policies_command.h"
 
 namespace muster::tools {
 namespace {
@@ -56,6 +61,29 @@ class ScenarioCommandTest : public ::testing::Test {
 
   const TemporaryFolder folder_;
 };
+
+TEST_F(ScenarioCommandTest, PoliciesComeInThreeGroupsAndHelpNamesTwoOfThem) {
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(Run(PoliciesCommand, {"--json"}), kExitOk);
+  const auto list = nlohmann::json::parse(::testing::internal::GetCapturedStdout());
+  EXPECT_EQ(list["version"], 1);
+  EXPECT_EQ(list["default"], scheduler::kDefaultPolicy);
+  EXPECT_EQ(list["policies"].size(), scheduler::Policies().size());
+  Options options("test", "");
+  scheduler::AddPolicyOption(&options);
+  ::testing::internal::CaptureStdout();
+  const char* const help[] = {"test", "--help"};
+  options.Parse(2, help);
+  const std::vector<std::string> words = Words(::testing::internal::GetCapturedStdout());
+  std::map<std::string, int> groups;
+  for (const auto& policy : list["policies"]) {
+    const std::string name = policy["name"], group = policy["group"];
+    ++groups[group];
+    EXPECT_EQ(std::count(words.begin(), words.end(), name) > 0, group != "ablation") << name;
+  }
+  EXPECT_EQ(groups.size(), 3u);
+  EXPECT_GT(groups["ours"] * groups["paper"] * groups["ablation"], 0);
+}
 
 TEST_F(ScenarioCommandTest, WritesThePresetOfTheSeed) {
   const Scenario s = Made({"--preset", "Random_20", "--seed", "18446744073709551615"});
