@@ -210,20 +210,7 @@ AgentAnswer Explainer::AboutAgent(AgentKind kind, std::int32_t id, const AgentSp
   if (answer.condition != AgentCondition::kIdle) return answer;
   answer.did = DoneBy(kind, id);
 
-  std::vector<PlaceLook> places;
-  if (kind != AgentKind::kVehicle) {
-    for (std::size_t x = 0; x < situation_.task_status.size(); ++x) {
-      if (situation_.task_status[x] != TaskStatus::kOpen) continue;
-      places.push_back(look_.AtTask(TaskId(x), kind == AgentKind::kUav ? UavId(id) : UavId(),
-                                    kind == AgentKind::kWorker ? WorkerId(id) : WorkerId()));
-    }
-  }
-  if (kind != AgentKind::kWorker) {
-    for (std::size_t y = 0; y < situation_.site->charging_points.size(); ++y) {
-      places.push_back(look_.AtCharge(ChargeId(y), kind == AgentKind::kUav ? UavId(id) : UavId(),
-                                      kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId()));
-    }
-  }
+  const std::vector<PlaceLook> places = PlacesOf(look_, situation_, kind, id);
   std::vector<const PlaceLook*> others;
   for (const PlaceLook& place : places) {
     if (place.obstacle != Obstacle::kNone) continue;

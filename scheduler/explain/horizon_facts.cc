@@ -254,20 +254,7 @@ HorizonAgentAnswer HorizonExplainer::AboutAgent(AgentKind kind, std::int32_t id,
   for (const PairPlan& pair : plans_) {
     if (pair.has(kind, id)) answer.plans.push_back(pair);
   }
-  std::vector<PlaceLook> places;
-  if (kind != AgentKind::kVehicle) {
-    for (std::size_t x = 0; x < situation().task_status.size(); ++x) {
-      if (situation().task_status[x] != TaskStatus::kOpen) continue;
-      places.push_back(look_.AtTask(TaskId(x), kind == AgentKind::kUav ? UavId(id) : UavId(),
-                                    kind == AgentKind::kWorker ? WorkerId(id) : WorkerId()));
-    }
-  }
-  if (kind != AgentKind::kWorker) {
-    for (std::size_t y = 0; y < situation().site->charging_points.size(); ++y) {
-      places.push_back(look_.AtCharge(ChargeId(y), kind == AgentKind::kUav ? UavId(id) : UavId(),
-                                      kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId()));
-    }
-  }
+  const std::vector<PlaceLook> places = PlacesOf(look_, situation(), kind, id);
   std::vector<const PlaceLook*> others;
   for (const PlaceLook& place : places) {
     if (place.obstacle != Obstacle::kNone) continue;

@@ -107,4 +107,27 @@ class Look {
   Feasibility feasible_;
 };
 
+/// All places that an agent could be sent to, open tasks before charging points, each with the
+/// pairs that hold it. `L`: Look or HorizonLook.
+template <class L>
+std::vector<PlaceLook> PlacesOf(const L& look, const Situation& situation, AgentKind kind,
+                                std::int32_t id) {
+  const UavId uav = kind == AgentKind::kUav ? UavId(id) : UavId();
+  std::vector<PlaceLook> places;
+  if (kind != AgentKind::kVehicle) {
+    const WorkerId worker = kind == AgentKind::kWorker ? WorkerId(id) : WorkerId();
+    for (std::size_t x = 0; x < situation.task_status.size(); ++x) {
+      if (situation.task_status[x] != TaskStatus::kOpen) continue;
+      places.push_back(look.AtTask(TaskId(x), uav, worker));
+    }
+  }
+  if (kind != AgentKind::kWorker) {
+    const VehicleId vehicle = kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId();
+    for (std::size_t y = 0; y < situation.site->charging_points.size(); ++y) {
+      places.push_back(look.AtCharge(ChargeId(y), uav, vehicle));
+    }
+  }
+  return places;
+}
+
 }  // namespace muster::scheduler
