@@ -1,3 +1,4 @@
+import { numbersOf } from "./compare.js";
 import { byId, duration, element, number, percent } from "./dom.js";
 import { Plot } from "./plot.js";
 import { busOverTime, decisionAt, doneAt, faultBands } from "./run.js";
@@ -24,15 +25,17 @@ function ofDecisions(run, get) {
   return { t: run.decisions.map((d) => d.t), y: run.decisions.map(get), points: true };
 }
 
+const policyOf = (run) => numbersOf(run).policy;
+
 const CHARTS = [
   {
     id: "completion", title: "Completion", unit: "%",
     curves: completion,
     now: (run, t) => `${doneAt(run, t)} of ${run.tasks.length} (${percent(doneAt(run, t) / Math.max(1, run.tasks.length))})`,
-    range: (max) => [0, Math.min(100, max * 1.08 + 1)],
+    range: () => [0, 100],
   },
   {
-    id: "weight", title: "Weight of each decision and its bound", unit: "",
+    id: "weight", title: "Weight of each decision and its bound", unit: "", own: true,
     curves: (run) => [
       ofDecisions(run, (d) => d.weight),
       { ...ofDecisions(run, (d) => d.bound), points: false, thin: true },
@@ -87,8 +90,8 @@ export class Charts {
     const value = element("output", { class: "now", id: `now-${chart.id}` });
     const host = element("div", { class: "plot", id: `plot-${chart.id}` });
     const cursor = element("div", { class: "time-cursor" });
-    this.box.append(element("section", { class: "chart" },
-      element("h3", {}, chart.title, chart.unit ? element("small", {}, ` ${chart.unit}`) : null, value), host));
+    const note = element("small", {}, chart.unit);
+    this.box.append(element("section", { class: "chart" }, element("h3", {}, chart.title, " ", note, value), host));
     const plot = new Plot(host, {
       xTicks: (range, pixels) => this.#ticks(range, pixels / 70),
       behind: (c, shown) => this.#drawBands(c, shown),
@@ -99,7 +102,7 @@ export class Charts {
       onReset: () => this.state.setView(null),
     });
     plot.over.append(cursor);
-    return { ...chart, value, cursor, plot };
+    return { ...chart, note, value, cursor, plot };
   }
 
   /** Time to the axis' unit: seconds, or decisions of that run. */
@@ -125,7 +128,10 @@ export class Charts {
   #build(chart) {
     const curves = [];
     let max = 0;
-    this.state.runs.forEach((run, r) => {
+    const { run: current, runs } = this.state;
+    runs.forEach((run, r) => {
+      // What policies weigh differs: only runs of one policy share an axis.
+      if (chart.own && policyOf(run) !== policyOf(current)) return;
       for (const curve of chart.curves(run)) {
         for (const y of curve.y) if (y > max) max = y;
         curves.push({
@@ -139,6 +145,7 @@ export class Charts {
         });
       }
     });
+    if (chart.own) chart.note.textContent = runs.some((run) => policyOf(run) !== policyOf(current)) ? ` ${policyOf(current)} only` : "";
     chart.plot.xRange = this.#xRange();
     chart.plot.show(curves, chart.range ? chart.range(max) : [0, max > 0 ? max * 1.1 : 1]);
   }
@@ -161,8 +168,9 @@ export class Charts {
     for (const band of faultBands(run)) {
       const from = x(this.#axis(run, band.from));
       const to = x(this.#axis(run, band.to));
-      c.globalAlpha = band.kind === "agent" ? 0.7 : 0.16;
-      c.fillRect(from, 0, Math.max(2, to - from), band.kind === "agent" ? 3 : height);
+      const one = band.kind === "agent"; // a tick when it happened
+      c.globalAlpha = one ? 0.9 : 0.16;
+      c.fillRect(one ? from - 0.75 : from, 0, one ? 1.5 : Math.max(2, to - from), one ? 6 : height);
     }
   }
 

@@ -1,4 +1,6 @@
-import { busOverTime, sameActions } from "./run.js";
+import { busOverTime, decisionAt, doneAt, sameActions } from "./run.js";
+import { doneTime, flownAt } from "./story.js";
+import { rowAt } from "./time.js";
 
 /** The numbers that a run is known by: those of its report, or, while it runs, what is known now. */
 export function numbersOf(run) {
@@ -17,7 +19,7 @@ export function numbersOf(run) {
     weight: run.decisions.reduce((total, d) => total + (d.weight ?? 0), 0),
     decisions: run.decisions.length,
     charges: live ? run.events.filter((e) => e.kind === "charging_done").length : r.charges,
-    flownM: live ? null : r.flown_m,
+    flownM: live ? flownAt(run, run.nowMs) : r.flown_m,
     medianS: live ? solve[solve.length >> 1] : r.decision_time?.median_s,
     maxS: live ? solve[solve.length - 1] : r.decision_time?.max_s,
     wallS: live ? null : r.wall_s,
@@ -41,4 +43,33 @@ export function firstDifference(reference, run) {
     if (!a || !b || !sameActions(a, b)) return `decision ${i}`;
   }
   return "none";
+}
+
+/** The numbers of a run as they stood at t; from its end on those of its report. */
+export function figuresAt(run, t) {
+  const end = numbersOf(run);
+  const decision = decisionAt(run, t);
+  const until = { solveS: decision ? decision.solveUs / 1e6 : NaN, end };
+  if (t >= run.nowMs) return { ...end, ...until };
+  const bus = busOverTime(run);
+  const row = rowAt(bus.t, 1, t);
+  const made = run.decisions.filter((d) => d.t <= t);
+  const happened = (kind) => run.events.filter((e) => e.kind === kind && e.t <= t).length;
+  const done = doneAt(run, t);
+  return { ...end, ...until,
+    tasksDone: done,
+    completion: done / Math.max(1, end.tasksTotal),
+    weight: made.reduce((total, d) => total + (d.weight ?? 0), 0),
+    decisions: made.length,
+    charges: happened("charging_done"),
+    flownM: flownAt(run, t),
+    lost: row < 0 ? 0 : bus.lost[row],
+    resent: row < 0 ? 0 : bus.resent[row],
+    failed: happened("agent_failed") };
+}
+
+/** Mean time from the mission's start to the end of a task's sensing, over the tasks done; NaN without any. */
+export function responseMs(run) {
+  const times = run.tasks.map((task) => doneTime(run, task)).filter((t) => t !== null);
+  return times.reduce((sum, t) => sum + t, 0) / times.length;
 }

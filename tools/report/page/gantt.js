@@ -23,12 +23,11 @@ export class Gantt {
     this.tip = byId("gantt-tip");
     this.mode = "auto";
     this.sort = "id";
-    this.filter = "";
     this.draw = oncePerFrame(() => this.#draw());
     this.drawOverview = oncePerFrame(() => this.#drawOverview());
     this.scroller.addEventListener("scroll", this.draw, { passive: true });
     clock.subscribe(() => this.#moveCursor());
-    state.on("run data classes", () => this.layout());
+    state.on("run data classes filter", () => this.layout());
     state.on("view theme selection", () => {
       this.draw();
       this.drawOverview();
@@ -53,8 +52,7 @@ export class Gantt {
   layout() {
     const { run, classes } = this.state;
     if (!run) return;
-    const text = this.filter.trim().toLowerCase();
-    this.rows = run.agents.filter((agent) => classes[agent.kind] && (!text || agent.label.includes(text)));
+    this.rows = run.agents.filter((agent) => classes[agent.kind] && this.state.finds(agent));
     if (this.sort === "busy") {
       const busy = new Map(this.rows.map((agent) => [agent, busyMs(agent, run.nowMs)]));
       this.rows.sort((a, b) => busy.get(b) - busy.get(a) || a.index - b.index);
@@ -164,7 +162,7 @@ export class Gantt {
       if (right < LABEL || left > width) continue;
       if (band.kind === "agent") {
         c.fillStyle = theme.failed;
-        c.fillRect(left - 0.5, AXIS - 4, Math.max(1.5, right - left), 2);
+        c.fillRect(left - 0.75, AXIS - 5, 1.5, 5); // when it happened: its row shows the rest
         continue;
       }
       c.fillStyle = theme.failed;

@@ -1,4 +1,5 @@
-import { numbersOf } from "./compare.js";
+import { figuresAt, numbersOf } from "./compare.js";
+import { oncePerFrame } from "./canvas.js";
 import { byId, duration, element, number, percent } from "./dom.js";
 import { theme } from "./theme.js";
 
@@ -10,12 +11,14 @@ function tile(key, label, text, raw, note) {
     note ? element("dd", { class: "note" }, note) : null);
 }
 
-/** Which run this is and how it went. */
+/** Which run this is, and how it goes at the clock's time. */
 export class Header {
-  constructor(state) {
+  constructor(state, clock) {
     this.state = state;
-    state.on("run data", () => this.draw());
-    state.on("theme", () => this.draw());
+    this.clock = clock;
+    this.drawFigures = oncePerFrame(() => this.#drawFigures());
+    state.on("run data theme", () => this.draw());
+    clock.subscribe(this.drawFigures);
   }
 
   draw() {
@@ -35,30 +38,30 @@ export class Header {
       fact("Digest", n.digest ? n.digest.slice(0, 12) : "–", "digest", n.digest));
     byId("tabs").replaceChildren(...(runs.length < 2 ? [] : runs.map((other, i) =>
       element("button", {
-        role: "tab", type: "button", "aria-selected": String(i === this.state.current),
-        onclick: () => {
-          this.state.current = i;
-          this.state.select(null);
-          this.state.emit("run");
-        },
+        role: "tab", type: "button", "aria-selected": String(i === this.state.current), onclick: () => this.state.open(i),
       }, element("i", { class: "swatch", style: `background:${theme.runs[i % theme.runs.length]}` }), other.name))));
-    this.#drawFigures(n);
+    this.drawFigures();
   }
 
-  #drawFigures(n) {
+  #drawFigures() {
+    const { run } = this.state;
+    if (!run) return;
+    const n = figuresAt(run, this.clock.t);
+    const atEnd = this.clock.t >= run.nowMs;
+    const inTheEnd = (text) => (atEnd ? null : `${text} ${n.live ? "by now" : "in the end"}`);
     byId("figures").replaceChildren(
       element("div", { class: "tile lead" },
-        element("dt", {}, n.live ? "Completion so far" : "Completion"),
+        element("dt", {}, "Completion"),
         element("dd", { "data-key": "completion_rate", "data-raw": String(n.completion) }, percent(n.completion)),
         element("dd", { class: "bar", "aria-hidden": "true" },
           element("i", { style: `width:${Math.min(100, 100 * n.completion)}%` }))),
-      tile("tasks_done", "Tasks done", `${number(n.tasksDone)} of ${number(n.tasksTotal)}`, n.tasksDone),
-      tile("weight", "Total weight", number(n.weight, 1), n.weight, `${number(n.decisions)} decisions`),
-      tile("charges", "Charges", number(n.charges), n.charges),
-      tile("flown_m", "Flown", n.flownM === null ? "–" : `${number(n.flownM / 1000, 1)} km`, n.flownM ?? undefined),
-      tile("median_s", "Decision time", duration(n.medianS), n.medianS, `at most ${duration(n.maxS)}`),
+      tile("tasks_done", "Tasks done", `${number(n.tasksDone)} of ${number(n.tasksTotal)}`, n.tasksDone, inTheEnd(number(n.end.tasksDone))),
+      tile("failed", "Agents failed", number(n.failed), n.failed, inTheEnd(number(n.end.failed))),
+      tile("charges", "Charges", number(n.charges), n.charges, inTheEnd(number(n.end.charges))),
+      tile("flown_m", "Flown", `${number(n.flownM / 1000, 1)} km`, n.flownM),
+      tile("weight", "Total weight", number(n.weight, 1), n.weight, `${number(n.decisions)} decision${n.decisions === 1 ? "" : "s"}`),
+      tile("solve_s", "Decision time", duration(n.solveS), n.solveS, `median ${duration(n.medianS)}, at most ${duration(n.maxS)}`),
       tile("lost", "Bus losses", number(n.lost), n.lost, `${number(n.resent)} sent again`),
-      tile("failed", "Agents failed", number(n.failed), n.failed),
       tile("log", "Log", n.live ? "recording" : n.complete ? "complete" : "incomplete",
         n.complete, n.messages === undefined ? null : `${number(n.messages)} messages`));
   }

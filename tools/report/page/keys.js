@@ -20,6 +20,7 @@ export function bindKeys({ state, clock, transport, map, panels }) {
     3: () => state.toggleClass(2),
     f: () => map.reset(),
     z: () => state.setView(null),
+    t: () => panels.open("tasks"),
     d: () => panels.open("decision"),
     e: () => panels.open("events"),
     p: () => panels.open("processes"),

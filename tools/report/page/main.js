@@ -1,3 +1,5 @@
+import { Attention } from "./attention.js";
+import { Card } from "./card.js";
 import { Charts } from "./charts.js";
 import { Clock } from "./clock.js";
 import { embeddedRuns, follow, liveAddress } from "./data.js";
@@ -5,10 +7,13 @@ import { byId } from "./dom.js";
 import { Gantt } from "./gantt.js";
 import { Header } from "./header.js";
 import { bindKeys } from "./keys.js";
+import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
+import { tellingMoment } from "./moment.js";
 import { Legend, Panels } from "./panels.js";
 import { State } from "./state.js";
 import { watchTheme } from "./theme.js";
+import { clockText } from "./time.js";
 import { Transport } from "./transport.js";
 
 const state = new State();
@@ -36,8 +41,7 @@ function bindChoices(map, gantt) {
     gantt.layout();
   });
   byId("filter").addEventListener("input", (event) => {
-    gantt.filter = event.target.value;
-    gantt.layout();
+    state.setFilter(event.target.value);
   });
   state.on("selection", () => {
     if (state.selected?.type === "agent") gantt.reveal(state.run.agents[state.selected.index]);
@@ -45,15 +49,38 @@ function bindChoices(map, gantt) {
 }
 
 function build() {
-  new Header(state);
+  new Header(state, clock);
   const transport = new Transport(state, clock);
   const map = new MapView(state, clock);
   new Charts(state, clock);
   const gantt = new Gantt(state, clock);
   const panels = new Panels(state, clock);
   new Legend(state, clock);
+  new Card(state, clock);
+  new Attention(state, clock, (filter) => panels.showTasks(filter));
   bindChoices(map, gantt);
   bindKeys({ state, clock, transport, map, panels });
+}
+
+/** Says why the page opens where it does, until the time moves on. */
+function tellMoment({ t, why }) {
+  const note = byId("moment");
+  note.hidden = false;
+  note.textContent = `Opened at ${clockText(t)}, ${why}.`;
+  clock.subscribe((now) => { note.hidden = note.hidden || Math.round(now) !== Math.round(t); });
+}
+
+/** Shows what a link says; what it does not say is as the page opens. */
+function show({ tMs, sel, run }) {
+  if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
+  const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;
+  if (moment) {
+    clock.seek(moment.t);
+    tellMoment(moment);
+  } else if (tMs !== null) clock.seek(tMs);
+  const item = itemOf(state.run, sel);
+  if (item) state.flyTo(item);
+  else state.select(null);
 }
 
 function showLive(text) {
@@ -69,15 +96,17 @@ async function start() {
     state.runs = await embeddedRuns();
     if (state.runs.length === 0) throw new Error("the page holds no run");
     state.emit("run");
-    clock.seek(0);
+    new Link(state, clock, show).start();
   } else {
     state.live = true;
     clock.follow = true;
     showLive("connecting");
+    let link = null;
     follow(address, (run, isNew) => {
       state.runs = [run];
       document.title = `${run.name} – Muster`;
       state.emit(isNew ? "run" : "data");
+      if (!link) (link = new Link(state, clock, show)).start();
       showLive(run.ended ? "ended" : "live");
     }, showLive);
   }

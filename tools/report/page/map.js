@@ -9,6 +9,14 @@ import { WHOLE, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
+const FLY_SCALE = 2;
+const FLY_MS = 350;
+
+/** Where what is selected is at t; null when that is not known. */
+function placeOf(run, selected, t) {
+  if (selected.type === "agent") return placeAt(run.agents[selected.index], t);
+  return (selected.type === "task" ? run.tasks : run.charging)[selected.id] ?? null;
+}
 
 /** The map: everything where it is at the clock's time. */
 export class MapView {
@@ -27,6 +35,7 @@ export class MapView {
     this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
     this.canvas.addEventListener("dblclick", () => this.reset());
     clock.subscribe(this.draw);
+    state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
     state.on("run data selection classes theme", this.draw);
     new ResizeObserver(this.draw).observe(this.canvas);
@@ -37,8 +46,40 @@ export class MapView {
   }
 
   #look(view) {
+    this.gliding = null;
     this.view = view;
     this.draw();
+  }
+
+  /** Takes what is selected to the middle, near enough to tell it from its neighbours. */
+  #fly() {
+    const { run, selected } = this.state;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const place = selected && placeOf(run, selected, this.clock.t);
+    if (!place || width === 0) return;
+    const { x, y } = this.#scales(width, height);
+    const { view } = this;
+    const k = Math.max(view.k, FLY_SCALE);
+    const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
+    const to = { k, left: width / 2 - k * at(x, place.x, view.left), top: height / 2 - k * at(y, place.y, view.top) };
+    const inView = x(place.x) > 0.15 * width && x(place.x) < 0.85 * width && y(place.y) > 0.15 * height && y(place.y) < 0.85 * height;
+    if (inView && view.k >= FLY_SCALE) return;
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.#look(to);
+    else this.#glide(view, to, performance.now());
+  }
+
+  #glide(from, to, since) {
+    this.gliding = to;
+    const step = (now) => {
+      if (this.gliding !== to) return;
+      const share = Math.min(1, Math.max(0, now - since) / FLY_MS);
+      const ease = share * (2 - share);
+      const mix = (key) => from[key] + ease * (to[key] - from[key]);
+      this.view = share === 1 ? to : { k: mix("k"), left: mix("left"), top: mix("top") };
+      this.draw();
+      if (share < 1) requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
   }
 
   /** Metres to pixels, with the whole area in view at scale 1. */

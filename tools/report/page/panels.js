@@ -1,7 +1,8 @@
-import { firstDifference, numbersOf } from "./compare.js";
+import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
-import { describe } from "./map.js";
-import { KIND_NAMES, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
+import { KIND_NAMES, OFFLINE, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
+import { flownAt, waitedMs } from "./story.js";
+import { TaskTable } from "./tasks.js";
 import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
 
@@ -17,13 +18,37 @@ function table(head, rows) {
 const cells = (values, head) => values.map((value, i) =>
   element("td", { class: head[i].startsWith("#") ? "n" : null }, value instanceof Node ? value : String(value)));
 
-/** What the tabs beside the timeline show: decision, events, processes, comparison. */
+/** Rows of the events' table: what every process says of one fault is one row, which tells the fault's kind. */
+export function eventRows(run) {
+  const rows = [];
+  const faults = new Map();
+  for (const e of run.events) {
+    if (["agent_online", "agent_offline", "sensing_started", "charging_started"].includes(e.kind)) continue;
+    const isFault = e.kind === "fault_applied" || e.kind === "fault_ended";
+    const same = isFault ? faults.get(`${e.kind} ${e.fault}`) : null;
+    if (same) {
+      ++same.processes;
+      continue;
+    }
+    const row = { ...e, processes: 1, what: e.kind.replaceAll("_", " ") };
+    if (isFault) {
+      const fault = run.faults.find((other) => other.id === e.fault);
+      if (fault) Object.assign(row, { what: `${fault.kind.replaceAll("_", " ")} ${e.kind === "fault_ended" ? "ended" : "applied"}`, target: fault.target });
+      faults.set(`${e.kind} ${e.fault}`, row);
+    }
+    rows.push(row);
+  }
+  return rows;
+}
+
+/** What the tabs beside the timeline show: tasks, decision, events, processes; and the comparison. */
 export class Panels {
   constructor(state, clock) {
     this.state = state;
     this.clock = clock;
     this.body = byId("panel-body");
-    this.tab = "decision";
+    this.tab = "tasks";
+    this.tasks = new TaskTable(state, clock);
     for (const button of document.querySelectorAll("#panel-tabs button")) {
       button.addEventListener("click", () => this.open(button.dataset.tab));
     }
@@ -59,7 +84,14 @@ export class Panels {
     const decision = this.state.run && decisionAt(this.state.run, this.clock.t);
     if (this.tab === "decision" && decision !== this.shownDecision) this.draw();
     this.#markPast();
-    this.#drawSelection();
+  }
+
+  /** The task table with one of its filters. */
+  showTasks(filter) {
+    this.open("tasks");
+    this.tasks.show(filter);
+    byId("detail-panel").scrollIntoView({ block: "nearest" });
+    byId("task-filter").focus({ preventScroll: true });
   }
 
   draw() {
@@ -69,18 +101,11 @@ export class Panels {
     // A live page learns something four times a second: what would look the same stays as it is.
     const shown = { run, tab: this.tab, now: this.tab === "decision" && now, events: this.tab === "events" && run.events.length,
       news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
-    if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return this.#drawSelection();
+    if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
-    const draw = { decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run) };
-    this.body.replaceChildren(...draw[this.tab]());
-    this.#drawSelection();
-  }
-
-  #drawSelection() {
-    const { run, selected } = this.state;
-    const line = byId("selection");
-    line.hidden = !selected;
-    if (selected) line.textContent = describe(run, selected, this.clock.t);
+    const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run) };
+    if (this.tab !== "tasks" || !this.tasks.visible) this.body.replaceChildren(...draw[this.tab]());
+    if (this.tab === "tasks") this.tasks.draw();
   }
 
   #decision(run) {
@@ -111,19 +136,19 @@ export class Panels {
   #selectAction(run, action) {
     const kind = action.uav >= 0 ? 0 : action.worker >= 0 ? 1 : 2;
     const id = [action.uav, action.worker, action.vehicle][kind];
-    if (id >= 0) this.state.select({ type: "agent", index: run.agentIndex(kind, id) });
+    if (id >= 0) this.state.flyTo({ type: "agent", index: run.agentIndex(kind, id) });
   }
 
   #events(run) {
-    const notable = run.events.filter((e) => !["agent_online", "agent_offline", "sensing_started", "charging_started"].includes(e.kind));
+    const notable = eventRows(run);
     if (notable.length === 0) return [element("p", { class: "empty" }, "Nothing happened yet.")];
-    const head = ["time", "what", "who", ""];
+    const head = ["time", "what", "who", "where, which"];
     const worst = (e) => e.kind.includes("fail") || e.kind.includes("lost") || e.kind.includes("fault") || e.kind.includes("aborted");
     const shown = notable.slice(0, MOST_EVENTS);
     const rows = shown.map((e) =>
       element("tr", { class: worst(e) ? "bad" : null, tabindex: 0, onclick: () => this.clock.seek(e.t), onkeydown: (k) => k.key === "Enter" && this.clock.seek(e.t) },
-        ...cells([clockText(e.t), e.kind.replace("_", " "), who(e),
-          [e.task >= 0 ? `task ${e.task}` : "", e.charge >= 0 ? `charging point ${e.charge}` : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
+        ...cells([clockText(e.t), e.what, who(e),
+          [e.target, e.processes > 1 ? `at ${e.processes} processes` : "", e.task >= 0 ? `task ${e.task}` : "", e.charge >= 0 ? `charging point ${e.charge}` : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
     this.eventRows = { rows, times: shown.map((e) => e.t), past: -1 };
     requestAnimationFrame(() => this.#markPast());
     return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, `${notable.length - shown.length} later ones`)] : [])];
@@ -140,24 +165,25 @@ export class Panels {
     const { runs } = this.state;
     byId("comparison").hidden = runs.length < 2;
     if (runs.length < 2) return;
-    const head = ["run", "policy", "#completion", "#tasks done", "#weight", "#charges", "#flown", "#decision time", "first difference", "digest"];
+    const head = ["run", "policy", "#completion", "#tasks done", "#mean response", "#waiting", "#charges", "#flown", "#decision time", "first difference", "digest"];
     const rows = runs.map((run, r) => {
       const n = numbersOf(run);
       return element("tr", {}, ...cells([
         element("span", {}, element("i", { class: "swatch", style: `background:${theme.runs[r % 6]}` }), run.name),
-        n.policy, percent(n.completion), number(n.tasksDone), number(n.weight, 1), number(n.charges),
-        n.flownM === null ? "–" : `${number(n.flownM / 1000, 1)} km`, duration(n.medianS),
+        n.policy, percent(n.completion), number(n.tasksDone), clockText(responseMs(run)), `${number(waitedMs(run, run.nowMs) / 3600000, 1)} h`, number(n.charges),
+        `${number(n.flownM / 1000, 1)} km`, duration(n.medianS),
         r === 0 ? "–" : firstDifference(runs[0], run), n.digest?.slice(0, 12) ?? "–"], head));
     });
-    const each = ["#decision", ...runs.flatMap((run) => [`#weight ${run.name}`, `#done ${run.name}`])];
+    const each = ["#decision", "#time", ...runs.flatMap((run) => [`#done ${run.name}`, `#waited ${run.name}`, `#flown ${run.name}`])];
     const most = Math.max(...runs.map((run) => run.decisions.length));
     const perDecision = [];
     for (let i = 0; i < most; ++i) {
-      const t = runs[0].decisions[i]?.t;
-      perDecision.push(element("tr", { tabindex: 0, onclick: () => t !== undefined && this.clock.seek(t) },
-        ...cells([i, ...runs.flatMap((run) => {
+      const t = runs.find((run) => run.decisions[i])?.decisions[i].t;
+      const go = () => this.clock.seek(t);
+      perDecision.push(element("tr", { tabindex: 0, onclick: go, onkeydown: (e) => e.key === "Enter" && go() },
+        ...cells([i, clockText(t), ...runs.flatMap((run) => {
           const d = run.decisions[i];
-          return d ? [number(d.weight, 2), number(doneAt(run, d.t))] : ["–", "–"];
+          return d ? [number(doneAt(run, d.t)), `${number(waitedMs(run, d.t) / 3600000, 1)} h`, `${number(flownAt(run, d.t) / 1000)} km`] : ["–", "–", "–"];
         })], each)));
     }
     byId("comparison-body").replaceChildren(
@@ -187,28 +213,29 @@ export class Legend {
     });
     byId("classes").append(...this.buttons.map((b) => b.button));
     clock.subscribe(() => this.draw());
-    state.on("run data classes", () => this.draw());
+    state.on("run data classes filter", () => this.draw());
   }
 
   draw() {
     const { run, classes } = this.state;
     if (!run) return;
-    const online = [0, 0, 0];
+    const shown = [0, 0, 0];
     const { statuses } = run.words;
     if (!byId("statuses").hasChildNodes()) {
       byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), name, " ", element("b", { id: `count-${name}` }))));
     }
     const byStatus = new Array(statuses.length).fill(0);
     for (const agent of run.agents) {
+      if (!classes[agent.kind]) continue;
       const status = statusAt(agent, this.clock.t);
-      if (status === 0) continue;
-      ++online[agent.kind];
-      if (classes[agent.kind]) ++byStatus[status];
+      if (status === OFFLINE) continue;
+      ++shown[agent.kind];
+      if (this.state.finds(agent)) ++byStatus[status];
     }
     const total = [run.scenario.uavs, run.scenario.workers, run.scenario.vehicles];
     this.buttons.forEach(({ button, count }, kind) => {
       button.setAttribute("aria-pressed", String(classes[kind]));
-      count.textContent = ` ${online[kind]}/${total[kind]}`;
+      count.textContent = classes[kind] ? ` ${shown[kind]} of ${total[kind]}` : " hidden";
     });
     statuses.forEach((name, i) => {
       if (i > 0) byId(`count-${name}`).textContent = byStatus[i];

@@ -260,7 +260,7 @@ function findBands(run) {
 
 function faultText(run, id) {
   const fault = run.faults.find((other) => other.id === id);
-  return fault ? `${id}: ${fault.kind.replace("_", " ")} ${fault.target}` : `fault ${id}`;
+  return fault ? `${id}: ${fault.kind.replaceAll("_", " ")} ${fault.target}` : `fault ${id}`;
 }
 
 /** "uav:3, worker:5" of an event or action. */

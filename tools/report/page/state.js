@@ -5,6 +5,7 @@ export class State {
     this.current = 0;
     this.selected = null; // { type: "agent", index } or { type: "task" | "charge", id }
     this.classes = [true, true, true];
+    this.filter = ""; // part of an agent's name
     this.view = null; // [from, to] in ms of the current run; null: all of it
     this.byDecision = false; // curves over decisions rather than time
     this.live = false;
@@ -15,7 +16,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "classes", "view", "axis", "theme" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "theme" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -30,6 +31,29 @@ export class State {
   select(selected) {
     this.selected = selected;
     this.emit("selection");
+  }
+
+  /** Shows run `i`. */
+  open(i) {
+    this.current = i;
+    this.selected = null;
+    this.emit("run");
+    this.emit("selection");
+  }
+
+  setFilter(text) {
+    this.filter = text.trim().toLowerCase();
+    this.emit("filter");
+  }
+
+  finds(agent) {
+    return agent.label.includes(this.filter);
+  }
+
+  /** Selects, and takes the map there. */
+  flyTo(selected) {
+    this.select(selected);
+    this.emit("fly");
   }
 
   toggleClass(kind) {

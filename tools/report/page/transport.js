@@ -76,9 +76,9 @@ export class Transport {
     for (const decision of run.decisions) c.fillRect(x(decision.t) - 0.5, 0, 1, 5);
     c.fillStyle = theme.failed;
     for (const band of faultBands(run)) {
-      const tall = band.kind === "agent" ? 2 : 5;
+      const tall = band.kind === "agent" ? 6 : 5;
       c.globalAlpha = band.kind === "agent" ? 0.9 : 0.45;
-      c.fillRect(x(band.from), height - tall, Math.max(1.5, x(band.to) - x(band.from)), tall);
+      c.fillRect(x(band.from), height - tall, band.kind === "agent" ? 1.5 : Math.max(1.5, x(band.to) - x(band.from)), tall);
     }
     c.globalAlpha = 1;
   }

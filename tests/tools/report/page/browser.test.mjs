@@ -1,73 +1,18 @@
 // The pages that muster report writes, in Chromium. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { spawn } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-
-const { MUSTER_CHROMIUM, MUSTER_PROGRAM, MUSTER_SCENARIOS, MUSTER_WORK } = process.env;
-const { chromium } = createRequire(join(MUSTER_WORK, "package.json"))("playwright-core");
-const folder = mkdtempSync(join(tmpdir(), "muster-page-"));
-const muster = (...args) => execFileSync(MUSTER_PROGRAM, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
-const file = (name) => join(folder, name);
-const json = (name) => JSON.parse(readFileSync(file(name), "utf8"));
-let browser;
-
-before(async () => {
-  // The sandbox wants namespaces, which root in a container has not.
-  browser = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0 });
-  const scenario = join(MUSTER_SCENARIOS, "random_1.json");
-  muster("simulate", scenario, "--policy", "mpq", "--log", "--out", file("a"));
-  muster("simulate", scenario, "--policy", "kwta", "--log", "--out", file("b"));
-  muster("report", file("a"), "--out", file("a.html"));
-  muster("report", file("a"), file("b"), "--out", file("ab.html"));
-});
-
-after(async () => {
-  await browser?.close();
-  rmSync(folder, { recursive: true });
-});
-
-/** Opens a page; whatever goes wrong in it, or wants to leave it, fails the test at the end. */
-async function open(t, name, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: "light", ...options });
-  const page = await context.newPage();
-  const wrong = [];
-  const asked = [];
-  page.on("console", (message) => wrong.push(`${message.type()}: ${message.text()}`));
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("dialog", (dialog) => wrong.push(`dialog ${dialog.message()}`));
-  page.on("request", (request) => asked.push(request.url()));
-  t.after(async () => {
-    await context.close();
-    assert.deepEqual(wrong, []);
-    assert.deepEqual(asked.filter((url) => !url.startsWith("data:")), [`file://${file(name)}`]);
-  });
-  await page.goto(`file://${file(name)}`);
-  await page.locator("html[data-ready]").waitFor({ state: "attached" });
-  return page;
-}
-
-const raw = async (page, key) => page.locator(`[data-key="${key}"]`).first().getAttribute("data-raw");
-const text = async (page, key) => page.locator(`[data-key="${key}"]`).first().innerText();
-const scrub = (page, minutes) => page.locator("#scrub").evaluate((input, t) => {
-  input.value = t;
-  input.dispatchEvent(new Event("input", { bubbles: true }));
-}, minutes * 60000);
-
-/** A canvas' picture, once it is drawn. */
-const picture = (page, id) => page.evaluate((name) => new Promise((resolve) => {
-  requestAnimationFrame(() => requestAnimationFrame(() => resolve(document.getElementById(name).toDataURL())));
-}), id);
+import { test } from "node:test";
+import { MUSTER_PROGRAM, MUSTER_SCENARIOS, browser, file, json, muster, open, picture, raw, scrub, text } from "./support.mjs";
 
 test("the figures are those of report.json", async (t) => {
   const page = await open(t, "a.html");
   const report = json("a/report.json");
+  await page.keyboard.press("End");
   const weight = report.decisions.reduce((sum, d) => sum + d.weight, 0);
   for (const [key, value] of [["completion_rate", report.completion_rate], ["tasks_done", report.tasks_done],
-    ["charges", report.charges], ["flown_m", report.flown_m], ["median_s", report.decision_time.median_s],
+    ["charges", report.charges], ["flown_m", report.flown_m], ["solve_s", report.decisions.at(-1).solve_s],
     ["lost", report.processes.reduce((sum, p) => sum + p.lost, 0)], ["weight", weight]]) {
     assert.equal(Number(await raw(page, key)), value, key);
   }
@@ -84,6 +29,7 @@ test("the clock scrubs, and every part follows", async (t) => {
   const page = await open(t, "a.html");
   const report = json("a/report.json");
   const maps = new Set();
+  await page.keyboard.press("d");
   for (const minutes of [0, 45, 90.5, 140, 180]) {
     await scrub(page, minutes);
     const s = minutes * 60;
@@ -96,6 +42,8 @@ test("the clock scrubs, and every part follows", async (t) => {
     const decision = report.decisions.filter((d) => d.sim_s <= s).at(-1);
     assert.equal(Number(await raw(page, "decision_weight")), decision.weight);
     assert.equal(await page.locator("#decision-now").innerText(), `decision ${decision.index}`);
+    assert.equal(Number(await raw(page, "tasks_done")), done, "the header follows the time");
+    assert.equal(Number(await raw(page, "weight")), report.decisions.filter((d) => d.sim_s <= s).reduce((sum, d) => sum + d.weight, 0));
     maps.add(await picture(page, "map"));
   }
   assert.equal(maps.size, 5, "the map shows another picture at each time");
@@ -114,6 +62,7 @@ test("it plays, and stops at the end", async (t) => {
 test("the keyboard steps, filters and selects nothing", async (t) => {
   const page = await open(t, "a.html");
   const now = () => page.locator("#time-now").innerText();
+  await page.keyboard.press("Home");
   await page.keyboard.press("]");
   await page.keyboard.press("]");
   assert.equal(await now(), "0:20:00");
@@ -166,6 +115,8 @@ test("a click on the timeline goes there and shows the agent", async (t) => {
 
 test("a drag over a curve looks closer, a click sets the time, a double click shows all", async (t) => {
   const page = await open(t, "a.html");
+  await page.keyboard.press("Home");
+  await page.locator("#plot-weight").scrollIntoViewIfNeeded();
   const box = await page.locator("#plot-weight .plot-over").boundingBox();
   const at = (share) => [box.x + share * box.width, box.y + box.height / 2];
   const view = () => page.evaluate(() => window.muster.state.view);
@@ -210,8 +161,9 @@ test("a phone shows all of it without scrolling sideways", async (t) => {
     assert.equal(shown, 360);
     assert.ok(wide <= 360, `${wide} px wide on ${tab}`);
   }
+  const opened = await page.evaluate(() => window.muster.clock.t);
   await page.locator("#play").tap();
-  await page.waitForFunction(() => window.muster.clock.t > 0);
+  await page.waitForFunction((t) => window.muster.clock.t > t, opened);
 });
 
 test("dark and light follow the system", async (t) => {
@@ -236,6 +188,7 @@ test("several runs are compared", async (t) => {
   const first = reports[0].decisions.findIndex((d, i) => !same(d, reports[1].decisions[i]));
   assert.ok(rows[1].includes(`decision ${first}`), rows[1]);
   await page.locator("#tabs button").nth(1).click();
+  await page.keyboard.press("End");
   assert.equal(Number(await raw(page, "tasks_done")), reports[1].tasks_done);
   await page.locator("#axis").selectOption("decision");
   assert.equal(await page.locator("#plot-weight canvas").count(), 1);
@@ -278,7 +231,7 @@ test("a mission that runs is shown until its end, with the numbers of its report
     const found = said.match(/live at (http:\S+)/);
     if (found) resolve(found[1]);
   }));
-  const page = await (await browser.newContext()).newPage();
+  const page = await (await browser().newContext()).newPage();
   const wrong = [];
   const asked = new Set();
   page.on("console", (message) => wrong.push(message.text()));

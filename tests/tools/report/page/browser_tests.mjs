@@ -1,4 +1,4 @@
-// node browser_tests.mjs WORK: runs browser.test.mjs in Debian's Chromium, or says why it cannot and
+// node browser_tests.mjs WORK: runs the tests in Debian's Chromium, or says why it cannot and
 // exits with 77. MUSTER_BROWSER=required makes that a failure. WORK is where playwright-core goes.
 import { spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync } from "node:fs";
@@ -15,12 +15,12 @@ function skip(why) {
 
 const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => existsSync(path));
 if (!chromium) skip("there is no Chromium here; scripts/test-page installs it");
-if (!existsSync(join(work, "node_modules/playwright-core"))) {
+if (!["playwright-core", "axe-core"].every((name) => existsSync(join(work, "node_modules", name)))) {
   mkdirSync(work, { recursive: true });
   for (const file of ["package.json", "package-lock.json", ".npmrc"]) copyFileSync(join(here, file), join(work, file));
   const npm = spawnSync("npm", ["ci", "--ignore-scripts", "--fetch-retries=1"], { cwd: work, encoding: "utf8" });
-  if (npm.status !== 0) skip(`npm cannot fetch playwright-core: ${(npm.stderr || String(npm.error)).trim().split("\n")[0]}`);
+  if (npm.status !== 0) skip(`npm cannot fetch playwright-core and axe-core: ${(npm.stderr || String(npm.error)).trim().split("\n")[0]}`);
 }
-const tests = spawnSync(process.execPath, ["--test", join(here, "browser.test.mjs")], {
+const tests = spawnSync(process.execPath, ["--test", join(here, "browser.test.mjs"), join(here, "commander.test.mjs")], {
   stdio: "inherit", env: { ...process.env, MUSTER_CHROMIUM: chromium, MUSTER_WORK: work } });
 process.exit(tests.status ?? 1);

@@ -2,11 +2,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
+import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
+import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
+import { tellingMoment } from "../../../../tools/report/page/moment.js";
+import { eventRows } from "../../../../tools/report/page/panels.js";
+import { degreesOf, planeOf } from "../../../../tools/report/page/place.js";
 import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt,
 } from "../../../../tools/report/page/run.js";
 import { nearest } from "../../../../tools/report/page/plot.js";
 import { linear, roundTicks } from "../../../../tools/report/page/scale.js";
+import { agentNext, agentNow, doneTime, flownAt, taskNow, waitedMs } from "../../../../tools/report/page/story.js";
 import { clockText, rowAt, timeTicks } from "../../../../tools/report/page/time.js";
 import { WHOLE, gripped, zoomed } from "../../../../tools/report/page/zoom.js";
 
@@ -211,4 +217,100 @@ test("one finger moves, two zoom by how far apart they are", () => {
 test("the point nearest to the pointer", () => {
   assert.deepEqual([-1, 0, 4, 6, 99].map((x) => nearest([0, 5, 10], x)), [0, 0, 1, 1, 2]);
   assert.equal(nearest([], 1), -1);
+});
+
+test("a link says a moment, a selection and a run, and what it has not is null", () => {
+  assert.deepEqual(readLink("#t=4800&sel=uav:2"), { tMs: 4800000, sel: "uav:2", run: null });
+  assert.deepEqual(readLink("#t=-1&run=1"), { tMs: null, sel: null, run: 1 });
+  assert.equal(writeLink({ tMs: 4800499, sel: "task:17", run: 0 }), "#t=4800&sel=task:17");
+  const run = begun();
+  assert.deepEqual([itemOf(run, "vehicle:0"), itemOf(run, "task:1"), itemOf(run, "charge:0")],
+    [{ type: "agent", index: 2 }, { type: "task", id: 1 }, { type: "charge", id: 0 }]);
+  assert.deepEqual(["uav:1", "task:2", "car:0", "uav:", null].map((name) => itemOf(run, name)), [null, null, null, null, null]);
+  assert.equal(nameOf(run, { type: "agent", index: 2 }), "vehicle:0");
+});
+
+const sensing = (more = {}) => begun({ now_ms: 3600000, ended: true,
+  decisions: [0, [[1, 600000, 1, null, 9, 1500, "mpq", [7, 0, 0, -1, 1, -1, 900, 900, 0.5]]]],
+  activities: [0, [0, 0, 0, 1, 720000, 900000]],
+  stops: [[0, 0, [0, 100, 100, 30000, 600000, 100, 100, 30000, 690000, 900, 900, 29000, 900000, 900, 900, 28940, 3600000, 900, 900, 28940]]],
+  spans: [[0, 0, [0, 1, 600000, 2, 690000, 3, 720000, 4, 900000, 1]]],
+  tasks: [[1, 0, [600000, 1, 720000, 2, 900000, 3]]], done: [0, [0, 0, 900000, 1]], ...more });
+
+test("an agent's story: where to, with whom, arrival, and what comes next", () => {
+  const run = sensing();
+  const now = agentNow(run, run.agents[0], 645000);
+  assert.deepEqual([now.site.site, now.partner, now.arrival.t, now.arrival.known], [1, "worker:0", 690000, true]);
+  assert.deepEqual([now.since, now.until, now.activity.end], [600000, 690000, 900000]);
+  const before = agentNow(run, run.agents[0], 300000);
+  assert.deepEqual([before.site, before.partner, before.activity], [null, null, null], "what is decided later is not known yet");
+  assert.equal(agentNext(run, run.agents[0], before, 300000).command.decision.index, 1);
+  assert.equal(agentNow(run, run.agents[0], 1000000).partner, null);
+});
+
+test("a live agent's arrival is told by its speed", () => {
+  const run = sensing({ now_ms: 630000, ended: false, stops: [[0, 0, [0, 100, 100, 30000, 600000, 100, 100, 30000, 630000, 400, 400, 29600]]] });
+  const { arrival } = agentNow(run, run.agents[0], 630000);
+  assert.ok(!arrival.known && Math.abs(arrival.t - 680000) < 1, `${arrival.t}`);
+});
+
+test("a task's story, and that of one broken off", () => {
+  const run = sensing();
+  assert.deepEqual([taskNow(run, run.tasks[1], 800000).status, taskNow(run, run.tasks[1], 800000).activity.uav, doneTime(run, run.tasks[1])], [2, 0, 900000]);
+  assert.deepEqual([doneTime(run, run.tasks[0]), taskNow(run, run.tasks[0], 0).activity], [null, null]);
+  const broken = sensing({ tasks: [[1, 0, [600000, 1, 720000, 2, 800000, 0]]], events: [0, [["sensing_aborted", 790000, 0, 0, -1, 1, -1, "", ""]]] });
+  assert.equal(taskNow(broken, broken.tasks[1], 750000).activity.aborted, 790000);
+  assert.equal(taskNow(broken, broken.tasks[1], 800000).activity, null);
+});
+
+test("metres flown at a time are those of the ways until then", () => {
+  const run = sensing();
+  const way = Math.hypot(800, 800);
+  assert.equal(flownAt(run, 0), 0);
+  assert.ok(Math.abs(flownAt(run, 645000) - way / 2) < 0.01 * way);
+  assert.ok(Math.abs(flownAt(run, 3600000) - way) < 1e-6);
+  assert.equal(waitedMs(run, 700000), 10000);
+});
+
+test("attention: failures, then tasks, then waiting, then range, each by its harm", () => {
+  const late = sensing({ spans: [[0, 0, [0, 1, 600000, 3]], [1, 0, [0, 1, 700000, 6]]], stops: [[0, 0, [0, 100, 100, 100, 3600000, 100, 100, 100]]],
+    tasks: [[1, 0, [600000, 1, 720000, 2, 900000, 3]]] });
+  const kinds = (t) => attentionAt(late, t).map((f) => [f.kind, f.text]);
+  assert.deepEqual(kinds(650000), [["risk", "task 0"]]);
+  assert.deepEqual(kinds(1000000), [["failed", "worker:0"], ["risk", "task 0"], ["wait", "uav:0"]]);
+  assert.deepEqual(kinds(3600000)[1], ["undone", "task 0"]);
+  assert.deepEqual(attentionAt(late, 300000).map((f) => f.kind), ["stranded", "risk"]);
+  assert.equal(attentionAt(sensing({ ended: false }), 3600000, 9000)[0].kind, "log");
+});
+
+test("the forecast goes on at the rate so far, and is exact at the end", () => {
+  const run = begun({ now_ms: 3600000, done: [0, [0, 0, 1800000, 1]] });
+  assert.deepEqual(forecastAt(run, 1800000), { done: 2, total: 2 }); // half of the open one, rounded
+  assert.equal(forecastAt(run, 3600000).done, 1);
+});
+
+test("the most telling moment is the first failure, else where progress slackens", () => {
+  const slack = begun({ now_ms: 3600000, ended: true, done: [0, [0, 0, 600000, 1]] });
+  assert.equal(tellingMoment(slack).t, 600000);
+  assert.match(tellingMoment(slack).why, /1 of 2 tasks/);
+  assert.match(tellingMoment(begun({ now_ms: 9, done: [0, [0, 0]] })).why, /no task was done/);
+  const failed = begun({ now_ms: 3600000, events: [0, [["agent_failed", 7, 0, -1, -1, -1, -1, "", ""]]] });
+  assert.deepEqual(tellingMoment(failed), { t: 7, why: "the first failure: uav:0 failed" });
+});
+
+test("what all processes say of one fault is one row with its kind", () => {
+  const event = (kind, t, fault) => [kind, t, -1, -1, -1, -1, -1, fault, ""];
+  const run = begun({ faults: [["f", "packet_loss", "*", 10, 20, 0.3]], events: [0, [event("fault_applied", 10, "f"), event("fault_applied", 11, "f"), event("fault_ended", 30, "f")]] });
+  assert.deepEqual(eventRows(run).map((row) => [row.t, row.what, row.processes]), [[10, "packet loss applied", 2], [30, "packet loss ended", 1]]);
+});
+
+test("degrees and metres of the map's plane agree", () => {
+  const run = begun();
+  assert.equal(degreesOf(run, { x: 1, y: 1 }), null);
+  run.scenario.origin = [18.41, -72.47];
+  const [latitude, longitude] = degreesOf(run, { x: 12345, y: 23456 });
+  assert.ok(Math.abs(latitude - 18.6218) < 0.001 && Math.abs(longitude + 72.353) < 0.001, `${latitude} ${longitude}`);
+  const back = planeOf(run, latitude, longitude);
+  // The plane leaves the ground by d²/2R: 55 m at 26 km, and 0.2 m sideways.
+  assert.ok(Math.hypot(back.x - 12345, back.y - 23456) < 0.5, JSON.stringify(back));
 });

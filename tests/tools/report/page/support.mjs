@@ -1,0 +1,74 @@
+// What the tests in Chromium share: runs, pages of them, a browser.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before } from "node:test";
+
+export const { MUSTER_CHROMIUM, MUSTER_PROGRAM, MUSTER_SCENARIOS, MUSTER_WORK } = process.env;
+const require = createRequire(join(MUSTER_WORK, "package.json"));
+const { chromium } = require("playwright-core");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const folder = mkdtempSync(join(tmpdir(), "muster-page-"));
+export const muster = (...args) => execFileSync(MUSTER_PROGRAM, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+export const file = (name) => join(folder, name);
+export const json = (name) => JSON.parse(readFileSync(file(name), "utf8"));
+let started;
+/** The browser of all tests. */
+export const browser = () => started;
+
+before(async () => {
+  // The sandbox wants namespaces, which root in a container has not.
+  started = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0 });
+  const scenario = join(MUSTER_SCENARIOS, "random_1.json");
+  muster("simulate", scenario, "--policy", "mpq", "--log", "--out", file("a"));
+  muster("simulate", scenario, "--policy", "kwta", "--log", "--out", file("b"));
+  muster("report", file("a"), "--out", file("a.html"));
+  muster("report", file("a"), file("b"), "--out", file("ab.html"));
+});
+
+after(async () => {
+  await started?.close();
+  rmSync(folder, { recursive: true });
+});
+
+/** Opens a page; whatever goes wrong in it, or wants to leave it, fails the test at the end. */
+export async function open(t, name, options = {}, hash = "") {
+  const context = await started.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: "light", ...options });
+  const page = await context.newPage();
+  const wrong = [];
+  const asked = [];
+  page.on("console", (message) => wrong.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("dialog", (dialog) => wrong.push(`dialog ${dialog.message()}`));
+  page.on("request", (request) => asked.push(request.url()));
+  t.after(async () => {
+    await context.close();
+    assert.deepEqual(wrong, []);
+    assert.deepEqual(asked.filter((url) => !url.startsWith("data:")).map((url) => url.split("#")[0]), [`file://${file(name)}`]);
+  });
+  await page.goto(`file://${file(name)}${hash}`);
+  await page.locator("html[data-ready]").waitFor({ state: "attached" });
+  return page;
+}
+
+export const raw = async (page, key) => page.locator(`[data-key="${key}"]`).first().getAttribute("data-raw");
+export const text = async (page, key) => page.locator(`[data-key="${key}"]`).first().innerText();
+export const scrub = (page, minutes) => page.locator("#scrub").evaluate((input, t) => {
+  input.value = t;
+  input.dispatchEvent(new Event("input", { bubbles: true }));
+}, minutes * 60000);
+
+/** A canvas' picture, once it is drawn. */
+export const picture = (page, id) => page.evaluate((name) => new Promise((resolve) => {
+  requestAnimationFrame(() => requestAnimationFrame(() => resolve(document.getElementById(name).toDataURL())));
+}), id);
+
+/** No violation of axe-core's rules in the page as it is shown. */
+export async function accessible(page, what) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run());
+  assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes[0].html}`), [], what);
+}

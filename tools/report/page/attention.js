@@ -1,0 +1,172 @@
+import { oncePerFrame } from "./canvas.js";
+import { byId, element, number } from "./dom.js";
+import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt } from "./run.js";
+import { DONE, OPEN, spanAt, taskNow } from "./story.js";
+import { clockText } from "./time.js";
+
+const CHARGING = 5;
+const SHOWN = 4; // of each kind
+const LONG_WAIT_MS = 5 * 60000;
+const LOW_RANGE = 0.2;
+const SILENT_MS = 5000;
+
+/** Kinds of what needs attention, the most harmful first. `more` is the filter of the task table that shows all of them. */
+export const KINDS = [
+  { id: "process", title: "Processes lost", mark: "!" },
+  { id: "log", title: "Log behind", mark: "!" },
+  { id: "fault", title: "Faults in force", mark: "!" },
+  { id: "failed", title: "Agents failed", mark: "×" },
+  { id: "stranded", title: "Cannot reach a charging point", mark: "×" },
+  { id: "undone", title: "Not done", mark: "◇", more: "never" },
+  { id: "risk", title: "At risk: nobody is on the way", mark: "◇", more: "open" },
+  { id: "wait", title: "Waiting for a partner", mark: "…" },
+  { id: "range", title: "Low range", mark: "▾" },
+];
+
+const minutes = (ms) => `${number(ms / 60000)} min`;
+
+/** Reports only: a task that is never done is known before the end. */
+function tasksAtRisk(run, t) {
+  const found = [];
+  const last = run.ended && t >= run.nowMs;
+  for (const task of run.tasks) {
+    const now = taskNow(run, task, t);
+    if (now.status === DONE || now.doneAt !== null && now.doneAt <= t) continue;
+    const never = run.ended && now.doneAt === null;
+    if (never) {
+      found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: now.status === OPEN ? 2 : 1,
+        text: `task ${task.id}`, note: last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain" });
+    } else if (!run.ended && now.status === OPEN && t >= 3 * run.intervalMs && late(run, t)) {
+      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: 0, text: `task ${task.id}`, note: "nobody is sent" });
+    }
+  }
+  return found;
+}
+
+/** Whether the forecast leaves tasks undone. */
+const late = (run, t) => forecastAt(run, t).done < run.tasks.length;
+
+function agentsInTrouble(run, t) {
+  const found = [];
+  for (const agent of run.agents) {
+    const status = statusAt(agent, t);
+    const item = { type: "agent", index: agent.index };
+    if (status === FAILED) {
+      const { since } = spanAt(run, agent, t);
+      found.push({ kind: "failed", item, harm: -since, text: agent.label, note: `since ${clockText(since)}` });
+    } else if (status === WAITING) {
+      const { since } = spanAt(run, agent, t);
+      if (t - since >= LONG_WAIT_MS) found.push({ kind: "wait", item, harm: t - since, text: agent.label, note: `for ${minutes(t - since)}` });
+    } else if (agent.kind === 0 && status !== 0 && status !== CHARGING) {
+      lowRange(run, agent, t, found);
+    }
+  }
+  return found;
+}
+
+function lowRange(run, agent, t, found) {
+  const place = placeAt(agent, t);
+  if (!place || !(place.range < LOW_RANGE * agent.fullRange)) return;
+  const nearest = Math.min(...run.charging.map((point) => Math.hypot(point.x - place.x, point.y - place.y)));
+  const item = { type: "agent", index: agent.index };
+  const km = (m) => `${number(m / 1000, 1)} km`;
+  // Places and ranges are whole metres in the page.
+  const stranded = run.charging.length > 0 && place.range + 2 < nearest;
+  found.push(stranded
+    ? { kind: "stranded", item, harm: nearest - place.range, text: agent.label, note: `${km(place.range)} left, ${km(nearest)} to the nearest` }
+    : { kind: "range", item, harm: -place.range / agent.fullRange, text: agent.label, note: `${km(place.range)} of ${km(agent.fullRange)} left` });
+}
+
+/** What needs attention at t, by kind and harm: [{ kind, item, text, note }]. `silentMs`: since a live page heard anything. */
+export function attentionAt(run, t, silentMs = 0) {
+  const found = [...agentsInTrouble(run, t), ...tasksAtRisk(run, t)];
+  for (const band of faultBands(run)) {
+    if (band.kind === "agent" || band.from > t || (band.to <= t && band.to > band.from) || (band.to === band.from && t - band.to > run.tickMs)) continue;
+    const kind = band.kind === "process" ? "process" : "fault";
+    found.push({ kind, item: null, t: band.from, harm: -band.from, text: band.label.replace(/^lost: /, ""), note: `since ${clockText(band.from)}` });
+  }
+  if (silentMs > SILENT_MS && !run.ended) {
+    found.push({ kind: "log", item: null, harm: 0, text: `nothing heard for ${number(silentMs / 1000)} s`, note: "" });
+  }
+  if (t >= run.nowMs && run.ended && run.report && !run.report.log.complete) {
+    found.push({ kind: "log", item: null, harm: 0, text: "the log is incomplete", note: `${number(run.report.log.n_missing)} messages missing` });
+  }
+  const rank = new Map(KINDS.map((kind, i) => [kind.id, i]));
+  return found.sort((a, b) => rank.get(a.kind) - rank.get(b.kind) || b.harm - a.harm);
+}
+
+/**
+ * How many tasks will be done by the end, from the rate so far: those of the last three intervals go on, per task that
+ * is open. Source: ours; tasks get scarce as they are done, so the rate falls with them.
+ */
+export function forecastAt(run, t) {
+  const total = run.tasks.length;
+  const done = doneAt(run, t);
+  const left = Math.max(0, run.limitMs - t);
+  const window = Math.min(t, 3 * run.intervalMs);
+  const before = total - doneAt(run, t - window);
+  const open = total - done;
+  if (window <= 0 || before === 0) return { done, total };
+  return { done: Math.round(total - open * (open / before) ** (left / window)), total };
+}
+
+/** The first panel of the page: what needs attention at the clock's time. */
+export class Attention {
+  constructor(state, clock, showTasks) {
+    this.state = state;
+    this.clock = clock;
+    this.showTasks = showTasks;
+    this.heard = performance.now();
+    this.draw = oncePerFrame(() => this.#draw());
+    clock.subscribe(this.draw);
+    state.on("data", () => { this.heard = performance.now(); });
+    state.on("run data selection", this.draw);
+  }
+
+  #draw() {
+    const { run, live, selected } = this.state;
+    if (!run) return;
+    const t = this.clock.t;
+    const found = attentionAt(run, t, live ? performance.now() - this.heard : 0);
+    const key = JSON.stringify([found.map((f) => [f.kind, f.text, f.note]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t)]);
+    if (key === this.key) return; // what has the focus stays
+    this.key = key;
+    byId("attention-count").textContent = found.length === 0 ? "nothing" : number(found.length);
+    const focused = document.activeElement?.dataset?.attention;
+    byId("attention-list").replaceChildren(...KINDS.flatMap((kind) => this.#group(kind, found.filter((f) => f.kind === kind.id))));
+    if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, "Nothing needs attention now."));
+    if (focused) byId("attention-list").querySelector(`[data-attention="${focused}"]`)?.focus({ preventScroll: true });
+    byId("forecast").replaceChildren(...this.#forecast(run, t));
+  }
+
+  #group(kind, found) {
+    if (found.length === 0) return [];
+    const more = found.length - SHOWN;
+    return [
+      element("h3", {}, kind.title, " ", element("b", {}, number(found.length))),
+      element("ul", {}, ...found.slice(0, SHOWN).map((f) => element("li", {}, this.#row(kind, f))),
+        more > 0 ? element("li", {}, kind.more
+          ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, `${number(more)} more in the table`)
+          : element("span", { class: "muted" }, `and ${number(more)} more`)) : null),
+    ];
+  }
+
+  #row(kind, found) {
+    const chosen = found.item && JSON.stringify(found.item) === JSON.stringify(this.state.selected);
+    return element("button", { type: "button", class: `alarm a-${kind.id}`, "aria-pressed": found.item ? String(Boolean(chosen)) : null,
+      "data-attention": `${kind.id} ${found.text}`, onclick: () => (found.item ? this.state.flyTo(found.item) : this.clock.seek(found.t ?? this.clock.t)) },
+    element("i", { "aria-hidden": "true" }, kind.mark), element("b", {}, found.text), found.note ? element("small", {}, found.note) : null);
+  }
+
+  #forecast(run, t) {
+    if (t < 3 * run.intervalMs || t >= run.limitMs || (run.ended && t >= run.nowMs)) return [];
+    const { done, total } = forecastAt(run, t);
+    const parts = ["Forecast: ", element("b", {}, `${number(done)} of ${number(total)}`), " tasks done by the end, at the rate of the last three decisions."];
+    if (run.ended) {
+      const off = done - run.tasksDone;
+      parts.push(` It was ${number(run.tasksDone)}: ${off === 0 ? "exact" : `${number(Math.abs(off))} too ${off > 0 ? "many" : "few"}`}.`);
+    }
+    return parts;
+  }
+}
+

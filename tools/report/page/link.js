@@ -1,0 +1,92 @@
+const KINDS = ["uav", "worker", "vehicle"];
+
+/** "uav:2", "task:17", "charge:3" of what is selected; null of nothing. */
+export function nameOf(run, selected) {
+  if (!selected) return null;
+  if (selected.type !== "agent") return `${selected.type}:${selected.id}`;
+  return run.agents[selected.index].label;
+}
+
+/** What a name selects in a run; null: it has no such thing. */
+export function itemOf(run, name) {
+  const [, type, digits] = /^([a-z]+):(\d+)$/.exec(name ?? "") ?? [];
+  const id = Number(digits);
+  const kind = KINDS.indexOf(type);
+  const counts = [run.scenario.uavs, run.scenario.workers, run.scenario.vehicles];
+  if (kind >= 0) return id < counts[kind] ? { type: "agent", index: run.agentIndex(kind, id) } : null;
+  if (type === "task") return id < run.tasks.length ? { type, id } : null;
+  if (type === "charge") return id < run.charging.length ? { type, id } : null;
+  return null;
+}
+
+/** "#t=4800&sel=uav:2" as { tMs, sel, run }; what it does not say is null. */
+export function readLink(hash) {
+  const values = new URLSearchParams(hash.replace(/^#/, ""));
+  const number = (key) => (/^\d+(\.\d+)?$/.test(values.get(key) ?? "") ? Number(values.get(key)) : null);
+  const t = number("t");
+  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run") };
+}
+
+export function writeLink({ tMs, sel, run }) {
+  const parts = [];
+  if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
+  if (sel) parts.push(`sel=${sel}`);
+  if (run) parts.push(`run=${run}`);
+  return `#${parts.join("&")}`;
+}
+
+const SETTLED_MS = 250;
+
+/**
+ * Keeps the address at what is shown: a selection is a step of the browser's history, time is not. `start(link)` shows
+ * what a link says, also when the user goes back.
+ */
+export class Link {
+  constructor(state, clock, show) {
+    this.state = state;
+    this.clock = clock;
+    this.show = show;
+    this.ready = false;
+    this.timer = 0;
+    this.shown = "";
+    clock.subscribe(() => this.#later());
+    state.on("selection run", () => this.#step());
+    window.addEventListener("popstate", () => this.#apply());
+  }
+
+  /** From now on the address follows. */
+  start() {
+    this.#apply();
+    this.ready = true;
+  }
+
+  #apply() {
+    clearTimeout(this.timer);
+    this.ready = false;
+    this.show(readLink(location.hash));
+    this.shown = nameOf(this.state.run, this.state.selected);
+    this.shownRun = this.state.current;
+    this.ready = true;
+  }
+
+  #address() {
+    const { run, selected, current } = this.state;
+    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current });
+  }
+
+  #later() {
+    if (!this.ready) return;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => history.replaceState(null, "", this.#address()), SETTLED_MS);
+  }
+
+  #step() {
+    if (!this.ready) return;
+    const name = nameOf(this.state.run, this.state.selected);
+    if (name === this.shown && this.state.current === this.shownRun) return;
+    this.shown = name;
+    this.shownRun = this.state.current;
+    clearTimeout(this.timer);
+    history.pushState(null, "", this.#address());
+  }
+}

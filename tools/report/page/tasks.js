@@ -1,0 +1,169 @@
+import { oncePerFrame } from "./canvas.js";
+import { element, number } from "./dom.js";
+import { DONE, OPEN, taskNow } from "./story.js";
+import { clockText } from "./time.js";
+
+const MOST_ROWS = 250;
+const PLAYING_MS = 300; // between two drawings while it plays
+
+/** The columns: what they sort by. */
+const COLUMNS = [
+  { id: "task", title: "task", key: (row) => row.id },
+  { id: "now", title: "now", key: (row) => row.status },
+  { id: "who", title: "who", key: (row) => row.who },
+  { id: "when", title: "until, since", key: (row) => row.when ?? Infinity },
+  { id: "end", title: "in the end", key: (row) => row.doneAt ?? Infinity },
+  { id: "cost", title: "takes", number: true, key: (row) => row.cost },
+];
+
+const FILTERS = [
+  ["all", "all", () => true],
+  ["todo", "to do", (row) => row.status !== DONE],
+  ["open", "nobody sent", (row) => row.status === OPEN],
+  ["under", "under way", (row) => row.status !== OPEN && row.status !== DONE],
+  ["done", "done", (row) => row.status === DONE],
+  ["never", "never done", (row) => row.never],
+];
+
+function rowOf(run, task, t) {
+  const now = taskNow(run, task, t);
+  const { activity } = now;
+  const by = activity && now.status !== OPEN ? `uav:${activity.uav}, worker:${activity.partner}` : "";
+  const when = now.status === DONE ? now.doneAt : by ? activity.end : null;
+  return { id: task.id, cost: task.cost, status: now.status, who: by, when, doneAt: now.doneAt, never: run.ended && now.doneAt === null };
+}
+
+/** All tasks at the clock's time: sorted, filtered, chosen with mouse or keyboard. */
+export class TaskTable {
+  constructor(state, clock) {
+    this.state = state;
+    this.clock = clock;
+    this.sort = "task";
+    this.down = false;
+    this.filter = "all";
+    this.text = "";
+    this.drawn = 0;
+    this.draw = oncePerFrame(() => this.#draw());
+    this.root = this.#frame();
+    clock.subscribe(() => this.#onTime());
+    state.on("run data", this.draw);
+    state.on("selection", () => this.#mark(true));
+  }
+
+  get visible() {
+    return this.root.isConnected;
+  }
+
+  show(filter) {
+    this.filter = filter;
+    this.choice.value = filter;
+    this.draw();
+  }
+
+  #frame() {
+    this.choice = element("select", { id: "task-filter", onchange: (e) => this.show(e.target.value) },
+      ...FILTERS.map(([id, title]) => element("option", { value: id }, title)));
+    this.find = element("input", { type: "search", id: "task-find", size: 8, placeholder: "17, uav:3", autocomplete: "off",
+      oninput: (e) => {
+        this.text = e.target.value.trim().toLowerCase();
+        this.draw();
+      } });
+    this.count = element("output", { id: "task-count", class: "muted" });
+    this.heads = COLUMNS.map((column) => element("th", { scope: "col", class: column.number ? "n" : null },
+      element("button", { type: "button", class: "sorter", onclick: () => this.#sortBy(column.id) }, column.title)));
+    this.body = element("tbody", { onkeydown: (e) => this.#key(e), onclick: (e) => this.#choose(e.target.closest("tr")) });
+    this.rest = element("p", { class: "empty", hidden: true });
+    return element("div", { id: "task-table" },
+      element("div", { class: "table-tools" }, element("label", { class: "choice" }, "Show ", this.choice),
+        element("label", { class: "choice" }, "Find ", this.find), this.count),
+      element("table", {}, element("thead", {}, element("tr", {}, ...this.heads)), this.body), this.rest);
+  }
+
+  #sortBy(id) {
+    this.down = this.sort === id && !this.down;
+    this.sort = id;
+    this.draw();
+  }
+
+  #onTime() {
+    if (this.clock.playing && performance.now() - this.drawn < PLAYING_MS) return;
+    this.draw();
+  }
+
+  #rows() {
+    const { run } = this.state;
+    const wanted = FILTERS.find(([id]) => id === this.filter)[2];
+    const { text } = this;
+    const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who}`.includes(text));
+    const rows = run.tasks.map((task) => rowOf(run, task, this.clock.t)).filter((row) => wanted(row) && matches(row));
+    const { key } = COLUMNS.find((column) => column.id === this.sort);
+    const sign = this.down ? -1 : 1;
+    const order = (a, b) => (a < b ? -1 : a > b ? 1 : 0);
+    return rows.sort((a, b) => sign * order(key(a), key(b)) || a.id - b.id);
+  }
+
+  #draw() {
+    const { run } = this.state;
+    if (!run || !this.visible) return;
+    this.drawn = performance.now();
+    const rows = this.#rows();
+    COLUMNS.forEach((column, i) => this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending"));
+    this.count.textContent = `${number(rows.length)} of ${number(run.tasks.length)} tasks`;
+    const key = JSON.stringify([rows.slice(0, MOST_ROWS), rows.length]);
+    if (key !== this.key) {
+      this.key = key;
+      const focused = document.activeElement?.closest?.("#task-table tr")?.dataset.task;
+      this.body.replaceChildren(...rows.slice(0, MOST_ROWS).map((row) => this.#tr(run, row)));
+      if (focused) this.#row(focused)?.focus({ preventScroll: true });
+      this.rest.hidden = rows.length <= MOST_ROWS;
+      this.rest.textContent = `${number(rows.length - MOST_ROWS)} more: sort or filter to see them`;
+    }
+    this.#mark(false);
+  }
+
+  #tr(run, row) {
+    const when = row.when === null ? "" : clockText(row.when);
+    const end = row.doneAt !== null ? clockText(row.doneAt) : row.never ? "never done" : "";
+    return element("tr", { tabindex: -1, "data-task": row.id, class: row.never ? "never" : null },
+      element("td", {}, String(row.id)), element("td", {}, element("i", { class: `task-mark t${row.status}`, "aria-hidden": "true" }), run.words.tasks[row.status]),
+      element("td", {}, row.who), element("td", {}, when), element("td", {}, end), element("td", { class: "n" }, `${number(row.cost / 1000, 1)} km`));
+  }
+
+  #row(id) {
+    return this.body.querySelector(`tr[data-task="${id}"]`);
+  }
+
+  /** The selected task's row is marked and, when asked for, in view; one row takes the focus. */
+  #mark(reveal) {
+    if (!this.visible) return;
+    const { selected } = this.state;
+    const chosen = selected?.type === "task" ? this.#row(selected.id) : null;
+    for (const row of this.body.querySelectorAll('[aria-selected="true"], [tabindex="0"]')) {
+      row.removeAttribute("aria-selected");
+      row.tabIndex = -1;
+    }
+    (chosen ?? this.body.firstElementChild)?.setAttribute("tabindex", "0");
+    chosen?.setAttribute("aria-selected", "true");
+    if (!chosen || !reveal) return;
+    const scroller = this.root.parentElement;
+    const [row, box] = [chosen.getBoundingClientRect(), scroller.getBoundingClientRect()];
+    if (row.top < box.top + 60 || row.bottom > box.bottom) scroller.scrollTop += row.top - box.top - box.height / 2;
+  }
+
+  #choose(row) {
+    if (row) this.state.flyTo({ type: "task", id: Number(row.dataset.task) });
+  }
+
+  #key(event) {
+    const row = event.target.closest("tr");
+    const to = { ArrowDown: row.nextElementSibling, ArrowUp: row.previousElementSibling, Home: this.body.firstElementChild, End: this.body.lastElementChild }[event.key];
+    if (event.key === "Enter" || event.key === " ") this.#choose(row);
+    else if (!["ArrowDown", "ArrowUp", "Home", "End"].includes(event.key)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (!to) return;
+    row.tabIndex = -1;
+    to.tabIndex = 0;
+    to.focus();
+  }
+}
