@@ -18,6 +18,8 @@ namespace {
 
 /// Sites and agents from which on two threads are worth while.
 constexpr std::size_t kManySites = 512, kManyAgents = 1024;
+/// Ways that memory is taken for at once.
+constexpr std::size_t kFewWays = 4096;
 
 /// What a way depends on, close together in memory.
 struct Mover {
@@ -60,6 +62,7 @@ class Ways {
     std::array<std::vector<Way>, 2> halves;
     ParallelFor(movers.size(), threads, kManyAgents, [&](std::size_t begin, std::size_t end) {
       std::vector<Way>* found = &halves[begin == 0 ? 0 : 1];
+      found->reserve(std::min((end - begin) * n_sites, kFewWays));
       for (std::size_t i = begin; i < end; ++i) {
         sites.Within(movers[i].at, movers[i].reach_m, [&](std::int32_t s, double metres) {
           if (reaches(movers[i], At(s), metres)) {
@@ -101,7 +104,7 @@ struct Arcs {
 
   std::vector<std::pair<double, TimeUs>> next;  ///< tasks close by: range needed, duration
   std::vector<Instance::PartnerArc> found;      ///< of a site, in any order
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;  ///< by (level, partner)
+  std::vector<std::uint64_t> order;             ///< of these: level, then number in `found`
 };
 
 class PairFinder {
@@ -276,13 +279,14 @@ class PairFinder {
       arc.gain = PartnerGain(partner, travel);
       if (task >= 0) arc.gain += Jitter(AgentKind::kWorker, partner.id, task);
       arc.solo = false;
-      arcs->order.emplace_back(
-          static_cast<std::uint64_t>(arc.level) << 32 | static_cast<std::uint64_t>(arc.partner),
-          arcs->found.size());
+      arcs->order.push_back(static_cast<std::uint64_t>(arc.level) << 32 | arcs->found.size());
       arcs->found.push_back(arc);
     }
+    // By level, then by partner, as `found` is by partner.
     std::sort(arcs->order.begin(), arcs->order.end());
-    for (const auto& [key, i] : arcs->order) arcs->partners.push_back(arcs->found[i]);
+    for (const std::uint64_t key : arcs->order) {
+      arcs->partners.push_back(arcs->found[key & 0xFFFFFFFFu]);
+    }
   }
 
   /// The open tasks within the way that is expected to a next one, for a UAV of that speed.
