@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ inline bool IsStay(ActionKind kind) {
   return kind == ActionKind::kUavStays || kind == ActionKind::kWorkerStays ||
          kind == ActionKind::kVehicleStays;
 }
+
+/// Which ids a kind has.
+struct ActionShape {
+  bool uav = false, worker = false, vehicle = false, task = false, charge = false;
+};
+/// None: kNone has none, kGoTo that of any one agent.
+std::optional<ActionShape> ShapeOf(ActionKind kind);
 
 /// One action: a node of the conflict graph. Ids that the kind does not have are invalid (-1).
 struct Action {
@@ -36,6 +44,9 @@ struct Action {
 inline std::int32_t MemberOf(const Action& action, AgentKind kind) {
   return ByKind(kind, action.uav.value, action.worker.value, action.vehicle.value);
 }
+
+/// Whether it has the ids that its kind has, and no others.
+bool HasItsIds(const Action& action);
 
 /// "UiTxWj uav:3 worker:5 task:17"
 std::string ToString(const Action& action);

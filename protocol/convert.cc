@@ -77,6 +77,18 @@ bool Possible(const world_state_t& world, const Rules& rules) {
          world.header.sim_us == rules.TimeOf(world.tick);
 }
 
+bool Possible(const rulings_t& rulings, const Rules& rules) {
+  return rulings.tick >= 0 && rulings.tick <= rules.last_tick() &&
+         std::all_of(rulings.rulings.begin(), rulings.rulings.end(), [&](const ruling_t& ruling) {
+           return ruling.at_us <= rules.TimeOf(rulings.tick);
+         });
+}
+
+bool Possible(const schedule_t& schedule, const Rules& rules) {
+  return schedule.tick >= 0 && schedule.tick <= rules.last_tick() && schedule.decision >= 0 &&
+         schedule.decision == rules.DecisionAt(schedule.tick);
+}
+
 std::string_view ChannelOf(AgentKind kind) {
   return ByKind(kind, channel::kUavs, channel::kWorkers, channel::kVehicles);
 }
@@ -237,6 +249,7 @@ std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits) {
   action.charge = ChargeId(wire.charge_id);
   action.to = {wire.x_m, wire.y_m};
   action.weight = wire.weight;
+  if (!HasItsIds(action)) return {};
   return action;
 }
 

@@ -6,6 +6,8 @@
 #include <muster/agent_t.hpp>
 #include <muster/clock_t.hpp>
 #include <muster/ruling_t.hpp>
+#include <muster/rulings_t.hpp>
+#include <muster/schedule_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
 #include <span>
@@ -35,10 +37,13 @@ struct WireLimits {
   std::size_t agents(AgentKind kind) const { return ByKind(kind, uavs, workers, vehicles); }
 };
 
-/// Whether that clock, or a world's state of that tick, can be in a mission of these rules: a
-/// process that follows one that cannot would wait for a tick that never comes.
+/// Whether that clock, or a world's state, rulings or schedule of that tick, can be in a mission of
+/// these rules: a process that follows one that cannot would wait for a tick that never comes, or
+/// report what nobody believes.
 bool Possible(const clock_t& clock, const Rules& rules);
 bool Possible(const world_state_t& world, const Rules& rules);
+bool Possible(const rulings_t& rulings, const Rules& rules);
+bool Possible(const schedule_t& schedule, const Rules& rules);
 
 /// Where the states of that class are published.
 std::string_view ChannelOf(AgentKind kind);

@@ -14,38 +14,6 @@
 namespace muster::scheduler {
 namespace {
 
-/// Which ids a kind has.
-struct Shape {
-  bool uav = false, worker = false, vehicle = false, task = false, charge = false;
-};
-
-std::optional<Shape> ShapeOf(ActionKind kind) {
-  switch (kind) {
-    case ActionKind::kUavStays:
-      return Shape{.uav = true};
-    case ActionKind::kWorkerStays:
-      return Shape{.worker = true};
-    case ActionKind::kVehicleStays:
-      return Shape{.vehicle = true};
-    case ActionKind::kUavToTask:
-      return Shape{.uav = true, .task = true};
-    case ActionKind::kWorkerToTask:
-      return Shape{.worker = true, .task = true};
-    case ActionKind::kUavToCharge:
-      return Shape{.uav = true, .charge = true};
-    case ActionKind::kVehicleToCharge:
-      return Shape{.vehicle = true, .charge = true};
-    case ActionKind::kSense:
-      return Shape{.uav = true, .worker = true, .task = true};
-    case ActionKind::kCharge:
-      return Shape{.uav = true, .vehicle = true, .charge = true};
-    case ActionKind::kNone:
-    case ActionKind::kGoTo:
-      return std::nullopt;
-  }
-  return std::nullopt;
-}
-
 std::string_view Name(TaskStatus status) {
   switch (status) {
     case TaskStatus::kOpen:

@@ -161,6 +161,7 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
 
 void AgentProcess::Take(const clock_t& clock) {
   if (!Possible(clock, scenario()->rules)) return inbox().Reject();
+  if (clock.tick < restore_from_) TrustOwnStates();
   if (!restored_) return;
   Follow(clock);
   if (clock.phase != ClockPhase::kEnded && (clock.tick == tick_ || clock.tick == tick_ - 1)) {
@@ -171,6 +172,7 @@ void AgentProcess::Take(const clock_t& clock) {
 
 void AgentProcess::Take(const world_state_t& world) {
   if (!Possible(world, scenario()->rules)) return inbox().Reject();
+  if (world.tick < restore_from_) TrustOwnStates();
   if (world.tick > tick_ && restored_) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
     // came from an earlier start of it. Go on from them.
@@ -188,7 +190,15 @@ void AgentProcess::Take(const world_state_t& world) {
   }
 }
 
+void AgentProcess::TrustOwnStates() {
+  if (restored_ || still_unknown_.size() < agents_.size()) return;
+  restored_ = true;
+  restore_from_ = 0;
+  still_unknown_.clear();
+}
+
 void AgentProcess::Take(const rulings_t& rulings) {
+  if (!Possible(rulings, scenario()->rules)) return inbox().Reject();
   if (rulings.tick != tick_ || rulings_) return;
   std::vector<Ruling> list;
   if (FromWireAll(rulings.rulings, WireLimits(*scenario()), &list)) {
@@ -199,6 +209,7 @@ void AgentProcess::Take(const rulings_t& rulings) {
 }
 
 void AgentProcess::Take(const schedule_t& schedule) {
+  if (!Possible(schedule, scenario()->rules)) return inbox().Reject();
   if (!restored_) return TakeGoals(schedule);
   if (schedule.tick != tick_ || schedule.decision <= applied_decision_ || schedule_) return;
   std::vector<Action> actions;

@@ -36,6 +36,8 @@ class AgentProcess : public Follower {
   void Take(const restore_t& restore);
   void TakeGoals(const schedule_t& schedule);
   void GoOn();
+  /// The world is not ahead after all: the message that said so was damaged or forged.
+  void TrustOwnStates();
   void Answer(const request_t& request, const Now& now);
   bool CanAdvance() const;
   void Advance(const Now& now);

@@ -201,10 +201,17 @@ bool IsText(const std::string& text, std::size_t longest) {
 }
 bool IsName(const std::string& text) { return IsText(text, kMaxName); }
 
+/// No two places on Earth are farther apart. Who set out for a damaged place beyond that would
+/// report times that no message can carry.
+bool IsPlace(double x_m, double y_m) {
+  constexpr double kFarthest_m = 2e7;
+  return std::abs(x_m) <= kFarthest_m && std::abs(y_m) <= kFarthest_m;
+}
+
 bool ValidAgent(const agent_t& a) {
-  return a.id >= 0 &&
-         Finite(a.x_m, a.y_m, a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
-                a.from_x_m, a.from_y_m, a.range_at_departure_m) &&
+  return a.id >= 0 && IsPlace(a.x_m, a.y_m) && IsPlace(a.from_x_m, a.from_y_m) &&
+         Finite(a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
+                a.range_at_departure_m) &&
          NotNegative(a.speed_m_s, a.range_left_m, a.range_full_m, a.charge_rate_m_s,
                      a.range_at_departure_m, a.depart_us, a.arrive_us, a.online_from_us,
                      a.online_until_us, a.busy_until_us) &&
@@ -215,7 +222,7 @@ bool ValidAgent(const agent_t& a) {
 bool ValidAction(const action_t& a) {
   return IsWord<ActionKind>(a.kind) &&
          AreIds(a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id) &&
-         Finite(a.x_m, a.y_m, a.weight);
+         IsPlace(a.x_m, a.y_m) && Finite(a.weight);
 }
 bool ValidActivity(const activity_t& a) {
   return IsWord<ActivityKind>(a.kind) &&
@@ -262,7 +269,9 @@ bool Valid(const agent_states_t& m) {
 }
 bool Valid(const clock_t& m) {
   return Valid(m.header) && NotNegative(m.tick, m.tick_us, m.limit_us) && m.decision >= -1 &&
-         m.required_decision >= -1 && IsWord<ClockPhase>(m.phase);
+         m.required_decision >= -1 && IsWord<ClockPhase>(m.phase) &&
+         (m.phase != ClockPhase::kReady || m.tick == 0) &&
+         (m.phase != ClockPhase::kEnded || m.tick_us == m.limit_us);
 }
 bool Valid(const event_t& m) {
   return Valid(m.header) && IsWord<EventKind>(m.kind) && m.at_us >= 0 &&

@@ -58,6 +58,7 @@ bool Fusion::Take(const world_state_t& world) {
 
 bool Fusion::Take(const rulings_t& rulings) {
   if (rulings.tick != tick_ || rulings_) return true;
+  if (!Possible(rulings, scenario_.rules)) return false;
   std::vector<Ruling> list;
   for (const ruling_t& wire : rulings.rulings) {
     const std::optional<Ruling> ruling = FromWire(wire, limits_);

@@ -342,6 +342,30 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<scenario_t>([](scenario_t& m) { m.sha256[3] = 'A'; }));
 }
 
+TEST(Valid, AMissionIsReadyAtItsStartAndEndsAtItsLimit) {
+  const auto valid = [](ClockPhase phase, std::int64_t tick, std::int64_t tick_us) {
+    return ValidAfter<clock_t>([&](clock_t& m) {
+      m.phase = NumberOf(phase);
+      m.tick = tick;
+      m.tick_us = tick_us;
+      m.limit_us = 1000;
+    });
+  };
+  EXPECT_TRUE(valid(ClockPhase::kReady, 0, 0));
+  EXPECT_FALSE(valid(ClockPhase::kReady, 1, 10));
+  EXPECT_TRUE(valid(ClockPhase::kRunning, 1, 10));
+  EXPECT_FALSE(valid(ClockPhase::kEnded, 99, 999));
+  EXPECT_TRUE(valid(ClockPhase::kEnded, 100, 1000));
+}
+
+TEST(Valid, PlacesAreOnEarth) {
+  EXPECT_TRUE(ValidAfter<schedule_t>([](schedule_t& m) { m.actions[0].x_m = -2e7; }));
+  EXPECT_FALSE(ValidAfter<schedule_t>([](schedule_t& m) { m.actions[0].x_m = -2.1e7; }));
+  EXPECT_FALSE(ValidAfter<schedule_t>([](schedule_t& m) { m.actions[0].y_m = 1e300; }));
+  EXPECT_FALSE(ValidAfter<agent_states_t>([](agent_states_t& m) { m.agents[0].x_m = 2.1e7; }));
+  EXPECT_FALSE(ValidAfter<agent_states_t>([](agent_states_t& m) { m.agents[0].from_y_m = kNan; }));
+}
+
 TEST(Valid, LooksAtEveryElement) {
   using M = agent_states_t;
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.kind = 3; }));

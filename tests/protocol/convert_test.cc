@@ -106,6 +106,12 @@ TEST(Convert, ActionsActivitiesAndRulingsRoundTrip) {
   action_t foreign = ToWire(action);
   foreign.charge_id = 2;
   EXPECT_FALSE(FromWire(foreign, limits));
+  action_t other_kind = ToWire(action);
+  other_kind.kind = NumberOf(ActionKind::kVehicleToCharge);
+  EXPECT_FALSE(FromWire(other_kind, limits)) << "a UAV drives to no charging point";
+  action_t without = ToWire(action);
+  without.vehicle_id = -1;
+  EXPECT_FALSE(FromWire(without, limits));
 
   const Activity activity{Activity::Kind::kCharging, UavId(0), 1, 1, 5, 9};
   EXPECT_EQ(FromWire(ToWire(activity), limits), activity);
@@ -256,30 +262,49 @@ TEST(Convert, EveryIdIsLookedAt) {
   scenario.tasks.resize(5, scenario.tasks[0]);
   scenario.charging_points.resize(6, scenario.charging_points[0]);
   const WireLimits limits(scenario);
-  const std::pair<std::int32_t action_t::*, std::int32_t> ids[] = {{&action_t::uav_id, 2},
-                                                                   {&action_t::worker_id, 3},
-                                                                   {&action_t::vehicle_id, 4},
-                                                                   {&action_t::task_id, 5},
-                                                                   {&action_t::charge_id, 6}};
-  Action stay;
-  stay.kind = ActionKind::kUavStays;
-  const action_t none = ToWire(stay);
-  EXPECT_TRUE(FromWire(none, limits));
-  for (const auto& [id, n] : ids) {
-    action_t wire = none;
-    for (const std::int32_t good : {-1, 0, n - 1}) {
+  struct Row {
+    std::int32_t action_t::*id;
+    std::int32_t n;
+    ActionKind kind;  ///< one that has that id
+  };
+  const Row rows[] = {{&action_t::uav_id, 2, ActionKind::kUavStays},
+                      {&action_t::worker_id, 3, ActionKind::kWorkerStays},
+                      {&action_t::vehicle_id, 4, ActionKind::kVehicleStays},
+                      {&action_t::uav_id, 2, ActionKind::kGoTo},
+                      {&action_t::worker_id, 3, ActionKind::kSense},
+                      {&action_t::task_id, 5, ActionKind::kSense},
+                      {&action_t::vehicle_id, 4, ActionKind::kCharge},
+                      {&action_t::charge_id, 6, ActionKind::kCharge}};
+  const auto of_kind = [](ActionKind kind) {
+    Action action;
+    action.kind = kind;
+    const auto shape = ShapeOf(kind).value_or(ActionShape{.uav = true});
+    if (shape.uav) action.uav = UavId(0);
+    if (shape.worker) action.worker = WorkerId(0);
+    if (shape.vehicle) action.vehicle = VehicleId(0);
+    if (shape.task) action.task = TaskId(0);
+    if (shape.charge) action.charge = ChargeId(0);
+    return ToWire(action);
+  };
+  for (const auto& [id, n, kind] : rows) {
+    action_t wire = of_kind(kind);
+    for (const std::int32_t good : {0, n - 1}) {
       wire.*id = good;
       EXPECT_TRUE(FromWire(wire, limits)) << n << " of them, id " << good;
     }
-    for (const std::int32_t bad : {-2, n}) {
+    for (const std::int32_t bad : {-2, -1, n}) {
       wire.*id = bad;
       EXPECT_FALSE(FromWire(wire, limits)) << n << " of them, id " << bad;
     }
   }
-  for (const int kind : {-1, 0, 9, 10}) {
+  const action_t none = of_kind(ActionKind::kUavStays);
+  action_t superfluous = none;
+  superfluous.task_id = 0;
+  EXPECT_FALSE(FromWire(superfluous, limits));
+  for (const int kind : {-1, 10}) {
     action_t wire = none;
     wire.kind = static_cast<std::int8_t>(kind);
-    EXPECT_EQ(FromWire(wire, limits).has_value(), kind >= 0 && kind <= 9) << kind;
+    EXPECT_FALSE(FromWire(wire, limits)) << kind;
   }
   for (double action_t::*const place : {&action_t::x_m, &action_t::y_m}) {
     action_t wire = none;
@@ -393,6 +418,30 @@ TEST(Convert, StatesAreSaidInPartsOf256) {
     }
     EXPECT_EQ(id, n);
   }
+}
+
+TEST(Possible, RulingsTellWhatHasHappenedAndSchedulesTheirTicksDecision) {
+  Rules rules;  // ticks of 30 s, decisions every 10 min
+  rulings_t rulings{};
+  rulings.tick = 3;
+  rulings.rulings = {{0, 1, 0, 90 * kSecondUs}};
+  EXPECT_TRUE(Possible(rulings, rules));
+  rulings.rulings[0].at_us += 1;
+  EXPECT_FALSE(Possible(rulings, rules)) << "of the future";
+  rulings.tick = 4;
+  EXPECT_TRUE(Possible(rulings, rules));
+  rulings.tick = 1'000'000;
+  EXPECT_FALSE(Possible(rulings, rules));
+
+  schedule_t schedule{};
+  schedule.tick = 40;
+  schedule.decision = 2;
+  EXPECT_TRUE(Possible(schedule, rules));
+  schedule.decision = 130;
+  EXPECT_FALSE(Possible(schedule, rules));
+  schedule.tick = 41;
+  schedule.decision = -1;
+  EXPECT_FALSE(Possible(schedule, rules));
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST(MissionReader, AnImpossibleScenarioIsNone) {
 TEST(MissionReader, BelievesNobodyWhoMayNotPublishThere) {
   MissionReader reader;
   EXPECT_EQ(Read(&reader, {ScenarioOf(From("world", 0), Json()),
-                           ClockOf(From("uav", 0), ClockPhase::kEnded)}),
+                           ClockOf(From("uav", 0), ClockPhase::kRunning)}),
             (Visited{{kScenario, 0}}));
   EXPECT_EQ(reader.counts().messages, 2);
   EXPECT_EQ(reader.epoch_us(), std::nullopt);

@@ -201,6 +201,27 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
   }
 }
 
+/// A fifth of all packets arrives with a bit flipped, and some say something possible and untrue:
+/// the mission may come to something else, but it comes to an end.
+TEST(Hostile, DamagedPacketsHoldNoMissionUp) {
+  const std::string json = ScenarioToJson(Generate(PresetByName("Random_10"), 1));
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Crew network({.corrupt = 0.2}, seed);
+    for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+      network.Add(StartProcess(name, 0, json));
+    }
+    bool ended = false;
+    network.Run(
+        3600 * kSecondUs, [&] { return ended; },
+        [&](const Packet& packet) {
+          if (packet.channel == channel::kClock) {
+            ended |= Decode<muster::clock_t>(packet.bytes)->phase == 2;
+          }
+        });
+    EXPECT_TRUE(ended) << "seed " << seed;
+  }
+}
+
 /// What a seal cannot refuse: a true message, heard before and said again. Whoever is killed while
 /// that goes on takes no old state for the present one.
 TEST(Hostile, WhatWasSaidBeforeChangesNothingWhenItIsSaidAgain) {

@@ -296,6 +296,7 @@ TEST_F(RestoringTest, WhereAllAreLostTheNewestVerdictCounts) {
     EXPECT_TRUE(Take(channel::kRulings, rulings));
   }
   auto clock = Message<clock_t>(6);
+  clock.phase = NumberOf(ClockPhase::kRunning);
   clock.tick_us = scenario_.rules.TimeOf(6);
   clock.limit_us = scenario_.rules.limit_us;
   clock.decision = scenario_.rules.DecisionAt(6);
