@@ -28,6 +28,16 @@ TEST(Policy, UnknownNameNamesTheKnownOnes) {
   }
 }
 
+TEST(Policy, ADeadlineIsAboveZeroAndAtMostAnHour) {
+  for (const double good_ms : {0.001, 10.0, 3'600'000.0}) {
+    EXPECT_NO_THROW(MakePolicy("certified", good_ms)) << good_ms;
+  }
+  for (const double bad_ms : {0.0, -1.0, 3'600'001.0, std::nan("")}) {
+    EXPECT_THROW(MakePolicy("certified", bad_ms), InputError) << bad_ms;
+  }
+  EXPECT_THROW(MakePolicy("mpq", 10.0), InputError) << "cannot be cut short";
+}
+
 /// What every policy must keep.
 class EveryPolicy : public ::testing::TestWithParam<std::string> {};
 

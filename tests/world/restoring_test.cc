@@ -168,6 +168,19 @@ TEST_F(RestoringTest, RefusesWhatCannotBe) {
   EXPECT_FALSE(Take(channel::kWorld, Message<rulings_t>(4))) << "another type";
   EXPECT_FALSE(TakeWorld(10)) << "after the last tick";
   EXPECT_FALSE(TakeRulings(10)) << "after the last tick";
+  const auto clock_of = [&](std::int64_t run_id, TimeUs late_us) {
+    auto clock = Message<clock_t>(3);
+    clock.header.run_id = run_id;
+    clock.phase = NumberOf(ClockPhase::kRunning);
+    clock.tick_us = scenario_.rules.TimeOf(3) + late_us;
+    clock.limit_us = scenario_.rules.limit_us;
+    clock.decision = scenario_.rules.DecisionAt(3);
+    return Take(channel::kClock, clock);
+  };
+  const std::int64_t run = Message<clock_t>(3).header.run_id;
+  EXPECT_TRUE(clock_of(run, 0));
+  EXPECT_FALSE(clock_of(run + 1, 0)) << "another run's";
+  EXPECT_FALSE(clock_of(run, 1)) << "another mission's";
   EXPECT_TRUE(TakeWorld(3, 2));
   EXPECT_FALSE(restoring_.Newest()) << "a verdict on two of three tasks";
 }
