@@ -350,6 +350,12 @@ TEST_F(Fates, StillPlannedAtTheEnd) {
   EXPECT_EQ(fate.kept, 1);
 }
 
+TEST_F(Fates, SomebodyElseHasDoneIt) {
+  Situation next = Next();
+  next.task_status[0] = TaskStatus::kDone;
+  EXPECT_EQ(Of(next).kind, FateKind::kOthers);
+}
+
 TEST_F(Fates, AMemberFails) {
   Situation next = Next();
   next.workers.clear();
