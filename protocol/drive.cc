@@ -1,12 +1,24 @@
 #include "protocol/drive.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "base/check.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 
 namespace muster {
 namespace {
 
 constexpr TimeUs kHeartbeatUs = 1'000'000;
 constexpr TimeUs kLongestWaitUs = 200'000;
+/// So long a process that starts gives way to one that is there already. Later it stays: whoever
+/// lies about it must not end it.
+constexpr TimeUs kNewUs = 5'000'000;
+constexpr TimeUs kMeetAgainUs = 100'000;
+/// For the answer of whoever has the name already.
+constexpr TimeUs kListenUs = 300'000;
 
 }  // namespace
 
@@ -18,8 +30,18 @@ Drive::Drive(Process* process, LossyBus* bus)
 
 bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
                  const std::function<Usage()>& usage) {
-  if (heartbeat_us_ == kNever) heartbeat_us_ = now.monotonic_us + kHeartbeatUs;
+  if (heartbeat_us_ == kNever) {
+    heartbeat_us_ = now.monotonic_us + kHeartbeatUs;
+    begun_us_ = now.monotonic_us;
+  }
   for (const Packet& packet : arrived) {
+    if (packet.channel == channel::kProcess) {
+      const auto status = DecodeValid<process_status_t>(packet.bytes);
+      if (status && status->header.sender == process_->identity().name) {
+        MeetNamesake(*status, usage(), now);
+      }
+    }
+    if (!has_joined_ && packet.channel == channel::kClock) LookForMission(packet, now);
     if (std::optional<event_t> event = faults_.Take(packet)) process_->Announce(*event, now);
   }
   process_->NoteRefused(bus_->refused());
@@ -32,14 +54,65 @@ bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
     process_->ReportStatus(usage(), now);
     process_->Step({}, now, &out_);
   }
-  for (const Packet& packet : out_) bus_->Publish(packet);
-  out_.clear();
+  Publish(now);
+  if (!refused_.empty()) throw SystemError(refused_);  // and everybody has heard who it was
   return changed;
+}
+
+void Drive::LookForMission(const Packet& packet, const Now& now) {
+  const auto clock = DecodeValid<clock_t>(packet.bytes);
+  if (!clock || clock->header.run_id != process_->identity().run_id) return;
+  if (clock->tick > 0) {
+    if (process_->identity().boot_id == 0) listens_until_us_ = now.monotonic_us + kListenUs;
+    has_joined_ = true;
+  }
+  // A world hears its own first clock, too.
+  if (clock->header.sender != process_->identity().name) has_joined_ = true;
+}
+
+void Drive::Publish(const Now& now) {
+  if (now.monotonic_us >= listens_until_us_ && refused_.empty()) {
+    for (const Packet& packet : held_) bus_->Publish(packet);
+    held_.clear();
+  }
+  const bool listens = now.monotonic_us < listens_until_us_ || !refused_.empty();
+  for (Packet& packet : out_) {
+    const bool asks = packet.channel == channel::kProcess || packet.channel == channel::kRequest;
+    if (listens && !asks) {
+      held_.push_back(std::move(packet));
+    } else {
+      bus_->Publish(packet);
+    }
+  }
+  out_.clear();
+}
+
+void Drive::MeetNamesake(const process_status_t& status, const Usage& own, const Now& now) {
+  const header_t& header = status.header;
+  const Identity& identity = process_->identity();
+  if (header.run_id != identity.run_id || header.boot_id != identity.boot_id ||
+      (status.pid == own.pid && status.host == own.host)) {
+    return;
+  }
+  // Who has heard more is the older one. It says so twice: one message may be damaged.
+  if (now.monotonic_us < begun_us_ + kNewUs && status.received > process_->counters().received) {
+    if (older_ && older_->pid == status.pid && older_->host == status.host &&
+        older_->header.seq != header.seq) {
+      refused_ = fmt::format("{} speaks already, pid {} on {}: this one, pid {}, ends",
+                             identity.name, status.pid, status.host, own.pid);
+    }
+    older_ = status;
+  }
+  if (met_us_ != kNever && now.monotonic_us < met_us_ + kMeetAgainUs) return;
+  met_us_ = now.monotonic_us;
+  heartbeat_us_ = now.monotonic_us;
 }
 
 TimeUs Drive::wake_us(TimeUs now_us) const {
   const bool beats = process_->state() != ProcessState::kEnded;
-  return std::min({process_->wake_us(), beats ? heartbeat_us_ : kNever, now_us + kLongestWaitUs});
+  const TimeUs listens_us = held_.empty() ? kNever : listens_until_us_;
+  return std::min(
+      {process_->wake_us(), beats ? heartbeat_us_ : kNever, listens_us, now_us + kLongestWaitUs});
 }
 
 }  // namespace muster

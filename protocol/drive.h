@@ -1,6 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <muster/process_status_t.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "lcmtypes/bus/lossy_bus.h"
@@ -16,8 +19,9 @@ class Drive {
  public:
   Drive(Process* process, LossyBus* bus);
 
-  /// With what has arrived, possibly nothing. `usage` is asked for when the state is reported.
-  /// Returns whether the process's state has changed.
+  /// With what has arrived, possibly nothing. Throws SystemError where somebody else speaks under
+  /// this process's name and start, and has for longer, within its first seconds. `usage` is asked
+  /// for when the state is reported. Returns whether the process's state has changed.
   bool Turn(const std::vector<Packet>& arrived, const Now& now,
             const std::function<Usage()>& usage);
 
@@ -25,12 +29,25 @@ class Drive {
   TimeUs wake_us(TimeUs now_us) const;
 
  private:
+  /// Looks for another process under this one's name: hears it, and lets itself be heard.
+  void MeetNamesake(const process_status_t& status, const Usage& own, const Now& now);
+  /// Whoever joins a mission that is under way first hears whether its name is taken.
+  void LookForMission(const Packet& packet, const Now& now);
+  void Publish(const Now& now);
+
   Process* process_;
   LossyBus* bus_;
   FaultSwitch faults_;
   std::vector<Packet> out_;
   ProcessState reported_ = ProcessState::kStarting;
-  TimeUs heartbeat_us_ = kNever;  ///< unknown before the first turn
+  TimeUs heartbeat_us_ = kNever;           ///< unknown before the first turn
+  TimeUs begun_us_ = kNever;               ///< likewise
+  TimeUs met_us_ = kNever;                 ///< answered a namesake at last
+  std::optional<process_status_t> older_;  ///< what a namesake that is older has said
+  std::string refused_;                    ///< why it is to end
+  bool has_joined_ = false;                ///< has heard a clock
+  TimeUs listens_until_us_ = 0;
+  std::vector<Packet> held_;  ///< until then
 };
 
 }  // namespace muster

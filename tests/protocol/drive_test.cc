@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/queue_bus.h"
 
@@ -70,6 +71,69 @@ TEST_F(DriveTest, AppliesFaultsOnItsPacketsAndSaysSo) {
   EXPECT_EQ(bus_.faults().loss, 0.5);
   ASSERT_EQ(queue_->sent.size(), 1u);
   EXPECT_EQ(queue_->sent[0].channel, channel::kEvent);
+}
+
+class NamesakeTest : public DriveTest {
+ protected:
+  /// A turn in which that is heard of a process of the same name.
+  void Hear(int pid, std::int64_t received, TimeUs now_us, std::int64_t boot_id = 0) {
+    process_status_t status{};
+    status.header.run_id = 1;
+    status.header.sender = status.name = "uav";
+    status.header.boot_id = boot_id;
+    status.header.seq = seq_++;
+    status.received = received;
+    status.pid = pid;
+    queue_->sent.clear();
+    drive_.Turn({{std::string(channel::kProcess), Encode(status)}}, {now_us, 0}, [] {
+      Usage own;
+      own.pid = 10;
+      return own;
+    });
+  }
+
+ private:
+  std::int64_t seq_ = 0;
+};
+
+TEST_F(NamesakeTest, WhoIsNewGivesWayToWhoIsThereAndSaysWhoItWas) {
+  Hear(10, 0, 0);  // itself
+  EXPECT_TRUE(queue_->sent.empty());
+  Hear(11, 50, 1, 1);  // a later start is the launcher's affair
+  EXPECT_TRUE(queue_->sent.empty());
+  Hear(11, 50, 2);  // one may be damaged
+  EXPECT_THROW(Hear(11, 50, 200'000), SystemError);
+  ASSERT_EQ(queue_->sent.size(), 1U);
+  EXPECT_EQ(DecodeValid<process_status_t>(queue_->sent[0].bytes)->pid, 10);
+}
+
+// Before it has heard that its name is taken it gives no orders.
+TEST_F(NamesakeTest, WhoJoinsAMissionListensFirst) {
+  clock_t clock{};
+  clock.header.run_id = 1;
+  clock.header.sender = "world";
+  clock.tick = 7;
+  const Packet joined = {std::string(channel::kClock), Encode(clock)};
+  process_.set_state(ProcessState::kRunning);
+  process_.Announce({}, {});
+  drive_.Turn({joined}, {0, 0}, [] { return Usage(); });
+  ASSERT_EQ(queue_->sent.size(), 1U);
+  EXPECT_EQ(queue_->sent[0].channel, channel::kProcess);
+  EXPECT_EQ(drive_.wake_us(250'000), 300'000);
+  queue_->sent.clear();
+  drive_.Turn({joined}, {300'000, 0}, [] { return Usage(); });
+  ASSERT_EQ(queue_->sent.size(), 1U);
+  EXPECT_EQ(queue_->sent[0].channel, channel::kEvent);
+}
+
+TEST_F(NamesakeTest, WhoIsThereStaysAndAnswers) {
+  Hear(10, 0, 0);
+  Hear(11, 0, 100);
+  EXPECT_EQ(queue_->sent.size(), 1U) << "so that the other one hears of it";
+  Hear(11, 0, 200);
+  EXPECT_TRUE(queue_->sent.empty()) << "not each time";
+  Hear(11, 5000, 6'000'000);
+  EXPECT_EQ(queue_->sent.size(), 1U) << "nobody's word ends it later";
 }
 
 }  // namespace

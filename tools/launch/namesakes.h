@@ -1,32 +1,56 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <muster/header_t.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "base/units.h"
 #include "lcmtypes/bus/bus.h"
 
 namespace muster::tools {
 
-/// Notices two living processes under one name: what they say of themselves, about once a second,
-/// bears the host and the pid of each.
+/// Notices that two speak under one name: two living processes by what they say of themselves,
+/// about once a second (host and pid); whoever else by numbers that one sender does not give.
 class Namesakes {
  public:
-  /// Takes a process_status_t of the mission. A line that names both, once for each name.
-  std::optional<std::string> OnHeard(const Packet& packet);
+  /// A sender goes on only when the log has all but a few of its messages; numbers that are so far
+  /// ahead of the log, or apart, are not one sender's.
+  static constexpr std::int64_t kFar = 100;
+  /// What can be known of the sender otherwise.
+  struct Known {
+    std::int64_t logged = kNever;  ///< every number of that start below is in the log
+    std::int64_t starts = kNever;  ///< so often it was started
+  };
+
+  /// Takes a message of the mission as it is heard. A line that names the sender, once for each.
+  std::optional<std::string> OnHeard(const Packet& packet, const header_t& header,
+                                     const Known& known);
 
  private:
   /// A few suffice: a mission has some tens of processes and starts.
   static constexpr std::size_t kMost = 1000;
+  static constexpr std::size_t kRecent = 64;
   struct Self {
     std::string host;
     std::int32_t pid = 0;
     auto operator<=>(const Self&) const = default;
   };
-  std::map<std::pair<std::string, std::int64_t>, Self> first_;  ///< by sender, boot_id
-  std::set<std::string> said_;
+  struct Start {
+    std::optional<Self> self;
+    std::map<std::int64_t, std::size_t> recent;  ///< by number: hash of the message
+    std::int64_t newest_seq = -1, newest_wall_us = 0;
+  };
+  /// What is wrong with the message, in words; "": nothing.
+  static std::string Contradiction(const Packet& packet, const header_t& header, const Known& known,
+                                   Start* start);
+
+  std::map<std::pair<std::string, std::int64_t>, Start> starts_;  ///< by sender, boot_id
+  std::set<std::string> said_, said_pids_;
 };
 
 }  // namespace muster::tools

@@ -126,9 +126,12 @@ void Supervisor::OnMember(const Packet& packet, const Now& now) {
   const std::optional<header_t> header = DecodeHeader(packet);
   if (!header || header->run_id != plan_.run_id) return;
   stall_watch_.OnHeard(packet, now.monotonic_us);
-  if (packet.channel != channel::kProcess) return;
-  heard_.Add(packet);
-  if (const auto line = namesakes_.OnHeard(packet)) Say(*line);
+  const auto member = std::find_if(members_.begin(), members_.end(),
+                                   [&](const Member& m) { return m.name == header->sender; });
+  const Namesakes::Known known = {recorder_.log().next_seq(header->sender, header->boot_id),
+                                  member == members_.end() ? kNever : member->starts};
+  if (const auto line = namesakes_.OnHeard(packet, *header, known)) Say(*line);
+  if (packet.channel == channel::kProcess) heard_.Add(packet);
 }
 
 void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -162,27 +163,45 @@ TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
   EXPECT_EQ(report["events"]["process_lost"], 0);
 }
 
-TEST_F(KillTest, ASecondProcessOfANameIsNamed) {
-  Muster muster(folder_, "run",
-                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "60",
-                 "--lcm-url", "udpm://239.255.76.67:7699?ttl=0"});
+// A scheduler that decides otherwise, a world at the mission's beginning, agents where they
+// started.
+TEST_F(KillTest, ASecondProcessOfANameIsRefusedAndNamed) {
+  Muster muster(
+      folder_, "run",
+      {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "600", "--lcm-url",
+       MissionUrl(static_cast<std::uint16_t>(20000 + getpid() % 4000 * 10 + 9))});
   LiveLog log(folder_.File("run"));
-  ASSERT_TRUE(Eventually([&] {
-    log.Read();
-    return log.tick() >= 1 && log.pid("scheduler") > 0;
-  }));
-  const Json manifest = Json::parse(TextOf(folder_.File("run") + "/manifest.json"));
-  const std::string program =
-      (fs::path(MUSTER_PROGRAM).parent_path() / "muster-scheduler").string();
-  Child second({"second",
-                {program, "--lcm-url", manifest["lcm_url"], "--run-id",
-                 std::to_string(manifest["run_id"].get<std::int64_t>())},
-                folder_.File("second")});
-  EXPECT_TRUE(Eventually([&] {
-    return muster.output().find("two processes speak as scheduler") != std::string::npos;
-  })) << muster.output();
-  muster.child().Signal(SIGTERM);
-  EXPECT_EQ(muster.Wait(), 130) << muster.output();
+  const Json manifest = [&] {
+    EXPECT_TRUE(Eventually([&] {
+      log.Read();
+      return (log.tick() >= 3 && log.pid("scheduler") > 0) || muster.child().Poll();
+    })) << muster.output();
+    return Json::parse(TextOf(folder_.File("run") + "/manifest.json"));
+  }();
+  const std::map<std::string, std::vector<std::string>> seconds = {
+      {"scheduler", {"--policy", "nearest"}}, {"world", {scenario_}}, {"uav", {}}};
+  for (const auto& [name, more] : seconds) {
+    std::vector<std::string> command = {
+        (fs::path(MUSTER_PROGRAM).parent_path() / ("muster-" + name)).string(),
+        "--lcm-url",
+        manifest["lcm_url"],
+        "--run-id",
+        std::to_string(manifest["run_id"].get<std::int64_t>()),
+        "--window",
+        "3"};
+    command.insert(command.end(), more.begin(), more.end());
+    Child second({"second-" + name, command, folder_.File("second-" + name)});
+    EXPECT_TRUE(Eventually([&] {
+      return muster.output().find("two processes speak as " + name) != std::string::npos ||
+             muster.child().Poll();
+    })) << muster.output();
+    ASSERT_TRUE(Eventually([&] { return second.Poll().has_value(); })) << name;
+    EXPECT_EQ(second.Poll()->Text(), "exited with code 3") << name;
+    const std::string said = TextOf(folder_.File("second-" + name));
+    EXPECT_NE(said.find(name + " speaks already, pid "), std::string::npos) << said;
+  }
+  ASSERT_EQ(muster.Wait(std::chrono::minutes(3)), 0) << muster.output();
+  EXPECT_EQ(Report("run")["digest"], expected_);
 }
 
 TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }

@@ -102,23 +102,65 @@ TEST(Patience, SaysAfterThreeSecondsAndThenTwiceAsLong) {
 }
 
 TEST(Namesakes, NamesTwoLivingProcessesOfOneNameOnce) {
-  const auto said_by = [](std::int64_t boot_id, int pid, const char* host) {
+  Namesakes namesakes;
+  std::int64_t seq = 0;
+  const auto said_by = [&](std::int64_t boot_id, int pid, const char* host) {
     process_status_t status{};
     status.header.sender = status.name = "world";
     status.header.boot_id = boot_id;
+    status.header.seq = seq++;
     status.pid = pid;
     status.host = host;
-    return Packet{"MUSTER_PROCESS", Encode(status)};
+    return namesakes.OnHeard({"MUSTER_PROCESS", Encode(status)}, status.header, {});
   };
-  Namesakes namesakes;
-  EXPECT_FALSE(namesakes.OnHeard(said_by(0, 10, "here")));
-  EXPECT_FALSE(namesakes.OnHeard(said_by(0, 10, "here")));
-  EXPECT_FALSE(namesakes.OnHeard(said_by(1, 11, "here")));  // started again
-  const auto line = namesakes.OnHeard(said_by(1, 11, "there"));
+  EXPECT_FALSE(said_by(0, 10, "here"));
+  EXPECT_FALSE(said_by(0, 10, "here"));
+  EXPECT_FALSE(said_by(1, 11, "here"));  // started again
+  const auto line = said_by(1, 11, "there");
   ASSERT_TRUE(line);
   EXPECT_EQ(line->rfind("two processes speak as world: pid 11 on here and pid 11 on there", 0), 0U)
       << *line;
-  EXPECT_FALSE(namesakes.OnHeard(said_by(1, 12, "there")));
+  EXPECT_FALSE(said_by(1, 12, "there"));
+}
+
+TEST(Namesakes, NamesWhomNumbersBetray) {
+  Namesakes namesakes;
+  const auto said = [&](std::int64_t seq, std::int64_t wall_us, std::int64_t tick,
+                        const char* sender = "world") {
+    clock_t clock{};
+    clock.header.sender = sender;
+    clock.header.seq = seq;
+    clock.header.wall_us = wall_us;
+    clock.tick = tick;
+    return namesakes.OnHeard({"MUSTER_CLOCK", Encode(clock)}, clock.header, {}).value_or("");
+  };
+  // In any order, twice, late: still one sender.
+  for (const std::int64_t seq : {0, 2, 1, 2, 300, 3, 300, 150}) {
+    EXPECT_EQ(said(seq, 1000 + seq, seq), "") << seq;
+  }
+  EXPECT_NE(said(300, 1300, 301)
+                .find("somebody else speaks as world, too: its message 300 says "
+                      "two things"),
+            std::string::npos);
+  EXPECT_EQ(said(300, 1300, 302), "") << "once";
+  EXPECT_EQ(said(10'000, 50, 0, "uav"), "");
+  EXPECT_NE(said(7, 60, 1, "uav").find("its message 10000 is older than its message 7"),
+            std::string::npos);
+}
+
+TEST(Namesakes, NamesWhoIsAheadOfTheLogOrOfItsStarts) {
+  Namesakes namesakes;
+  const auto said = [&](const char* sender, std::int64_t boot_id, std::int64_t seq) {
+    clock_t clock{};
+    clock.header.sender = sender;
+    clock.header.boot_id = boot_id;
+    clock.header.seq = seq;
+    return namesakes.OnHeard({"MUSTER_CLOCK", Encode(clock)}, clock.header, {50, 2}).value_or("");
+  };
+  EXPECT_EQ(said("world", 0, 149), "");
+  EXPECT_EQ(said("world", 1, 3), "");
+  EXPECT_NE(said("world", 0, 150).find("far ahead of its message 50"), std::string::npos);
+  EXPECT_NE(said("uav", 2, 0).find("nobody has made start 2 of it"), std::string::npos);
 }
 
 }  // namespace
