@@ -9,7 +9,45 @@ namespace {
 /// How many of the oldest unacknowledged messages one repair sends again.
 constexpr std::size_t kRepairBatch = 4;
 
+/// Of repeats, beside what was said for the first time.
+constexpr double kBurstBytes = 256 * 1024;
+constexpr double kBytesPerS = 256 * 1024;
+/// The least that readers are expected to take in.
+constexpr double kReadBytesPerS = 20e6;
+
+TimeUs ReadingUs(std::size_t bytes) {
+  return static_cast<TimeUs>(static_cast<double>(bytes) / kReadBytesPerS * 1e6);
+}
+
 }  // namespace
+
+void RepeatBudget::Pass(TimeUs now_us) {
+  if (passed_us_ == kNever) {
+    passed_us_ = now_us;
+    left_bytes_ += kBurstBytes;
+  }
+  const double more = ToSeconds(now_us - passed_us_) * kBytesPerS;
+  left_bytes_ = std::max(left_bytes_, std::min(left_bytes_ + more, kBurstBytes));
+  passed_us_ = now_us;
+}
+
+void RepeatBudget::NoteFirst(std::size_t bytes, TimeUs now_us) {
+  left_bytes_ += static_cast<double>(bytes);
+  quiet_until_us_ = std::max(quiet_until_us_, now_us) + ReadingUs(bytes);
+}
+
+bool RepeatBudget::Take(std::size_t bytes, TimeUs now_us, TimeUs* over_us) {
+  Pass(now_us);
+  if (now_us < quiet_until_us_) return false;
+  const auto size = static_cast<double>(bytes);
+  if (left_bytes_ < size) {
+    if (now_us < *over_us + kSecondUs) return false;
+    *over_us = now_us;
+  }
+  left_bytes_ = std::max(0.0, left_bytes_ - size);
+  quiet_until_us_ = now_us + ReadingUs(bytes);
+  return true;
+}
 
 Sender::Sender(Identity identity, int window)
     : identity_(std::move(identity)), window_(static_cast<std::size_t>(window)) {}
@@ -33,7 +71,7 @@ SentPacket Sender::Queue(SentPacket packet) {
 void Sender::Resend(const SentPacket& packet) {
   const auto unsent = kept_.begin() + static_cast<std::ptrdiff_t>(out_);
   if (std::find(unsent, kept_.end(), packet) != kept_.end()) return;
-  resend_.push_back(packet);
+  if (std::find(resend_.begin(), resend_.end(), packet) == resend_.end()) resend_.push_back(packet);
 }
 
 void Sender::Acknowledge(const log_status_t& status) {
@@ -50,18 +88,26 @@ void Sender::Acknowledge(const log_status_t& status) {
   }
 }
 
+void Sender::Repeat(const std::vector<SentPacket>& packets, TimeUs now_us, TimeUs* over_us,
+                    std::vector<Packet>* out) {
+  std::size_t bytes = 0;
+  for (const SentPacket& packet : packets) bytes += packet->bytes.size();
+  if (!budget_.Take(bytes, now_us, over_us)) return;
+  for (const SentPacket& packet : packets) out->push_back(*packet);
+  resent_ += static_cast<std::int64_t>(packets.size());
+}
+
 void Sender::Flush(const Now& now, std::vector<Packet>* out) {
-  if (out_ == 0 || std::exchange(progressed_, false)) progress_us_ = now.monotonic_us;
-  for (const SentPacket& packet : resend_) out->push_back(*packet);
-  resent_ += static_cast<std::int64_t>(resend_.size());
-  resend_.clear();
-  if (repair_.Fire(now.monotonic_us)) {
-    for (std::size_t i = 0; i < std::min(out_, kRepairBatch); ++i) {
-      out->push_back(*kept_[i]);
-      ++resent_;
-    }
+  const TimeUs now_us = now.monotonic_us;
+  if (out_ == 0 || std::exchange(progressed_, false)) progress_us_ = now_us;
+  if (!resend_.empty()) Repeat(std::exchange(resend_, {}), now_us, &resent_over_us_, out);
+  if (repair_.Fire(now_us)) {
+    const std::size_t n = std::min(out_, kRepairBatch);
+    Repeat({kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(n)}, now_us,
+           &repaired_over_us_, out);
   }
   while (out_ < kept_.size() && (window_ == 0 || out_ < window_)) {
+    budget_.NoteFirst(kept_[out_]->bytes.size(), now_us);
     out->push_back(*kept_[out_]);
     ++out_;
   }
@@ -70,7 +116,7 @@ void Sender::Flush(const Now& now, std::vector<Packet>* out) {
     kept_.clear();
     out_ = 0;
   } else if (out_ > 0 && repair_.due_us() == kNever) {
-    repair_.Start(now.monotonic_us);
+    repair_.Start(now_us);
   }
 }
 

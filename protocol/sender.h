@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -30,11 +32,15 @@ struct Identity {
 /// A published message: the bytes never change again, however often it is sent.
 using SentPacket = std::shared_ptr<const Packet>;
 
-/// Resend after first_us, then each time twice as long, up to longest_us.
+/// Resend after first_us, then each time twice as long, up to longest_us. What has waited for long
+/// is said less often: after an eighth of the time that it has waited, up to rarest_us.
 class BackOff {
  public:
-  BackOff(TimeUs first_us, TimeUs longest_us) : first_us_(first_us), longest_us_(longest_us) {}
+  BackOff(TimeUs first_us, TimeUs longest_us) : BackOff(first_us, longest_us, longest_us) {}
+  BackOff(TimeUs first_us, TimeUs longest_us, TimeUs rarest_us)
+      : first_us_(first_us), longest_us_(longest_us), rarest_us_(rarest_us) {}
   void Start(TimeUs now_us) {
+    start_us_ = now_us;
     wait_us_ = first_us_;
     due_us_ = now_us + wait_us_;
   }
@@ -43,16 +49,34 @@ class BackOff {
   /// True when due; then the next time is set.
   bool Fire(TimeUs now_us) {
     if (now_us < due_us_) return false;
-    wait_us_ = wait_us_ * 2 < longest_us_ ? wait_us_ * 2 : longest_us_;
+    const TimeUs waited_us = now_us - start_us_;
+    wait_us_ = std::min(2 * wait_us_, std::max(longest_us_, std::min(waited_us / 8, rarest_us_)));
     due_us_ = now_us + wait_us_;
     return true;
   }
 
  private:
-  TimeUs first_us_;
-  TimeUs longest_us_;
+  TimeUs first_us_, longest_us_, rarest_us_;
+  TimeUs start_us_ = 0;
   TimeUs wait_us_ = 0;
   TimeUs due_us_ = kNever;
+};
+
+/// How much a sender may say again: as many bytes as it has said for the first time, and some more
+/// in a burst and over time. Beyond that one round a second, so that nothing is ever stuck. What
+/// was just said fills buffers: for the time that it takes to be read nothing is said again.
+class RepeatBudget {
+ public:
+  void NoteFirst(std::size_t bytes, TimeUs now_us);
+  /// Whether that may be said again now; then it counts. `over_us`: when the asker was last allowed
+  /// to although nothing was left.
+  bool Take(std::size_t bytes, TimeUs now_us, TimeUs* over_us);
+
+ private:
+  void Pass(TimeUs now_us);
+  double left_bytes_ = 0;
+  TimeUs passed_us_ = kNever;
+  TimeUs quiet_until_us_ = 0;
 };
 
 /// Numbers, keeps and sends one process's messages. With a recorder, a message is kept until the
@@ -77,8 +101,9 @@ class Sender {
   /// Takes the recorder's word on what is on disk.
   void Acknowledge(const log_status_t& status);
 
-  /// Moves everything that may go out now to `out`: new messages within the window, resends, and
-  /// repairs of the log that are due.
+  /// Moves everything that may go out now to `out`: new messages within the window, and, as far as
+  /// the budget allows, resends and repairs of the log that are due. Resends beyond it are dropped:
+  /// whoever lacks them asks again.
   void Flush(const Now& now, std::vector<Packet>* out);
 
   /// When Flush has something to do without further input, kNever when not.
@@ -95,6 +120,9 @@ class Sender {
  private:
   header_t NextHeader(TimeUs sim_us, const Now& now);
   SentPacket Queue(SentPacket packet);
+  /// Appends those packets again, if the budget allows.
+  void Repeat(const std::vector<SentPacket>& packets, TimeUs now_us, TimeUs* over_us,
+              std::vector<Packet>* out);
 
   Identity identity_;
   std::size_t window_;
@@ -107,6 +135,8 @@ class Sender {
   bool progressed_ = false;  ///< since the last Flush
   TimeUs progress_us_ = 0;   ///< latest time that something was acknowledged, or nothing was out
   BackOff repair_{20'000, 500'000};
+  RepeatBudget budget_;
+  TimeUs resent_over_us_ = -kNever / 2, repaired_over_us_ = -kNever / 2;
 };
 
 }  // namespace muster

@@ -13,11 +13,14 @@ std::optional<header_t> LogFollower::Add(const Packet& event) {
     ++strangers_;
     return std::nullopt;
   }
+  const auto bytes = static_cast<std::int64_t>(event.bytes.size());
   if (!starts_[{header->sender, header->boot_id}].Add(header->seq)) {
     ++doubles_;
+    double_bytes_ += bytes;
     return std::nullopt;
   }
   ++messages_;
+  message_bytes_ += bytes;
   return header;
 }
 

@@ -38,6 +38,8 @@ class LogFollower {
 
   std::int64_t messages() const { return messages_; }  ///< of this run, each once
   std::int64_t doubles() const { return doubles_; }
+  std::int64_t message_bytes() const { return message_bytes_; }  ///< of messages()
+  std::int64_t double_bytes() const { return double_bytes_; }    ///< of doubles()
   std::int64_t strangers() const {
     return strangers_;
   }  ///< of other runs, or unreadable; channels MUSTER_* only
@@ -52,6 +54,7 @@ class LogFollower {
   std::map<Start, IntervalSet> starts_;
   std::int64_t messages_ = 0;
   std::int64_t doubles_ = 0;
+  std::int64_t message_bytes_ = 0, double_bytes_ = 0;
   std::int64_t strangers_ = 0;
 };
 

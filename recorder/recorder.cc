@@ -15,19 +15,21 @@ constexpr int kWindow = 3;
 // lcm-logger's shortest flush interval is 1 ms.
 constexpr TimeUs kFirstPokeUs = 1'200;
 constexpr TimeUs kLongestPokeUs = 20'000;
+constexpr TimeUs kRarestPokeUs = 500'000;
+constexpr TimeUs kOwnMarksUs = 20'000;
 constexpr TimeUs kIdleUs = 200'000;
 constexpr TimeUs kAnswerUs = 2'000;
 constexpr TimeUs kFirstRepairUs = 5'000;
 constexpr TimeUs kLongestRepairUs = 200'000;
-constexpr int kRepairBatch = 8;  ///< messages
+constexpr std::size_t kRepairBatch = 8;  ///< messages
 
 }  // namespace
 
 Recorder::Recorder(Identity identity)
     : follower_(identity.run_id),
       sender_(std::move(identity), kWindow),
-      poke_(kFirstPokeUs, kLongestPokeUs),
-      repair_(kFirstRepairUs, kLongestRepairUs),
+      poke_(kFirstPokeUs, kLongestPokeUs, kRarestPokeUs),
+      repair_(kFirstRepairUs, kLongestRepairUs, kSecondUs),
       idle_(kIdleUs, kIdleUs) {}
 
 bool Recorder::OnLogged(const Packet& event, const Now& now) {
@@ -36,6 +38,7 @@ bool Recorder::OnLogged(const Packet& event, const Now& now) {
   sim_us_ = std::max(sim_us_, header->sim_us);
   if (header->sender == sender_.identity().name) {
     sender_.Acknowledge(follower_.Status());
+    if (unrecorded_own() == 0) has_news_out_ = false;
   } else {
     news_ = true;
     const auto kept = kept_.find({header->sender, header->boot_id});
@@ -52,16 +55,19 @@ void Recorder::OnEnd(const std::string& sender, std::int64_t boot_id, const Now&
 
 SentPacket Recorder::Publish(fault_t fault, const Now& now) {
   poke_.Start(now.monotonic_us);
+  has_news_out_ = true;
   return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
 }
 
 void Recorder::Answer(restore_t restore, const Now& now) {
   sender_.Send(channel::kRestore, std::move(restore), sim_us_, now);
+  has_news_out_ = true;
   poke_.Start(now.monotonic_us);
 }
 
 void Recorder::Announce(event_t event, const Now& now) {
   sender_.Send(channel::kEvent, std::move(event), sim_us_, now);
+  has_news_out_ = true;
   poke_.Start(now.monotonic_us);
 }
 
@@ -105,6 +111,7 @@ void Recorder::ReportStatus(ProcessState state, std::int64_t tick, const Usage& 
   status.cpu_s = usage.cpu_s;
   status.rss_bytes = usage.rss_bytes;
   sender_.Send(channel::kProcess, std::move(status), sim_us_, now);
+  has_news_out_ = true;
   poke_.Start(now.monotonic_us);
 }
 
@@ -118,8 +125,9 @@ std::int64_t Recorder::unrecorded_own() const {
   return sender_.next_seq() - follower_.next_seq(own.name, own.boot_id);
 }
 
-bool Recorder::behind() const {
-  if (unrecorded_own() > 0) return true;
+bool Recorder::behind() const { return unrecorded_own() > 0 || others_behind(); }
+
+bool Recorder::others_behind() const {
   const bool lacks = std::any_of(heard_.begin(), heard_.end(), [this](const auto& entry) {
     return IsAwaited(entry.first, entry.second);
   });
@@ -154,29 +162,44 @@ void Recorder::Step(const Now& now, std::vector<Packet>* out) {
   if (news_ && !finishing_ && unrecorded_own() < kWindow) {
     newest_status_ = sender_.Send(channel::kLog, follower_.Status(), sim_us_, now);
     news_ = answer_wanted_ = false;
+    marks_us_ = time_us;
     poke_.Start(time_us);
     idle_.Start(time_us);
   } else if (newest_status_) {
-    const bool poke = behind() && poke_.Fire(time_us);
+    const bool poke = time_us >= PokeUs() && poke_.Fire(time_us);
     const bool answer = answer_wanted_ && time_us >= repeated_us_ + kAnswerUs;
     if (poke || answer || idle_.Fire(time_us)) Repeat(now);
   }
   if (owes() && repair_.Fire(time_us)) {
-    int sent = 0;
+    std::vector<const Packet*> batch;
+    std::size_t bytes = 0;
     for (const Start& start : ended_) {
       const auto kept = kept_.find(start);
       if (kept == kept_.end()) continue;
       for (const auto& [seq, packet] : kept->second) {
-        if (sent++ < kRepairBatch) out->push_back(packet);
+        if (batch.size() == kRepairBatch) break;
+        batch.push_back(&packet);
+        bytes += packet.bytes.size();
       }
+    }
+    if (budget_.Take(bytes, time_us, &repaired_over_us_)) {
+      for (const Packet* packet : batch) out->push_back(*packet);
     }
   }
   sender_.Flush(now, out);
 }
 
+TimeUs Recorder::PokeUs() const {
+  if (!behind()) return kNever;
+  // That the last marks are in the log nobody awaits but the next ones.
+  const bool is_urgent =
+      has_news_out_ || finishing_ || unrecorded_own() + 1 >= kWindow || others_behind();
+  return is_urgent ? poke_.due_us() : std::max(poke_.due_us(), marks_us_ + kOwnMarksUs);
+}
+
 TimeUs Recorder::wake_us() const {
   TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
-  if (behind()) wake = std::min(wake, poke_.due_us());
+  wake = std::min(wake, PokeUs());
   if (owes()) wake = std::min(wake, repair_.due_us());
   if (answer_wanted_) wake = std::min(wake, repeated_us_ + kAnswerUs);
   return wake;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <muster/restore_t.hpp>
 #include <muster/event_t.hpp>
 #include <muster/fault_t.hpp>
-#include <muster/restore_t.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -77,6 +77,9 @@ class Recorder {
   using Start = std::pair<std::string, std::int64_t>;  // sender, boot_id
 
   std::int64_t unrecorded_own() const;
+  bool others_behind() const;
+  /// When to say the newest marks again for lcm-logger's sake.
+  TimeUs PokeUs() const;
   /// `heard`: highest seq heard of that start, plus one.
   bool IsAwaited(const Start& start, std::int64_t heard) const;
   void Repeat(const Now& now);
@@ -96,9 +99,13 @@ class Recorder {
   bool news_ = true;          ///< the marks have changed since
   bool finishing_ = false;
   bool answer_wanted_ = false;  ///< somebody has not heard the marks
+  bool has_news_out_ = false;   ///< own messages beside the marks are not in the log
+  TimeUs marks_us_ = 0;         ///< said at last, for the first time
   TimeUs repeated_us_ = 0;
   BackOff poke_;  ///< while behind
   BackOff repair_;
+  RepeatBudget budget_;  ///< of what is said for those who have ended
+  TimeUs repaired_over_us_ = -kNever / 2;
   BackOff idle_;
 };
 

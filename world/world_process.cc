@@ -17,6 +17,14 @@ namespace {
 using Presence = Peers::Presence;
 
 constexpr TimeUs kLookUs = 20'000;
+/// First and longest pause before it asks again, and those of who has waited for long.
+constexpr TimeUs kRepeatUs = 2'000;
+constexpr TimeUs kLongestRepeatUs = 40'000;
+/// At most so long it takes for granted that the fast answers of late were no accident.
+constexpr TimeUs kMostStatesUs = 10'000;
+constexpr TimeUs kMostScheduleUs = 200'000;
+/// Whoever has not reported for so long may have started again, and want the last decision.
+constexpr TimeUs kMissedUs = 50'000;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
@@ -37,7 +45,8 @@ WorldProcess::WorldProcess(const Identity& identity, int window, std::string jso
       clock_(scenario_.rules, options.rate),
       attendance_(scenario_, Peers(options.lost_after_us, this->identity().boot_id == 0)),
       restoring_(scenario_, this->identity().run_id),
-      recorder_ready_(!options.recorded) {
+      recorder_ready_(!options.recorded),
+      repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs) {
   for (const AgentKind kind : kAgentKinds) agents_[kind].resize(scenario_.agents(kind).size());
   for (const Outage& outage : options.outages) {
     if (outage.agent < 0 || static_cast<std::size_t>(outage.agent) >= agents_[outage.kind].size()) {
@@ -116,6 +125,8 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const 
     SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
   }
   schedule_packet_ = std::make_shared<const Packet>(packet);
+  schedule_tick_ = clock_.tick();
+  schedule_time_.Note(now.monotonic_us - asked_us_);
   clock_.Require(schedule.decision);
   StopWaiting();
 }
@@ -233,6 +244,12 @@ void WorldProcess::PublishEvents(const Now& now) {
 
 void WorldProcess::WaitFor(Wait wait, const Now& now) {
   wait_ = wait;
+  asked_us_ = now.monotonic_us;
+  const TimeUs first_us = wait == Wait::kStates ? states_time_.Patience(kRepeatUs, kMostStatesUs)
+                          : wait == Wait::kSchedule
+                              ? schedule_time_.Patience(kRepeatUs, kMostScheduleUs)
+                              : kRepeatUs;
+  repeat_ = BackOff(first_us, kLongestRepeatUs, kSecondUs);
   repeat_.Start(now.monotonic_us);
   attendance_.peers().AwaitFrom(now.monotonic_us);
   look_us_ = now.monotonic_us;
@@ -312,6 +329,7 @@ void WorldProcess::OnStep(const Now& now) {
 
 void WorldProcess::GoOn(const Now& now) {
   if (wait_ == Wait::kStates && attendance_.complete() && recorder_ready_) {
+    states_time_.Note(now.monotonic_us - asked_us_);
     if (clock_.phase() == Phase::kReady) {
       clock_.Start(now.monotonic_us);
       set_state(ProcessState::kRunning);
@@ -336,7 +354,7 @@ void WorldProcess::GoOn(const Now& now) {
     PublishClock(now);
     return WaitFor(Wait::kNothing, now);
   }
-  if (repeat_.Fire(now.monotonic_us)) Repeat();
+  if (repeat_.Fire(now.monotonic_us)) Repeat(now);
 }
 
 void WorldProcess::StartTick(const Now& now) {
@@ -346,10 +364,14 @@ void WorldProcess::StartTick(const Now& now) {
   WaitFor(Wait::kStates, now);
 }
 
-void WorldProcess::Repeat() {
+void WorldProcess::Repeat(const Now& now) {
   if (!ended()) {
     if (clock_.phase() == Phase::kReady) sender().Resend(scenario_packet_);
-    if (schedule_packet_ && wait_ == Wait::kStates) sender().Resend(schedule_packet_);
+    const bool schedule_lacks =
+        clock_.tick() == schedule_tick_ + 1 || now.monotonic_us - asked_us_ > kMissedUs;
+    if (schedule_packet_ && wait_ == Wait::kStates && schedule_lacks) {
+      sender().Resend(schedule_packet_);
+    }
     if (world_packet_) sender().Resend(world_packet_);
     if (rulings_packet_) sender().Resend(rulings_packet_);
   }

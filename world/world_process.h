@@ -6,6 +6,7 @@
 #include "model/scenario.h"
 #include "protocol/convert.h"
 #include "protocol/process.h"
+#include "world/answer_time.h"
 #include "world/attendance.h"
 #include "world/handover.h"
 #include "world/mission_clock.h"
@@ -59,7 +60,7 @@ class WorldProcess : public Process {
   void PublishClock(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
-  void Repeat();
+  void Repeat(const Now& now);
   /// Gives up those whose answer has been due for too long.
   void FindLost(const Now& now);
   /// Nothing reaches the log, or nobody says so.
@@ -85,7 +86,10 @@ class WorldProcess : public Process {
   Agents agents_;  ///< reports for the tick, then settled
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
-  BackOff repeat_{2'000, 40'000};
+  BackOff repeat_;
+  AnswerTime states_time_, schedule_time_;
+  TimeUs asked_us_ = 0;              ///< since when it waits for the present answer
+  std::int64_t schedule_tick_ = -1;  ///< of schedule_packet_
   std::string scheduler_name_{process_name::kScheduler};
   TimeUs look_us_ = 0;
 };

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <muster/event_t.hpp>
 
 namespace muster {
@@ -144,6 +146,59 @@ TEST(Sender, BacksOffToHalfASecondAndAnewAfterAnAcknowledgement) {
   sender.Acknowledge(Mark("world", 0, 1));
   FlushAt(&sender, now);
   EXPECT_EQ(sender.wake_us() - now, 20'000);
+}
+
+TEST(BackOff, WhatHasWaitedForLongIsSaidLessOften) {
+  BackOff repeat(2'000, 40'000, kSecondUs);
+  repeat.Start(0);
+  int said = 0;
+  std::map<TimeUs, int> by;
+  for (TimeUs now = repeat.due_us(); now < 100 * kSecondUs; now = repeat.due_us()) {
+    ASSERT_TRUE(repeat.Fire(now));
+    ASSERT_LE(repeat.due_us() - now, std::clamp<TimeUs>(now / 8, 40'000, kSecondUs));
+    by[now] = ++said;
+  }
+  EXPECT_EQ(std::prev(by.upper_bound(kSecondUs / 4))->second, 9);
+  EXPECT_LE(std::prev(by.upper_bound(10 * kSecondUs))->second, 45);
+  EXPECT_LE(said, 45 + 90);
+}
+
+TEST(RepeatBudget, RepeatsAsMuchAsWasSaidAndThenOneRoundASecond) {
+  RepeatBudget budget;
+  TimeUs over_us = -kNever / 2;
+  constexpr std::size_t kMessage = 100'000;
+  std::size_t bytes = 0;
+  const auto ask = [&](TimeUs from_us, TimeUs until_us) {
+    bytes = 0;
+    for (TimeUs now = from_us; now < until_us; now += 1000) {
+      if (budget.Take(kMessage, now, &over_us)) bytes += kMessage;
+    }
+    return bytes;
+  };
+  EXPECT_LE(ask(0, kSecondUs), 2 * 256 * 1024 + kMessage);
+  EXPECT_LE(ask(kSecondUs, 11 * kSecondUs), 10 * 256 * 1024 + 11 * kMessage);
+  EXPECT_GE(bytes, 10 * kMessage) << "nobody is stuck";
+  for (int i = 0; i < 50; ++i) budget.NoteFirst(kMessage, 11 * kSecondUs);
+  EXPECT_EQ(ask(11 * kSecondUs, 11 * kSecondUs + kSecondUs / 4), 0U)
+      << "it takes so long to be read";
+  EXPECT_GE(ask(12 * kSecondUs, 13 * kSecondUs), 50 * kMessage);
+}
+
+TEST(RepeatBudget, OneAskerTakesNothingOfTheOther) {
+  RepeatBudget budget;
+  TimeUs one_us = -kNever / 2, other_us = -kNever / 2;
+  constexpr std::size_t kMessage = 10'000'000;
+  EXPECT_TRUE(budget.Take(kMessage, 0, &one_us));
+  EXPECT_FALSE(budget.Take(kMessage, 600'000, &one_us));
+  EXPECT_TRUE(budget.Take(kMessage, 600'001, &other_us));
+}
+
+TEST(Sender, SaysAgainOnceWhatManyHaveAskedFor) {
+  Sender sender({1, "world", 0}, 0);
+  const SentPacket packet = Say(&sender);
+  FlushAt(&sender, 0);
+  for (int i = 0; i < 5; ++i) sender.Resend(packet);
+  EXPECT_EQ(FlushAt(&sender, 1000).size(), 1U);
 }
 
 TEST(Sender, WithoutARecorderNothingIsKept) {

@@ -375,6 +375,8 @@ MissionResult Supervisor::Run() {
   Stop({&logger});
   CloseLog();
   Show(true);
+  result.message_bytes = recorder_.log().message_bytes();
+  result.repeated_bytes = recorder_.log().double_bytes();
   if (!problems_.empty() && result.end == MissionEnd::kComplete) result.end = MissionEnd::kFailed;
   result.problems = std::move(problems_);
   result.without_effect = injector_.WithoutEffect();

@@ -44,8 +44,10 @@ struct MissionResult {
   MissionEnd end = MissionEnd::kFailed;
   std::vector<std::string> problems;        ///< in words, a line or more each
   std::vector<std::string> without_effect;  ///< faults that hit nothing, in words, a line each
-  std::int64_t refused = 0;  ///< packets without the mission's tag that the launcher heard
-  RunRecord record;          ///< of all that the log holds
+  std::int64_t refused = 0;         ///< packets without the mission's tag that the launcher heard
+  std::int64_t message_bytes = 0;   ///< of the log's messages, each once
+  std::int64_t repeated_bytes = 0;  ///< of their copies in the log
+  RunRecord record;                 ///< of all that the log holds
 };
 
 /// The exit code of a mission: 0, 3 failed, 4 something is missing in its log or a fault hit
