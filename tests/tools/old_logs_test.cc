@@ -80,6 +80,34 @@ TEST_P(OldLogs, AreShown) {
   EXPECT_GT(fs::file_size(page), PageTemplate().size());
 }
 
+class SealedLog : public OldLogs {
+ protected:
+  /// The key, changed in its first digit or not, where its owner alone may read it.
+  std::string Key(bool changed) const {
+    std::string text = Text(run() + "/seal.key");
+    if (changed) text[0] = text[0] == '0' ? '1' : '0';
+    const std::string file = folder_.File(changed ? "other.key" : "seal.key");
+    std::ofstream(file) << text;
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+    return file;
+  }
+  const TemporaryFolder folder_;
+};
+
+TEST_P(SealedLog, IsProvenByItsKeyAlone) {
+  const std::string log = folder_.File("mission.lcm");
+  fs::copy_file(run() + "/mission.lcm", log);
+  EXPECT_EQ(Run(AuditCommand, {"muster audit", log.c_str()}), 0) << "read without: " << said_;
+  const std::string key = Key(false);
+  EXPECT_EQ(Run(AuditCommand, {"muster audit", run().c_str(), "--key", key.c_str()}), 0) << said_;
+  EXPECT_NE(said_.find(" messages have the right tag\n"), std::string::npos) << said_;
+  EXPECT_EQ(said_.find("left out"), std::string::npos) << said_;
+  const std::string other = Key(true);
+  EXPECT_EQ(Run(AuditCommand, {"muster audit", run().c_str(), "--key", other.c_str()}), 4) << said_;
+}
+
+INSTANTIATE_TEST_SUITE_P(OfVersion0_1_0, SealedLog, testing::Values("0.1.0_sealed"));
+
 INSTANTIATE_TEST_SUITE_P(EveryVersion, OldLogs, testing::ValuesIn(Versions()),
                          [](const auto& version) {
                            std::string name = "Version" + version.param;
