@@ -30,8 +30,10 @@ constexpr int kProcessBack = 12;
 /// that are lost for one second.
 class Mission {
  public:
-  explicit Mission(const PacketFaults& faults = {}, std::uint64_t seed = 1)
-      : scenario_(Generate(PresetByName("Random_10"), 5)),
+  explicit Mission(const PacketFaults& faults = {}, std::uint64_t seed = 1,
+                   std::vector<world::Outage> outages = {})
+      : outages_(std::move(outages)),
+        scenario_(Generate(PresetByName("Random_10"), 5)),
         json_(ScenarioToJson(scenario_)),
         network_(faults, seed) {
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) Start(name);
@@ -43,6 +45,7 @@ class Mission {
     world::WorldOptions options;
     options.goes_on = true;
     options.lost_after_us = kSecondUs;
+    options.outages = outages_;
     network_.Add(testing::StartProcess(name, boots_[name]++, json_, options));
   }
   void Kill(const std::string& name) { network_.Kill(name); }
@@ -53,6 +56,16 @@ class Mission {
     return network_.Run(
         7200 * kSecondUs, [&] { return ended_ || now_us_ >= mission_us; },
         [&](const Packet& packet) { Observe(packet); });
+  }
+  /// Until that channel has carried a message of that mission time, or the end.
+  bool RunUntilSaid(std::string_view name, TimeUs mission_us) {
+    bool said = false;
+    return network_.Run(
+        7200 * kSecondUs, [&] { return ended_ || said; },
+        [&](const Packet& packet) {
+          Observe(packet);
+          said |= packet.channel == name && DecodeHeader(packet)->sim_us == mission_us;
+        });
   }
   bool RunToEnd() { return RunTo(kNever) && ended_; }
   /// What is still said after the end.
@@ -117,6 +130,7 @@ class Mission {
     ended_ |= clock->phase == 2;
   }
 
+  std::vector<world::Outage> outages_;
   Scenario scenario_;
   std::string json_;
   Crew network_;
@@ -272,6 +286,69 @@ TEST(OnLoss, AWorldThatStartsAgainKnowsWhichDecisionIsInForce) {
   ASSERT_TRUE(mission.RunToEnd());
   EXPECT_EQ(mission.record().skipped_decisions(), std::set<std::int32_t>{5});
   mission.ExpectSound();
+}
+
+// Killed when that message of a decision's tick was said: by nobody, by an agent, by itself, by the
+// scheduler.
+TEST(OnLoss, AWorldThatDiesInTheTickOfADecisionChangesNothing) {
+  const std::string expected = UndisturbedDigest();
+  for (const std::string_view said : {channel::kClock, channel::kWorkers, channel::kWorld,
+                                      channel::kRulings, channel::kSchedule}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      SCOPED_TRACE(fmt::format("{}, seed {}", said, seed));
+      Mission mission(Lossy(seed % 2 == 0 ? 0.2 : 0, 0, 150), seed);
+      for (const int decision : {3, 4, 9}) {
+        ASSERT_TRUE(mission.RunUntilSaid(said, decision * 10 * kMinuteUs));
+        mission.Kill("world");
+        mission.Start("world");
+      }
+      ASSERT_TRUE(mission.RunToEnd());
+      EXPECT_EQ(mission.Count(kProcessLost), 0);
+      EXPECT_EQ(mission.record().skipped_decisions().size(), 0U);
+      EXPECT_EQ(Digest(mission.record()), expected);
+      mission.ExpectSound();
+    }
+  }
+}
+
+// A process is lost from the microsecond after its last report on; an agent of it may be meant to
+// fail at that very time, a moment earlier or later.
+TEST(OnLoss, AnOutageMayBeginWhenTheProcessIsLost) {
+  for (const TimeUs beside_us : {-1, 0, 1}) {
+    for (const bool outlasts : {false, true}) {
+      for (const bool world_dies : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} us, {}, {}", beside_us,
+                                 outlasts ? "outlasts it" : "is shorter",
+                                 world_dies ? "the world dies" : "the world lives"));
+        const TimeUs last_us = 45 * kMinuteUs - 30 * kSecondUs;
+        const TimeUs until_us = (outlasts ? 100 : 60) * kMinuteUs;
+        Mission mission(
+            {}, 1, {{AgentKind::kUav, 3, last_us + 1 + beside_us, until_us, {.by = "planned"}}});
+        ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+        mission.Kill("uav");
+        ASSERT_TRUE(mission.RunTo(55 * kMinuteUs));
+        if (world_dies) {
+          mission.Kill("world");
+          mission.Start("world");
+        }
+        ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+        mission.Start("uav");
+        ASSERT_TRUE(mission.RunToEnd());
+        EXPECT_EQ(mission.Count(kProcessLost, "uav"), 1);
+        EXPECT_EQ(mission.Count(kProcessBack, "uav"), 1);
+        std::set<std::int32_t> back;
+        TimeUs planned_back_us = 0;
+        for (const event_t& event : mission.record().events()) {
+          if (event.kind != NumberOf(EventKind::kAgentBack)) continue;
+          back.insert(event.uav_id);
+          if (event.uav_id == 3) planned_back_us = event.at_us;
+        }
+        EXPECT_GE(planned_back_us, outlasts ? until_us : 75 * kMinuteUs);
+        EXPECT_EQ(back.size(), 20U) << "all UAVs, that one too";
+        mission.ExpectSound();
+      }
+    }
+  }
 }
 
 TEST(OnLoss, AWorldThatStartsAgainGoesOnWithoutWhoeverIsLost) {
