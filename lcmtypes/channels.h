@@ -40,6 +40,7 @@ inline constexpr std::string_view kProcess = "MUSTER_PROCESS";
 inline constexpr std::string_view kLog = "MUSTER_LOG";
 inline constexpr std::string_view kRequest = "MUSTER_REQUEST";
 inline constexpr std::string_view kRestore = "MUSTER_RESTORE";
+inline constexpr std::string_view kAnswer = "MUSTER_ANSWER";
 }  // namespace channel
 
 inline constexpr std::int64_t kMiB = 1 << 20;
@@ -58,7 +59,8 @@ inline constexpr Channel kChannels[] = {
      4096},
     {channel::kLog, "log_status_t", process_name::kRecorder, "when the log grew", 64 * 1024},
     {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024},
-    {channel::kRestore, "restore_t", "whoever holds the message", "when requested", 64 * kMiB},
+    {channel::kRestore, "restore_t", "whoever holds the message", "not any more", 64 * kMiB},
+    {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB},
 };
 
 /// The table's row of that name, or nullptr.

@@ -34,9 +34,7 @@ void Follower::Follow(const clock_t& clock) {
 void Follower::Ask(std::string_view name, TimeUs sim_us, const Now& now) {
   if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
   if (!request_.Fire(now.monotonic_us)) return;
-  request_t request{};
-  request.channel = name;
-  sender().Send(channel::kRequest, std::move(request), sim_us, now);
+  Request(name, sim_us, now);
 }
 
 }  // namespace muster

@@ -29,7 +29,10 @@ class Follower : public Process {
 
   /// Requests what that channel carries, again and again while it is called.
   void Ask(std::string_view channel, TimeUs sim_us, const Now& now);
-  void StopAsking() { request_.Stop(); }
+  void StopAsking() {
+    request_.Stop();
+    ForgetQuestions();
+  }
 
   TimeUs OwnWakeUs() const override { return request_.due_us(); }
 

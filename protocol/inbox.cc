@@ -37,6 +37,7 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (name == channel::kLog) return DecodeAs<log_status_t>(packet);
   if (name == channel::kRequest) return DecodeAs<request_t>(packet);
   if (name == channel::kRestore) return DecodeAs<restore_t>(packet);
+  if (name == channel::kAnswer) return DecodeAs<answer_t>(packet);
   if (name == channel::kScenario) return DecodeAs<scenario_t>(packet);
   if (name == channel::kFault) return DecodeAs<fault_t>(packet);
   return std::nullopt;

@@ -30,6 +30,37 @@ void Process::Take(const Message& message, const Packet& packet, const Now& now)
   OnMessage(message, packet, now);
 }
 
+void Process::Request(std::string_view channel, TimeUs sim_us, const Now& now) {
+  questions_.try_emplace(std::string(channel), sender_.next_seq());
+  request_t request{};
+  request.channel = channel;
+  sender_.Send(channel::kRequest, std::move(request), sim_us, now);
+}
+
+bool Process::Answers(const answer_t& answer) const {
+  const auto question = questions_.find(answer.channel);
+  return question != questions_.end() && answer.asker == identity().name &&
+         answer.asker_boot_id == identity().boot_id && answer.asker_seq >= question->second &&
+         answer.asker_seq < sender_.next_seq();
+}
+
+answer_t AnswerTo(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message) {
+  answer_t answer{};
+  answer.asker = request.header.sender;
+  answer.asker_boot_id = request.header.boot_id;
+  answer.asker_seq = request.header.seq;
+  answer.channel = request.channel;
+  answer.tick = tick;
+  answer.data = std::move(message);
+  answer.n = static_cast<std::int32_t>(answer.data.size());
+  return answer;
+}
+
+void Process::Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
+                     TimeUs sim_us, const Now& now) {
+  sender_.Send(channel::kAnswer, AnswerTo(request, tick, std::move(message)), sim_us, now);
+}
+
 TimeUs Process::wake_us() const { return std::min(OwnWakeUs(), sender_.wake_us()); }
 
 void Process::Announce(event_t event, const Now& now) {

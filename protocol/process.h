@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <muster/answer_t.hpp>
 #include <muster/event_t.hpp>
 #include <muster/process_status_t.hpp>
 #include <string>
@@ -21,6 +23,9 @@ struct Usage {
   double cpu_s = 0;
   std::int64_t rss_bytes = 0;
 };
+
+/// The answer to that question, its header not filled; no bytes: the mission has not begun.
+answer_t AnswerTo(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message);
 
 /// One participant of a mission as a pure core: packets and times in, packets out. No socket,
 /// clock, file or thread; RunProcess() drives it over LCM, the simulator in memory.
@@ -67,6 +72,17 @@ class Process {
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
 
+  /// Asks for the newest message of a channel.
+  void Request(std::string_view channel, TimeUs sim_us, const Now& now);
+  /// What was asked so far needs no answer any more.
+  void ForgetQuestions() { questions_.clear(); }
+  /// Whether that answers a question of this very start that still needs an answer: what was said
+  /// to anybody else, or earlier, and is said again, tells nothing of the present.
+  bool Answers(const answer_t& answer) const;
+  /// Tells whoever asked of that message; no bytes: the mission has not begun.
+  void Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
+              TimeUs sim_us, const Now& now);
+
   Sender& sender() { return sender_; }
   const Sender& sender() const { return sender_; }
   Inbox& inbox() { return inbox_; }
@@ -81,6 +97,7 @@ class Process {
   ProcessState state_ = ProcessState::kStarting;
   TimeUs sim_us_ = 0;
   std::int64_t refused_ = 0;
+  std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
 };
 
 /// std::visit with a lambda a type; messages that no lambda names are ignored.

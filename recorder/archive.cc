@@ -6,6 +6,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "protocol/convert.h"
+#include "protocol/process.h"
 #include "world/restoring.h"
 
 namespace muster::tools {
@@ -25,12 +26,10 @@ bool IsStates(std::string_view name) {
   return name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles;
 }
 
-restore_t Restore(std::string_view name, const std::vector<std::uint8_t>& bytes) {
-  restore_t restore{};
-  restore.channel = name;
-  restore.data = bytes;
-  restore.n = static_cast<std::int32_t>(bytes.size());
-  return restore;
+request_t QuestionFor(std::string_view channel) {
+  request_t question{};
+  question.channel = channel;
+  return question;
 }
 
 }  // namespace
@@ -97,10 +96,10 @@ std::optional<std::int64_t> Archive::Consistent() const {
     world::Restoring restoring(scenario_, run_id_);
     for (const auto& [source, told] : told_) {
       const std::string& name = source.channel;
-      const auto take = [&](std::int64_t, const Messages& messages) {
+      const auto take = [&](std::int64_t t, const Messages& messages) {
         for (const auto& [id, packet] : messages) {
           // One that is impossible lacks below.
-          static_cast<void>(restoring.Take(Restore(name, packet.bytes)));
+          static_cast<void>(restoring.Take(AnswerTo(QuestionFor(name), t, packet.bytes)));
         }
       };
       if (IsOfWorld(source.channel)) {
@@ -120,9 +119,9 @@ bool Archive::AnswersAtOnce(const request_t& request) const {
          (goes_on_ && request.header.sender == process_name::kWorld);
 }
 
-std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) {
+std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
   if (request.channel == channel::kSchedule && schedule_) {
-    return {Restore(channel::kSchedule, schedule_->bytes)};
+    return {AnswerTo(request, 0, schedule_->bytes)};
   }
   if (!IsStates(request.channel) && !IsOfWorld(request.channel)) return {};
   Question& question = questions_[{request.header.sender, request.header.boot_id, request.channel}];
@@ -143,17 +142,15 @@ std::vector<restore_t> Archive::Answer(const request_t& request, TimeUs now_us) 
   const std::optional<std::int64_t> consistent =
       at_once ? scenario_.rules.last_tick() : Consistent();
   if (!consistent && has_begun) return {};
-  std::vector<restore_t> answers;
+  std::vector<answer_t> answers;
   if (!consistent) {  // the mission has not begun
     if (!IsStates(request.channel)) return {};
-    answers.push_back(Restore(request.channel, {}));
-    answers.back().tick = -1;
+    answers.push_back(AnswerTo(request, -1, {}));
     return answers;
   }
   const auto answer = [&](std::int64_t tick, const Messages& messages) {
     for (const auto& [id, packet] : messages) {
-      answers.push_back(Restore(request.channel, packet.bytes));
-      answers.back().tick = tick;
+      answers.push_back(AnswerTo(request, tick, packet.bytes));
     }
   };
   for (const auto& [source, told] : told_) {

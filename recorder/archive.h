@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <map>
+#include <muster/answer_t.hpp>
 #include <muster/request_t.hpp>
-#include <muster/restore_t.hpp>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -28,7 +28,7 @@ class Archive {
 
   /// What to answer, headers not filled. Nothing until the same start of the same process has asked
   /// for two seconds: whoever is alive knows better.
-  std::vector<restore_t> Answer(const request_t& request, TimeUs now_us);
+  std::vector<answer_t> Answer(const request_t& request, TimeUs now_us);
   /// All that is known, and without delay: only who has listened knows of all verdicts which were
   /// given without whom.
   bool AnswersAtOnce(const request_t& request) const;

@@ -59,8 +59,8 @@ SentPacket Recorder::Publish(fault_t fault, const Now& now) {
   return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
 }
 
-void Recorder::Answer(restore_t restore, const Now& now) {
-  sender_.Send(channel::kRestore, std::move(restore), sim_us_, now);
+void Recorder::Answer(answer_t answer, const Now& now) {
+  sender_.Send(channel::kAnswer, std::move(answer), sim_us_, now);
   has_news_out_ = true;
   poke_.Start(now.monotonic_us);
 }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <map>
-#include <muster/restore_t.hpp>
+#include <muster/answer_t.hpp>
 #include <muster/event_t.hpp>
 #include <muster/fault_t.hpp>
 #include <set>
@@ -42,8 +42,8 @@ class Recorder {
   /// Publishes a fault_t; its header is the recorder's to fill. SendAgain sends it once more.
   SentPacket Publish(fault_t fault, const Now& now);
   void SendAgain(const SentPacket& packet) { sender_.Resend(packet); }
-  /// Publishes a restore_t; its header is the recorder's to fill.
-  void Answer(restore_t restore, const Now& now);
+  /// Publishes an answer_t; its header is the recorder's to fill.
+  void Answer(answer_t answer, const Now& now);
   /// Publishes an event_t; its header is the recorder's to fill.
   void Announce(event_t event, const Now& now);
   /// Publishes a process_status_t of the recorder itself.

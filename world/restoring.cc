@@ -28,14 +28,14 @@ Restoring::Restoring(const Scenario& scenario, std::int64_t run_id)
   }
 }
 
-bool Restoring::Take(const restore_t& restore) {
+bool Restoring::Take(const answer_t& answer) {
   for (const AgentKind kind : kAgentKinds) {
-    if (restore.channel != ChannelOf(kind)) continue;
-    if (restore.data.empty()) {
+    if (answer.channel != ChannelOf(kind)) continue;
+    if (answer.data.empty()) {
       not_begun_ = true;
       return true;
     }
-    const auto states = DecodeValid<agent_states_t>(restore.data);
+    const auto states = DecodeValid<agent_states_t>(answer.data);
     if (!states || states->header.run_id != run_id_ ||
         static_cast<AgentKind>(states->kind) != kind || !IsTick(states->tick)) {
       return false;
@@ -51,29 +51,29 @@ bool Restoring::Take(const restore_t& restore) {
     applied_[states->tick] = states->applied_decision;
     const header_t& header = states->header;
     reports_[states->tick].try_emplace({header.sender, header.boot_id, header.seq},
-                                       Packet{restore.channel, restore.data});
+                                       Packet{answer.channel, answer.data});
     for (const AgentState& agent : agents) {
       Told& told = told_[kind][static_cast<std::size_t>(agent.id)];
       if (states->tick > told.newest()) told.owner = header.sender;
       told.states.try_emplace(states->tick, agent);
     }
   }
-  if (restore.data.empty()) return true;
-  if (restore.channel == channel::kWorld) {
-    auto world = DecodeValid<world_state_t>(restore.data);
+  if (answer.data.empty()) return true;
+  if (answer.channel == channel::kWorld) {
+    auto world = DecodeValid<world_state_t>(answer.data);
     if (!world || world->header.run_id != run_id_ || !IsTick(world->tick)) return false;
     worlds_.emplace(world->tick, std::move(*world));
   }
-  if (restore.channel == channel::kClock) {
-    const auto clock = DecodeValid<clock_t>(restore.data);
+  if (answer.channel == channel::kClock) {
+    const auto clock = DecodeValid<clock_t>(answer.data);
     if (!clock || clock->header.run_id != run_id_ || !Possible(*clock, scenario_.rules)) {
       return false;
     }
     applied_.emplace(clock->tick, clock->required_decision);
     clock_ = std::max(clock_, clock->tick);
   }
-  if (restore.channel == channel::kRulings) {
-    auto rulings = DecodeValid<rulings_t>(restore.data);
+  if (answer.channel == channel::kRulings) {
+    auto rulings = DecodeValid<rulings_t>(answer.data);
     if (!rulings || rulings->header.run_id != run_id_ || !IsTick(rulings->tick)) return false;
     rulings_.emplace(rulings->tick, std::move(*rulings));
   }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <map>
-#include <muster/restore_t.hpp>
+#include <muster/answer_t.hpp>
 #include <muster/rulings_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
@@ -23,7 +23,7 @@ class Restoring {
   Restoring(const Scenario& scenario, std::int64_t run_id);
 
   /// Takes one answer; false: it is of no mission, of another one, or impossible.
-  [[nodiscard]] bool Take(const restore_t& restore);
+  [[nodiscard]] bool Take(const answer_t& answer);
 
   /// An agent that the mission went on without, as the verdicts since its last report leave it.
   struct Lost {

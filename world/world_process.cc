@@ -64,8 +64,9 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       message, [&](const agent_states_t& states) { Take(states, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
-      [&](const restore_t& restore) {
-        if (wait_ == Wait::kRestore && !restoring_.Take(restore)) inbox().Reject();
+      [&](const answer_t& answer) {
+        if (wait_ != Wait::kRestore || !Answers(answer)) return;
+        if (!restoring_.Take(answer)) inbox().Reject();
       },
       [&](const log_status_t&) {
         recorder_ready_ = true;
@@ -140,12 +141,7 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
   for (const AgentKind kind : kAgentKinds) {
     if (request.channel != ChannelOf(kind)) continue;
     const auto answer = [&](std::vector<std::uint8_t> bytes) {
-      restore_t restore{};
-      restore.channel = request.channel;
-      restore.tick = handover_.tick();
-      restore.data = std::move(bytes);
-      restore.n = static_cast<std::int32_t>(restore.data.size());
-      sender().Send(channel::kRestore, std::move(restore), clock_.sim_us(), now);
+      Process::Answer(request, handover_.tick(), std::move(bytes), clock_.sim_us(), now);
     };
     if (handover_.tick() < 0 && clock_.tick() == 0) answer({});
     for (auto& states : handover_.StatesOf(kind, identity(), now)) {
@@ -157,9 +153,7 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
 void WorldProcess::AskForState(const Now& now) {
   for (const std::string_view name : {channel::kUavs, channel::kWorkers, channel::kVehicles,
                                       channel::kWorld, channel::kRulings, channel::kClock}) {
-    request_t request{};
-    request.channel = name;
-    sender().Send(channel::kRequest, std::move(request), 0, now);
+    Request(name, 0, now);
   }
 }
 

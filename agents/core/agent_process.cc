@@ -34,7 +34,7 @@ AgentProcess::AgentProcess(const Identity& identity, int window, AgentKind kind,
 
 void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet, const Now& now) {
   Handle(
-      message, [&](const restore_t& restore) { Take(restore); },
+      message, [&](const answer_t& answer) { Take(answer); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const clock_t& clock) { Take(clock); },
       [&](const world_state_t& world) {
@@ -63,19 +63,19 @@ void AgentProcess::OnScenario() {
   if (restored_) set_state(ProcessState::kReady);
 }
 
-void AgentProcess::Take(const restore_t& restore) {
-  if (restored_) return;
-  if (restore.channel == channel::kSchedule) {
-    if (const auto schedule = DecodeValid<schedule_t>(restore.data)) TakeGoals(*schedule);
+void AgentProcess::Take(const answer_t& answer) {
+  if (restored_ || !Answers(answer)) return;
+  if (answer.channel == channel::kSchedule) {
+    if (const auto schedule = DecodeValid<schedule_t>(answer.data)) TakeGoals(*schedule);
     return;
   }
-  if (restore.channel != ChannelOf(kind_)) return;
-  if (restore.data.empty()) {  // the mission has not begun
+  if (answer.channel != ChannelOf(kind_)) return;
+  if (answer.data.empty()) {  // the mission has not begun
     restored_ = true;
     set_state(ProcessState::kReady);
     return;
   }
-  const auto states = DecodeValid<agent_states_t>(restore.data);
+  const auto states = DecodeValid<agent_states_t>(answer.data);
   if (!states || states->header.run_id != identity().run_id ||
       static_cast<AgentKind>(states->kind) != kind_) {
     inbox().Reject();
@@ -137,12 +137,7 @@ void AgentProcess::GoOn() {
 void AgentProcess::Answer(const request_t& request, const Now& now) {
   if (!restored_) return;
   const auto answer = [&](std::int64_t tick, const Packet& packet) {
-    restore_t restore{};
-    restore.channel = request.channel;
-    restore.tick = tick;
-    restore.data = packet.bytes;
-    restore.n = static_cast<std::int32_t>(restore.data.size());
-    sender().Send(channel::kRestore, std::move(restore), tick_us_, now);
+    Process::Answer(request, tick, packet.bytes, tick_us_, now);
   };
   if (request.channel == ChannelOf(kind_)) {
     if (tick_ < 0) answer(-1, {});

@@ -33,7 +33,7 @@ class AgentProcess : public Follower {
   void Take(const world_state_t& world);
   void Take(const rulings_t& rulings);
   void Take(const schedule_t& schedule);
-  void Take(const restore_t& restore);
+  void Take(const answer_t& answer);
   void TakeGoals(const schedule_t& schedule);
   void GoOn();
   /// The world is not ahead after all: the message that said so was damaged or forged.

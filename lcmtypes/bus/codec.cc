@@ -103,6 +103,10 @@ bool Scan(Scanner& in, const request_t*) { return ScanHeader(in) && in.SkipStrin
 bool Scan(Scanner& in, const restore_t*) {
   return ScanHeader(in) && in.SkipString() && in.Skip(8) && in.SkipArray(1);
 }
+bool Scan(Scanner& in, const answer_t*) {
+  return ScanHeader(in) && in.SkipString() && in.Skip(8 + 8) && in.SkipString() && in.Skip(8) &&
+         in.SkipArray(1);
+}
 bool Scan(Scanner& in, const rulings_t*) {
   return ScanHeader(in) && in.Skip(8) && in.SkipArray(FixedBytes<ruling_t>());
 }
@@ -154,6 +158,7 @@ const TypeRow* FindType(std::string_view name) {
       RowOf<fault_t>(),        RowOf<log_status_t>(), RowOf<process_status_t>(),
       RowOf<request_t>(),      RowOf<restore_t>(),    RowOf<rulings_t>(),
       RowOf<scenario_t>(),     RowOf<schedule_t>(),   RowOf<world_state_t>(),
+      RowOf<answer_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -173,6 +178,7 @@ bool CountsHold(const T&) {
 bool CountsHold(const agent_states_t& m) { return HasCount(m.n, m.agents.size()); }
 bool CountsHold(const log_status_t& m) { return HasCount(m.n, m.marks.size()); }
 bool CountsHold(const restore_t& m) { return HasCount(m.n, m.data.size()); }
+bool CountsHold(const answer_t& m) { return HasCount(m.n, m.data.size()); }
 bool CountsHold(const rulings_t& m) { return HasCount(m.n, m.rulings.size()); }
 bool CountsHold(const schedule_t& m) { return HasCount(m.n, m.actions.size()); }
 bool CountsHold(const world_state_t& m) {
@@ -298,6 +304,10 @@ bool Valid(const request_t& m) { return Valid(m.header) && FindChannel(m.channel
 bool Valid(const restore_t& m) {
   return Valid(m.header) && FindChannel(m.channel) != nullptr && m.tick >= -1;
 }
+bool Valid(const answer_t& m) {
+  return Valid(m.header) && IsName(m.asker) && m.asker_boot_id >= 0 && m.asker_seq >= 0 &&
+         FindChannel(m.channel) != nullptr && m.tick >= -1;
+}
 bool Valid(const rulings_t& m) {
   return Valid(m.header) && m.tick >= 0 &&
          std::all_of(m.rulings.begin(), m.rulings.end(), ValidRuling);
@@ -351,6 +361,7 @@ std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept {
   template std::vector<std::uint8_t> Encode<T>(const T&); \
   template std::optional<T> Decode<T>(Bytes) noexcept
 MUSTER_CODEC(agent_states_t);
+MUSTER_CODEC(answer_t);
 MUSTER_CODEC(clock_t);
 MUSTER_CODEC(event_t);
 MUSTER_CODEC(fault_t);

@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/bus.h"
 #include "muster/agent_states_t.hpp"
+#include "muster/answer_t.hpp"
 #include "muster/clock_t.hpp"
 #include "muster/event_t.hpp"
 #include "muster/fault_t.hpp"
@@ -37,8 +38,8 @@ template <class T>
 std::optional<T> Decode(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Whether all values are in ranges that need no scenario: finite numbers, known enumerators, ids
-/// of at least -1, times and counters not negative (the ticks of process_status_t and restore_t:
-/// at least -1, none yet), names that are not endless, channels of the table.
+/// of at least -1, times and counters not negative (the ticks of process_status_t, restore_t and
+/// answer_t: at least -1, none yet), names that are not endless, channels of the table.
 bool Valid(const header_t& header);
 bool Valid(const agent_states_t& message);
 bool Valid(const clock_t& message);
@@ -48,6 +49,7 @@ bool Valid(const log_status_t& message);
 bool Valid(const process_status_t& message);
 bool Valid(const request_t& message);
 bool Valid(const restore_t& message);
+bool Valid(const answer_t& message);
 bool Valid(const rulings_t& message);
 bool Valid(const scenario_t& message);
 bool Valid(const schedule_t& message);

@@ -183,6 +183,7 @@ TEST(Codec, RefusesCountsThatTheBytesDoNotJustify) {
   check(Sample<world_state_t>(), 2 * kActivityBytes, 2);
   check(Sample<world_state_t>(), 2 * kActivityBytes + 4 + 4, 4);  // task_status
   check(Sample<restore_t>(), 4, 4);
+  check(Sample<answer_t>(), 4, 4);
   check(Sample<log_status_t>(), (4 + 6 + 16) + (4 + 4 + 16), 2);
   // A string's count includes its NUL; the JSON text ends the message.
   check(Sample<scenario_t>(), 15, 15);
@@ -335,6 +336,10 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<request_t>([](request_t& m) { m.channel = "MUSTER_NOBODY_KNOWS"; }));
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.channel = ""; }));
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.tick = -2; }));
+  EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.channel = ""; }));
+  EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.tick = -2; }));
+  EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.asker_boot_id = -1; }));
+  EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.asker_seq = -1; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_kind = 3; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].kind = 3; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_id = -1; }));

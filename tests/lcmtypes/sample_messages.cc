@@ -127,6 +127,19 @@ restore_t SampleRestore() {
   return restore;
 }
 
+answer_t SampleAnswer() {
+  answer_t answer{};
+  answer.header = Header(12);
+  answer.asker = "world";
+  answer.asker_boot_id = 2;
+  answer.asker_seq = 5;
+  answer.channel = "MUSTER_WORLD";
+  answer.tick = 3;
+  answer.data = {0, 255, 1, 2};
+  answer.n = 4;
+  return answer;
+}
+
 rulings_t SampleRulings() {
   rulings_t rulings{};
   rulings.header = Header(8);
@@ -195,9 +208,10 @@ world_state_t SampleWorldState() {
 }  // namespace
 
 AllMessages SampleMessages() {
-  return {SampleAgentStates(), SampleClock(),         SampleEvent(),    SampleFault(),
-          SampleLogStatus(),   SampleProcessStatus(), SampleRequest(),  SampleRestore(),
-          SampleRulings(),     SampleScenario(),      SampleSchedule(), SampleWorldState()};
+  return {SampleAgentStates(), SampleAnswer(),    SampleClock(),         SampleEvent(),
+          SampleFault(),       SampleLogStatus(), SampleProcessStatus(), SampleRequest(),
+          SampleRestore(),     SampleRulings(),   SampleScenario(),      SampleSchedule(),
+          SampleWorldState()};
 }
 
 }  // namespace muster

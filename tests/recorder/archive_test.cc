@@ -57,14 +57,14 @@ class ArchiveTest : public ::testing::Test {
   }
 
   /// Asks every 0.1 s from `from_us` on, and returns the first answer within 10 s.
-  std::vector<restore_t> Ask(std::string_view channel, TimeUs from_us = 0, std::int64_t boot_id = 1,
-                             const std::string& who = "world") {
+  std::vector<answer_t> Ask(std::string_view channel, TimeUs from_us = 0, std::int64_t boot_id = 1,
+                            const std::string& who = "world") {
     request_t request{};
     request.header.sender = who;
     request.header.boot_id = boot_id;
     request.channel = channel;
     for (now_us_ = from_us; now_us_ < from_us + 10 * kSecondUs; now_us_ += kSecondUs / 10) {
-      std::vector<restore_t> answers = archive_->Answer(request, now_us_);
+      std::vector<answer_t> answers = archive_->Answer(request, now_us_);
       if (!answers.empty()) return answers;
     }
     return {};
@@ -79,9 +79,9 @@ class ArchiveTest : public ::testing::Test {
   TimeUs now_us_ = 0;
 };
 
-std::vector<std::int64_t> TicksOf(const std::vector<restore_t>& answers) {
+std::vector<std::int64_t> TicksOf(const std::vector<answer_t>& answers) {
   std::vector<std::int64_t> ticks;
-  for (const restore_t& answer : answers) ticks.push_back(answer.tick);
+  for (const answer_t& answer : answers) ticks.push_back(answer.tick);
   return ticks;
 }
 

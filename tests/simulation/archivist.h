@@ -23,8 +23,8 @@ class Archivist : public Process {
     const auto* const request = std::get_if<request_t>(&message);
     if (request == nullptr) return;
     if (request->header.sender == "world" && clock_) sender().Resend(std::exchange(clock_, {}));
-    for (restore_t& answer : archive_.Answer(*request, now.monotonic_us)) {
-      sender().Send("MUSTER_RESTORE", std::move(answer), 0, now);
+    for (answer_t& answer : archive_.Answer(*request, now.monotonic_us)) {
+      sender().Send("MUSTER_ANSWER", std::move(answer), 0, now);
     }
   }
   void OnStep(const Now&) override {}

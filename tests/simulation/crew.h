@@ -52,6 +52,8 @@ class Crew {
                                                                     seed_, FaultsOf(name));
   }
   void Kill(const std::string& name) { processes_.erase(name); }
+  /// SIGSTOP: what it hears waits. SIGCONT.
+  void Stop(const std::string& name, bool stopped) { processes_.at(name)->set_stopped(stopped); }
   /// It neither hears nor is heard from now on, or again; what it says is observed all the same.
   void Isolate(const std::string& name, bool isolated) {
     isolated ? void(isolated_.insert(name)) : void(isolated_.erase(name));

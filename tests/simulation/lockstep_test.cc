@@ -180,24 +180,75 @@ TEST(Lockstep, WhoHasJustBeenToldItsStateDoesNotSayThatNothingHasBegun) {
   agents::AgentProcess uav({run_id, "uav", 1}, 0, AgentKind::kUav, agents::IdRange());
   std::vector<Packet> out;
   uav.Step({scenario}, {1, 0}, &out);
-  restore_t restore{};
-  restore.header.run_id = run_id;
-  restore.header.sender = "recorder";
-  restore.channel = "MUSTER_UAVS";
-  restore.data = states.bytes;
-  restore.n = static_cast<std::int32_t>(restore.data.size());
+  out.clear();
+  uav.Step({}, {kSecondUs, 0}, &out);
+  const auto question = Decode<request_t>(out.at(0).bytes);
+  ASSERT_TRUE(question);
+  answer_t answer = AnswerTo(*question, 0, states.bytes);
+  answer.header.run_id = run_id;
+  answer.header.sender = "recorder";
   request_t request{};
   request.header.run_id = run_id;
   request.header.sender = "world";
   request.channel = "MUSTER_UAVS";
   out.clear();
-  uav.Step({{"MUSTER_RESTORE", Encode(restore)}, {"MUSTER_REQUEST", Encode(request)}}, {2, 0},
-           &out);
+  uav.Step({{"MUSTER_ANSWER", Encode(answer)}, {"MUSTER_REQUEST", Encode(request)}},
+           {kSecondUs + 1, 0}, &out);
   ASSERT_FALSE(out.empty());  // its states, again
   for (const Packet& packet : out) {
-    if (packet.channel != "MUSTER_RESTORE") continue;
-    EXPECT_FALSE(Decode<restore_t>(packet.bytes)->data.empty());
+    if (packet.channel != "MUSTER_ANSWER") continue;
+    EXPECT_FALSE(Decode<answer_t>(packet.bytes)->data.empty());
   }
+}
+
+// Who listens says again what a world that started again was told, to the next one, while those
+// who know better are silent.
+TEST(Lockstep, OldAnswersDoNotSendTheWorldBack) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  Crew network;
+  for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    network.Add(StartProcess(name, 0, json));
+  }
+  RunRecord record;
+  Audited audited;
+  std::vector<Packet> old;
+  std::int64_t tick = 0, boot = 0, first_tick = -1;
+  bool ended = false;
+  const auto observe = [&](const Packet& packet) {
+    record.Add(packet);
+    audited.Add(packet);
+    if (packet.channel == "MUSTER_ANSWER" && boot == 1) old.push_back(packet);
+    if (packet.channel != "MUSTER_CLOCK") return;
+    const auto clock = Decode<clock_t>(packet.bytes);
+    tick = clock->tick;
+    if (clock->header.boot_id == 2 && first_tick < 0) first_tick = tick;
+    ended |= clock->phase == 2;
+  };
+  const auto run_to = [&](std::int64_t until) {
+    ASSERT_TRUE(network.Run(
+        3600 * kSecondUs, [&] { return ended || tick >= until; }, observe));
+  };
+  const auto start_again = [&] {
+    network.Kill("world");
+    network.Add(StartProcess("world", ++boot, json));
+  };
+  run_to(10);
+  start_again();
+  run_to(40);
+  ASSERT_GE(old.size(), 9U);
+  const std::vector<std::string> knowing = {"uav", "worker", "vehicle"};
+  for (const std::string& name : knowing) network.Stop(name, true);
+  start_again();
+  std::size_t said = 0;
+  network.set_intruder([&](const Packet&) { return old[said++ % old.size()]; });
+  network.Run(
+      network.now_us() + kSecondUs, [] { return false; }, observe);
+  EXPECT_GT(said, old.size());
+  network.set_intruder({});
+  for (const std::string& name : knowing) network.Stop(name, false);
+  run_to(kNever);
+  EXPECT_GE(first_tick, 39);
+  EXPECT_EQ(Digest(record), SimulatedDigest(json));
 }
 
 TEST(Lockstep, AClassMayBeSplitOverProcesses) {

@@ -31,17 +31,17 @@ class RestoringTest : public ::testing::Test {
   template <class T>
   bool Take(std::string_view channel, T message) {
     message.header.seq = seq_++;
-    restore_t restore{};
-    restore.channel = channel;
-    restore.data = Encode(message);
-    restore.n = static_cast<std::int32_t>(restore.data.size());
-    return restoring_.Take(restore);
+    answer_t answer{};
+    answer.channel = channel;
+    answer.data = Encode(message);
+    answer.n = static_cast<std::int32_t>(answer.data.size());
+    return restoring_.Take(answer);
   }
   bool TakeNothing(std::string_view channel) {
-    restore_t restore{};
-    restore.channel = channel;
-    restore.tick = -1;
-    return restoring_.Take(restore);
+    answer_t answer{};
+    answer.channel = channel;
+    answer.tick = -1;
+    return restoring_.Take(answer);
   }
   agent_states_t States(AgentKind kind, std::vector<std::int32_t> ids, std::int64_t tick) {
     auto states = Message<agent_states_t>(tick);

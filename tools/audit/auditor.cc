@@ -144,6 +144,8 @@ void Auditor::Take(const Packet& packet) {
     Admit<request_t>(packet);
   } else if (name == channel::kRestore) {
     Admit<restore_t>(packet);
+  } else if (name == channel::kAnswer) {
+    Admit<answer_t>(packet);
   }
   Advance();
 }

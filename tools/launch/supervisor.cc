@@ -137,12 +137,12 @@ void Supervisor::OnMember(const Packet& packet, const Now& now) {
 void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
   const auto request = DecodeValid<request_t>(packet.bytes);
   if (!request || request->header.run_id != plan_.run_id) return;
-  std::vector<restore_t> answers = archive_.Answer(*request, now.monotonic_us);
+  std::vector<answer_t> answers = archive_.Answer(*request, now.monotonic_us);
   if (!answers.empty() && !archive_.AnswersAtOnce(*request)) {
     Say(fmt::format("nobody told {} how things stand on {}: told it what was last heard",
                     request->header.sender, request->channel));
   }
-  for (restore_t& answer : answers) recorder_.Answer(std::move(answer), now);
+  for (answer_t& answer : answers) recorder_.Answer(std::move(answer), now);
 }
 
 void Supervisor::SeeToEnd(const Now& now) {

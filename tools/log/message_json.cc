@@ -180,6 +180,15 @@ void Visit(const restore_t& m, V&& v) {
   v("channel", m.channel);
   v("tick", m.tick);
 }
+template <class V>
+void Visit(const answer_t& m, V&& v) {
+  v("header", m.header);
+  v("asker", m.asker);
+  v("asker_boot_id", m.asker_boot_id);
+  v("asker_seq", m.asker_seq);
+  v("channel", m.channel);
+  v("tick", m.tick);
+}
 
 template <class T>
 ordered_json Value(const T& value) {
