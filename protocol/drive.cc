@@ -102,8 +102,12 @@ void Drive::MeetNamesake(const process_status_t& status, const Usage& own, const
                              identity.name, status.pid, status.host, own.pid);
     }
     older_ = status;
+    listens_until_us_ = now.monotonic_us + 2 * kHeartbeatUs;
   }
-  if (met_us_ != kNever && now.monotonic_us < met_us_ + kMeetAgainUs) return;
+  if (met_us_ != kNever && now.monotonic_us < met_us_ + kMeetAgainUs) {
+    heartbeat_us_ = std::min(heartbeat_us_, met_us_ + kMeetAgainUs);
+    return;
+  }
   met_us_ = now.monotonic_us;
   heartbeat_us_ = now.monotonic_us;
 }
