@@ -61,13 +61,13 @@ bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
 
 void Drive::LookForMission(const Packet& packet, const Now& now) {
   const auto clock = DecodeValid<clock_t>(packet.bytes);
-  if (!clock || clock->header.run_id != process_->identity().run_id) return;
-  if (clock->tick > 0) {
-    if (process_->identity().boot_id == 0) listens_until_us_ = now.monotonic_us + kListenUs;
-    has_joined_ = true;
+  const Identity& identity = process_->identity();
+  // A world hears its own clocks, too.
+  if (!clock || clock->header.run_id != identity.run_id || clock->header.sender == identity.name) {
+    return;
   }
-  // A world hears its own first clock, too.
-  if (clock->header.sender != process_->identity().name) has_joined_ = true;
+  has_joined_ = true;
+  if (clock->tick > 0 && identity.boot_id == 0) listens_until_us_ = now.monotonic_us + kListenUs;
 }
 
 void Drive::Publish(const Now& now) {

@@ -126,6 +126,17 @@ TEST_F(NamesakeTest, WhoJoinsAMissionListensFirst) {
   EXPECT_EQ(queue_->sent[0].channel, channel::kEvent);
 }
 
+TEST_F(NamesakeTest, AClockOfItsOwnIsNoMissionToJoin) {
+  clock_t clock{};
+  clock.header.run_id = 1;
+  clock.header.sender = "uav";  // as a world hears its own
+  clock.tick = 1;
+  process_.Announce({}, {});
+  drive_.Turn({{std::string(channel::kClock), Encode(clock)}}, {0, 0}, [] { return Usage(); });
+  ASSERT_EQ(queue_->sent.size(), 1U);
+  EXPECT_EQ(queue_->sent[0].channel, channel::kEvent);
+}
+
 TEST_F(NamesakeTest, WhoIsThereStaysAndAnswers) {
   Hear(10, 0, 0);
   Hear(11, 0, 100);
