@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "lcmtypes/bus/multicast.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
