@@ -18,7 +18,8 @@ constexpr TimeUs kLongestPokeUs = 20'000;
 constexpr TimeUs kRarestPokeUs = 500'000;
 constexpr TimeUs kOwnMarksUs = 10'000;
 constexpr TimeUs kIdleUs = 200'000;
-constexpr TimeUs kAnswerUs = 2'000;
+/// Senders repair after 20 ms; what they repeat sooner is meant for others than the log.
+constexpr TimeUs kAnswerUs = 10'000;
 constexpr TimeUs kFirstRepairUs = 5'000;
 constexpr TimeUs kLongestRepairUs = 200'000;
 constexpr std::size_t kRepairBatch = 8;  ///< messages
@@ -167,7 +168,7 @@ void Recorder::Step(const Now& now, std::vector<Packet>* out) {
     idle_.Start(time_us);
   } else if (newest_status_) {
     const bool poke = time_us >= PokeUs() && poke_.Fire(time_us);
-    const bool answer = answer_wanted_ && time_us >= repeated_us_ + kAnswerUs;
+    const bool answer = answer_wanted_ && time_us >= AnswerUs();
     if (poke || answer || idle_.Fire(time_us)) Repeat(now);
   }
   if (owes() && repair_.Fire(time_us)) {
@@ -197,11 +198,13 @@ TimeUs Recorder::PokeUs() const {
   return is_urgent ? poke_.due_us() : std::max(poke_.due_us(), marks_us_ + kOwnMarksUs);
 }
 
+TimeUs Recorder::AnswerUs() const { return std::max(repeated_us_, marks_us_) + kAnswerUs; }
+
 TimeUs Recorder::wake_us() const {
   TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
   wake = std::min(wake, PokeUs());
   if (owes()) wake = std::min(wake, repair_.due_us());
-  if (answer_wanted_) wake = std::min(wake, repeated_us_ + kAnswerUs);
+  if (answer_wanted_) wake = std::min(wake, AnswerUs());
   return wake;
 }
 

@@ -80,6 +80,8 @@ class Recorder {
   bool others_behind() const;
   /// When to say the newest marks again for lcm-logger's sake.
   TimeUs PokeUs() const;
+  /// When at the earliest to say them again for who has not heard them.
+  TimeUs AnswerUs() const;
   /// `heard`: highest seq heard of that start, plus one.
   bool IsAwaited(const Start& start, std::int64_t heard) const;
   void Repeat(const Now& now);

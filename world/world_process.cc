@@ -24,7 +24,7 @@ constexpr TimeUs kLongestRepeatUs = 40'000;
 constexpr TimeUs kMostStatesUs = 10'000;
 constexpr TimeUs kMostScheduleUs = 200'000;
 /// Whoever has not reported for so long may have started again, and want the last decision.
-constexpr TimeUs kMissedUs = 50'000;
+constexpr TimeUs kMissedUs = 300'000;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
