@@ -344,7 +344,9 @@ TEST(OnLoss, AnOutageMayBeginWhenTheProcessIsLost) {
           if (event.uav_id == 3) planned_back_us = event.at_us;
         }
         EXPECT_GT(back.size(), 1U);
-        if (back.contains(3)) EXPECT_GE(planned_back_us, outlasts ? until_us : 75 * kMinuteUs);
+        if (back.contains(3)) {
+          EXPECT_GE(planned_back_us, outlasts ? until_us : 75 * kMinuteUs);
+        }
         mission.ExpectSound();
       }
     }
