@@ -180,7 +180,7 @@ TEST_F(KillTest, ASecondProcessOfANameIsRefusedAndNamed) {
     return Json::parse(TextOf(folder_.File("run") + "/manifest.json"));
   }();
   const std::map<std::string, std::vector<std::string>> seconds = {
-      {"scheduler", {"--policy", "nearest"}}, {"world", {scenario_}}, {"uav", {}}};
+      {"scheduler", {"--policy", "greedy-nearest"}}, {"world", {scenario_}}, {"uav", {}}};
   for (const auto& [name, more] : seconds) {
     std::vector<std::string> command = {
         (fs::path(MUSTER_PROGRAM).parent_path() / ("muster-" + name)).string(),
