@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -12,14 +14,21 @@
 #include "base/options.h"
 #include "base/program.h"
 #include "lcmtypes/bus/event_log.h"
+#include "protocol/run_process.h"
 #include "tools/files/log_files.h"
+#include "tools/host/progress.h"
 #include "tools/record/report_json.h"
+#include "tools/report/background.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page.h"
 #include "tools/report/page_chunk.h"
+#include "tools/report/reasons.h"
 
 namespace muster::tools {
 namespace {
+
+constexpr int kReasons = 10;  ///< what `muster explain` takes for each adds up
+constexpr int kMostReasons = 1000000;
 
 /// "runs/a/" -> "a", "x/mission.lcm" -> "x"
 std::string NameOf(const std::string& run) {
@@ -39,7 +48,17 @@ void RequirePageOrNothing(const std::string& out) {
                    "a new file, or a page to write again");
 }
 
-std::string ReadRun(const std::string& run) {
+std::string Read(const std::string& file) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) {
+    throw SystemError(fmt::format("cannot read {}: {}", file, std::strerror(errno)));
+  }
+  return text.str();
+}
+
+std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::string& background) {
   const std::vector<std::string> files = LogFilesOf(run);
   MissionFeed feed;
   for (const std::string& file : files) {
@@ -57,9 +76,26 @@ std::string ReadRun(const std::string& run) {
   if (!feed.ready()) throw InputError(files[0] + ": the log has no scenario");
   feed.Finish();
   PageCursor cursor;
+  nlohmann::ordered_json chunk = PageChunk(feed, NameOf(run), &cursor, true);
+  if (!background.empty()) {
+    chunk["background"] = Background(Read(background), background, feed.timeline().scenario());
+  }
+  if (n_reasons > 0) {
+    ProgressPrinter printer(stderr, StyleFor(stderr, false));
+    const auto progress = [&](std::size_t told, std::size_t of) {
+      const TimeUs now_us = MonotonicUs();
+      if (told == 0 || !printer.due(now_us)) return;
+      printer.Show(fmt::format("{}: {} of {} tasks explained", run, told, of), now_us);
+    };
+    try {
+      chunk["reasons"] = Reasons(run, feed.timeline(), n_reasons, progress);
+    } catch (const InputError& error) {  // the page is worth having without them
+      fmt::print(stderr, "no reasons: {}\n", error.what());
+    }
+    printer.Break();
+  }
   // Names of processes and faults come from the bus: whatever is not UTF-8 is replaced.
-  return PageChunk(feed, NameOf(run), &cursor, true)
-      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -70,6 +106,10 @@ int ReportCommand(int argc, const char* const* argv) {
       "Makes one self-contained page of one or several runs: map, timeline of every agent,\n"
       "curves, decisions. It opens in any browser and loads nothing from anywhere.");
   options.Positional("runs", "RUN [RUN...]").Repeated().Required("run directories or log files");
+  options.Add("reasons", "N", "Of how many undone tasks of a run the page says why")
+      .Integer(0, kMostReasons)
+      .Default(kReasons);
+  options.Add("background", "FILE", "GeoJSON in WGS84 degrees, drawn below the map");
   options.Out("FILE.html", "Page to write").Required("a file to write, FILE.html");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -77,10 +117,12 @@ int ReportCommand(int argc, const char* const* argv) {
   const auto runs = arguments->All("runs");
   const std::string out = arguments->Get("out");
   RequirePageOrNothing(out);
+  const auto n_reasons = static_cast<std::size_t>(arguments->Get<std::int64_t>("reasons"));
+  const std::string background = arguments->Has("background") ? arguments->Get("background") : "";
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {
-    chunks.push_back(ReadRun(run));
+    chunks.push_back(ReadRun(run, n_reasons, background));
     title += (title.empty() ? "" : ", ") + NameOf(run);
   }
   const std::string page = StaticPage(title, chunks);

@@ -1,5 +1,6 @@
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, number } from "./dom.js";
+import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt } from "./run.js";
 import { DONE, OPEN, spanAt, taskNow } from "./story.js";
 import { clockText } from "./time.js";
@@ -35,12 +36,19 @@ function tasksAtRisk(run, t) {
     const never = run.ended && now.doneAt === null;
     if (never) {
       found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: now.status === OPEN ? 2 : 1,
-        text: `task ${task.id}`, note: last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain" });
+        text: `task ${task.id}`, note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
     } else if (!run.ended && now.status === OPEN && t >= 3 * run.intervalMs && late(run, t)) {
       found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: 0, text: `task ${task.id}`, note: "nobody is sent" });
     }
   }
   return found;
+}
+
+/** Why the decision in force sends nobody, in a few words; null: the page does not say. */
+function why(run, task, t) {
+  const story = storyOf(run, task.id);
+  const reason = story && reasonAt(story, decisionAt(run, t));
+  return reason ? shortReason(reason) : null;
 }
 
 /** Whether the forecast leaves tasks undone. */

@@ -2,7 +2,8 @@ import { oncePerFrame } from "./canvas.js";
 import { byId, element, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
-import { FAILED, OFFLINE, placeAt } from "./run.js";
+import { reasonAt, storyOf } from "./reasons.js";
+import { FAILED, OFFLINE, decisionAt, placeAt } from "./run.js";
 import { DONE, OPEN, activities, agentNext, agentNow, arrivalAt, commandsByTask, commandsOf, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
@@ -28,6 +29,9 @@ function commandWords(command) {
   if (command.kind === 8) return `${names} meet to charge at ${site}`;
   return site ? `${names} goes ahead to ${site}` : `${names} goes to ${number(command.x / 1000, 1)}, ${number(command.y / 1000, 1)} km`;
 }
+
+/** `muster explain` writes task:17 where the page writes task 17. */
+const taskWords = (line) => line.replace(/\btask:(\d+)/g, "task $1");
 
 /** What is known of the selected agent, task or charging point at the clock's time. */
 export class Card {
@@ -59,6 +63,7 @@ export class Card {
       this.factsKey = key;
       this.facts.replaceChildren(...now.facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, ...this.#linked(run, value))]));
     }
+    this.#why(run, selected, t);
     const shown = `${run.name} ${nameOf(run, selected)} ${run.decisions.length} ${run.activities.length} ${run.ended}`;
     if (shown !== this.shown) {
       const other = this.shown?.split(" ")[1] !== nameOf(run, selected);
@@ -68,6 +73,32 @@ export class Card {
     }
     const cursor = byId("range-cursor");
     cursor?.setAttribute("transform", `translate(${(300 * t) / run.limitMs} 0)`);
+  }
+
+  /** Why the task is not done: what the decision in force did without it, then all decisions. */
+  #why(run, selected, t) {
+    const box = byId("card-why");
+    const task = selected.type === "task" ? selected.id : null;
+    const story = task === null ? null : storyOf(run, task);
+    const reason = story && reasonAt(story, decisionAt(run, t));
+    const key = `${run.name} ${task} ${reason?.index}`;
+    if (key === this.whyKey) return;
+    this.whyKey = key;
+    const undone = task !== null && run.ended && taskNow(run, run.tasks[task], run.nowMs).doneAt === null;
+    if (!story) {
+      box.replaceChildren(...(undone ? [element("p", { class: "empty" }, `muster explain ${run.name} --task ${task} says why not.`)] : []));
+      return;
+    }
+    const open = box.querySelector("details")?.open ?? false;
+    box.replaceChildren(
+      element("h3", {}, reason ? `Why not, at decision ${reason.index}` : "Why not"),
+      ...(reason?.lines ?? []).map((line) => element("p", {}, ...this.#linked(run, taskWords(line)))),
+      element("details", { open }, element("summary", {}, "All decisions"),
+        ...story.head.slice(1).map((line) => element("p", {}, line)),
+        element("ol", {}, ...story.decisions.map((d) => element("li", {},
+          element("button", { type: "button", class: "name", onclick: () => this.clock.seek(run.decisions.find((other) => other.index === d.index)?.t ?? t) }, `decision ${d.index}`),
+          " ", ...this.#linked(run, taskWords(d.lines.join("; ")))))),
+        ...story.tail.map((line) => element("p", {}, line))));
   }
 
   /** Names of things in a text are buttons that select them. */

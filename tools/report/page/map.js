@@ -1,7 +1,11 @@
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
 import { byId } from "./dom.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
-import { linear, roundTicks } from "./scale.js";
+import { nameOf } from "./link.js";
+import { drawDegrees, drawGrid, drawGround, drawScale, frameOf } from "./map_frame.js";
+import { drawLabels } from "./map_labels.js";
+import { placeWords } from "./place.js";
+import { linear } from "./scale.js";
 import { Sprites } from "./sprites.js";
 import { rowAt } from "./time.js";
 import { theme } from "./theme.js";
@@ -9,6 +13,7 @@ import { WHOLE, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
+const LABEL_PX = 6000; // of the map for each name
 const FLY_SCALE = 2;
 const FLY_MS = 350;
 
@@ -31,7 +36,10 @@ export class MapView {
     this.draw = oncePerFrame(() => this.#draw());
     bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
     this.canvas.addEventListener("pointermove", (event) => this.#hover(event));
-    this.canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
+    this.canvas.addEventListener("pointerleave", () => {
+      this.tip.hidden = true;
+      byId("map-cursor").textContent = "";
+    });
     this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
     this.canvas.addEventListener("dblclick", () => this.reset());
     clock.subscribe(this.draw);
@@ -61,7 +69,12 @@ export class MapView {
     const { view } = this;
     const k = Math.max(view.k, FLY_SCALE);
     const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
-    const to = { k, left: width / 2 - k * at(x, place.x, view.left), top: height / 2 - k * at(y, place.y, view.top) };
+    const { width_m: w, height_m: h } = run.scenario;
+    // The area's border comes no further in than the map's, where the area is larger than the map.
+    const within = (middle, low, high, room) => ((high - low) * k > room ? Math.min(MARGIN - k * low, Math.max(room - MARGIN - k * high, middle)) : (room - k * (low + high)) / 2);
+    const left = within(width / 2 - k * at(x, place.x, view.left), at(x, 0, view.left), at(x, w, view.left), width);
+    const top = within(height / 2 - k * at(y, place.y, view.top), at(y, h, view.top), at(y, 0, view.top), height);
+    const to = { k, left, top };
     const inView = x(place.x) > 0.15 * width && x(place.x) < 0.85 * width && y(place.y) > 0.15 * height && y(place.y) < 0.85 * height;
     if (inView && view.k >= FLY_SCALE) return;
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.#look(to);
@@ -105,7 +118,10 @@ export class MapView {
     const t = this.clock.t;
     const { x, y, perMetre } = this.#scales(width, height);
     this.shown = { x, y, width, height };
-    this.#drawGrid(c, x, y, width, height);
+    drawGround(c, run, this.shown);
+    drawGrid(c, run, this.shown);
+    const frame = frameOf(this.shown, run.scenario);
+    drawDegrees(c, run, this.shown, frame);
     const crowd = run.agents.length + run.tasks.length;
     const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.view.k ** 0.35));
     const r = Math.round(size * 5) / 5;
@@ -115,38 +131,8 @@ export class MapView {
     this.#drawSites(c, x, y, t, r);
     this.#drawAgents(c, x, y, t, r);
     this.#drawSelected(c, x, y, t, r);
-    this.#drawScaleBar(c, perMetre, width);
-  }
-
-  #drawGrid(c, x, y, width, height) {
-    const { width_m: w, height_m: h } = this.state.run.scenario;
-    c.fillStyle = theme.bg;
-    c.fillRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
-    c.strokeStyle = theme.grid;
-    c.lineWidth = 1;
-    c.beginPath();
-    const km = (from, to, most) => roundTicks([from, to], most, [1, 2, 5]).filter((m) => m % 1000 === 0);
-    c.font = "10px system-ui, sans-serif";
-    c.fillStyle = theme.muted;
-    c.textAlign = "center";
-    for (const m of km(x.invert(0), x.invert(width), width / 55)) {
-      const px = Math.round(x(m)) + 0.5;
-      if (m < 0 || m > w || px < 0 || px > width) continue;
-      c.moveTo(px, Math.max(0, y(h)));
-      c.lineTo(px, Math.min(height, y(0)));
-      c.fillText(`${m / 1000}`, px, Math.min(height - 5, y(0) + 13));
-    }
-    c.textAlign = "right";
-    for (const m of km(y.invert(height), y.invert(0), height / 55)) {
-      const py = Math.round(y(m)) + 0.5;
-      if (m < 0 || m > h || py < 0 || py > height) continue;
-      c.moveTo(Math.max(0, x(0)), py);
-      c.lineTo(Math.min(width, x(w)), py);
-      c.fillText(`${m / 1000}`, Math.max(16, x(0) - 5), py + 3);
-    }
-    c.stroke();
-    c.strokeStyle = theme.line;
-    c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
+    this.#drawLabels(c, x, y, t, r);
+    drawScale(c, perMetre, frame);
   }
 
   #drawTrails(c, x, y, t) {
@@ -233,15 +219,26 @@ export class MapView {
           (s) => agentMark(s, kind, status, turn, r));
       }
     }
-    if (run.agents.length <= 60 || this.view.k > 4) this.#drawLabels(c, x, y, shown.flat(), r);
+    this.drawn = shown.flat();
   }
 
-  #drawLabels(c, x, y, shown, r) {
-    if (this.view.k < 1.8) return;
-    c.font = "10px system-ui, sans-serif";
-    c.textAlign = "left";
-    c.fillStyle = theme.muted;
-    for (const { agent, place } of shown) c.fillText(agent.label, x(place.x) + r + 5, y(place.y) - r);
+  /** Names: of what is selected first; of agents, then tasks to do, while few enough are in view. */
+  #drawLabels(c, x, y, t, r) {
+    const { run, selected } = this.state;
+    const labels = [];
+    const put = (text, px, py, colour) => this.#inView(px, py) && labels.push({ text, px, py, gap: r + 3, colour });
+    if (selected) {
+      const place = placeOf(run, selected, t);
+      if (place) put(nameOf(run, selected).replace(":", selected.type === "agent" ? ":" : " "), x(place.x), y(place.y), theme.text);
+    }
+    const room = (this.shown.width * this.shown.height) / LABEL_PX;
+    const agents = this.drawn.filter(({ px, py }) => this.#inView(px, py));
+    const tasks = run.tasks.filter((task) => taskStatusAt(task, t) !== 3 && this.#inView(x(task.x), y(task.y)));
+    if (agents.length <= room) {
+      for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
+      if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const task of tasks) put(`${task.id}`, x(task.x), y(task.y), theme.muted);
+    }
+    drawLabels(c, labels, this.shown, theme.bg);
   }
 
   #drawSelected(c, x, y, t, r) {
@@ -266,24 +263,6 @@ export class MapView {
     c.beginPath();
     c.arc(x(place.x), y(place.y), r * 2.8, 0, 2 * Math.PI);
     c.stroke();
-  }
-
-  #drawScaleBar(c, perMetre, width) {
-    const metres = [100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000].find((m) => m * perMetre > 50) ?? 100000;
-    const length = metres * perMetre;
-    const left = width - length - 14;
-    c.strokeStyle = theme.text;
-    c.lineWidth = 1.5;
-    c.beginPath();
-    c.moveTo(left, 16);
-    c.lineTo(left, 20);
-    c.lineTo(left + length, 20);
-    c.lineTo(left + length, 16);
-    c.stroke();
-    c.fillStyle = theme.text;
-    c.font = "11px system-ui, sans-serif";
-    c.textAlign = "center";
-    c.fillText(metres >= 1000 ? `${metres / 1000} km` : `${metres} m`, left + length / 2, 15);
   }
 
   /** What is nearest to the pointer, agents first; null when nothing is near. */
@@ -316,6 +295,7 @@ export class MapView {
     const found = this.#find(event);
     this.canvas.style.cursor = found ? "pointer" : "grab";
     this.tip.hidden = !found;
+    if (this.shown) byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
     if (!found) return;
     this.tip.textContent = describe(this.state.run, found, this.clock.t);
     const left = Math.min(event.offsetX + 14, this.shown.width - this.tip.offsetWidth - 6);

@@ -59,6 +59,7 @@ export class Transport {
     this.scrub.value = t;
     this.scrub.setAttribute("aria-valuetext", clockText(t));
     byId("time-now").textContent = clockText(t);
+    byId("print-time").textContent = `at ${clockText(t)}`;
     const decision = decisionAt(run, t);
     byId("decision-now").textContent = decision ? `decision ${decision.index}` : "before the first decision";
     byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");

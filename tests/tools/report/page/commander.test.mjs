@@ -1,8 +1,10 @@
 // What an incident commander does with the page, in Chromium. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
-import { MUSTER_SCENARIOS, accessible, file, json, muster, open, raw, scrub } from "./support.mjs";
+import { inflateSync } from "node:zlib";
+import { MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub } from "./support.mjs";
 
 const SIZES = [[1440, 900], [1024, 768], [390, 844]];
 const now = (page) => page.locator("#time-now").innerText();
@@ -196,4 +198,53 @@ test("the figures of the header are those of the chosen time", async (t) => {
   assert.equal(Number(await raw(page, "failed")), 0);
   await page.keyboard.press("End");
   assert.equal(Number(await raw(page, "failed")), 1);
+});
+
+/** The run that a page holds. */
+const embedded = (name) => JSON.parse(inflateSync(Buffer.from(readFileSync(file(name), "utf8").match(/x-muster-run">([^<]*)</)[1], "base64")));
+
+test("the reason why a task is not done opens in place, in the policy's own terms", async (t) => {
+  muster("simulate", join(MUSTER_SCENARIOS, "random_1.json"), "--policy", "horizon", "--log", "--out", file("h"));
+  muster("report", file("h"), "--reasons", "1", "--out", file("h1.html"));
+  muster("report", file("h"), "--reasons", "1000", "--out", file("h.html"));
+  const undone = json("h/report.json").tasks.filter((task) => task.status !== "done").length;
+  assert.deepEqual(["h1.html", "h.html"].map((name) => embedded(name).reasons.tasks.length), [1, undone]);
+  const page = await open(t, "h.html", {}, "#t=7200");
+  const row = page.locator(".a-risk").first();
+  const id = (await row.locator("b").innerText()).replace("task ", "");
+  const said = muster("explain", file("h"), "--task", id, "--decision", "12");
+  await row.click();
+  assert.equal(await page.locator("#card-why h3").innerText(), "Why not, at decision 12");
+  const first = said.match(/^decision +12 +\S+ +(.*)$/m)[1].replace(/task:/g, "task ");
+  assert.equal(await page.locator("#card-why > p").first().innerText(), first);
+  assert.match(await page.locator("#card-why").innerText(), /All decisions/);
+  await page.locator("#card-why summary").click();
+  assert.match(await page.locator("#card-why").innerText(), /in tasks/);
+});
+
+test("the map has north, a scale in its frame, the cursor's coordinates, and a drawing from a file below it", async (t) => {
+  muster("simulate", join(MUSTER_SCENARIOS, "haiti.json"), "--policy", "mpq", "--limit", "60", "--log", "--out", file("haiti"));
+  const coast = { type: "Feature", properties: { name: "coast" }, geometry: { type: "LineString", coordinates: [[-72.4, 18.5], [-72.3, 18.6], [-72.2, 18.5]] } };
+  writeFileSync(file("coast.json"), JSON.stringify(coast));
+  muster("report", file("haiti"), "--out", file("plain.html"));
+  muster("report", file("haiti"), "--background", file("coast.json"), "--out", file("coast.html"));
+  const maps = [];
+  for (const name of ["plain.html", "coast.html"]) {
+    const page = await open(t, name, {}, "#t=1800");
+    maps.push(await picture(page, "map"));
+    const box = await page.locator("#map").boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    assert.match(await page.locator("#map-cursor").innerText(), /^\d+\.\d, \d+\.\d km \(18\.\d{3}° N 72\.\d{3}° W\)$/);
+  }
+  assert.notEqual(maps[0], maps[1]);
+  assert.throws(() => muster("report", file("a"), "--background", file("coast.json"), "--out", file("no.html")), /has no origin/);
+});
+
+test("printed, it is one page with the map, what needs attention and the tasks", async (t) => {
+  const page = await open(t, "a.html");
+  await page.emulateMedia({ media: "print" });
+  for (const id of ["attention", "map", "detail-panel"]) assert.ok(await page.locator(`#${id}`).isVisible(), id);
+  for (const id of ["gantt-panel", "chart-panel"]) assert.ok(!(await page.locator(`#${id}`).isVisible()), id);
+  const pdf = (await page.pdf({ format: "A4", landscape: true, scale: 0.7 })).toString("latin1");
+  assert.equal(pdf.match(/\/Type\s*\/Page\b/g).length, 1);
 });

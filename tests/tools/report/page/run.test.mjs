@@ -4,10 +4,12 @@ import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
+import { placeLabels } from "../../../../tools/report/page/map_labels.js";
 import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
 import { tellingMoment } from "../../../../tools/report/page/moment.js";
 import { eventRows } from "../../../../tools/report/page/panels.js";
 import { degreesOf, planeOf } from "../../../../tools/report/page/place.js";
+import { reasonAt, shortReason, storyOf } from "../../../../tools/report/page/reasons.js";
 import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt,
 } from "../../../../tools/report/page/run.js";
 import { nearest } from "../../../../tools/report/page/plot.js";
@@ -313,4 +315,39 @@ test("degrees and metres of the map's plane agree", () => {
   const back = planeOf(run, latitude, longitude);
   // The plane leaves the ground by d²/2R: 55 m at 26 km, and 0.2 m sideways.
   assert.ok(Math.hypot(back.x - 12345, back.y - 23456) < 0.5, JSON.stringify(back));
+});
+
+const STORY = `task:1 at (0.90, 0.90) km takes 0.06 km of range to sense, 0.40 km from there to charge: not done
+In horizon's own terms: what a pair is worth to its matching, in tasks (1: done before the next decision).
+
+decision   0  0:00:00  impossible, no UAV is idle or free within 2 decisions (0 under way for longer)
+decision   2  0:20:00  outbid: uav:0 and worker:0 could sense it by 0:37:08 (0.611), the best of 4 pairs
+                       by:   uav:0 and worker:0 for task:0 by 0:31:29 (0.671)
+
+Of 3 decisions: outbid in 1, impossible in 1.
+`;
+
+test("what explain says of a task is told by decision", () => {
+  const run = sensing({ tasks: [], reasons: { undone: 2, tasks: [[1, STORY]] },
+    decisions: [0, [[0, 0, 1, null, 9, 1, "p", []], [1, 600000, 1, null, 9, 1, "p", []], [2, 1200000, 1, null, 9, 1, "p", []]]] });
+  const story = storyOf(run, 1);
+  assert.equal(storyOf(run, 0), null);
+  assert.deepEqual(story.decisions.map((d) => [d.index, d.lines.length]), [[0, 1], [2, 2]]);
+  assert.deepEqual([story.head.length, story.tail], [2, ["Of 3 decisions: outbid in 1, impossible in 1."]]);
+  assert.equal(reasonAt(story, decisionAt(run, 1200000)).lines[1], "by:   uav:0 and worker:0 for task:0 by 0:31:29 (0.671)");
+  assert.equal(reasonAt(story, decisionAt(run, 700000)).index, 0);
+  assert.equal(reasonAt(story, null), null);
+  assert.equal(shortReason(story.decisions[1]), "outbid");
+  assert.equal(shortReason(story.decisions[0]), "impossible, no UAV is idle or free within 2 …");
+  assert.deepEqual(attentionAt(run, 1300000).filter((f) => f.kind === "risk").map((f) => f.note), ["nobody is sent: it will not be done", "outbid"]);
+});
+
+test("labels keep apart: another side where one is taken, none where all are", () => {
+  const at = (text, px, py) => ({ text, px, py, gap: 5, colour: "" });
+  const placed = placeLabels([at("one", 100, 100), at("two", 100, 100), at("far", 300, 100), at("gone", 3000, 100)], () => 30, { width: 400, height: 200 });
+  assert.deepEqual(placed.map((label) => label.text), ["one", "two", "far"]);
+  const boxes = placed.map(({ left, bottom }) => [left, bottom - 10, left + 30, bottom + 2]);
+  for (const [i, a] of boxes.entries()) for (const b of boxes.slice(i + 1)) assert.ok(a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1], `${a} ${b}`);
+  const crowd = placeLabels(Array.from({ length: 9 }, (_, i) => at(`${i}`, 100, 100)), () => 30, { width: 400, height: 200 });
+  assert.equal(crowd.length, 4);
 });
