@@ -113,6 +113,7 @@ TEST_F(NamesakeTest, WhoJoinsAMissionListensFirst) {
   clock.header.run_id = 1;
   clock.header.sender = "world";
   clock.tick = 7;
+  clock.phase = NumberOf(ClockPhase::kRunning);
   const Packet joined = {std::string(channel::kClock), Encode(clock)};
   process_.set_state(ProcessState::kRunning);
   process_.Announce({}, {});

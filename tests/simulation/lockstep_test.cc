@@ -55,7 +55,9 @@ Outcome RunOver(const PacketFaults& faults, std::uint64_t seed, const std::strin
     network.Add(StartProcess(name, 0, json, {}, policy));
   }
   const Scenario scenario = ParseScenario(json, "scenario");
-  if (kill && kill->victims.size() > 1) network.Add(std::make_unique<Archivist>(scenario, false));
+  if (kill && kill->victims.size() > 1) {  // What it loses the true one has repeated to it.
+    network.Add(std::make_unique<Archivist>(scenario, false), PacketFaults{});
+  }
   RunRecord record;
   Audited audited;
   Outcome outcome;

@@ -132,6 +132,7 @@ TEST(Namesakes, NamesWhomNumbersBetray) {
     clock.header.seq = seq;
     clock.header.wall_us = wall_us;
     clock.tick = tick;
+    clock.phase = NumberOf(ClockPhase::kRunning);
     return namesakes.OnHeard({"MUSTER_CLOCK", Encode(clock)}, clock.header, {}).value_or("");
   };
   // In any order, twice, late: still one sender.
