@@ -206,7 +206,10 @@ void AgentProcess::Take(const rulings_t& rulings) {
 void AgentProcess::Take(const schedule_t& schedule) {
   if (!Possible(schedule, scenario()->rules)) return inbox().Reject();
   if (!restored_) return TakeGoals(schedule);
-  if (schedule.tick != tick_ || schedule.decision <= applied_decision_ || schedule_) return;
+  // One that a damaged clock did not ask for is wanted by the next clock.
+  const bool is_wanted =
+      schedule.tick == tick_ || (clock_ && schedule.decision == clock_->required_decision);
+  if (!is_wanted || schedule.decision <= applied_decision_ || schedule_) return;
   std::vector<Action> actions;
   if (FromWireAll(schedule.actions, WireLimits(*scenario()), &actions)) {
     schedule_ = std::move(actions);
