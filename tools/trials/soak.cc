@@ -116,8 +116,8 @@ std::vector<std::string> FindingsOf(const VirtualMission& mission) {
     findings.push_back(fmt::format("the log is not complete: {} gaps, {} missing, {} said twice",
                                    log.gaps.size(), log.n_missing, log.repeated));
   }
-  if (result.repeated_bytes > result.message_bytes) {
-    findings.push_back(fmt::format("more than half of the log is repeats: {} bytes beside {}",
+  if (2 * result.repeated_bytes > 3 * result.message_bytes) {
+    findings.push_back(fmt::format("too much of the log is repeats: {} bytes beside {}",
                                    result.repeated_bytes, result.message_bytes));
   }
   for (const audit::Violation& v : auditor.Finish()) {

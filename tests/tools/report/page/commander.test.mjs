@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
 import { inflateSync } from "node:zlib";
-import { MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub } from "./support.mjs";
+import { MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub, soon } from "./support.mjs";
 
 const SIZES = [[1440, 900], [1024, 768], [390, 844]];
 const now = (page) => page.locator("#time-now").innerText();
@@ -40,32 +40,32 @@ for (const [width, height] of SIZES) {
 
 test("the page opens at its most telling moment and says which", async (t) => {
   const calm = await open(t, "a.html");
-  assert.match(await calm.locator("#moment").innerText(), /^Opened at \d:\d\d:\d\d, progress slackens from here: \d+ of 120 tasks done, \d+ at 3:00\.$/);
-  assert.ok((await calm.locator("#moment").innerText()).includes(await now(calm)));
+  await soon(async () => assert.match(await calm.locator("#moment").innerText(), /^Opened at \d:\d\d:\d\d, progress slackens from here: \d+ of 120 tasks done, \d+ at 3:00\.$/));
+  await soon(async () => assert.ok((await calm.locator("#moment").innerText()).includes(await now(calm))));
   await scrub(calm, 10);
-  assert.ok(!(await calm.locator("#moment").isVisible()));
+  await soon(async () => assert.ok(!(await calm.locator("#moment").isVisible())));
   const faulty = await open(t, "faulty.html");
-  assert.match(await faulty.locator("#moment").innerText(), /^Opened at 0:30:\d\d, the first failure: flag\d: loss \*\.$/);
+  await soon(async () => assert.match(await faulty.locator("#moment").innerText(), /^Opened at 0:30:\d\d, the first failure: flag\d: loss \*\.$/));
 });
 
 test("a link opens a moment and a selection, and the back button goes through selections", async (t) => {
   const page = await open(t, "a.html", {}, "#t=4800&sel=uav:2");
-  assert.equal(await now(page), "1:20:00");
-  assert.equal(await page.locator("#card-title").innerText(), "uav:2");
+  await soon(async () => assert.equal(await now(page), "1:20:00"));
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), "uav:2"));
   await page.locator("#panel-tabs [data-tab=tasks]").click();
   await page.locator("#task-table tr[data-task='4']").click();
-  assert.equal(await page.evaluate(() => location.hash), "#t=4800&sel=task:4");
+  await soon(async () => assert.equal(await page.evaluate(() => location.hash), "#t=4800&sel=task:4"));
   await scrub(page, 100);
   await page.waitForFunction(() => location.hash === "#t=6000&sel=task:4");
   await page.goBack();
-  assert.equal(await page.locator("#card-title").innerText(), "uav:2");
-  assert.equal(await now(page), "1:20:00");
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), "uav:2"));
+  await soon(async () => assert.equal(await now(page), "1:20:00"));
   await page.goForward();
-  assert.equal(await page.locator("#card-title").innerText(), "task 4");
-  assert.equal(await now(page), "1:40:00");
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), "task 4"));
+  await soon(async () => assert.equal(await now(page), "1:40:00"));
   await page.evaluate(() => { location.hash = "#t=60&sel=worker:999"; });
   await page.waitForFunction(() => window.muster.clock.t === 60000);
-  assert.ok(!(await page.locator("#card").isVisible()), "what the run does not have is not selected");
+  await soon(async () => assert.ok(!(await page.locator("#card").isVisible()), "what the run does not have is not selected"));
 });
 
 test("tasks are sorted, filtered and chosen with the keyboard", async (t) => {
@@ -74,28 +74,31 @@ test("tasks are sorted, filtered and chosen with the keyboard", async (t) => {
   await page.keyboard.press("End");
   const rows = page.locator("#task-table tbody tr");
   const ids = async () => (await rows.evaluateAll((list) => list.map((row) => Number(row.dataset.task))));
-  assert.equal((await ids()).length, tasks.length);
+  await soon(async () => assert.equal((await ids()).length, tasks.length));
   await page.locator("#task-filter").selectOption("never");
-  assert.deepEqual(await ids(), tasks.filter((task) => task.status !== "done").map((task) => task.id));
+  await soon(async () => assert.deepEqual(await ids(), tasks.filter((task) => task.status !== "done").map((task) => task.id)));
   await page.locator("#task-filter").selectOption("done");
   await page.locator("th button", { hasText: "in the end" }).click();
   const byTime = tasks.filter((task) => task.status === "done").sort((a, b) => a.done_s - b.done_s || a.id - b.id).map((task) => task.id);
-  assert.deepEqual(await ids(), byTime);
-  assert.equal(await page.locator("th[aria-sort=ascending]").innerText(), "in the end ▲".replace(" ▲", ""));
+  await soon(async () => assert.deepEqual(await ids(), byTime));
+  await soon(async () => assert.equal(await page.locator("th[aria-sort=ascending]").innerText(), "in the end ▲".replace(" ▲", "")));
   await page.locator("th button", { hasText: "in the end" }).click();
-  assert.equal((await ids())[0] === byTime.at(-1) || tasks[(await ids())[0]].done_s === tasks[byTime.at(-1)].done_s, true);
+  await soon(async () => assert.equal((await ids())[0] === byTime.at(-1) || tasks[(await ids())[0]].done_s === tasks[byTime.at(-1)].done_s, true));
   await page.locator("#task-find").fill("uav:3");
-  for (const row of await rows.allInnerTexts()) assert.match(row, /uav:3/);
+  await soon(async () => {
+    for (const row of await rows.allInnerTexts()) assert.match(row, /uav:3/);
+  });
   await page.locator("#task-find").fill("");
+  await soon(async () => assert.equal((await ids()).length, byTime.length));
   await rows.first().focus();
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
   const third = (await ids())[2];
-  assert.equal(await page.locator("#card-title").innerText(), `task ${third}`);
-  assert.equal(Number(await page.locator("#task-table tr[aria-selected=true]").getAttribute("data-task")), third);
-  assert.equal(await page.locator("#card-facts dd").first().innerText(),
-    `done at ${clock(tasks[third].done_s)} by uav:${tasks[third].uav} and worker:${tasks[third].worker}`);
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${third}`));
+  await soon(async () => assert.equal(Number(await page.locator("#task-table tr[aria-selected=true]").getAttribute("data-task")), third));
+  await soon(async () => assert.equal(await page.locator("#card-facts dd").first().innerText(),
+    `done at ${clock(tasks[third].done_s)} by uav:${tasks[third].uav} and worker:${tasks[third].worker}`));
 });
 
 const clock = (s) => `${Math.floor(s / 3600)}:${String(Math.floor(s / 60) % 60).padStart(2, "0")}:${String(Math.floor(s) % 60).padStart(2, "0")}`;
@@ -112,21 +115,21 @@ test("an agent's card says where to, with whom, and when it is there", async (t)
   assert.ok(facts.includes(`task ${action.task}`), facts);
   assert.ok(facts.includes(`worker:${action.worker}`), facts);
   assert.ok(facts.includes(clock(report.tasks[action.task].done_s)), facts);
-  assert.ok((await page.locator("#card-more").innerText()).includes(`decision ${decision.index}: uav:${action.uav} and worker:${action.worker} sense task ${action.task}`));
+  await soon(async () => assert.ok((await page.locator("#card-more").innerText()).includes(`decision ${decision.index}: uav:${action.uav} and worker:${action.worker} sense task ${action.task}`)));
   await page.locator("#card-facts button", { hasText: `worker:${action.worker}` }).click();
-  assert.equal(await page.locator("#card-title").innerText(), `worker:${action.worker}`);
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `worker:${action.worker}`));
 });
 
 test("what needs attention follows the time, failures before tasks before waiting", async (t) => {
   const page = await open(t, "faulty.html");
   await scrub(page, 32);
   const groups = () => page.locator("#attention-list h3").allInnerTexts();
-  assert.match((await groups())[0], /^Faults in force 1$/);
+  await soon(async () => assert.match((await groups())[0], /^Faults in force 1$/));
   await scrub(page, 55);
-  assert.match((await groups())[0], /^Agents failed 1$/);
+  await soon(async () => assert.match((await groups())[0], /^Agents failed 1$/));
   await page.locator(".a-failed").click();
-  assert.equal(await page.locator("#card-title").innerText(), "uav:3");
-  assert.match(await page.locator("#card-facts").innerText(), /failed/);
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), "uav:3"));
+  await soon(async () => assert.match(await page.locator("#card-facts").innerText(), /failed/));
   await page.keyboard.press("End");
   const titles = await groups();
   assert.ok(titles.some((title) => /^Not done \d+$/.test(title)), titles.join());
@@ -134,7 +137,7 @@ test("what needs attention follows the time, failures before tasks before waitin
   const undone = report.tasks.filter((task) => task.status !== "done").length;
   assert.ok(titles.includes(`Not done ${undone}`), `${undone}: ${titles}`);
   await page.locator(".more").first().click();
-  assert.equal(await page.locator("#task-table tbody tr").count(), undone);
+  await soon(async () => assert.equal(await page.locator("#task-table tbody tr").count(), undone));
 });
 
 test("a packet fault is one row that says its kind, a failed agent a tick and no line", async (t) => {
@@ -162,20 +165,20 @@ test("filters count what they show, and the legend names every mark", async (t) 
   const all = await sum();
   const uavs = Number((await page.locator(".k0 b").innerText()).match(/\d+/)[0]);
   await page.keyboard.press("1");
-  assert.equal(await page.locator(".k0 b").innerText(), "hidden");
-  assert.equal(await sum(), all - uavs);
+  await soon(async () => assert.equal(await page.locator(".k0 b").innerText(), "hidden"));
+  await soon(async () => assert.equal(await sum(), all - uavs));
   await page.keyboard.press("1");
   await page.locator("#filter").fill("uav:");
-  assert.equal(await sum(), uavs);
+  await soon(async () => assert.equal(await sum(), uavs));
   const legend = await page.locator(".legend").innerText();
   for (const word of ["open", "reserved", "being sensed", "done", "charging point", "idle", "waiting", "failed", "trail", "on the way to"]) assert.ok(legend.includes(word), word);
 });
 
 test("runs of different policies share no axis of weights; completion is told in percent of all", async (t) => {
   const page = await open(t, "ab.html");
-  assert.equal(await page.locator("#plot-weight .plot-dot").count(), 2, "weight and bound of one run");
-  assert.match(await page.locator("#chart-panel").innerText(), /mpq only/);
-  assert.equal(await page.locator("#plot-completion .plot-dot").count(), 2, "completion of both");
+  await soon(async () => assert.equal(await page.locator("#plot-weight .plot-dot").count(), 2, "weight and bound of one run"));
+  await soon(async () => assert.match(await page.locator("#chart-panel").innerText(), /mpq only/));
+  await soon(async () => assert.equal(await page.locator("#plot-completion .plot-dot").count(), 2, "completion of both"));
   const heads = await page.locator("#comparison-body th").allInnerTexts();
   assert.ok(!heads.some((head) => /weight/.test(head)) && heads.includes("mean response") && heads.includes("waiting") && heads.includes("flown"), heads.join());
 });
@@ -195,9 +198,9 @@ test("LIVE is not in the failures' colour", async (t) => {
 
 test("the figures of the header are those of the chosen time", async (t) => {
   const page = await open(t, "faulty.html");
-  assert.equal(Number(await raw(page, "failed")), 0);
+  await soon(async () => assert.equal(Number(await raw(page, "failed")), 0));
   await page.keyboard.press("End");
-  assert.equal(Number(await raw(page, "failed")), 1);
+  await soon(async () => assert.equal(Number(await raw(page, "failed")), 1));
 });
 
 /** The run that a page holds. */
@@ -214,12 +217,12 @@ test("the reason why a task is not done opens in place, in the policy's own term
   const id = (await row.locator("b").innerText()).replace("task ", "");
   const said = muster("explain", file("h"), "--task", id, "--decision", "12");
   await row.click();
-  assert.equal(await page.locator("#card-why h3").innerText(), "Why not, at decision 12");
+  await soon(async () => assert.equal(await page.locator("#card-why h3").innerText(), "Why not, at decision 12"));
   const first = said.match(/^decision +12 +\S+ +(.*)$/m)[1].replace(/task:/g, "task ");
-  assert.equal(await page.locator("#card-why > p").first().innerText(), first);
-  assert.match(await page.locator("#card-why").innerText(), /All decisions/);
+  await soon(async () => assert.equal(await page.locator("#card-why > p").first().innerText(), first));
+  await soon(async () => assert.match(await page.locator("#card-why").innerText(), /All decisions/));
   await page.locator("#card-why summary").click();
-  assert.match(await page.locator("#card-why").innerText(), /in tasks/);
+  await soon(async () => assert.match(await page.locator("#card-why").innerText(), /in tasks/));
 });
 
 test("the map has north, a scale in its frame, the cursor's coordinates, and a drawing from a file below it", async (t) => {

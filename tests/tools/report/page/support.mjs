@@ -49,6 +49,11 @@ export async function open(t, name, options = {}, hash = "") {
     assert.deepEqual(wrong, []);
     assert.deepEqual(asked.filter((url) => !url.startsWith("data:")).map((url) => url.split("#")[0]), [`file://${file(name)}`]);
   });
+  const press = page.keyboard.press.bind(page.keyboard);
+  page.keyboard.press = async (key) => {
+    await press(key);
+    await drawn(page);
+  };
   await page.goto(`file://${file(name)}${hash}`);
   await page.locator("html[data-ready]").waitFor({ state: "attached" });
   return page;
@@ -56,10 +61,29 @@ export async function open(t, name, options = {}, hash = "") {
 
 export const raw = async (page, key) => page.locator(`[data-key="${key}"]`).first().getAttribute("data-raw");
 export const text = async (page, key) => page.locator(`[data-key="${key}"]`).first().innerText();
-export const scrub = (page, minutes) => page.locator("#scrub").evaluate((input, t) => {
-  input.value = t;
-  input.dispatchEvent(new Event("input", { bubbles: true }));
-}, minutes * 60000);
+/** Once the page has drawn what it was last told. */
+export const drawn = (page) => page.evaluate(() => new Promise((resolve) => {
+  requestAnimationFrame(() => requestAnimationFrame(() => resolve()));
+}));
+export const scrub = async (page, minutes) => {
+  await page.locator("#scrub").evaluate((input, t) => {
+    input.value = t;
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  }, minutes * 60000);
+  await drawn(page);
+};
+
+/** Once the page has drawn: `check` until it holds, ten seconds at most. */
+export async function soon(check) {
+  for (const until = Date.now() + 10_000; ;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (Date.now() > until) throw error;
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+  }
+}
 
 /** A canvas' picture, once it is drawn. */
 export const picture = (page, id) => page.evaluate((name) => new Promise((resolve) => {
