@@ -1,0 +1,46 @@
+// node pictures.mjs MUSTER WORK IMAGES: takes the pictures of docs/report.md. WORK holds playwright-core.
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+
+const [program, work, images] = process.argv.slice(2).map((path) => resolve(path));
+const { chromium } = createRequire(join(work, "package.json"))("playwright-core");
+const folder = mkdtempSync(join(tmpdir(), "muster-pictures-"));
+const at = (name) => join(folder, name);
+const muster = (...args) => execFileSync(program, args, { stdio: ["ignore", "ignore", "inherit"] });
+
+async function take(browser, name, page, { width, height, scheme = "light", hash = "" }, then = async () => {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, deviceScaleFactor: width < 500 ? 2 : 1 });
+  const tab = await context.newPage();
+  await tab.goto(`file://${at(page)}${hash}`);
+  await tab.locator("html[data-ready]").waitFor({ state: "attached" });
+  await then(tab);
+  await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const session = await context.newCDPSession(tab);
+  const { data } = await session.send("Page.captureScreenshot", { format: "webp", quality: 80 });
+  writeFileSync(join(images, name), Buffer.from(data, "base64"));
+  await context.close();
+}
+
+try {
+  muster("scenario", "--preset", "Random_29", "--seed", "1", "--out", at("r29.json"));
+  muster("simulate", at("r29.json"), "--policy", "horizon", "--log", "--out", at("a"), "--fault", "loss:*@60+20=0.2",
+    "--fault", "process_killed:uav@90", "--fault", "agent_silent:uav:7@100+30");
+  muster("report", at("a"), "--out", at("a.html"));
+  muster("scenario", "--preset", "Random_1", "--seed", "1", "--out", at("r1.json"));
+  for (const policy of ["rollout-steps", "certified", "mpq"]) muster("simulate", at("r1.json"), "--policy", policy, "--log", "--out", at(policy));
+  muster("report", at("rollout-steps"), at("certified"), at("mpq"), "--out", at("three.html"));
+  const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => {
+    try { execFileSync(path, ["--version"], { stdio: "ignore" }); return true; } catch { return false; }
+  });
+  const browser = await chromium.launch({ executablePath, chromiumSandbox: process.getuid() !== 0 });
+  await take(browser, "report.webp", "a.html", { width: 1440, height: 1300, hash: "#t=6600&sel=uav:7" });
+  await take(browser, "report-phone.webp", "a.html", { width: 390, height: 844, scheme: "dark", hash: "#t=6600" });
+  await take(browser, "report-comparison.webp", "three.html", { width: 1440, height: 1200, hash: "#t=6000" },
+    (tab) => tab.locator("#comparison").evaluate((part) => part.scrollIntoView({ block: "end" })));
+  await browser.close();
+} finally {
+  rmSync(folder, { recursive: true });
+}
