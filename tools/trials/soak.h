@@ -25,10 +25,10 @@ struct SoakSettings {
 VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed);
 
 /// Runs it, and says what of it breaks a promise; empty: nothing. It must end with its log
-/// complete, at most half of it repeats, and each fault seen; the log must pass the audit, and its
-/// report agree with it; each decision made again from the log must be the same; and where the
-/// mission waits for everybody, decisions and outcomes must be those without any fault but those of
-/// agents.
+/// complete, at most three fifths of it repeats, and each fault seen; the log must pass the audit,
+/// and its report agree with it; each decision made again from the log must be the same; and where
+/// the mission waits for everybody, decisions and outcomes must be those without any fault but
+/// those of agents.
 std::vector<std::string> FindingsOf(const VirtualMission& mission);
 
 }  // namespace muster::tools
