@@ -66,6 +66,21 @@ Deciding OfHorizon(const Situation& situation, const std::vector<Action>& comman
   return deciding;
 }
 
+/// The draws that a decision of `rollout` may rest on, [way][draw]: one alone, or one and another
+/// of a later round around it.
+std::vector<std::vector<std::uint32_t>> DrawsOf(const RolloutSettings& rollout) {
+  const auto a_round = static_cast<std::uint32_t>(rollout.draws / rollout.rounds);
+  const auto n = a_round * static_cast<std::uint32_t>(rollout.rounds);
+  std::vector<std::vector<std::uint32_t>> ways;
+  for (std::uint32_t draw = 0; draw < n; ++draw) ways.push_back({draw});
+  for (std::uint32_t draw = 0; draw < n; ++draw) {
+    for (std::uint32_t later = (draw / a_round + 1) * a_round; later < n; ++later) {
+      ways.push_back({draw, later});
+    }
+  }
+  return ways;
+}
+
 Deciding OfRollout(const Situation& situation, const std::vector<Action>& commanded,
                    const RolloutSettings& rollout) {
   const auto with = [&](std::size_t variant, const HorizonSettings& settings) {
@@ -98,15 +113,17 @@ Deciding OfRollout(const Situation& situation, const std::vector<Action>& comman
     Deciding deciding = with(i, rollout.variants[i]);
     if (deciding.again) return deciding;
   }
+  const std::vector<std::vector<std::uint32_t>> all_draws = DrawsOf(rollout);
   for (std::size_t i = 0; i < worth.size(); ++i) {
-    HorizonSettings settings = rollout.variants[i];
-    settings.jitter = rollout.jitter;
-    for (std::int32_t draw = 0; draw < rollout.draws; ++draw) {
-      settings.draw = static_cast<std::uint32_t>(draw);
+    for (const std::vector<std::uint32_t>& draws : all_draws) {
+      HorizonSettings settings = rollout.variants[i];
+      for (std::size_t k = 0; k < draws.size(); ++k) {
+        settings.jitters[k] = {k == 0 ? rollout.jitter : rollout.later_jitter, draws[k]};
+      }
       if (!may_be(i, settings)) continue;
       Deciding deciding = with(i, settings);
       if (!deciding.again) continue;
-      deciding.draw = draw;
+      deciding.draws = draws;
       return deciding;
     }
   }

@@ -16,7 +16,7 @@ struct Deciding {
   /// `rollout`: the forecast decides on with these.
   std::optional<HorizonSettings> follow;
   std::int32_t variant = 0, variants = 1;  ///< `rollout`: which of its variants, of how many
-  std::optional<std::int32_t> draw;        ///< `rollout`: varied by chance, the draw's number
+  std::vector<std::uint32_t> draws;        ///< `rollout`: varied by chance, the draws' numbers
   HorizonPlan plan;                        ///< of agents of the situation
   /// Whether the plan's decision is the commanded one. It is not where a deadline cut a decision
   /// short, where another build made it, or where nobody was commanded; the settings are then those
@@ -28,7 +28,7 @@ struct Deciding {
 bool DecidesByHorizon(const Policy& policy);
 
 /// The way to weigh that leads to exactly the commanded actions: `horizon`'s own; of `rollout` the
-/// first of its variants, else of its draws. Which one it was is read from the weights of what was
+/// first of its variants, else of its draws and theirs. Which one it was is read from the weights of what was
 /// commanded, so nothing is carried forward. `policy` must decide by horizon.
 Deciding HowDecided(const Situation& situation, const std::vector<Action>& commanded,
                     const Policy& policy);

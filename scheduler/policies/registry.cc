@@ -49,6 +49,7 @@ std::unique_ptr<Policy> HorizonVariant() {
 template <bool kSteps>
 std::unique_ptr<Policy> Rollout() {
   RolloutSettings settings;
+  if (kSteps) settings.rounds = 3;
   for (HorizonSettings& variant : settings.variants) variant.steps = kSteps;
   return std::make_unique<RolloutPolicy>(std::move(settings));
 }

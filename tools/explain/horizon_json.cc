@@ -72,7 +72,7 @@ void AddHow(const HorizonChapter<Answer>& chapter, Json* json) {
   if (chapter.forecast) {
     (*json)["variant"] = chapter.variant + 1;
     (*json)["variants"] = chapter.variants;
-    (*json)["draw"] = chapter.draw ? Json(*chapter.draw) : Json();
+    (*json)["draws"] = chapter.draws;
   }
   Json fates = Json::array();
   for (const auto& [pair, fate] : chapter.fates) fates.push_back(FateJson(pair, fate));

@@ -77,7 +77,10 @@ void AddVariant(const HorizonChapter<Answer>& chapter, bool scheduled, Lines* li
   lines->Add(fmt::format(
       "decided by variant {} of {}{}{}", chapter.variant + 1, chapter.variants,
       chapter.settings.empty() ? std::string() : fmt::format(" ({})", chapter.settings),
-      chapter.draw ? fmt::format(", worth varied by chance, draw {}", *chapter.draw) : ""));
+      chapter.draws.empty()
+          ? std::string()
+          : fmt::format(", worth varied by chance, draw{} {}", chapter.draws.size() == 1 ? "" : "s",
+                        fmt::join(chapter.draws, " and "))));
 }
 
 std::string FateWords(const Fate& fate) {

@@ -165,7 +165,7 @@ class Teller {
     chapter.forecast = deciding.follow.has_value();
     chapter.variant = deciding.variant;
     chapter.variants = deciding.variants;
-    chapter.draw = deciding.draw;
+    chapter.draws = deciding.draws;
     chapter.settings = scheduler::Difference(deciding.settings);
     chapter.answer = question_.ask_horizon(scheduler::HorizonExplainer(decision));
     for (const scheduler::PairPlan& pair : PlannedIn(chapter.answer)) {

@@ -39,7 +39,7 @@ struct HorizonChapter {
   bool again = false;     ///< as scheduler::Deciding
   bool forecast = false;  ///< `rollout`
   std::int32_t variant = 0, variants = 1;
-  std::optional<std::int32_t> draw;
+  std::vector<std::uint32_t> draws;
   std::string settings;  ///< what tells them from horizon's own
   /// Planned pairs and what became of them.
   std::vector<std::pair<scheduler::PairPlan, scheduler::Fate>> fates;

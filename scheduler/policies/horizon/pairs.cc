@@ -251,7 +251,7 @@ class PairFinder {
                          (settings_.true_duration ? duration : TimeUs{0}));
   }
 
-  double Jitter(AgentKind kind, std::int32_t id, std::int32_t task) const {
+  double ChanceOf(AgentKind kind, std::int32_t id, std::int32_t task) const {
     return JitterOf(situation_, settings_, kind, id, task);
   }
 
@@ -277,7 +277,7 @@ class PairFinder {
       arc.arrive_us = partner.ready_us + travel;
       arc.level = Level(arc.arrive_us, duration);
       arc.gain = PartnerGain(partner, travel);
-      if (task >= 0) arc.gain += Jitter(AgentKind::kWorker, partner.id, task);
+      if (task >= 0) arc.gain += ChanceOf(AgentKind::kWorker, partner.id, task);
       arc.solo = false;
       arcs->order.push_back(static_cast<std::uint64_t>(arc.level) << 32 | arcs->found.size());
       arcs->found.push_back(arc);
@@ -333,7 +333,7 @@ class PairFinder {
       if (arc.arrive_us + duration > uav.latest_us) continue;
       arc.level = Level(arc.arrive_us, duration);
       arc.base = Worths::kParts;
-      arc.pair_gain = UavGain(uav, way.metres) + Jitter(AgentKind::kUav, uav.id, x);
+      arc.pair_gain = UavGain(uav, way.metres) + ChanceOf(AgentKind::kUav, uav.id, x);
       if (settings_.chains) {
         arc.pair_gain +=
             ChainGain(uav, uav.range_m - way.metres - task.cost_m, arc.arrive_us + duration, *arcs);
@@ -439,13 +439,17 @@ std::vector<Match> MatchesOf(const PossiblePairs& pairs, const Participants& par
 
 double JitterOf(const Situation& situation, const HorizonSettings& settings, AgentKind kind,
                 std::int32_t id, std::int32_t task) {
-  if (settings.jitter == 0) return 0;
-  const auto entity = static_cast<std::uint64_t>(kind) << 60 |
-                      static_cast<std::uint64_t>(settings.draw) << 50 |
-                      static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
-  return Random(situation.site->seed, Stream::kPolicy, entity,
-                static_cast<std::uint32_t>(situation.decision))
-      .Uniform(-settings.jitter, settings.jitter);
+  double sum = 0;
+  for (const Jitter& jitter : settings.jitters) {
+    if (jitter.most == 0) continue;
+    const auto entity = static_cast<std::uint64_t>(kind) << 60 |
+                        static_cast<std::uint64_t>(jitter.draw) << 50 |
+                        static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
+    sum += Random(situation.site->seed, Stream::kPolicy, entity,
+                  static_cast<std::uint32_t>(situation.decision))
+               .Uniform(-jitter.most, jitter.most);
+  }
+  return sum;
 }
 
 }  // namespace muster::scheduler

@@ -34,7 +34,7 @@ Match MatchOf(const PossiblePairs& pairs, const Participants& participants, std:
 std::vector<Match> MatchesOf(const PossiblePairs& pairs, const Participants& participants,
                              const Assignment& assignment);
 
-/// The chance's part (HorizonSettings::jitter) in the worth of a UAV, or worker, at a task.
+/// The chance's part (HorizonSettings::jitters) in the worth of a UAV, or worker, at a task.
 double JitterOf(const Situation& situation, const HorizonSettings& settings, AgentKind kind,
                 std::int32_t id, std::int32_t task);
 

@@ -1,8 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace muster::scheduler {
+
+/// A draw of chance: a function of decision, UAV, partner, task and the draw's number.
+struct Jitter {
+  double most = 0;  ///< up to this much is added or taken, in tasks; 0: none
+  std::uint32_t draw = 0;
+};
 
 /// What `horizon` weighs and which of its ingredients are on. Source of all of them: ours.
 struct HorizonSettings {
@@ -51,10 +58,8 @@ struct HorizonSettings {
   /// Way to the next task that is expected when the tasks that a range allows are counted, in mean
   /// distances between open tasks (sqrt(area / tasks)).
   double expected_way = 1.0;
-  /// Up to this much, in tasks, is added to or taken from each pair's worth by chance: one more way
-  /// to weigh, for `rollout`. Draws are a function of decision, UAV, partner, task and `draw`.
-  double jitter = 0;
-  std::uint32_t draw = 0;
+  /// Both are added to each pair's worth by chance: one more way to weigh, for `rollout`.
+  std::array<Jitter, 2> jitters = {};
 };
 
 }  // namespace muster::scheduler

@@ -35,7 +35,8 @@ std::vector<HorizonSettings> RolloutSettings::DefaultVariants() {
 }
 
 RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(settings)) {
-  MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0, "work={}", settings_.work);
+  MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0 && settings_.rounds > 0,
+               "work={} rounds={}", settings_.work, settings_.rounds);
 }
 
 void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
@@ -110,9 +111,9 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
   first.settings = first.follow = settings_.variants[0];
   first.decision = HorizonPolicy(first.settings, settings_.threads).Decide(situation);
   first.decided = true;
-  const std::int64_t allowed =
-      settings_.pairs / std::max<std::int64_t>(1, first.decision.candidates);
-  const std::int64_t work = std::min<std::int64_t>(settings_.work, allowed);
+  const std::int64_t pairs = std::max<std::int64_t>(1, first.decision.candidates);
+  const std::int64_t wanted = pairs > settings_.many_pairs ? settings_.work / 2 : settings_.work;
+  const std::int64_t work = std::min(wanted, settings_.pairs / pairs);
   /// How many plans are followed, so that they can go to the end where work is short.
   const auto at_most = [&](std::size_t n) {
     if (work == settings_.work) return n;
@@ -133,14 +134,26 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
       std::count_if(situation.task_status.begin(), situation.task_status.end(),
                     [](TaskStatus status) { return status != TaskStatus::kDone; }));
   if (best->done >= left || best->decision.actions.empty()) return best->decision;
-  std::vector<Plan> near(at_most(static_cast<std::size_t>(settings_.draws)));
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    near[i].settings = near[i].follow = best->follow;
-    near[i].settings.jitter = settings_.jitter;
-    near[i].settings.draw = static_cast<std::uint32_t>(i);
+  const auto rounds = static_cast<std::size_t>(settings_.rounds);
+  const auto all = static_cast<std::size_t>(settings_.draws);
+  Plan found = *best;
+  for (std::size_t round = 0; round < rounds && found.done < left; ++round) {
+    std::vector<Plan> near(at_most(all) / rounds);
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      near[i].settings = found.settings;
+      near[i].follow = found.follow;
+      auto& [around_variant, around_draw] = near[i].settings.jitters;
+      const auto draw = static_cast<std::uint32_t>(round * (all / rounds) + i);
+      if (around_variant.most == 0) {
+        around_variant = {settings_.jitter, draw};
+      } else {
+        around_draw = {settings_.later_jitter, draw};
+      }
+    }
+    Follow(situation, start, work / settings_.rounds, &found, &near);
+    found = *best_of(near, &found);
   }
-  Follow(situation, start, work, best, &near);
-  return best_of(near, best)->decision;
+  return found.decision;
 }
 
 }  // namespace muster::scheduler

@@ -14,13 +14,19 @@ struct RolloutSettings {
   /// Ways to weigh, the first one first in a tie. Each is followed to the end of the known agents'
   /// time by deciding on with the same weights.
   std::vector<HorizonSettings> variants = DefaultVariants();
-  /// When the best variant leaves a known task undone: its decision is varied this often by chance
-  /// (HorizonSettings::jitter), each followed with the variant's own weights.
+  /// When the best variant leaves a known task undone: the best decision so far is varied this
+  /// often by chance (HorizonSettings::jitters), each followed with the variant's own weights.
   int draws = 48;
   double jitter = 0.1;
-  /// Decisions that are simulated for the variants, and again for the draws. Repeatable: all that
+  /// Rounds that the draws are parted into. Once a draw is better than the variant, those of later
+  /// rounds are around it: their own jitter is added to the draw's.
+  int rounds = 1;
+  double later_jitter = 0.07;
+  /// Decisions that are simulated for the variants, and again for the draws; half as many where the
+  /// first variant's decision has more than `many_pairs` pairs to choose from. Repeatable: all that
   /// are followed may go equally far.
   std::int32_t work = 800;
+  std::int64_t many_pairs = 12'000;
   /// Pairs that these decisions may choose from, all together, for the variants and again for the
   /// draws, as if each had those of the first variant's decision. Where that allows fewer than
   /// `work`, the first variants and the first draws are followed, as many as can go to the end;

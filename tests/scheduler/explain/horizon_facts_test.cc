@@ -216,7 +216,7 @@ TEST(HorizonLook, ObstaclesFollowFromTheRules) {
 }
 
 TEST(HowDecided, FindsTheVariantAndTheDraw) {
-  int variants = 0, draws = 0;
+  int variants = 0, draws = 0, later_draws = 0;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Situation situation = RandomSituation(
@@ -226,6 +226,7 @@ TEST(HowDecided, FindsTheVariantAndTheDraw) {
     if (seed % 3 == 0) {
       for (HorizonSettings& variant : settings.variants) variant.steps = true;
     }
+    if (seed % 2 == 0) settings.rounds = 3;
     RolloutPolicy policy(settings);
     const Decision decision = policy.Decide(situation);
     const Deciding deciding = HowDecided(situation, decision.actions, policy);
@@ -233,7 +234,8 @@ TEST(HowDecided, FindsTheVariantAndTheDraw) {
     EXPECT_EQ(HorizonPolicy(deciding.settings).Decide(situation).actions, decision.actions);
     ASSERT_TRUE(deciding.follow);
     variants += deciding.variant > 0 ? 1 : 0;
-    draws += deciding.draw ? 1 : 0;
+    draws += deciding.draws.empty() ? 0 : 1;
+    later_draws += deciding.draws.size() == 2 ? 1 : 0;
     if (decision.actions.empty()) continue;
     std::vector<Action> other = decision.actions;
     other.front().weight += 0.5;
@@ -241,6 +243,7 @@ TEST(HowDecided, FindsTheVariantAndTheDraw) {
   }
   EXPECT_GT(variants, 0);
   EXPECT_GT(draws, 0);
+  EXPECT_GT(later_draws, 0);
 }
 
 TEST(HowDecided, SettingsAreToldByWhatDiffers) {
@@ -248,7 +251,7 @@ TEST(HowDecided, SettingsAreToldByWhatDiffers) {
   HorizonSettings settings;
   settings.patience = 0.6;
   settings.chains = false;
-  settings.jitter = 0.1;
+  settings.jitters[0].most = 0.1;
   EXPECT_EQ(Difference(settings), "patience 0.6, without chains");
 }
 

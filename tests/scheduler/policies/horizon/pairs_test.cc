@@ -46,14 +46,18 @@ class Trial {
     return std::max(1, static_cast<std::int32_t>(std::lround(256 / worth)));
   }
 
-  double Jitter(AgentKind kind, std::int32_t id, std::int32_t task) const {
-    if (settings_.jitter == 0) return 0;
-    const auto entity = static_cast<std::uint64_t>(kind) << 60 |
-                        static_cast<std::uint64_t>(settings_.draw) << 50 |
-                        static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
-    return Random(site_.seed, Stream::kPolicy, entity,
-                  static_cast<std::uint32_t>(situation_.decision))
-        .Uniform(-settings_.jitter, settings_.jitter);
+  double ChanceOf(AgentKind kind, std::int32_t id, std::int32_t task) const {
+    double sum = 0;
+    for (const auto& [most, draw] : settings_.jitters) {
+      if (most == 0) continue;
+      const auto entity = static_cast<std::uint64_t>(kind) << 60 |
+                          static_cast<std::uint64_t>(draw) << 50 |
+                          static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
+      sum += Random(site_.seed, Stream::kPolicy, entity,
+                    static_cast<std::uint32_t>(situation_.decision))
+                 .Uniform(-most, most);
+    }
+    return sum;
   }
 
   double IdleGain(const Participant& p) const { return p.idle ? 0 : settings_.tentative - 1; }
@@ -92,7 +96,7 @@ class Trial {
       const TimeUs arrive = uav.ready_us + TravelUs(way, uav.agent->speed_m_s);
       const TimeUs duration = SensingUs(task.cost_m, uav.agent->speed_m_s);
       if (arrive + duration > uav.latest_us) continue;
-      const double gain = UavGain(uav, way) + Jitter(AgentKind::kUav, uav.agent->id, x) +
+      const double gain = UavGain(uav, way) + ChanceOf(AgentKind::kUav, uav.agent->id, x) +
                           ChainGain(uav, uav.range_m - way - task.cost_m, arrive + duration, x);
       ways.emplace_back(u, Level(arrive, duration), arrive, gain);
     }
@@ -113,7 +117,7 @@ class Trial {
         gain -= settings_.partner_way * static_cast<double>(travel) /
                 static_cast<double>(site_.rules.interval_us);
       }
-      if (task >= 0) gain += Jitter(kind, partner.agent->id, task);
+      if (task >= 0) gain += ChanceOf(kind, partner.agent->id, task);
       ways.emplace_back(Level(arrive, duration), first + static_cast<std::int32_t>(p), arrive,
                         gain);
     }
@@ -135,7 +139,8 @@ HorizonSettings SettingsOf(std::uint64_t seed) {
   settings.chains = seed % 5 != 2;
   settings.ties = seed % 5 != 3;
   settings.soon_idle = seed % 5 != 4;
-  if (seed % 4 == 1) settings.jitter = 0.1, settings.draw = static_cast<std::uint32_t>(seed);
+  if (seed % 4 == 1) settings.jitters[0] = {0.1, static_cast<std::uint32_t>(seed)};
+  if (seed % 8 == 1) settings.jitters[1] = {0.07, static_cast<std::uint32_t>(seed + 1)};
   return settings;
 }
 
