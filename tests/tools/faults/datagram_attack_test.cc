@@ -8,9 +8,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -37,10 +39,12 @@ class DatagramAttackTest : public ::testing::Test {
     MUSTER_NEEDS_MULTICAST();
     std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
   }
-  Muster Start(const std::string& rate) const {
-    return Muster(folder_, "run",
-                  {"run", scenario_, "--policy", "mpq", "--rate", rate, "--lcm-url",
-                   MissionUrl(port_), "--out", folder_.File("run")});
+  Muster Start(const std::string& rate, bool sealed = false) const {
+    std::vector<std::string> arguments = {
+        "run", scenario_,   "--policy",        "mpq",   "--rate",
+        rate,  "--lcm-url", MissionUrl(port_), "--out", folder_.File("run")};
+    if (sealed) arguments.push_back("--seal");
+    return Muster(folder_, "run", arguments);
   }
   static bool UnderWay(Muster* muster) {
     return Eventually([&] {
@@ -60,7 +64,9 @@ class DatagramAttackTest : public ::testing::Test {
   Json Report(const std::string& name) const {
     return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
   }
-  void AttackAtRandom(std::uint64_t seed, std::int64_t datagrams, std::chrono::minutes longest);
+  /// The mission goes on at `rate` for as long as the datagrams take.
+  void AttackAtRandom(std::uint64_t seed, std::int64_t datagrams, bool sealed,
+                      const std::string& rate, std::chrono::minutes longest);
 
   const std::uint16_t port_ = static_cast<std::uint16_t>(20000 + getpid() % 4000 * 10 + 7);
   TemporaryFolder folder_;
@@ -74,11 +80,25 @@ Datagram Named(std::string_view channel, std::size_t bytes) {
   return datagram;
 }
 
+/// Memory of the process and its children now, MiB.
+std::int64_t MemoryOf(pid_t parent) {
+  std::vector<std::string> pids = {std::to_string(parent)};
+  std::istringstream children(TextOf(fmt::format("/proc/{0}/task/{0}/children", parent)));
+  for (std::string pid; children >> pid;) pids.push_back(pid);
+  std::int64_t sum_kib = 0;
+  for (const std::string& pid : pids) {
+    const std::string status = TextOf("/proc/" + pid + "/status");
+    const std::size_t at = status.find("VmRSS:");
+    if (at != std::string::npos) sum_kib += std::stoll(status.substr(at + 6));
+  }
+  return sum_kib / 1024;
+}
+
 /// Datagrams of another run's messages, of each type and cut into fragments, most of them damaged
-/// anywhere. Ours would be believed where the damage makes another possible message: LCM has no
-/// checksum.
-void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagrams,
-                                        std::chrono::minutes longest) {
+/// anywhere; of a sealed mission, its own messages, too. Without a seal those would be believed
+/// where the damage makes another possible message: LCM has no checksum.
+void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagrams, bool sealed,
+                                        const std::string& rate, std::chrono::minutes longest) {
   std::vector<Datagram> valid;
   const auto add = [&](const auto& message, std::string_view type) {
     for (const Channel& row : kChannels) {
@@ -97,11 +117,24 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
                              i == 0 ? Named("MUSTER_WORLD", 100) : Datagram(100, 'y')));
   }
 
-  Muster muster = Start("1800");
+  Muster muster = Start(rate, sealed);
   ASSERT_TRUE(UnderWay(&muster)) << muster.output();
+  if (sealed) {
+    LcmBus bus(MissionUrl(port_));
+    std::vector<Datagram> own;
+    ASSERT_TRUE(Eventually([&] {
+      for (const Packet& packet : bus.Receive(100'000)) {
+        for (Datagram& datagram : DatagramsOf(packet.channel, packet.bytes)) {
+          own.push_back(std::move(datagram));
+        }
+      }
+      return own.size() > 200;
+    })) << muster.output();
+    valid.insert(valid.begin(), own.begin(), own.end());
+  }
   RawSender raw(port_);
   Random random(seed, Stream::kTest);
-  std::int64_t sent = 0;
+  std::int64_t sent = 0, early_mib = 0, late_mib = 0;
   while (sent < datagrams && !muster.child().Poll()) {
     for (int i = 0; i < 1000; ++i, ++sent) {
       // The large fragments now and then: they take a thousand times the time.
@@ -110,8 +143,12 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
       Damage(&random, random.Below(2) == 0 ? 40 : datagram.size() + 1, &datagram);
       raw.Send(datagram);
     }
+    if (sent >= datagrams / 10 && early_mib == 0) early_mib = MemoryOf(muster.child().pid());
+    if (sent >= datagrams) late_mib = MemoryOf(muster.child().pid());
   }
-  fmt::print("{} datagrams, seed {}\n", sent, seed);
+  fmt::print("{} datagrams, seed {}, memory {} and {} MiB\n", sent, seed, early_mib, late_mib);
+  EXPECT_EQ(sent, datagrams) << "the mission was over";
+  EXPECT_LT(late_mib, early_mib + 64);
   ExpectUnharmed(&muster, longest);
 }
 
@@ -119,7 +156,14 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
 
 TEST_F(DatagramAttackTest, TenMillionDamagedAtRandomHarmNobody) {
   const char* text = std::getenv("MUSTER_DATAGRAMS");
-  AttackAtRandom(2, text == nullptr ? 10'000'000 : std::atoll(text), std::chrono::minutes(60));
+  const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
+  AttackAtRandom(2, datagrams, false, "15", std::chrono::minutes(60));
+}
+
+TEST_F(DatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
+  const char* text = std::getenv("MUSTER_DATAGRAMS");
+  const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
+  AttackAtRandom(3, datagrams, true, "15", std::chrono::minutes(60));
 }
 
 #else
@@ -156,7 +200,11 @@ TEST_F(DatagramAttackTest, WhatEndsLcmEndsNobody) {
 }
 
 TEST_F(DatagramAttackTest, WhatIsDamagedAtRandomHarmsNobody) {
-  AttackAtRandom(1, 200'000, std::chrono::minutes(2));
+  AttackAtRandom(1, 200'000, false, "1800", std::chrono::minutes(2));
+}
+
+TEST_F(DatagramAttackTest, WhatIsDamagedOfItsOwnHarmsNoSealedMission) {
+  AttackAtRandom(4, 200'000, true, "1800", std::chrono::minutes(2));
 }
 
 /// An impostor among the members, without whose 999 messages nobody would ever have ended.
