@@ -77,7 +77,11 @@ bool EventLogReader::ReadMore() {
   if (got > 0) return true;
   struct stat status {};
   if (fstat(fd_, &status) == 0 && status.st_size < offset_) {
-    throw SystemError(fmt::format("{} became shorter while it was read", path_));
+    if (status.st_size < offset_ - pending_bytes()) {
+      throw SystemError(fmt::format("{} became shorter while it was read", path_));
+    }
+    offset_ -= pending_bytes();  // a torn event was cut off
+    buffer_.resize(begin_);
   }
   return false;
 }
@@ -216,6 +220,62 @@ void EventLogWriter::Flush() {
   if (std::fflush(log_->f) != 0 || fdatasync(fileno(log_->f)) != 0) {
     throw SystemError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
   }
+}
+
+BatchLogWriter::BatchLogWriter(const std::string& path)
+    : path_(path), fd_(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644)) {
+  if (fd_ < 0) throw SystemError(fmt::format("cannot make {}: {}", path, std::strerror(errno)));
+}
+
+BatchLogWriter::~BatchLogWriter() { close(fd_); }
+
+void BatchLogWriter::Add(std::int64_t received_us, const Packet& packet) {
+  const auto add = [this](std::int64_t value, int bytes) {
+    for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8) {
+      batch_.push_back(static_cast<std::uint8_t>(value >> shift));
+    }
+  };
+  batch_.insert(batch_.end(), kSync.begin(), kSync.end());
+  add(events_++, 8);
+  add(received_us, 8);
+  add(static_cast<std::int64_t>(packet.channel.size()), 4);
+  add(static_cast<std::int64_t>(packet.bytes.size()), 4);
+  batch_.insert(batch_.end(), packet.channel.begin(), packet.channel.end());
+  batch_.insert(batch_.end(), packet.bytes.begin(), packet.bytes.end());
+  ends_.push_back(batch_.size());
+}
+
+void BatchLogWriter::Flush() {
+  std::size_t done = 0;
+  while (done < batch_.size()) {
+    const ssize_t wrote = write(fd_, batch_.data() + done, batch_.size() - done);
+    if (wrote >= 0) {
+      done += static_cast<std::size_t>(wrote);
+    } else if (errno != EINTR) {
+      const int error = errno;
+      const auto torn = std::upper_bound(ends_.begin(), ends_.end(), done);
+      const std::size_t whole = torn == ends_.begin() ? 0 : *(torn - 1);
+      // What cannot be cut off is a torn tail, which readers know.
+      static_cast<void>(!ftruncate(fd_, written_bytes_ + static_cast<std::int64_t>(whole)));
+      throw SystemError(fmt::format("cannot write {}: {}", path_, std::strerror(error)));
+    }
+  }
+  written_bytes_ += static_cast<std::int64_t>(done);
+  batch_.clear();
+  ends_.clear();
+}
+
+std::int64_t CutTornTail(const std::string& path) {
+  EventLogReader reader(path, EventLogReader::Tail::kMayGrow);
+  while (reader.Next()) {
+  }
+  const std::int64_t torn = reader.pending_bytes();
+  struct stat status {};
+  if (torn > 0 &&
+      (stat(path.c_str(), &status) != 0 || truncate(path.c_str(), status.st_size - torn) != 0)) {
+    throw SystemError(fmt::format("cannot cut {}: {}", path, std::strerror(errno)));
+  }
+  return torn;
 }
 
 }  // namespace muster

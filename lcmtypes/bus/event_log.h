@@ -42,7 +42,8 @@ class EventLogReader {
   EventLogReader& operator=(const EventLogReader&) = delete;
 
   /// The next whole event. None: there is no further one; with kMayGrow, ask again when the file
-  /// may have grown. Throws SystemError when reading fails or the file became shorter.
+  /// may have grown. Throws SystemError when reading fails or the file became shorter than the
+  /// events that were handed out; an incomplete one may be cut off.
   std::optional<LogEvent> Next();
 
   /// From now on what is on channels of ours without the right tag is left out, and counted.
@@ -102,5 +103,35 @@ class EventLogWriter {
   std::unique_ptr<_lcm_eventlog_t, Destroy> log_;
   std::int64_t events_ = 0;
 };
+
+/// Writes such a log as a mission's recorder does: a batch of events by one call of the system, so
+/// that whoever reads along sees all that Flush() has written, and whoever is killed loses nothing
+/// of it.
+class BatchLogWriter {
+ public:
+  /// Makes the file. Throws SystemError when it exists or cannot be made.
+  explicit BatchLogWriter(const std::string& path);
+  ~BatchLogWriter();
+  BatchLogWriter(const BatchLogWriter&) = delete;
+  BatchLogWriter& operator=(const BatchLogWriter&) = delete;
+
+  /// Adds it to the batch.
+  void Add(std::int64_t received_us, const Packet& packet);
+  /// Hands the batch to the kernel. Throws SystemError when that does not take all of it; the file
+  /// then ends in the last whole event that it took, and nothing more can be written.
+  void Flush();
+
+ private:
+  std::string path_;
+  int fd_ = -1;
+  std::int64_t events_ = 0;
+  std::int64_t written_bytes_ = 0;
+  std::vector<std::uint8_t> batch_;
+  std::vector<std::size_t> ends_;  ///< of its events
+};
+
+/// Cuts off what is behind the last whole event of a log that nobody writes any more; how many
+/// bytes. Throws SystemError.
+std::int64_t CutTornTail(const std::string& path);
 
 }  // namespace muster

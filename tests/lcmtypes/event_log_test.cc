@@ -252,5 +252,61 @@ TEST_F(EventLog, AFullDiskIsAnError) {
   EXPECT_EQ(ReadAll(reader).size(), 1u);
 }
 
+TEST_F(EventLog, ABatchIsWhatLcmWrites) {
+  const std::vector<LogEvent> events = Events(50);
+  const std::string expected = Written(events, Path("lcm"));
+  BatchLogWriter writer(Path());
+  for (const LogEvent& event : events) {
+    writer.Add(event.received_us, event.packet);
+    if (event.number % 8 == 0) writer.Flush();
+  }
+  EXPECT_LT(fs::file_size(Path()), expected.size());
+  writer.Flush();
+  std::ifstream file(Path(), std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), expected);
+  EXPECT_THROW(BatchLogWriter again(Path()), SystemError);
+}
+
+TEST_F(EventLog, ABatchThatFindsNoRoomEndsInAWholeEvent) {
+  EXPECT_EXIT(
+      {
+        signal(SIGXFSZ, SIG_IGN);
+        rlimit limit;
+        limit.rlim_cur = limit.rlim_max = 2500;
+        setrlimit(RLIMIT_FSIZE, &limit);
+        int code = 0;
+        try {
+          BatchLogWriter writer(Path());
+          for (int i = 0; i < 4; ++i) {
+            writer.Add(i, {"MUSTER_CLOCK", std::vector<std::uint8_t>(900)});
+            if (i == 0) writer.Flush();
+          }
+          writer.Flush();
+        } catch (const SystemError& error) {
+          std::fprintf(stderr, "%s\n", error.what());
+          code = 3;
+        }
+        _exit(code);
+      },
+      ::testing::ExitedWithCode(3), "cannot write .*: File too large");
+  EventLogReader reader(Path(), Tail::kFinal);
+  EXPECT_EQ(ReadAll(reader).size(), 2u);
+  EXPECT_EQ(reader.garbage_bytes(), 0);
+}
+
+TEST_F(EventLog, ATornTailIsCutUnderAReader) {
+  const std::string bytes = Written(Events(10), Path());
+  Append(Path(), std::string_view(bytes).substr(0, 20));
+  EventLogReader reader(Path(), Tail::kMayGrow);
+  EXPECT_EQ(ReadAll(reader).size(), 10u);
+  EXPECT_EQ(reader.pending_bytes(), 20);
+  EXPECT_EQ(CutTornTail(Path()), 20);
+  EXPECT_EQ(CutTornTail(Path()), 0);
+  EXPECT_EQ(fs::file_size(Path()), bytes.size());
+  EXPECT_FALSE(reader.Next());
+  EXPECT_EQ(reader.pending_bytes(), 0);
+  EXPECT_EQ(reader.garbage_bytes(), 0);
+}
+
 }  // namespace
 }  // namespace muster
