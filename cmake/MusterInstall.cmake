@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 set(data_dir "${CMAKE_INSTALL_DATADIR}/muster")
 add_custom_target(installed DEPENDS muster muster_python_types)  # all that is, without the tests
 install(TARGETS muster muster-world muster-uav muster-worker muster-vehicle muster-scheduler
-  RUNTIME COMPONENT muster)
+  muster-recorder RUNTIME COMPONENT muster)
 install(DIRECTORY scenarios DESTINATION "${data_dir}" COMPONENT muster)
 install(DIRECTORY lcmtypes/types/ DESTINATION "${data_dir}/lcmtypes" COMPONENT muster
   FILES_MATCHING PATTERN "*.lcm")

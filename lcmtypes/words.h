@@ -130,7 +130,7 @@ namespace process_name {
 inline constexpr const char* kWorld = "world";
 inline constexpr const char* kScheduler = "scheduler";
 inline constexpr const char* kRecorder = "recorder";
-inline constexpr const char* kLauncher = "launcher";  ///< in an event's detail; no sender
+inline constexpr const char* kLauncher = "launcher";  ///< a sender with --logger muster
 inline constexpr const char* kLogger = "lcm-logger";  ///< in a fault's target; no sender
 }  // namespace process_name
 

@@ -75,7 +75,7 @@ void Process::ReportStatus(const Usage& usage, const Now& now) {
   status.state = static_cast<std::int8_t>(state_);
   status.tick = tick();
   status.received = inbox_.counters().received;
-  status.lost = inbox_.lost();
+  status.lost = lost();
   status.rejected = rejected();
   status.resent = sender_.resent();
   status.cpu_s = usage.cpu_s;

@@ -71,6 +71,8 @@ class Process {
   virtual void OnStep(const Now& now) = 0;
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
+  /// Messages of others known to exist and not seen (yet).
+  virtual std::int64_t lost() const { return inbox_.lost(); }
 
   /// Asks for the newest message of a channel.
   void Request(std::string_view channel, TimeUs sim_us, const Now& now);

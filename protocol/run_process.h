@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/options.h"
+#include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/lossy_bus.h"
 #include "protocol/process.h"
 
@@ -38,8 +39,9 @@ void AddProcessOptions(Options* options, std::string_view default_name);
 /// nobody listens to another on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 
-/// The bus of these flags: LCM, sealed as --key and lossy as --drop say.
-std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags);
+/// The bus of these flags: LCM, sealed as --key and lossy as --drop say. `tap`: a recorder's, which
+/// gets what arrives as it is.
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, std::optional<LcmTap> tap = {});
 
 /// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
 /// next wake, steps it, publishes what it says. Applies the faults on packets that MUSTER_FAULT

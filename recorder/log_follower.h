@@ -9,9 +9,16 @@
 #include <utility>
 
 #include "base/interval_set.h"
+#include "base/units.h"
 #include "lcmtypes/bus/bus.h"
 
 namespace muster::tools {
+
+/// The marks are said again after so long without a reason: for the packets that nobody knows of.
+inline constexpr TimeUs kMarksIdleUs = 200'000;
+/// And no sooner than so long for a sender that shows that it has not heard them: senders repair
+/// after 20 ms, and what they repeat sooner is meant for others than the log.
+inline constexpr TimeUs kMarksAgainUs = 10'000;
 
 /// How much of each sender's messages a growing log holds. Senders repeat themselves and the
 /// network may reorder, so the log has doubles and holes that close later.

@@ -17,21 +17,19 @@ constexpr TimeUs kFirstPokeUs = 1'200;
 constexpr TimeUs kLongestPokeUs = 20'000;
 constexpr TimeUs kRarestPokeUs = 500'000;
 constexpr TimeUs kOwnMarksUs = 10'000;
-constexpr TimeUs kIdleUs = 200'000;
-/// Senders repair after 20 ms; what they repeat sooner is meant for others than the log.
-constexpr TimeUs kAnswerUs = 10'000;
 constexpr TimeUs kFirstRepairUs = 5'000;
 constexpr TimeUs kLongestRepairUs = 200'000;
 constexpr std::size_t kRepairBatch = 8;  ///< messages
 
 }  // namespace
 
-Recorder::Recorder(Identity identity)
-    : follower_(identity.run_id),
+Recorder::Recorder(Identity identity, Marks marks)
+    : marks_(marks),
+      follower_(identity.run_id),
       sender_(std::move(identity), kWindow),
       poke_(kFirstPokeUs, kLongestPokeUs, kRarestPokeUs),
       repair_(kFirstRepairUs, kLongestRepairUs, kSecondUs),
-      idle_(kIdleUs, kIdleUs) {}
+      idle_(kMarksIdleUs, kMarksIdleUs) {}
 
 bool Recorder::OnLogged(const Packet& event, const Now& now) {
   const std::optional<header_t> header = follower_.Add(event);
@@ -160,7 +158,9 @@ void Recorder::Repeat(const Now& now) {
 
 void Recorder::Step(const Now& now, std::vector<Packet>* out) {
   const TimeUs time_us = now.monotonic_us;
-  if (news_ && !finishing_ && unrecorded_own() < kWindow) {
+  if (marks_ == Marks::kOfRecorderProcess) {
+    // It writes what it hears, and says so.
+  } else if (news_ && !finishing_ && unrecorded_own() < kWindow) {
     newest_status_ = sender_.Send(channel::kLog, follower_.Status(), sim_us_, now);
     news_ = answer_wanted_ = false;
     marks_us_ = time_us;
@@ -198,12 +198,13 @@ TimeUs Recorder::PokeUs() const {
   return is_urgent ? poke_.due_us() : std::max(poke_.due_us(), marks_us_ + kOwnMarksUs);
 }
 
-TimeUs Recorder::AnswerUs() const { return std::max(repeated_us_, marks_us_) + kAnswerUs; }
+TimeUs Recorder::AnswerUs() const { return std::max(repeated_us_, marks_us_) + kMarksAgainUs; }
 
 TimeUs Recorder::wake_us() const {
-  TimeUs wake = std::min(sender_.wake_us(), idle_.due_us());
-  wake = std::min(wake, PokeUs());
+  TimeUs wake = sender_.wake_us();
   if (owes()) wake = std::min(wake, repair_.due_us());
+  if (marks_ == Marks::kOfRecorderProcess) return wake;
+  wake = std::min({wake, idle_.due_us(), PokeUs()});
   if (answer_wanted_) wake = std::min(wake, AnswerUs());
   return wake;
 }

@@ -17,7 +17,9 @@
 
 namespace muster::tools {
 
-/// The recorder's part in the mission, as a pure core: it tells everybody what the log holds.
+/// The launcher's part in the mission, as a pure core: what it says itself, what it sees of the
+/// log, and, where lcm-logger writes that, the recorder's part: it tells everybody what the log
+/// holds.
 ///
 /// lcm-logger writes its buffer to disk only when a message arrives later than its flush interval
 /// after the last flush. So while something is known to be on its way to the log (heard on the bus,
@@ -29,7 +31,9 @@ namespace muster::tools {
 /// the recorder sends those messages again in its place, byte for byte.
 class Recorder {
  public:
-  explicit Recorder(Identity identity);
+  /// Who tells the others what the log holds.
+  enum class Marks { kOwn, kOfRecorderProcess };
+  explicit Recorder(Identity identity, Marks marks = Marks::kOwn);
 
   /// The log's next event. Returns true when it is of this run and the log did not hold it before.
   bool OnLogged(const Packet& event, const Now& now);
@@ -88,6 +92,7 @@ class Recorder {
   /// Whether there is something to say again for those who have ended.
   bool owes() const;
 
+  const Marks marks_;
   LogFollower follower_;
   Sender sender_;
   std::int64_t heard_packets_ = 0;

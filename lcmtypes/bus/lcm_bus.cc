@@ -83,8 +83,8 @@ std::string LcmVersion() {
 
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
-LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes)
-    : url_(url), tag_bytes_(tag_bytes), parts_(ParseMulticastUrl(url)) {
+LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmTap> tap)
+    : url_(url), tag_bytes_(tag_bytes), parts_(ParseMulticastUrl(url)), tap_(std::move(tap)) {
   // LCM's own self-test speaks to stderr only and may abort: what it needs is looked at first.
   if (const auto problem = MulticastProblem(parts_.address)) {
     throw SystemError(fmt::format(
@@ -103,14 +103,19 @@ LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes)
   }
   // LCM tells no socket before it reads from it: unguarded is its self-test, a millisecond or two.
   for (const int socket : SocketsOnPort(parts_.port)) {
-    if (const auto problem = GuardSocket(socket, GuardedChannels::kOurs)) {
+    const auto channels = tap_ ? GuardedChannels::kAny : GuardedChannels::kOurs;
+    if (const auto problem = GuardSocket(socket, channels)) {
       fmt::print(stderr, "muster: LCM reads datagrams that nothing has checked: {}\n", *problem);
     }
   }
   CheckRoundTrip();
-  lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), "MUSTER_.*", &OnMessage, this);
-  if (subscription == nullptr) throw SystemError(fmt::format("LCM cannot subscribe on {}", url));
-  lcm_subscription_set_queue_capacity(subscription, 0);
+  const auto subscribe = [this](const char* channels, auto handler) {
+    lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), channels, handler, this);
+    if (subscription == nullptr) throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
+    lcm_subscription_set_queue_capacity(subscription, 0);
+  };
+  if (tap_) subscribe(".*", &OnTap);
+  subscribe(tap_ ? tap_->heard.c_str() : "MUSTER_.*", &OnMessage);
 }
 
 LcmBus::~LcmBus() = default;
@@ -251,6 +256,7 @@ std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
     if (ready) {
       HandleOne();
       for (int i = 1; i < kMaxBurst && Ready(0); ++i) HandleOne();
+      if (tap_) tap_->on_burst();
       unanswered_ = false;
       waited_us_ = 0;
     } else {
@@ -258,10 +264,20 @@ std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
     }
     const bool was_out = !outage_.empty();
     if (was_out) Probe();
-    if (!ready || !inbox_.empty() || was_out || NowUs() >= deadline_us) break;
+    if (!ready || !inbox_.empty() || tap_ || was_out || NowUs() >= deadline_us) break;
   }
   counters_.received += static_cast<std::int64_t>(inbox_.size());
   return std::exchange(inbox_, {});
+}
+
+void LcmBus::OnTap(const lcm_recv_buf_t* message, const char* channel, void* bus) noexcept {
+  auto* self = static_cast<LcmBus*>(bus);
+  try {
+    const auto* data = static_cast<const std::uint8_t*>(message->data);
+    self->tap_->on_message({channel, {data, data + message->data_size}});
+  } catch (...) {
+    self->callback_error_ = std::current_exception();
+  }
 }
 
 void LcmBus::OnMessage(const lcm_recv_buf_t* message, const char* channel, void* bus) noexcept {

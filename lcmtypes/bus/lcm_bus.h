@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,15 @@ struct LcmBusCounters {
   std::int64_t not_sent = 0;  ///< the kernel's buffers were full, or the network was gone: lost
 };
 
+/// For a recorder: every message of every channel, ours or not, in order of arrival. What the bus
+/// hands out besides are the channels that `heard` matches; Receive returns after each burst.
+struct LcmTap {
+  std::string heard;
+  std::function<void(const Packet&)> on_message;
+  /// After all that came in at once.
+  std::function<void()> on_burst;
+};
+
 /// The bus over LCM's UDP multicast. A process hears its own packets, too. One thread uses it; LCM
 /// reads the socket in a thread of its own, which takes no signals, into an unlimited queue.
 ///
@@ -37,8 +48,10 @@ class LcmBus : public Bus {
  public:
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a
   /// bad URL, SystemError, saying what to do, when the host does not carry multicast.
-  /// `tag_bytes`: how much longer than the channel table says a packet may be, both ways.
-  explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0);
+  /// `tag_bytes`: how much longer than the channel table says a packet may be, both ways. What
+  /// `tap` throws ends Receive.
+  explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0,
+                  std::optional<LcmTap> tap = {});
   ~LcmBus() override;
 
   void Publish(const Packet& packet) override;
@@ -54,6 +67,7 @@ class LcmBus : public Bus {
   };
 
   static void OnMessage(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
+  static void OnTap(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
   static void OnRoundTrip(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
   /// 0, or the errno of a send that failed.
   int Send(const std::string& channel, const void* data, std::size_t size);
@@ -69,6 +83,7 @@ class LcmBus : public Bus {
   std::string url_;
   std::size_t tag_bytes_;
   MulticastUrl parts_;
+  std::optional<LcmTap> tap_;
   std::unique_ptr<_lcm_t, Destroy> lcm_;
   int fd_ = -1;
   std::string round_trip_;              ///< what to send to oneself

@@ -144,7 +144,7 @@ std::vector<Packet> LossyBus::Receive(std::int64_t timeout_us) {
     std::vector<Packet> due = TakeDue(now_us);
     Open(&due);
     // Empty-handed before its time: a signal came, which ends the wait.
-    const bool interrupted = arrived.empty() && now_us < wake_us;
+    const bool interrupted = arrived.empty() ? now_us < wake_us : returns_on_arrival_;
     if (!due.empty() || interrupted || now_us >= deadline_us) return due;
   }
 }

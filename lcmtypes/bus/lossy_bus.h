@@ -58,6 +58,9 @@ class LossyBus : public Bus {
   /// The newest of them.
   const Packet& newest_refused() const { return newest_refused_; }
 
+  /// From now on Receive returns when anything has arrived, even where nothing of it comes through.
+  void ReturnOnArrival() { returns_on_arrival_ = true; }
+
   /// From now on; shares outside [0, 1] or negative times are a broken invariant. What is being
   /// delayed stays so.
   void SetFaults(const PacketFaults& faults);
@@ -92,6 +95,7 @@ class LossyBus : public Bus {
   std::vector<std::pair<Packet, std::int64_t>> held_back_;  ///< with their delay
   std::map<Key, Packet> in_flight_;
   std::optional<Seal> seal_;
+  bool returns_on_arrival_ = false;
   std::int64_t refused_ = 0;
   Packet newest_refused_;
 };

@@ -54,4 +54,4 @@ _muster() {
 }
 
 complete -o default -F _muster \
-  muster muster-world muster-uav muster-worker muster-vehicle muster-scheduler
+  muster muster-world muster-uav muster-worker muster-vehicle muster-scheduler muster-recorder

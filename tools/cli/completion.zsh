@@ -1,4 +1,4 @@
-#compdef muster muster-world muster-uav muster-worker muster-vehicle muster-scheduler
+#compdef muster muster-world muster-uav muster-worker muster-vehicle muster-scheduler muster-recorder
 # Completion for muster and the programs that it starts, by way of bash's (completion.bash), which
 # reads all of it from their --help: bash says which words fit, and files are zsh's own.
 

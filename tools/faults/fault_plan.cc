@@ -281,14 +281,17 @@ namespace {
 
 /// Whether faults of that kind can hit what it names.
 void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& names,
-                 const Scenario& scenario) {
+                 const Scenario& scenario, bool recorder_writes) {
   const std::string& target = fault.target;
-  // The recorder is the launcher: it cannot be started again, and damaged numbers would make it
-  // wait for what never was.
-  const bool with_recorder = IsPacketFault(fault.kind) && fault.kind != FaultKind::kCorruption;
+  const std::string_view launcher =
+      recorder_writes ? process_name::kLauncher : process_name::kRecorder;
+  const std::string logger = recorder_writes ? process_name::kRecorder : process_name::kLogger;
+  // The launcher cannot be started again, and damaged numbers would make it wait for what never
+  // was.
+  const bool with_launcher = IsPacketFault(fault.kind) && fault.kind != FaultKind::kCorruption;
   std::vector<std::string_view> known;
   for (const std::string& name : names) {
-    if (with_recorder || name != process_name::kRecorder) known.push_back(name);
+    if (with_launcher || name != launcher) known.push_back(name);
   }
   const std::string processes = fmt::format("{}", fmt::join(known, ", "));
   const auto is_process = [&](std::string_view name) {
@@ -313,24 +316,28 @@ void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& name
       RefuseTarget(fault, fmt::format("ONE+...|OTHER+... of {},", processes));
     }
   } else if (fault.kind == FaultKind::kDiskFull) {
-    if (target != process_name::kLogger) RefuseTarget(fault, process_name::kLogger);
+    if (target != logger) RefuseTarget(fault, logger);
   } else if (fault.kind == FaultKind::kForeign) {
     if (target != "*") RefuseTarget(fault, "* (everybody hears them)");
   } else if (IsPacketFault(fault.kind)) {
     if (target != "*" && !is_process(target)) {
       RefuseTarget(fault, fmt::format("* or one of {},", processes));
     }
-  } else if (target != process_name::kLogger && !is_process(target)) {
-    RefuseTarget(fault, fmt::format("one of {}, {},", processes, process_name::kLogger));
+  } else if (target != logger && !is_process(target)) {
+    RefuseTarget(fault, recorder_writes ? fmt::format("one of {},", processes)
+                                        : fmt::format("one of {}, {},", processes, logger));
   }
 }
 
 }  // namespace
 
 void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
-                    const Scenario& scenario, bool goes_on) {
+                    const Scenario& scenario, bool goes_on, bool recorder_writes) {
   std::set<std::string> ids;
-  for (const PlannedFault& fault : *plan) {
+  for (PlannedFault& fault : *plan) {
+    if (recorder_writes && fault.target == process_name::kLogger) {
+      fault.target = process_name::kRecorder;
+    }
     if (!ids.insert(fault.id).second) Refuse(fault, "id", fault.id, "an id of its own");
     if (fault.id.size() > 64 || fault.id.find(':') != std::string::npos || HasControls(fault.id)) {
       Refuse(fault, "id", Printable(fault.id),
@@ -340,7 +347,7 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
       Refuse(fault, "at_min", fmt::format("{}", ToMinutes(fault.at_us)),
              fmt::format("a time below the limit, {} min", ToMinutes(scenario.rules.limit_us)));
     }
-    CheckTarget(fault, names, scenario);
+    CheckTarget(fault, names, scenario, recorder_writes);
     if (fault.for_us == 0 || !HoldsTheClock(fault)) continue;
     const std::string whom = fmt::format("{} of {}", ToString(fault.kind), fault.target);
     if (!goes_on) {

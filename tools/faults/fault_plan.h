@@ -50,9 +50,10 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number);
 /// Throws InputError where a target is not among the processes `names` (the logger is lcm-logger)
 /// or the scenario's agents, a fault comes after the limit, lasts in mission time though it holds
 /// the clock, or an id comes twice. `goes_on`: the mission goes on without agent processes and
-/// scheduler. Sorts by time.
+/// scheduler. `recorder_writes`: the recorder is no part of the launcher but a process that writes
+/// the log; what names lcm-logger means it. Sorts by time.
 void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
-                    const Scenario& scenario, bool goes_on);
+                    const Scenario& scenario, bool goes_on, bool recorder_writes = false);
 
 /// As published when it begins; `header` is left for the sender. for_us is kNever when it is for
 /// good, and never 0: that ends a fault.

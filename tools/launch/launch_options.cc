@@ -79,6 +79,12 @@ void AddLaunchOptions(Options* options) {
             "Your own program in place of muster-ROLE, with the same options, e.g. "
             "worker=./my-worker (docs/installing.md)")
       .List();
+  options
+      ->Add("logger", "lcm|muster",
+            "Who writes the log: stock lcm-logger, or muster-recorder, which takes less of the "
+            "processors (docs/running.md)")
+      .OneOf({"lcm", "muster"})
+      .Default("lcm");
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
@@ -100,7 +106,7 @@ void AddLaunchOptions(Options* options) {
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv) {
   Options parser("muster run",
                  "Runs a whole mission: world, agents and scheduler as processes of their own over "
-                 "LCM, recorded by lcm-logger.");
+                 "LCM, recorded in lcm-logger's format.");
   AddLaunchOptions(&parser);
   const auto arguments = parser.Parse(argc, argv);
   if (!arguments) return std::nullopt;
@@ -115,6 +121,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                      "--policy with it: the name of a policy that your scheduler has");
   }
   options.rate = arguments->Get("rate");
+  options.logger = arguments->Get("logger") == "lcm" ? Logger::kLcm : Logger::kMuster;
   arguments->Read("deadline", &options.deadline_ms);
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);

@@ -64,6 +64,9 @@ class RealHost : public MissionHost {
   };
   Child& Find(const std::string& name);
   void GuardLogger();
+  bool is_logger(const std::string& name) const { return name == programs_.logger.name; }
+  /// Stock lcm-logger knows nothing of us; our recorder sees to itself.
+  bool has_stock_logger() const { return is_logger(process_name::kLogger); }
   const ChildSpec& SpecOf(const std::string& name) const;
 
   const MissionPrograms& programs_;
@@ -82,7 +85,7 @@ Child& RealHost::Find(const std::string& name) {
 }
 
 const ChildSpec& RealHost::SpecOf(const std::string& name) const {
-  if (name == process_name::kLogger) return programs_.logger;
+  if (is_logger(name)) return programs_.logger;
   const auto found = std::find_if(programs_.processes.begin(), programs_.processes.end(),
                                   [&](const ChildSpec& spec) { return spec.name == name; });
   MUSTER_CHECK(found != programs_.processes.end(), "{}", name);
@@ -92,12 +95,18 @@ const ChildSpec& RealHost::SpecOf(const std::string& name) const {
 void RealHost::Start(const std::string& name, std::int64_t starts) {
   ChildSpec spec = SpecOf(name);
   spec.append = starts > 0;
-  if (name == process_name::kLogger) {
+  if (is_logger(name)) {
+    if (!has_stock_logger()) {
+      for (const LogFile& file : log_files_) {
+        spec.argv.insert(spec.argv.end(), {"--after", file.path});
+      }
+    }
     // Always a new file: behind a torn event, what follows would be hidden.
     log_files_.push_back(
         {starts == 0 ? programs_.log_file : fmt::format("{}.{}", programs_.log_file, starts)});
     spec.argv.push_back(log_files_.back().path);
-  } else {
+  }
+  if (name != process_name::kLogger) {
     spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(starts)});
     if (programs_.key) spec.input = programs_.key->Text();
     if (const Host* host = programs_.hosts.Of(name)) spec = OnHost(*host, std::move(spec));
@@ -126,6 +135,7 @@ void RealHost::GuardLogger() {
 }
 
 void RealHost::OnNetworkBack() {
+  if (!has_stock_logger()) return;
   const MulticastUrl url = ParseMulticastUrl(programs_.lcm_url);
   const auto logger = children_.find(process_name::kLogger);
   if (logger == children_.end() || logger->second.Poll()) return;
@@ -161,7 +171,7 @@ void RealHost::SetDiskFull(bool full) {
   const std::uintmax_t size = std::filesystem::file_size(log_files_.back().path, error);
   rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
   if (full) limit.rlim_cur = error ? 0 : static_cast<rlim_t>(size);
-  if (prlimit(Find(process_name::kLogger).pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 &&
+  if (prlimit(Find(programs_.logger.name).pid(), RLIMIT_FSIZE, &limit, nullptr) != 0 &&
       errno != ESRCH) {
     throw SystemError(fmt::format("cannot limit the log's size: {}", std::strerror(errno)));
   }

@@ -17,7 +17,8 @@ namespace muster::tools {
 struct MissionPrograms {
   std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
   HostList hosts;                    ///< who runs elsewhere
-  ChildSpec logger;                  ///< a stock lcm-logger; its file is added
+  /// By NameOf(MissionPlan::logger): a stock lcm-logger, or ours; its file is added.
+  ChildSpec logger;
   std::string lcm_url = {};
   std::optional<SealKey> key = {};  ///< of the mission, where it is sealed
   std::string log_file;             ///< of the first logger; the next one's is log_file.1, ...

@@ -14,7 +14,7 @@
 namespace muster::tools {
 
 /// Where a mission's processes and its logger run and its packets go: this host and its network, or
-/// virtual time. Processes are known by name; the logger is process_name::kLogger.
+/// virtual time. Processes are known by name; the logger is NameOf(Logger).
 class MissionHost {
  public:
   virtual ~MissionHost() = default;

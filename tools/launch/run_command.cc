@@ -104,22 +104,31 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   plan.scenario = scenario;
   if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;
+  plan.logger = options.logger;
   for (const ProcessPlan& process : processes) plan.processes.push_back(process.name);
   return plan;
 }
 
 MissionPrograms FindPrograms(const LaunchOptions& options,
-                             const std::vector<ProcessPlan>& processes, const std::string& logger,
-                             const MissionIdentity& mission, const RunDirectory& directory) {
+                             const std::vector<ProcessPlan>& processes,
+                             const std::string& lcm_logger, const MissionIdentity& mission,
+                             const RunDirectory& directory) {
   MissionPrograms programs;
   programs.hosts = options.hosts;
   programs.lcm_url = mission.lcm_url;
   programs.key = mission.key;
   programs.log_file = directory.File("mission.lcm");
-  programs.logger = {process_name::kLogger,
-                     {logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url},
-                     directory.File("lcm-logger.stderr")};
   const fs::path folder = ProgramFolder();
+  const std::string logger(NameOf(options.logger));
+  programs.logger = {logger, {}, directory.File(logger + ".stderr")};
+  std::vector<std::string>& command = programs.logger.argv;
+  if (options.logger == Logger::kLcm) {
+    command = {lcm_logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url};
+  } else {
+    command = {(folder / "muster-recorder").string(), "--lcm-url", mission.lcm_url, "--run-id",
+               fmt::to_string(mission.run_id)};
+    if (mission.key) command.insert(command.end(), {"--key", "-"});
+  }
   for (const ProcessPlan& process : processes) {
     std::vector<std::string> argv = {(folder / process.program).string()};
     argv.insert(argv.end(), process.arguments.begin(), process.arguments.end());
@@ -148,14 +157,16 @@ int RunCommand(int argc, const char* const* argv) {
 
   // All that can be wrong with the request or the host comes before the first file.
   const Scenario scenario = ResolveScenario(*options);
-  const std::string logger = FindLogger();
-  std::vector<std::string> names = {process_name::kRecorder};
+  const std::string lcm_logger = options->logger == Logger::kLcm ? FindLogger() : "";
+  std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
     names.push_back(process.name);
   }
   CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
              options->faults);
-  CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue");
+  if (options->logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
+  CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue",
+                 options->logger == Logger::kMuster);
   const StopSignals stop;
   const Now start = HostNow();
   MissionIdentity mission;
@@ -170,7 +181,7 @@ int RunCommand(int argc, const char* const* argv) {
   if (options->live_port) server.emplace(*options->live_port);
   mission.lcm_url = FindNetwork(*options);
   ProcessFlags flags;
-  flags.identity = {mission.run_id, process_name::kRecorder, 0};
+  flags.identity = {mission.run_id, std::string(LauncherNameWith(options->logger)), 0};
   flags.lcm_url = mission.lcm_url;
   flags.drop = options->drop;
   flags.drop_seed = scenario.seed;
@@ -203,7 +214,8 @@ int RunCommand(int argc, const char* const* argv) {
 
   const std::vector<ProcessPlan> processes = PlanProcesses(*options, scenario, mission);
   MissionPlan plan = PlanMission(*options, processes, mission, scenario);
-  const MissionPrograms programs = FindPrograms(*options, processes, logger, mission, directory);
+  const MissionPrograms programs =
+      FindPrograms(*options, processes, lcm_logger, mission, directory);
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());

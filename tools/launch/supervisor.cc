@@ -22,23 +22,41 @@ constexpr TimeUs kHeartbeatUs = kSecondUs;
 // lcm-logger does not tell that it has written: its file is looked at.
 constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
+// Nobody waits for the launcher to have read what the recorder has written.
+constexpr TimeUs kReadUs = 5'000;
 constexpr TimeUs kForeignUs = 2'000;
 /// An outage of the network may last that long for each time that a process may be started.
 constexpr TimeUs kOutageUs = 10 * kSecondUs;
 
+/// The processes that confirm faults on packets; the launcher does so by itself.
+std::vector<std::string> Confirming(const MissionPlan& plan) {
+  std::vector<std::string> names = plan.processes;
+  if (plan.logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
+  return names;
+}
+
 }  // namespace
+
+std::string_view NameOf(Logger logger) {
+  return logger == Logger::kLcm ? process_name::kLogger : process_name::kRecorder;
+}
+std::string_view LauncherNameWith(Logger logger) {
+  return logger == Logger::kLcm ? process_name::kRecorder : process_name::kLauncher;
+}
 
 Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
       host_(host),
-      recorder_({plan.run_id, process_name::kRecorder, 0}),
+      recorder_({plan.run_id, std::string(LauncherNameWith(plan.logger)), 0},
+                plan.logger == Logger::kLcm ? Recorder::Marks::kOwn
+                                            : Recorder::Marks::kOfRecorderProcess),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
       stall_watch_(plan.processes, plan.scenario.rules.tick_us, plan.rate),
-      injector_(plan.faults, plan.processes),
-      own_faults_(plan.run_id, process_name::kRecorder, &host->bus(),
+      injector_(plan.faults, Confirming(plan)),
+      own_faults_(plan.run_id, std::string(LauncherNameWith(plan.logger)), &host->bus(),
                   [this] { return recorder_.log().strangers(); }),
       record_(plan.run_id) {
-  members_.push_back({process_name::kLogger});
+  members_.push_back({std::string(NameOf(plan.logger))});
   for (const std::string& name : plan.processes) members_.push_back({name});
 }
 
@@ -50,7 +68,13 @@ bool Supervisor::Ended() const {
          });
 }
 
+TimeUs Supervisor::LookUs() const {
+  if (plan_.logger == Logger::kMuster) return kReadUs;
+  return recorder_.behind() ? kLookBehindUs : kLookUs;
+}
+
 void Supervisor::ReadLog(const Now& now) {
+  if (plan_.logger == Logger::kMuster) read_us_ = now.monotonic_us + kReadUs;
   while (const auto logged = host_->NextLogged()) {
     const auto& [packet, start] = *logged;
     record_.Add(packet);
@@ -84,7 +108,7 @@ void Supervisor::Turn() {
     recorder_.ReportStatus(logged_.started() ? ProcessState::kRunning : ProcessState::kReady,
                            logged_.tick(), host_->usage(), now);
   }
-  ReadLog(now);
+  if (now.monotonic_us >= read_us_) ReadLog(now);
   if (injector_.foreign() && now.monotonic_us >= foreign_us_) {
     foreign_us_ = now.monotonic_us + kForeignUs;
     host_->bus().Publish(ForeignPacket(plan_.run_id, foreign_sent_++));
@@ -101,9 +125,8 @@ void Supervisor::Turn() {
   }
   SayWait(now);
 
-  const TimeUs look_us = recorder_.behind() ? kLookBehindUs : kLookUs;
   const TimeUs wait_us =
-      std::clamp<TimeUs>(recorder_.wake_us() - host_->now().monotonic_us, 0, look_us);
+      std::clamp<TimeUs>(recorder_.wake_us() - host_->now().monotonic_us, 0, LookUs());
   const std::vector<Packet> heard = host_->bus().Receive(wait_us);
   now = host_->now();
   for (const Packet& packet : heard) {
@@ -290,7 +313,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
                             : fmt::format("in {:.1f} s ({} of {})", ToSeconds(wait_us), unplanned,
                                           plan_.restarts.most)));
   Announce(EventKind::kProcessLost, fmt::format("{} {}", name, end.Text()), now);
-  if (!is_logger(*member)) recorder_.OnEnd(name, member->starts - 1, now);
+  if (name != process_name::kLogger) recorder_.OnEnd(name, member->starts - 1, now);
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/scenario.h"
@@ -20,9 +21,19 @@ struct RestartPolicy {
   TimeUs longest_us = 2'000'000;
 };
 
+/// Who writes the log.
+enum class Logger {
+  kLcm,     ///< stock lcm-logger; the launcher follows the file and takes the recorder's part
+  kMuster,  ///< the recorder, a process of the mission
+};
+/// What it is called, and the launcher as it speaks on the bus.
+std::string_view NameOf(Logger logger);
+std::string_view LauncherNameWith(Logger logger);
+
 /// What a mission is, wherever it runs.
 struct MissionPlan {
   std::int64_t run_id = 0;
+  Logger logger = Logger::kLcm;
   Scenario scenario;
   std::vector<std::string> processes;  ///< by sender name, in the order of their start
   RestartPolicy restarts = {};

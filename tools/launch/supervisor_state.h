@@ -50,6 +50,8 @@ class Supervisor : private FaultActions {
   void LookAtNetwork();
   /// The network has been gone for as long as it may.
   bool NetworkIsGone();
+  /// How long at most to wait for packets before it looks at the log again.
+  TimeUs LookUs() const;
   void ReadLog(const Now& now);
   void AnswerFromArchive(const Packet& request, const Now& now);
   void Show(bool at_end);
@@ -105,6 +107,7 @@ class Supervisor : private FaultActions {
   std::string stopping_whom_;  ///< who is to end now
   TimeUs end_heard_us_ = kNever;
   TimeUs turned_us_ = 0;
+  TimeUs read_us_ = 0;  ///< when to read the log again
   TimeUs heartbeat_us_ = 0;
   TimeUs foreign_us_ = 0;
   std::uint64_t foreign_sent_ = 0;

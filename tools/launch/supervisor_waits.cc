@@ -21,7 +21,7 @@ std::string Supervisor::Open() const {
     open.push_back(fmt::format("{} to say that it has ended", member->name));
   }
   if (!logged_.end_announced() || recorder_.behind()) {
-    open.push_back(fmt::format("{} to write what was said", process_name::kLogger));
+    open.push_back(fmt::format("{} to write what was said", members_.front().name));
   }
   if (!injector_.Settled(*this)) open.push_back("those hit by faults to say that these are over");
   return fmt::format("{}", fmt::join(open, ", "));
@@ -59,7 +59,7 @@ void Supervisor::SayWait(const Now& now) {
     Say(fmt::format("the mission has not begun after {:.0f} s: it waits for {}", waited_s,
                     !silent.empty()
                         ? fmt::format("the first word of {} in the log", fmt::join(silent, ", "))
-                    : recorder_.behind() ? fmt::format("{} to write", process_name::kLogger)
+                    : recorder_.behind() ? fmt::format("{} to write", members_.front().name)
                                          : "agents that nobody reports yet"));
   }
 }

@@ -50,6 +50,24 @@ TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {
   EXPECT_EQ(OutagesOf(plan), std::vector<std::string>{"uav:1:300000000:2100000000:f3"});
 }
 
+TEST(FaultPlan, ARecorderThatWritesTheLogStandsForLcmLogger) {
+  const std::vector<std::string> names = {"launcher", "world", "recorder"};
+  const auto check = [&](const std::string& flag) {
+    FaultPlan plan = {ParseFaultFlag(flag, 0)};
+    CheckFaultPlan(&plan, names, TwoUavs(), false, true);
+    return plan.front().target;
+  };
+  for (const char* flag :
+       {"process_killed:lcm-logger@1", "process_killed:recorder@1", "process_stopped:recorder@1+2s",
+        "disk_full:lcm-logger@1+1s", "disk_full:recorder@1+1s", "corruption:recorder@1=0.1"}) {
+    EXPECT_EQ(check(flag), "recorder") << flag;
+  }
+  EXPECT_EQ(check("loss:launcher@1=0.5"), "launcher");
+  EXPECT_THROW(check("process_killed:launcher@1"), InputError);
+  EXPECT_THROW(check("corruption:launcher@1=0.1"), InputError);
+  EXPECT_THROW(check("disk_full:world@1+1s"), InputError);
+}
+
 TEST(FaultPlan, BadPlansNameFileKeyValueAndWhatIsExpected) {
   EXPECT_EQ(ErrorOf(R"({"kind": "process_killed", "target": "uav", "at_min": 1})"), "");
   EXPECT_EQ(ErrorOf(R"({"kind": "loss", "target": "*", "at_min": 1, "probability": 2})"),

@@ -50,6 +50,14 @@ TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   EXPECT_EQ(options.processes.at(AgentKind::kUav), 1);
 }
 
+TEST(LaunchOptions, OneOfTwoWritesTheLog) {
+  EXPECT_EQ(Parse({"a.json"}).logger, Logger::kLcm);
+  EXPECT_EQ(Parse({"a.json", "--logger", "lcm"}).logger, Logger::kLcm);
+  EXPECT_EQ(Parse({"a.json", "--logger", "muster"}).logger, Logger::kMuster);
+  EXPECT_EQ(ErrorOf({"a.json", "--logger", "tape"}),
+            "command line: --logger: found 'tape', expected lcm or muster");
+}
+
 TEST(LaunchOptions, SealsWhatLeavesTheHost) {
   EXPECT_FALSE(Parse({"a.json"}).sealed);
   EXPECT_TRUE(Parse({"a.json", "--seal"}).sealed);

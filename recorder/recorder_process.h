@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "lcmtypes/bus/seal.h"
+#include "protocol/process.h"
+#include "recorder/log_follower.h"
+
+namespace muster::tools {
+
+/// The recorder that writes the log itself: a member of the mission that tells everybody what the
+/// log holds, from what it has written. Nobody reads the log for that, and nothing has to be
+/// repeated to have it written.
+class RecorderProcess : public Process {
+ public:
+  /// `window`: own messages that may be out and not in the log. `seal`: of a sealed mission.
+  RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal);
+
+  /// The log holds that message, as it came over the wire, when this process steps next.
+  void OnLogged(const Packet& packet);
+
+  /// Says that it ends.
+  void End() { set_state(ProcessState::kEnded); }
+  /// All that it has said is in the log.
+  bool finished() const { return sender().drained(); }
+  const LogFollower& log() const { return follower_; }
+
+ private:
+  void OnMessage(const Message& message, const Packet& packet, const Now& now) override;
+  void OnStep(const Now& now) override;
+  TimeUs OwnWakeUs() const override;
+  std::int64_t tick() const override { return tick_; }
+  std::int64_t lost() const override { return follower_.missing(); }
+
+  const int window_;
+  std::optional<Seal> seal_;
+  LogFollower follower_;
+  std::int64_t tick_ = -1;
+  TimeUs sim_us_ = 0;
+  SentPacket marks_;            ///< the newest log_status_t
+  bool news_ = true;            ///< the log has grown since
+  bool answer_wanted_ = false;  ///< somebody has not heard the marks
+  TimeUs said_us_ = 0;          ///< the marks, at last
+  BackOff idle_;
+};
+
+}  // namespace muster::tools
