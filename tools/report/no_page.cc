@@ -1,7 +1,0 @@
-#include "tools/report/page.h"
-
-namespace muster::tools {
-
-std::string_view PageTemplate() { return ""; }
-
-}  // namespace muster::tools

@@ -46,10 +46,18 @@ std::string Escaped(const std::string& text) {
   return markup.get();
 }
 
+/// The scene's script, which the page unpacks when the scene is opened; "" without one.
+std::string PackedScene() {
+  if (SceneScript().empty()) return "";
+  return "<script type=\"text/x-muster-scene\">" + Base64(Deflate(std::string(SceneScript()))) +
+         "</script>";
+}
+
 /// The template with what stands between its two marks.
 std::string Fill(const std::string& title, std::string_view connect, const std::string& data) {
   constexpr std::string_view kTitle = "__MUSTER_TITLE__";
   constexpr std::string_view kConnect = "__MUSTER_CONNECT__";
+  constexpr std::string_view kScene = "<!--MUSTER_SCENE-->";
   constexpr std::string_view kData = "<!--MUSTER_DATA-->";
   std::string_view rest = PageTemplate();
   std::string page;
@@ -61,6 +69,7 @@ std::string Fill(const std::string& title, std::string_view connect, const std::
   };
   put(kConnect, connect);
   put(kTitle, Escaped(title));
+  put(kScene, PackedScene());
   put(kData, data);
   return page.append(rest);
 }

@@ -9,6 +9,9 @@ namespace muster::tools {
 /// The page's template, bundled when Muster was built; "" when it was built without esbuild.
 std::string_view PageTemplate();
 
+/// The script of the page's scene in 3D; "" when Muster was built without three.js.
+std::string_view SceneScript();
+
 /// Every page with runs holds this text.
 inline constexpr std::string_view kPageMark = "<script type=\"text/x-muster-run\">";
 

@@ -1,9 +1,9 @@
 import { Run } from "./run.js";
 
-async function inflate(base64) {
+/** A stream of what the page holds packed. */
+export function inflate(base64) {
   const packed = Uint8Array.from(atob(base64.trim()), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return JSON.parse(await new Response(stream).text());
+  return new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
 }
 
 /** The runs that the page holds. */
@@ -11,7 +11,7 @@ export async function embeddedRuns() {
   const scripts = [...document.querySelectorAll('script[type="text/x-muster-run"]')];
   return Promise.all(scripts.map(async (script) => {
     const run = new Run();
-    run.apply(await inflate(script.textContent));
+    run.apply(await new Response(inflate(script.textContent)).json());
     script.remove();
     return run;
   }));

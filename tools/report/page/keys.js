@@ -1,7 +1,7 @@
 import { byId } from "./dom.js";
 
 /** What the keyboard does; `?` shows it. */
-export function bindKeys({ state, clock, transport, map, panels }) {
+export function bindKeys({ state, clock, transport, map, scene, panels }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
   const actions = {
@@ -18,7 +18,10 @@ export function bindKeys({ state, clock, transport, map, panels }) {
     1: () => state.toggleClass(0),
     2: () => state.toggleClass(1),
     3: () => state.toggleClass(2),
-    f: () => map.reset(),
+    f: () => (state.looks === "map" ? map : scene).reset(),
+    m: () => state.look("map"),
+    s: () => state.look("scene"),
+    u: () => state.look("time"),
     z: () => state.setView(null),
     t: () => panels.open("tasks"),
     d: () => panels.open("decision"),

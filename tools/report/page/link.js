@@ -19,19 +19,21 @@ export function itemOf(run, name) {
   return null;
 }
 
-/** "#t=4800&sel=uav:2" as { tMs, sel, run }; what it does not say is null. */
+/** "#t=4800&sel=uav:2&look=scene" as { tMs, sel, run, look }; what it does not say is null. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const number = (key) => (/^\d+(\.\d+)?$/.test(values.get(key) ?? "") ? Number(values.get(key)) : null);
   const t = number("t");
-  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run") };
+  const look = ["scene", "time"].find((name) => name === values.get("look")) ?? null;
+  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look };
 }
 
-export function writeLink({ tMs, sel, run }) {
+export function writeLink({ tMs, sel, run, look }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
   if (run) parts.push(`run=${run}`);
+  if (look && look !== "map") parts.push(`look=${look}`);
   return `#${parts.join("&")}`;
 }
 
@@ -51,6 +53,7 @@ export class Link {
     this.shown = "";
     clock.subscribe(() => this.#later());
     state.on("selection run", () => this.#step());
+    state.on("look", () => this.#later());
     window.addEventListener("popstate", () => this.#apply());
   }
 
@@ -70,8 +73,8 @@ export class Link {
   }
 
   #address() {
-    const { run, selected, current } = this.state;
-    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current });
+    const { run, selected, current, looks } = this.state;
+    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current, look: looks });
   }
 
   #later() {

@@ -11,6 +11,7 @@ import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
 import { tellingMoment } from "./moment.js";
 import { Legend, Panels } from "./panels.js";
+import { SceneTab } from "./scene_tab.js";
 import { State } from "./state.js";
 import { watchTheme } from "./theme.js";
 import { clockText } from "./time.js";
@@ -20,12 +21,11 @@ const state = new State();
 const clock = new Clock();
 watchTheme(() => state.emit("theme"));
 
-function bindChoices(map, gantt) {
+function bindChoices(map, scene, gantt) {
   byId("trail").addEventListener("change", (event) => {
-    map.trailMs = event.target.value === "all" ? Infinity : Number(event.target.value) * 60000;
-    map.draw();
+    state.setTrails(event.target.value === "all" ? Infinity : Number(event.target.value) * 60000);
   });
-  byId("map-reset").addEventListener("click", () => map.reset());
+  byId("map-reset").addEventListener("click", () => (state.looks === "map" ? map : scene).reset());
   byId("view-reset").addEventListener("click", () => state.setView(null));
   state.on("view", () => { byId("view-reset").hidden = !state.view; });
   byId("axis").addEventListener("change", (event) => {
@@ -52,14 +52,15 @@ function build() {
   new Header(state, clock);
   const transport = new Transport(state, clock);
   const map = new MapView(state, clock);
+  const scene = new SceneTab(state, clock);
   new Charts(state, clock);
   const gantt = new Gantt(state, clock);
   const panels = new Panels(state, clock);
   new Legend(state, clock);
   new Card(state, clock);
   new Attention(state, clock, (filter) => panels.showTasks(filter));
-  bindChoices(map, gantt);
-  bindKeys({ state, clock, transport, map, panels });
+  bindChoices(map, scene, gantt);
+  bindKeys({ state, clock, transport, map, scene, panels });
 }
 
 /** Says why the page opens where it does, until the time moves on. */
@@ -71,8 +72,9 @@ function tellMoment({ t, why }) {
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run }) {
+function show({ tMs, sel, run, look }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
+  state.look(look ?? "map");
   const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;
   if (moment) {
     clock.seek(moment.t);

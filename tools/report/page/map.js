@@ -1,4 +1,5 @@
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
+import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
@@ -30,7 +31,6 @@ export class MapView {
     this.clock = clock;
     this.canvas = byId("map");
     this.tip = byId("map-tip");
-    this.trailMs = 20 * 60000;
     this.view = WHOLE;
     this.sprites = new Sprites();
     this.draw = oncePerFrame(() => this.#draw());
@@ -45,7 +45,7 @@ export class MapView {
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
-    state.on("run data selection classes theme", this.draw);
+    state.on("run data selection classes theme trails", this.draw);
     new ResizeObserver(this.draw).observe(this.canvas);
   }
 
@@ -136,8 +136,9 @@ export class MapView {
   }
 
   #drawTrails(c, x, y, t) {
-    if (this.trailMs === 0) return;
-    const from = t - this.trailMs;
+    const { trailMs } = this.state;
+    if (trailMs === 0) return;
+    const from = t - trailMs;
     c.lineWidth = 1.3;
     c.globalAlpha = this.state.run.agents.length > 500 ? 0.3 : 0.5;
     for (let kind = 0; kind < 3; ++kind) {
@@ -372,21 +373,4 @@ function chargingPoint(c, r) {
   c.moveTo(0, -r * 0.5);
   c.lineTo(0, r * 0.5);
   c.stroke();
-}
-
-/** One line about an agent, a task or a charging point at t. */
-export function describe(run, item, t) {
-  if (item.type === "agent") {
-    const agent = run.agents[item.index];
-    const place = placeAt(agent, t);
-    const range = agent.kind === 0 && place
-      ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
-    return `${agent.label}: ${run.words.statuses[statusAt(agent, t)]}${range}`;
-  }
-  if (item.type === "task") {
-    const task = run.tasks[item.id];
-    return `task ${item.id}: ${run.words.tasks[taskStatusAt(task, t)]}, takes ${(task.cost / 1000).toFixed(1)} km of range`;
-  }
-  const point = run.charging[item.id];
-  return `charging point ${item.id}: ${point.capacity === null ? "any number of" : point.capacity} UAV${point.capacity === 1 ? "" : "s"} at a time`;
 }

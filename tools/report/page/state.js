@@ -9,6 +9,8 @@ export class State {
     this.view = null; // [from, to] in ms of the current run; null: all of it
     this.byDecision = false; // curves over decisions rather than time
     this.live = false;
+    this.trailMs = 20 * 60000;
+    this.looks = "map"; // "scene": in 3D; "time": space and time
     this.listeners = new Map();
   }
 
@@ -16,7 +18,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "theme" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "theme" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -64,6 +66,18 @@ export class State {
   setView(view) {
     this.view = view;
     this.emit("view");
+  }
+
+  setTrails(ms) {
+    this.trailMs = ms;
+    this.emit("trails");
+  }
+
+  /** Shows the map, the scene, or space and time. */
+  look(looks) {
+    if (this.looks === looks) return;
+    this.looks = looks;
+    this.emit("look");
   }
 
   get viewRange() {

@@ -32,14 +32,19 @@ try {
   muster("scenario", "--preset", "Random_1", "--seed", "1", "--out", at("r1.json"));
   for (const policy of ["rollout-steps", "certified", "mpq"]) muster("simulate", at("r1.json"), "--policy", policy, "--log", "--out", at(policy));
   muster("report", at("rollout-steps"), at("certified"), at("mpq"), "--out", at("three.html"));
+  muster("report", at("mpq"), "--out", at("mpq.html"));
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => {
     try { execFileSync(path, ["--version"], { stdio: "ignore" }); return true; } catch { return false; }
   });
-  const browser = await chromium.launch({ executablePath, chromiumSandbox: process.getuid() !== 0 });
+  const browser = await chromium.launch({ executablePath, chromiumSandbox: process.getuid() !== 0,
+    args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
   await take(browser, "report.webp", "a.html", { width: 1440, height: 1300, hash: "#t=6600&sel=uav:7" });
   await take(browser, "report-phone.webp", "a.html", { width: 390, height: 844, scheme: "dark", hash: "#t=6600" });
   await take(browser, "report-comparison.webp", "three.html", { width: 1440, height: 1200, hash: "#t=6000" },
     (tab) => tab.locator("#comparison").evaluate((part) => part.scrollIntoView({ block: "end" })));
+  const drawn = (tab) => tab.waitForFunction(() => document.getElementById("scene").dataset.drawn);
+  await take(browser, "report-scene.webp", "mpq.html", { width: 1440, height: 900, hash: "#t=4860&sel=uav:25&look=scene" }, drawn);
+  await take(browser, "report-space-time.webp", "mpq.html", { width: 1440, height: 900, scheme: "dark", hash: "#t=6000&sel=uav:25&look=time" }, drawn);
   await browser.close();
 } finally {
   rmSync(folder, { recursive: true });

@@ -21,7 +21,8 @@ export const browser = () => started;
 
 before(async () => {
   // The sandbox wants namespaces, which root in a container has not.
-  started = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0 });
+  started = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0,
+    args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"] }); // WebGL without a graphics card
   const scenario = join(MUSTER_SCENARIOS, "random_1.json");
   muster("simulate", scenario, "--policy", "mpq", "--log", "--out", file("a"));
   muster("simulate", scenario, "--policy", "kwta", "--log", "--out", file("b"));
