@@ -4,7 +4,7 @@ import { spawn } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { MUSTER_PROGRAM, MUSTER_SCENARIOS, browser, file, json, muster, open, picture, raw, scrub, text } from "./support.mjs";
+import { MUSTER_PROGRAM, MUSTER_SCENARIOS, browser, file, json, muster, open, picture, raw, scrub, soon, text } from "./support.mjs";
 
 test("the figures are those of report.json", async (t) => {
   const page = await open(t, "a.html");
@@ -107,11 +107,11 @@ test("a click on the timeline goes there and shows the agent", async (t) => {
   const box = await page.locator("#gantt-scroll").boundingBox();
   // Rows are 18 px high below an axis of 22; the first is uav:0.
   await page.mouse.click(box.x + box.width / 2, box.y + 22 + 18 * 2.5);
-  assert.match(await page.locator("#selection").innerText(), /^uav:2: /);
+  await soon(async () => assert.match(await page.locator("#selection").innerText(), /^uav:2: /));
   const t1 = await page.evaluate(() => window.muster.clock.t);
   assert.ok(t1 > 60 * 60000 && t1 < 110 * 60000, String(t1));
   await page.keyboard.press("Escape");
-  assert.ok(!(await page.locator("#selection").isVisible()));
+  await soon(async () => assert.ok(!(await page.locator("#selection").isVisible())));
 });
 
 test("a drag over a curve looks closer, a click sets the time, a double click shows all", async (t) => {
