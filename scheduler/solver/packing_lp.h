@@ -36,6 +36,10 @@ class PackingLp {
   /// asked now and then.
   bool Solve(std::int64_t work_limit, const std::function<bool()>& stop);
 
+  /// Whether it took many steps for its size: devex weights choose what enters.
+  bool is_hard() const { return devex_.has_value(); }
+  void UseDevex() { devex_.emplace(*this, &work_); }
+
   /// Whether values and prices fit the basis up to rounding. If not, both are made anew: Solve
   /// again.
   bool Verify();

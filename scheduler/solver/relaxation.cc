@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scheduler/solver/matchings.h"
 #include "scheduler/solver/parallel.h"
 
 namespace muster::scheduler {
@@ -22,6 +23,24 @@ constexpr std::array<double, 4> kMostRegret = {0.1, 1, 70, std::numeric_limits<d
 constexpr int kChunk = 50;  ///< UAVs whose columns are solved for together
 
 constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
+
+/// A program that is hard and still that far from its bound, relative, is begun anew,
+constexpr double kFar = 0.01;
+constexpr std::size_t kRowsAnew = 2000;  ///< unless it has more rows,
+constexpr std::size_t kDiverse = 20;     ///< with so many columns of each UAV
+constexpr std::size_t kDrawn = 200;      ///< out of so many;
+constexpr double kAlikeAnew = 0.1;       ///< regrets that count as equal there.
+
+/// Columns in an order that differs from UAV to UAV, but for the regret.
+struct Keyed {
+  double alike;
+  std::uint32_t mix;
+  Column column;
+};
+bool Before(const Keyed& a, const Keyed& b) {
+  return std::tie(a.alike, a.mix, a.column.uav_arc, a.column.partner_arc) <
+         std::tie(b.alike, b.mix, b.column.uav_arc, b.column.partner_arc);
+}
 
 /// Rows of the linear program: UAVs, partners, sites. More places than agents are of no use, and
 /// would drown what right-hand sides are raised by.
@@ -50,37 +69,43 @@ Relaxation::Relaxation(const Instance& instance, Dual* dual, int threads)
   });
 }
 
+std::uint32_t Relaxation::MixOf(Index uav, const Column& column) const {
+  return Mix(static_cast<std::uint64_t>(uav) << 32 ^ static_cast<std::uint64_t>(column.site) << 16 ^
+             static_cast<std::uint64_t>(planner_.PartnerOf(column)));
+}
+
+/// As Dual::TopColumns, but with every partner: its ranks are the same few for many sites and UAVs.
+void Relaxation::PairsOf(Index u, double most, std::vector<Column>* columns) const {
+  dual_.ColumnsOf(u, most, columns);
+  const Column& best = dual_.best(u);
+  std::erase_if(*columns, [&](const Column& c) {
+    return c.partner_arc < 0 || (c.uav_arc == best.uav_arc && c.partner_arc == best.partner_arc);
+  });
+  if (best.site >= 0) columns->insert(columns->begin(), best);
+}
+
 void Relaxation::OffersOf(Index u, std::vector<Column>* columns, std::vector<Offer>* offers) const {
   const double earns = instance_.uavs[At(u)].stay + lp_.prices()[At(u)];
   const double more = dual_.best_value(u) - earns;
   if (more <= kNegligible) return;
   for (const double most : kMostRegret) {
     columns->clear();
-    dual_.TopColumns(u, std::min(more - kNegligible, most), columns);
+    if (anew_) {
+      PairsOf(u, std::min(more - kNegligible, most), columns);
+    } else {
+      dual_.TopColumns(u, std::min(more - kNegligible, most), columns);
+    }
     if (columns->size() >= kColumnsPerRound || most >= more) break;
   }
   if (columns->size() > kColumnsPerRound) {
     // The best one, then good ones: which of them differs from UAV to UAV.
-    struct Keyed {
-      double alike;
-      std::uint32_t mix;
-      Column column;
-    };
     std::vector<Keyed> keyed;
     keyed.reserve(columns->size() - 1);
     for (std::size_t k = 1; k < columns->size(); ++k) {
       const Column& c = (*columns)[k];
-      keyed.push_back(
-          {std::floor(c.regret / kAlike),
-           Mix(static_cast<std::uint64_t>(u) << 32 ^ static_cast<std::uint64_t>(c.site) << 16 ^
-               static_cast<std::uint64_t>(planner_.PartnerOf(c))),
-           c});
+      keyed.push_back({std::floor(c.regret / kAlike), MixOf(u, c), c});
     }
-    std::nth_element(keyed.begin(), keyed.begin() + (kColumnsPerRound - 1), keyed.end(),
-                     [](const Keyed& a, const Keyed& b) {
-                       return std::tie(a.alike, a.mix, a.column.uav_arc, a.column.partner_arc) <
-                              std::tie(b.alike, b.mix, b.column.uav_arc, b.column.partner_arc);
-                     });
+    std::nth_element(keyed.begin(), keyed.begin() + (kColumnsPerRound - 1), keyed.end(), Before);
     columns->resize(kColumnsPerRound);
     for (std::size_t k = 1; k < kColumnsPerRound; ++k) (*columns)[k] = keyed[k - 1].column;
   }
@@ -143,12 +168,100 @@ bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function
   return true;
 }
 
+bool Relaxation::IsHard() const {
+  return !anew_ && lp_.is_hard() && lp_.prices().size() <= kRowsAnew &&
+         bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
+}
+
+/// Where nearly all columns tie, all UAVs are offered the same few partners and sites, round by
+/// round, and each round ends at a program that is of no use to the next. So the program is made
+/// anew: of a plan, which says how many can act together, and of columns of each UAV that share
+/// neither partner nor site.
+void Relaxation::BeginAnew(const std::function<bool()>& stop) {
+  anew_ = true;
+  work_ += lp_.work();
+  lp_ = PackingLp(Rows(instance_));
+  lp_.UseDevex();
+  known_.clear();
+  std::fill(solo_known_.begin(), solo_known_.end(), 0);
+  dual_.set_prices(first_prices_);
+  dual_.Evaluate();
+  Plan plan = planner_.Empty();
+  work_ += planner_.Fill(&plan);
+  Matchings matchings(instance_, dual_);
+  matchings.Improve(&plan, stop);
+  work_ += matchings.work();
+  std::vector<Column> columns;
+  std::vector<Keyed> order;
+  // UAVs that have a column with the partner, at the site: the last of them.
+  std::vector<Index> with_partner(instance_.partners.size(), -1);
+  std::vector<Index> at_site(instance_.capacity.size(), -1);
+  for (Index u = 0; u < instance_.n_uavs(); ++u) {
+    const auto is_new = [&](const Column& column) {
+      const Index p = planner_.PartnerOf(column);
+      return at_site[At(column.site)] != u && (p < 0 || with_partner[At(p)] != u);
+    };
+    const auto add = [&](const Column& column) {
+      AddColumn(u, column);
+      at_site[At(column.site)] = u;
+      if (const Index p = planner_.PartnerOf(column); p >= 0) with_partner[At(p)] = u;
+    };
+    if (plan.column[At(u)].site >= 0) add(plan.column[At(u)]);
+    columns.clear();
+    PairsOf(u, std::numeric_limits<double>::infinity(), &columns);
+    work_ += 8 * dual_.n_arcs(u) + 8 * static_cast<std::int64_t>(columns.size());
+    order.clear();
+    for (const Column& column : columns) {
+      order.push_back({std::floor(column.regret / kAlikeAnew), MixOf(u, column), column});
+    }
+    if (order.size() > kDrawn) {
+      std::nth_element(order.begin(), order.begin() + kDrawn, order.end(), Before);
+      order.resize(kDrawn);
+    }
+    std::sort(order.begin(), order.end(), Before);
+    std::size_t added = 0;
+    for (std::size_t k = 0; k < order.size() && added < kDiverse; ++k) {
+      if (!is_new(order[k].column)) continue;
+      add(order[k].column);
+      ++added;
+    }
+  }
+  for (Index p = 0; p < instance_.n_partners(); ++p) {
+    if (plan.own[At(p)] != nullptr) AddSolo(p, plan.own[At(p)]);
+  }
+}
+
+/// The bound that the program's prices prove.
+void Relaxation::TakePrices() {
+  const auto n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
+  Dual::Prices prices;
+  for (Index s = 0; s < instance_.n_sites(); ++s) {
+    prices.site.push_back(std::max(0.0, lp_.prices()[At(n_uavs + n_partners + s)]));
+  }
+  for (Index p = 0; p < n_partners; ++p) {
+    prices.partner.push_back(instance_.partners[At(p)].stay +
+                             std::max(0.0, lp_.prices()[At(n_uavs + p)]));
+  }
+  dual_.set_prices(prices);
+  const double bound = dual_.Evaluate();
+  if (bound < bound_) {
+    bound_ = bound;
+    prices_ = std::move(prices);
+  }
+}
+
 void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& stop) {
   const auto n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
   const std::int64_t end = dual_.work() + work() + work_limit;
   bound_ = dual_.Evaluate();
   prices_ = first_prices_ = dual_.prices();
   while (!stop() && dual_.work() + work() < end) {
+    if (IsHard()) {
+      BeginAnew(stop);
+      const bool solved = lp_.Solve(end - dual_.work() - work(), stop);
+      TakePrices();
+      if (!solved) break;
+    }
     const auto before = lp_.n_columns();
     bool solved = AddOffers(Offers(), stop, end);
     for (Index p = 0; p < n_partners; ++p) {
@@ -166,24 +279,12 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
       break;
     }
     solved = solved && lp_.Solve(end - dual_.work() - work(), stop);
-    Dual::Prices prices;
-    for (Index s = 0; s < instance_.n_sites(); ++s) {
-      prices.site.push_back(std::max(0.0, lp_.prices()[At(n_uavs + n_partners + s)]));
-    }
-    for (Index p = 0; p < n_partners; ++p) {
-      prices.partner.push_back(instance_.partners[At(p)].stay +
-                               std::max(0.0, lp_.prices()[At(n_uavs + p)]));
-    }
-    dual_.set_prices(prices);
-    const double bound = dual_.Evaluate();
-    if (bound < bound_) {
-      bound_ = bound;
-      prices_ = std::move(prices);
-    }
+    TakePrices();
     if (!solved) break;
     // What is too large for a proof of the optimum need not be exact either.
-    if (known_.size() > kProofColumns &&
-        bound_ - stay_weight_ - lp_.Bound() <= kCloseEnough * bound_) {
+    const double rest = bound_ - stay_weight_ - lp_.Bound();
+    if ((known_.size() > kProofColumns && rest <= kCloseEnough * bound_) ||
+        (anew_ && rest <= kCloseEnoughAnew * bound_ && lp_.Verify())) {
       solved_ = true;
       break;
     }

@@ -16,10 +16,14 @@ namespace muster::scheduler {
 inline constexpr std::size_t kProofColumns = 20000;
 /// Gap, relative, with which larger instances are content.
 inline constexpr double kCloseEnough = 1e-6;
+/// Gap, relative, with which a relaxation that was begun anew is content: the last prices that tie
+/// take more steps than all before.
+inline constexpr double kCloseEnoughAnew = 5e-10;
 
 /// The linear relaxation of the packing, by column generation: the program knows some columns of
 /// each UAV; at its prices each UAV's best column overall is found, which bounds the optimum and
-/// says what is missing.
+/// says what is missing. A program that takes many steps and is still far from its bound is begun
+/// anew, once, from a good plan and columns that differ.
 class Relaxation {
  public:
   /// Both must outlive this. threads: 1 or 2; no result depends on it.
@@ -38,6 +42,8 @@ class Relaxation {
   /// Weight of everybody staying, which the program's objective leaves out.
   double stay_weight() const { return stay_weight_; }
   PackingLp* lp() { return &lp_; }
+  /// Whether the program was found hard and begun anew.
+  bool anew() const { return anew_; }
 
   /// What a column of the linear program is.
   struct Known {
@@ -64,6 +70,13 @@ class Relaxation {
     std::int32_t uav;
     Column column;
   };
+  /// Whether the program's steps are many and lead nowhere: it is to begin anew.
+  bool IsHard() const;
+  void BeginAnew(const std::function<bool()>& stop);
+  void TakePrices();
+  /// Tells equals apart, alike on every machine.
+  std::uint32_t MixOf(std::int32_t uav, const Column& column) const;
+  void PairsOf(std::int32_t uav, double most, std::vector<Column>* columns) const;
   void OffersOf(std::int32_t uav, std::vector<Column>* columns, std::vector<Offer>* offers) const;
   std::vector<Offer> Offers();
   bool AddOffers(const std::vector<Offer>& offers, const std::function<bool()>& stop,
@@ -80,7 +93,7 @@ class Relaxation {
   Dual::Prices prices_, first_prices_;
   double bound_ = std::numeric_limits<double>::infinity();
   double stay_weight_ = 0;
-  bool solved_ = false;
+  bool solved_ = false, anew_ = false;
   std::int64_t work_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "scheduler/solver/branching.h"
 #include "scheduler/solver/chains.h"
 #include "scheduler/solver/dual.h"
+#include "scheduler/solver/matchings.h"
 #include "scheduler/solver/plan.h"
 #include "scheduler/solver/relaxation.h"
 #include "scheduler/solver/windows.h"
@@ -17,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kWork = 80'000'000;        ///< default limit: this
+constexpr std::int64_t kWork = 300'000'000;       ///< default limit: this
 constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
 constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that,
 constexpr std::int64_t kFarWork = 60'000'000;     ///< or that where the gap is not close enough
@@ -33,6 +34,7 @@ class Search {
         planner_(instance, dual_),
         relaxation_(instance, &dual_, limits.threads),
         chains_(instance, dual_),
+        matchings_(instance, dual_),
         windows_(instance, dual_, &relaxation_) {
     const auto arcs =
         static_cast<std::int64_t>(instance.uav_arcs.size() + instance.partner_arcs.size());
@@ -53,6 +55,10 @@ class Search {
     work_ += planner_.Fill(&plan);
     planner_.Weigh(&plan);
     best_ = plan;
+    if (!Proven() && relaxation_.anew()) {
+      matchings_.Improve(&plan, stop);
+      best_ = plan;
+    }
     if (!Proven()) {
       windows_.ImproveFractions(&plan, stop);
       chains_.Improve(&plan, stop);
@@ -74,7 +80,8 @@ class Search {
     return s;
   }
   std::int64_t Work() const {
-    return dual_.work() + relaxation_.work() + chains_.work() + windows_.work() + work_;
+    return dual_.work() + relaxation_.work() + chains_.work() + windows_.work() +
+           matchings_.work() + work_;
   }
   bool Stop() const {
     return Work() > work_limit_ || (limits_.deadline && Clock::now() >= *limits_.deadline);
@@ -85,7 +92,9 @@ class Search {
   }
   double Gap() const { return relaxation_.bound() - best_.weight; }
   bool Proven() const {
-    return Gap() <= 2 * dual_.slack() + kNegligible * static_cast<double>(instance_.uavs.size());
+    const double rest = relaxation_.anew() ? kCloseEnoughAnew * relaxation_.bound() : 0;
+    return Gap() <=
+           2 * dual_.slack() + kNegligible * static_cast<double>(instance_.uavs.size()) + rest;
   }
 
   /// What the prices alone suggest.
@@ -173,6 +182,7 @@ class Search {
   Planner planner_;
   Relaxation relaxation_;
   Chains chains_;
+  Matchings matchings_;
   Windows windows_;
   std::int64_t work_ = 0, work_limit_ = 0;
   Plan best_;

@@ -32,7 +32,8 @@ struct SolverResult {
 /// A heaviest independent set of the instance's conflict graph, or a heavy one with a proven bound.
 /// In turn: the linear relaxation of the packing (Relaxation), where a round's bound is Lagrangian
 /// (Dual) and holds whether or not the relaxation was solved to its end; its solution, integral in
-/// nearly every decision, rounded and filled up; else exact searches in small windows (Windows) and
+/// nearly every decision, rounded and filled up; where the relaxation was hard, improved by
+/// matchings of one class at a time (Matchings); else exact searches in small windows (Windows) and
 /// ejection chains (Chains) where that loses against the bound; and, when a gap is left, one exact
 /// search over all columns that a better assignment may hold (Branching), which proves the optimum
 /// when it ends. Source: ours; the prices are those of Frieze and Yadegar 1981, Poore and Robertson

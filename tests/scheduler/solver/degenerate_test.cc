@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
 #include <ostream>
 #include <string>
 
@@ -69,6 +71,23 @@ TEST_P(Degenerate, RelaxationIsTheLinearProgramsAndTheAnswerWithinAThousandth) {
   }
   EXPECT_EQ(fmt::format("{} {} {:.10g} {:.10g}", work, pivots, weights, bounds), GetParam().found);
   EXPECT_GE(2 * integral, compared);
+}
+
+/// Fast UAVs, a small area and free places for all: nearly every action ties, and the relaxation
+/// was not reached with the work that a decision may take, the gap up to a tenth.
+TEST(DegenerateSettings, WhereNearlyAllTiesTheAnswerIsProven) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    GeneratorSettings settings = LongOnline(90, 96, 4, 80, 12);
+    settings.uav_speed_km_per_min = 2;
+    settings.charging_points = 2;
+    settings.capacity = std::nullopt;
+    const Instance instance = BuildInstance(GeneratedSituation(settings, seed, 6, 0.1)).instance;
+    const SolverResult solution = Solve(instance);
+    EXPECT_TRUE(IsValid(instance, solution.assignment));
+    EXPECT_FALSE(std::isnan(solution.relaxation)) << CountNodes(instance) << " nodes";
+    EXPECT_LE(solution.gap(), 1e-9);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Degenerate,

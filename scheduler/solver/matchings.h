@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "scheduler/solver/dual.h"
+#include "scheduler/solver/instance.h"
+#include "scheduler/solver/plan.h"
+
+namespace muster::scheduler {
+
+/// Improves a plan one class at a time: of UAVs, partners and sites two stay together as they are
+/// and the third is matched to them anew, by a heaviest bipartite matching. That finds what chains
+/// and windows miss where most columns tie: a partner or a site that all are short of is left over,
+/// and no UAV loses by it. Source: for the three-index assignment problem Huang and Lim 2006.
+class Matchings {
+ public:
+  /// Both must outlive this. Memory: a word for each UAV or partner and site.
+  Matchings(const Instance& instance, const Dual& dual);
+
+  /// Until no class can be matched better, or `stop`.
+  void Improve(Plan* plan, const std::function<bool()>& stop);
+  std::int64_t work() const { return work_; }
+
+ private:
+  static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+  /// Two of three; -1: the third, or none.
+  struct Half {
+    std::int32_t uav = -1, partner = -1, site = -1;
+  };
+  Plan MatchPartners(const Plan& plan);
+  Plan MatchSites(const Plan& plan);
+  Plan MatchUavs(const Plan& plan, std::uint32_t round);
+  std::int32_t SiteFor(const Plan& plan, std::int32_t partner, std::uint32_t round);
+  Column ColumnOf(std::int32_t uav, std::int32_t partner, std::int32_t site) const;
+  /// Weight of the action, -infinity where it is not offered.
+  double WeightOf(const Column& column) const;
+  /// What a UAV or a partner does of its own accord: goes alone as in the plan, or stays.
+  double OwnWeight(const Plan& plan, std::int32_t partner) const;
+  void PutIfFree(Plan* plan, std::int32_t uav, const Column& column) const;
+  void KeepOwn(const Plan& before, Plan* plan) const;
+  /// Of each row the column that it is matched to, or -1, for the largest sum of gains; gains
+  /// [n_rows x n_columns], row-major; what gains nothing is not matched. Source: the Hungarian
+  /// method with potentials (Kuhn 1955; Tomizawa 1971).
+  std::vector<std::int32_t> Match(std::size_t n_rows, std::size_t n_columns,
+                                  const std::vector<double>& gains);
+
+  const Instance& instance_;
+  const Dual& dual_;
+  Planner planner_;
+  std::vector<std::int32_t> uav_arc_, partner_arc_;  ///< [n_agents x n_sites] -1: none
+  std::int64_t work_ = 0;
+};
+
+}  // namespace muster::scheduler
