@@ -6,6 +6,16 @@
 #include "lcmtypes/channels.h"
 
 namespace muster::tools {
+namespace {
+
+/// Each word of the log's wakes everybody. It is said at once when a sender has so many messages
+/// out that it could come to the end of its window (three of most processes), and else after a
+/// moment.
+constexpr int kUnsaid = 2;
+constexpr TimeUs kUnsaidUs = 2'000;
+
+}  // namespace
+
 RecorderProcess::RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal)
     : Process(identity, window),
       window_(window),
@@ -30,6 +40,7 @@ void RecorderProcess::OnLogged(const Packet& packet) {
   const Identity& own = this->identity();
   if (header->sender != own.name) {
     news_ = true;
+    is_urgent_ |= ++unsaid_[{header->sender, header->boot_id}] >= kUnsaid;
   } else if (header->boot_id == own.boot_id) {
     log_status_t status{};
     log_mark_t& mark = status.marks.emplace_back();
@@ -57,10 +68,14 @@ void RecorderProcess::OnStep(const Now& now) {
   const Identity& own = this->identity();
   const std::int64_t out = sender().next_seq() - follower_.next_seq(own.name, own.boot_id);
   const TimeUs time_us = now.monotonic_us;
-  if (news_ && out < window_) {
+  if (news_ && news_us_ == kNever) news_us_ = time_us;
+  has_room_ = out < window_;
+  if (news_ && has_room_ && (is_urgent_ || time_us >= news_us_ + kUnsaidUs)) {
     marks_ = sender().Send(channel::kLog, follower_.Status(), sim_us_, now);
-    news_ = answer_wanted_ = false;
-  } else if (marks_ && time_us >= OwnWakeUs()) {
+    news_ = is_urgent_ = answer_wanted_ = false;
+    news_us_ = kNever;
+    unsaid_.clear();
+  } else if (marks_ && time_us >= AgainUs()) {
     sender().Resend(marks_);
     answer_wanted_ = false;
   } else {
@@ -71,6 +86,12 @@ void RecorderProcess::OnStep(const Now& now) {
 }
 
 TimeUs RecorderProcess::OwnWakeUs() const {
+  // Room comes with a message of its own in the log.
+  const bool waits = news_us_ != kNever && has_room_;
+  return waits ? std::min(AgainUs(), news_us_ + kUnsaidUs) : AgainUs();
+}
+
+TimeUs RecorderProcess::AgainUs() const {
   return answer_wanted_ ? std::min(idle_.due_us(), said_us_ + kMarksAgainUs) : idle_.due_us();
 }
 

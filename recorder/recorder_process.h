@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "lcmtypes/bus/seal.h"
 #include "protocol/process.h"
@@ -34,13 +36,21 @@ class RecorderProcess : public Process {
   std::int64_t tick() const override { return tick_; }
   std::int64_t lost() const override { return follower_.missing(); }
 
+  /// When to say the marks again.
+  TimeUs AgainUs() const;
+
   const int window_;
   std::optional<Seal> seal_;
   LogFollower follower_;
   std::int64_t tick_ = -1;
   TimeUs sim_us_ = 0;
-  SentPacket marks_;            ///< the newest log_status_t
-  bool news_ = true;            ///< the log has grown since
+  SentPacket marks_;         ///< the newest log_status_t
+  bool news_ = true;         ///< the log has grown since
+  TimeUs news_us_ = kNever;  ///< when that was seen first
+  bool has_room_ = true;     ///< in its window
+  bool is_urgent_ = true;    ///< and somebody may have to wait soon
+  /// Messages of each start that the log holds beyond what the marks say.
+  std::map<std::pair<std::string, std::int64_t>, int> unsaid_;
   bool answer_wanted_ = false;  ///< somebody has not heard the marks
   TimeUs said_us_ = 0;          ///< the marks, at last
   BackOff idle_;

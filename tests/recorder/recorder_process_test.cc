@@ -38,7 +38,7 @@ class Told {
   }
 
   RecorderProcess recorder;
-  Now now;
+  Now now{1'000'000, 0};
   std::size_t said = 0;
   bool hears_itself = true;
 };
@@ -59,13 +59,31 @@ TEST(RecorderProcess, SaysWhatTheLogHoldsAtOnce) {
   EXPECT_TRUE(told.recorder.finished());
 }
 
+TEST(RecorderProcess, ALoneMessageWaitsForAMoment) {
+  Told told;
+  told.Marks();
+  told.recorder.OnLogged(MessageOf("uav", 0));
+  told.recorder.OnLogged(MessageOf("worker", 0));
+  told.Marks();
+  EXPECT_EQ(told.said, 0u);
+  EXPECT_LE(told.recorder.wake_us(), told.now.monotonic_us + 2'000);
+  const auto marks = told.Marks(2'000);
+  EXPECT_EQ(marks.at(Start("uav", 0)), 1);
+  EXPECT_EQ(marks.at(Start("worker", 0)), 1);
+  // Nobody waits long behind a second one.
+  told.recorder.OnLogged(MessageOf("uav", 1));
+  told.recorder.OnLogged(MessageOf("uav", 2));
+  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 3);
+}
+
 TEST(RecorderProcess, AHoleIsNoMark) {
   Told told;
   told.recorder.OnLogged(MessageOf("uav", 0));
   told.recorder.OnLogged(MessageOf("uav", 2));
   EXPECT_EQ(told.Marks().at(Start("uav", 0)), 1);
   told.recorder.OnLogged(MessageOf("uav", 1));
-  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 3);
+  told.Marks();
+  EXPECT_EQ(told.Marks(2'000).at(Start("uav", 0)), 3);
 }
 
 TEST(RecorderProcess, WhoRepeatsItselfIsToldAgainButNotEachTime) {
@@ -118,7 +136,8 @@ TEST(RecorderProcess, InASealedMissionOnlyMembersAreAcknowledged) {
   told.recorder.OnLogged(MessageOf("uav", 0));
   EXPECT_FALSE(told.Marks().contains(Start("uav", 0)));
   told.recorder.OnLogged(seal.Closed(MessageOf("uav", 0)));
-  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 1);
+  told.recorder.OnLogged(seal.Closed(MessageOf("uav", 1)));
+  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 2);
 }
 
 }  // namespace
