@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/options.h"
 #include "base/program.h"
 #include "base/say.h"
 #include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/channels.h"
 #include "protocol/run_process.h"
 #include "recorder/recorder_process.h"
 
@@ -54,7 +56,9 @@ int Main(int argc, char** argv) {
   }
   BatchLogWriter log(arguments->Get("log"));
   LcmTap tap;
-  tap.heard = "MUSTER_(CLOCK|FAULT|PROCESS)";
+  for (const std::string_view name : {channel::kClock, channel::kFault, channel::kProcess}) {
+    tap.heard.emplace_back(name);
+  }
   tap.on_message = [&](const Packet& packet) {
     log.Add(HostNow().wall_us, packet);
     process.OnLogged(packet);

@@ -83,7 +83,8 @@ std::string LcmVersion() {
 
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
-LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmTap> tap)
+LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmTap> tap,
+               Reader reader)
     : url_(url), tag_bytes_(tag_bytes), parts_(ParseMulticastUrl(url)), tap_(std::move(tap)) {
   // LCM's own self-test speaks to stderr only and may abort: what it needs is looked at first.
   if (const auto problem = MulticastProblem(parts_.address)) {
@@ -96,10 +97,21 @@ LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmT
   const BlockSignals block;
   lcm_.reset(lcm_create(url.c_str()));
   if (lcm_ == nullptr) throw SystemError(fmt::format("LCM cannot open {}", url));
+  const auto channels = tap_ ? GuardedChannels::kAny : GuardedChannels::kOurs;
+  if (reader == Reader::kOwnIfItCan) receiver_ = UdpmReceiver::Open(parts_, channels);
+  if (receiver_) {
+    fd_ = receiver_->fd();
+  } else {
+    Subscribe();
+  }
+  CheckRoundTrip();
+}
+
+void LcmBus::Subscribe() {
   fd_ = lcm_get_fileno(lcm_.get());
   if (fd_ < 0) {
     throw SystemError(fmt::format(
-        "LCM cannot receive on {}: see its message above; 'muster doctor' tells more", url));
+        "LCM cannot receive on {}: see its message above; 'muster doctor' tells more", url_));
   }
   // LCM tells no socket before it reads from it: unguarded is its self-test, a millisecond or two.
   for (const int socket : SocketsOnPort(parts_.port)) {
@@ -108,36 +120,21 @@ LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmT
       fmt::print(stderr, "muster: LCM reads datagrams that nothing has checked: {}\n", *problem);
     }
   }
-  CheckRoundTrip();
-  const auto subscribe = [this](const char* channels, auto handler) {
-    lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), channels, handler, this);
-    if (subscription == nullptr) throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
-    lcm_subscription_set_queue_capacity(subscription, 0);
-  };
-  if (tap_) subscribe(".*", &OnTap);
-  subscribe(tap_ ? tap_->heard.c_str() : "MUSTER_.*", &OnMessage);
+  lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), ".*", &OnLcmMessage, this);
+  if (subscription == nullptr) throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
+  lcm_subscription_set_queue_capacity(subscription, 0);
 }
 
 LcmBus::~LcmBus() = default;
 
-void LcmBus::OnRoundTrip(const lcm_recv_buf_t* message, const char* /*channel*/,
-                         void* bus) noexcept {
-  auto* self = static_cast<LcmBus*>(bus);
-  const std::string_view got(static_cast<const char*>(message->data), message->data_size);
-  if (got == self->round_trip_) self->came_back_ = true;
-}
-
 void LcmBus::CheckRoundTrip() {
   round_trip_ = fmt::format("{} {}", getpid(), Clock::now().time_since_epoch().count());
-  if (lcm_subscribe(lcm_.get(), kRoundTripChannel, &OnRoundTrip, this) == nullptr) {
-    throw SystemError(fmt::format("LCM cannot subscribe on {}", url_));
-  }
   const auto deadline = Clock::now() + std::chrono::seconds(3);
   while (!came_back_ && Clock::now() < deadline) {
     if (const int error = Send(kRoundTripChannel, round_trip_.data(), round_trip_.size())) {
       throw SystemError(fmt::format("LCM cannot send on {}: {}", url_, std::strerror(error)));
     }
-    while (!came_back_ && Ready(100'000)) HandleOne();
+    while (!came_back_ && Ready(100'000)) Handle();
   }
   if (!came_back_) {
     throw SystemError(fmt::format(
@@ -239,10 +236,17 @@ bool LcmBus::Ready(std::int64_t timeout_us) const {
   throw SystemError(fmt::format("cannot wait for messages: {}", std::strerror(errno)));
 }
 
-void LcmBus::HandleOne() {
-  const int status = lcm_handle(lcm_.get());
-  if (callback_error_) std::rethrow_exception(std::exchange(callback_error_, nullptr));
-  if (status != 0) throw SystemError(fmt::format("LCM stopped receiving on {}", url_));
+void LcmBus::Handle() {
+  if (receiver_) {
+    receiver_->Receive([this](std::string_view channel, const std::uint8_t* data,
+                              std::size_t size) { Take(channel, data, size); });
+    return;
+  }
+  for (int i = 0; i < kMaxBurst && (i == 0 || Ready(0)); ++i) {
+    const int status = lcm_handle(lcm_.get());
+    if (callback_error_) std::rethrow_exception(std::exchange(callback_error_, nullptr));
+    if (status != 0) throw SystemError(fmt::format("LCM stopped receiving on {}", url_));
+  }
 }
 
 std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
@@ -254,8 +258,7 @@ std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
     if (!outage_.empty()) wait_us = std::max(probed_us_ + kProbeUs - begin_us, kProbeUs / 10);
     const bool ready = Ready(wait_us);
     if (ready) {
-      HandleOne();
-      for (int i = 1; i < kMaxBurst && Ready(0); ++i) HandleOne();
+      Handle();
       if (tap_) tap_->on_burst();
       unanswered_ = false;
       waited_us_ = 0;
@@ -270,30 +273,31 @@ std::vector<Packet> LcmBus::Receive(std::int64_t timeout_us) {
   return std::exchange(inbox_, {});
 }
 
-void LcmBus::OnTap(const lcm_recv_buf_t* message, const char* channel, void* bus) noexcept {
+void LcmBus::OnLcmMessage(const lcm_recv_buf_t* message, const char* channel, void* bus) noexcept {
   auto* self = static_cast<LcmBus*>(bus);
   try {
-    const auto* data = static_cast<const std::uint8_t*>(message->data);
-    self->tap_->on_message({channel, {data, data + message->data_size}});
+    self->Take(channel, static_cast<const std::uint8_t*>(message->data), message->data_size);
   } catch (...) {
     self->callback_error_ = std::current_exception();
   }
 }
 
-void LcmBus::OnMessage(const lcm_recv_buf_t* message, const char* channel, void* bus) noexcept {
-  auto* self = static_cast<LcmBus*>(bus);
-  try {
-    const auto* data = static_cast<const std::uint8_t*>(message->data);
-    const Channel* row = FindChannel(channel);
-    if (row == nullptr ||
-        message->data_size > static_cast<std::size_t>(row->max_bytes) + self->tag_bytes_) {
-      ++self->counters_.rejected;
-      return;
-    }
-    self->inbox_.push_back({channel, {data, data + message->data_size}});
-  } catch (...) {
-    self->callback_error_ = std::current_exception();
+void LcmBus::Take(std::string_view channel, const std::uint8_t* data, std::size_t size) {
+  if (channel == kRoundTripChannel) {
+    came_back_ |= std::string_view(reinterpret_cast<const char*>(data), size) == round_trip_;
   }
+  if (tap_) {
+    const Packet packet{std::string(channel), {data, data + size}};
+    tap_->on_message(packet);
+    if (std::find(tap_->heard.begin(), tap_->heard.end(), channel) == tap_->heard.end()) return;
+  }
+  if (!channel.starts_with("MUSTER_")) return;
+  const Channel* row = FindChannel(channel);
+  if (row == nullptr || size > static_cast<std::size_t>(row->max_bytes) + tag_bytes_) {
+    ++counters_.rejected;
+    return;
+  }
+  inbox_.push_back({std::string(channel), {data, data + size}});
 }
 
 }  // namespace muster

@@ -7,10 +7,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
 #include "lcmtypes/bus/multicast.h"
+#include "lcmtypes/bus/udpm_receiver.h"
 
 struct _lcm_t;
 struct _lcm_recv_buf_t;
@@ -29,16 +31,17 @@ struct LcmBusCounters {
 };
 
 /// For a recorder: every message of every channel, ours or not, in order of arrival. What the bus
-/// hands out besides are the channels that `heard` matches; Receive returns after each burst.
+/// hands out besides are the channels in `heard`; Receive returns after each burst.
 struct LcmTap {
-  std::string heard;
+  std::vector<std::string> heard;
   std::function<void(const Packet&)> on_message;
   /// After all that came in at once.
   std::function<void()> on_burst;
 };
 
-/// The bus over LCM's UDP multicast. A process hears its own packets, too. One thread uses it; LCM
-/// reads the socket in a thread of its own, which takes no signals, into an unlimited queue.
+/// The bus over LCM's UDP multicast. A process hears its own packets, too. One thread uses it. It
+/// reads the socket itself (UdpmReceiver) where the kernel gives a large buffer; else LCM does so
+/// in a thread of its own, which takes no signals, into an unlimited queue.
 ///
 /// An outage begins when the kernel finds no way for a packet (no route, no link; full buffers for
 /// a second), or when none has come in for a second of waiting though some were sent: the socket is
@@ -46,12 +49,15 @@ struct LcmTap {
 /// until then one is sent every 20 ms, and the group is joined anew while none comes.
 class LcmBus : public Bus {
  public:
+  /// Who reads the socket.
+  enum class Reader { kOwnIfItCan, kLcm };
+
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a
   /// bad URL, SystemError, saying what to do, when the host does not carry multicast.
   /// `tag_bytes`: how much longer than the channel table says a packet may be, both ways. What
   /// `tap` throws ends Receive.
-  explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0,
-                  std::optional<LcmTap> tap = {});
+  explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0, std::optional<LcmTap> tap = {},
+                  Reader reader = Reader::kOwnIfItCan);
   ~LcmBus() override;
 
   void Publish(const Packet& packet) override;
@@ -66,13 +72,15 @@ class LcmBus : public Bus {
     void operator()(_lcm_t* lcm) const;
   };
 
-  static void OnMessage(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
-  static void OnTap(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
-  static void OnRoundTrip(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
+  static void OnLcmMessage(const _lcm_recv_buf_t* message, const char* channel, void* bus) noexcept;
+  /// Lets LCM receive.
+  void Subscribe();
+  void Take(std::string_view channel, const std::uint8_t* data, std::size_t size);
   /// 0, or the errno of a send that failed.
   int Send(const std::string& channel, const void* data, std::size_t size);
   bool Ready(std::int64_t timeout_us) const;
-  void HandleOne();
+  /// Takes what is there, after Ready; LCM's one message, or all that the socket holds.
+  void Handle();
   void CheckRoundTrip();
   void NoteFailure(int error);
   void NoteWaited(std::int64_t waited_us);
@@ -85,6 +93,7 @@ class LcmBus : public Bus {
   MulticastUrl parts_;
   std::optional<LcmTap> tap_;
   std::unique_ptr<_lcm_t, Destroy> lcm_;
+  std::unique_ptr<UdpmReceiver> receiver_;  ///< none: LCM's thread receives
   int fd_ = -1;
   std::string round_trip_;              ///< what to send to oneself
   bool came_back_ = false;              ///< since it was last sent

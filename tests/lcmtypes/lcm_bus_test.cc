@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/test_network.h"
 
@@ -48,10 +49,18 @@ std::vector<Packet> Take(Bus& bus, std::size_t count) {
   return all;
 }
 
-TEST(LcmBus, CarriesPacketsInOrderToOthersAndToItself) {
+/// Whoever reads the socket.
+class LcmBusTest : public ::testing::TestWithParam<LcmBus::Reader> {};
+INSTANTIATE_TEST_SUITE_P(Readers, LcmBusTest,
+                         ::testing::Values(LcmBus::Reader::kOwnIfItCan, LcmBus::Reader::kLcm),
+                         [](const auto& reader) {
+                           return reader.param == LcmBus::Reader::kLcm ? "Lcm" : "Own";
+                         });
+
+TEST_P(LcmBusTest, CarriesPacketsInOrderToOthersAndToItself) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus one(MissionUrl(Port(0)));
-  LcmBus two(MissionUrl(Port(0)));
+  LcmBus one(MissionUrl(Port(0)), 0, {}, GetParam());
+  LcmBus two(MissionUrl(Port(0)), 0, {}, GetParam());
   std::vector<Packet> sent;
   for (std::uint8_t i = 0; i < 100; ++i) sent.push_back(MakePacket(channel::kClock, 100u + i, i));
   for (const Packet& packet : sent) one.Publish(packet);
@@ -61,17 +70,17 @@ TEST(LcmBus, CarriesPacketsInOrderToOthersAndToItself) {
   EXPECT_EQ(two.counters().received, 100);
 }
 
-TEST(LcmBus, QueuesMoreThanLcmsDefaultOfThirty) {
+TEST_P(LcmBusTest, QueuesMoreThanLcmsDefaultOfThirty) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus bus(MissionUrl(Port(0)));
+  LcmBus bus(MissionUrl(Port(0)), 0, {}, GetParam());
   for (int i = 0; i < 1000; ++i) bus.Publish(MakePacket(channel::kClock, 50));
   EXPECT_EQ(Take(bus, 1000).size(), 1000u);
 }
 
-TEST(LcmBus, CarriesMessagesLargerThanADatagram) {
+TEST_P(LcmBusTest, CarriesMessagesLargerThanADatagram) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus one(MissionUrl(Port(0)));
-  LcmBus two(MissionUrl(Port(0)));
+  LcmBus one(MissionUrl(Port(0)), 0, {}, GetParam());
+  LcmBus two(MissionUrl(Port(0)), 0, {}, GetParam());
   for (const std::size_t size : {65'000u, 66'000u, 300'000u, 1'000'000u}) {
     const Packet big = MakePacket(channel::kScenario, size);
     one.Publish(big);
@@ -81,12 +90,12 @@ TEST(LcmBus, CarriesMessagesLargerThanADatagram) {
   }
 }
 
-TEST(LcmBus, MissionsOnTwoPortsDoNotHearEachOther) {
+TEST_P(LcmBusTest, MissionsOnTwoPortsDoNotHearEachOther) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus first_a(MissionUrl(Port(0)));
-  LcmBus first_b(MissionUrl(Port(0)));
-  LcmBus second_a(MissionUrl(Port(1)));
-  LcmBus second_b(MissionUrl(Port(1)));
+  LcmBus first_a(MissionUrl(Port(0)), 0, {}, GetParam());
+  LcmBus first_b(MissionUrl(Port(0)), 0, {}, GetParam());
+  LcmBus second_a(MissionUrl(Port(1)), 0, {}, GetParam());
+  LcmBus second_b(MissionUrl(Port(1)), 0, {}, GetParam());
   const Packet first = MakePacket(channel::kWorld, 200, 1);
   const Packet second = MakePacket(channel::kWorld, 200, 2);
   first_a.Publish(first);
@@ -99,9 +108,9 @@ TEST(LcmBus, MissionsOnTwoPortsDoNotHearEachOther) {
   EXPECT_TRUE(second_b.Receive(0).empty());
 }
 
-TEST(LcmBus, DropsAndCountsWhatTheChannelTableForbids) {
+TEST_P(LcmBusTest, DropsAndCountsWhatTheChannelTableForbids) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus bus(MissionUrl(Port(0)));
+  LcmBus bus(MissionUrl(Port(0)), 0, {}, GetParam());
   // A stranger that speaks LCM: one datagram of its short message format.
   const auto send_raw = [](const std::string& name, std::size_t size) {
     std::string datagram{'L', 'C', '0', '2', 0, 0, 0, 0};
@@ -135,20 +144,20 @@ TEST(LcmBus, RefusesToPublishWhatReceiversWouldDrop) {
   EXPECT_THROW(bus.Publish(MakePacket(channel::kClock, 1025)), SystemError);
 }
 
-TEST(LcmBus, ReceiveWaitsNoLongerThanItsTimeout) {
+TEST_P(LcmBusTest, ReceiveWaitsNoLongerThanItsTimeout) {
   MUSTER_NEEDS_MULTICAST();
-  LcmBus bus(MissionUrl(Port(0)));
+  LcmBus bus(MissionUrl(Port(0)), 0, {}, GetParam());
   EXPECT_TRUE(bus.Receive(0).empty());
   EXPECT_TRUE(bus.Receive(1000).empty());
   EXPECT_TRUE(bus.Receive(-5).empty());
 }
 
-TEST(LcmBus, ASignalEndsTheWait) {
+TEST_P(LcmBusTest, ASignalEndsTheWait) {
   MUSTER_NEEDS_MULTICAST();
   struct sigaction action {};
   action.sa_handler = [](int) {};
   ASSERT_EQ(sigaction(SIGUSR1, &action, nullptr), 0);
-  LcmBus bus(MissionUrl(Port(0)));
+  LcmBus bus(MissionUrl(Port(0)), 0, {}, GetParam());
   // To the process, not to a thread: LCM's own thread must not be the one that takes it. The
   // sender repeats it, as the first may come before the wait.
   const pid_t parent = getpid();
@@ -164,6 +173,31 @@ TEST(LcmBus, ASignalEndsTheWait) {
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(100));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
+}
+
+TEST_P(LcmBusTest, ATapHearsEveryChannel) {
+  MUSTER_NEEDS_MULTICAST();
+  std::vector<Packet> tapped;
+  int bursts = 0;
+  LcmTap tap;
+  tap.heard = {std::string(channel::kClock)};
+  tap.on_message = [&](const Packet& packet) {
+    if (packet.channel != kRoundTripChannel) tapped.push_back(packet);
+  };
+  tap.on_burst = [&] { ++bursts; };
+  LcmBus bus(MissionUrl(Port(0)), 0, tap, GetParam());
+  LcmBus other(MissionUrl(Port(0)));
+  const std::vector<Packet> sent = {MakePacket(channel::kClock, 100),
+                                    MakePacket(channel::kScenario, 300'000),
+                                    MakePacket(channel::kFault, 100)};
+  for (const Packet& packet : sent) other.Publish(packet);
+  std::vector<Packet> heard;
+  for (int i = 0; i < 1000 && tapped.size() < sent.size(); ++i) {
+    for (Packet& packet : bus.Receive(10'000)) heard.push_back(std::move(packet));
+  }
+  EXPECT_EQ(tapped, sent);
+  EXPECT_EQ(heard, std::vector<Packet>{sent[0]});
+  EXPECT_GT(bursts, 0);
 }
 
 TEST(LcmBus, SaysWhatToDoWithoutMulticast) {
