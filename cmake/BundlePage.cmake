@@ -34,9 +34,9 @@ bytes("${WORK}/page.html" page_bytes page_size)
 set(scene_bytes "0")
 set(scene_size 0)
 if(THREE)
-  bundle(scene/view.js scene --format=iife --global-name=musterScene "--alias:three=${THREE}"
+  bundle(scene/index.js scene --format=iife --global-name=musterScene "--alias:three=${THREE}"
     "--banner:js=/*! with three.js r111, copyright 2010-2019 three.js authors, MIT license (https://threejs.org/license) */")
-  bytes("${WORK}/scene/view.js" scene_bytes scene_size)
+  bytes("${WORK}/scene/index.js" scene_bytes scene_size)
 endif()
 
 file(CONFIGURE OUTPUT "${OUT}" @ONLY CONTENT [=[

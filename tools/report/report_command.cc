@@ -23,6 +23,7 @@
 #include "tools/report/page.h"
 #include "tools/report/page_chunk.h"
 #include "tools/report/reasons.h"
+#include "tools/report/scene_film.h"
 
 namespace muster::tools {
 namespace {
@@ -98,26 +99,56 @@ std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::st
   return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+int WriteScene(const std::string& page, SceneKind kind, const std::string& link,
+               const std::string& file) {
+  ProgressPrinter printer(stderr, StyleFor(stderr, false));
+  const auto bytes = FilmScene(page, kind, link, [&](int taken, int of) {
+    const TimeUs now_us = MonotonicUs();
+    if (printer.due(now_us)) {
+      printer.Show(fmt::format("{}: {} of {} frames", file, taken, of), now_us);
+    }
+  });
+  printer.Break();
+  if (!bytes) return kExitInterrupted;
+  WriteFile(file, *bytes);
+  fmt::print("{}: {:.0f} kB\n", file, static_cast<double>(bytes->size()) / 1000);
+  return kExitOk;
+}
+
 }  // namespace
 
 int ReportCommand(int argc, const char* const* argv) {
   Options options(
       argv[0],
       "Makes one self-contained page of one or several runs: map, timeline of every agent,\n"
-      "curves, decisions. It opens in any browser and loads nothing from anywhere.");
+      "curves, decisions. It opens in any browser and loads nothing from anywhere. Or a picture or "
+      "a\n"
+      "film of its scene in 3D, drawn by this machine's Chromium.");
   options.Positional("runs", "RUN [RUN...]").Repeated().Required("run directories or log files");
   options.Add("reasons", "N", "Of how many undone tasks of a run the page says why")
       .Integer(0, kMostReasons)
       .Default(kReasons);
   options.Add("background", "FILE", "GeoJSON in WGS84 degrees, drawn below the map");
-  options.Out("FILE.html", "Page to write").Required("a file to write, FILE.html");
+  options.Out("FILE.html", "Page to write");
+  options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
+  options.Add("show", "LINK",
+              "What the picture shows, as in the page's address: 't=4800&sel=uav:2&look=time'");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   RequirePage();
   const auto runs = arguments->All("runs");
-  const std::string out = arguments->Get("out");
-  RequirePageOrNothing(out);
-  const auto n_reasons = static_cast<std::size_t>(arguments->Get<std::int64_t>("reasons"));
+  const std::string out = arguments->Has("out") ? arguments->Get("out") : "";
+  const std::string scene = arguments->Has("scene") ? arguments->Get("scene") : "";
+  if (out.empty() && scene.empty()) {
+    throw InputError("command line", "--out", "nothing", "a file to write, FILE.html");
+  }
+  if (arguments->Has("show") && scene.empty()) {
+    throw InputError("command line", "--show", arguments->Get("show"), "--scene as well");
+  }
+  if (!out.empty()) RequirePageOrNothing(out);
+  const SceneKind kind = scene.empty() ? SceneKind::kPicture : SceneKindOf(scene);
+  const auto n_reasons =
+      static_cast<std::size_t>(out.empty() ? 0 : arguments->Get<std::int64_t>("reasons"));
   const std::string background = arguments->Has("background") ? arguments->Get("background") : "";
   std::vector<std::string> chunks;
   std::string title;
@@ -126,10 +157,13 @@ int ReportCommand(int argc, const char* const* argv) {
     title += (title.empty() ? "" : ", ") + NameOf(run);
   }
   const std::string page = StaticPage(title, chunks);
-  WriteFile(out, page);
-  fmt::print("{}: {} run{}, {:.0f} kB\n", out, runs.size(), runs.size() == 1 ? "" : "s",
-             static_cast<double>(page.size()) / 1000);
-  return kExitOk;
+  if (!out.empty()) {
+    WriteFile(out, page);
+    fmt::print("{}: {} run{}, {:.0f} kB\n", out, runs.size(), runs.size() == 1 ? "" : "s",
+               static_cast<double>(page.size()) / 1000);
+  }
+  if (scene.empty()) return kExitOk;
+  return WriteScene(page, kind, arguments->Has("show") ? arguments->Get("show") : "", scene);
 }
 
 }  // namespace muster::tools

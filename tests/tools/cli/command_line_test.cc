@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -172,6 +173,33 @@ TEST_F(CommandLine, ReportWritesOverPagesOnly) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_TRUE(Contains(refused.output, "--out: found " + scenario_)) << refused.output;
   EXPECT_EQ(TextOf(scenario_), scenario);
+}
+
+TEST_F(CommandLine, ReportSaysWhatItCannotPaint) {
+  const std::string run = MakeRun();
+  const ChildResult nothing = Muster({"report", run});
+  if (Contains(nothing.output, "built without esbuild")) GTEST_SKIP() << nothing.output;
+  EXPECT_EQ(nothing.exit_code, 2) << nothing.output;
+  EXPECT_TRUE(Contains(nothing.output, "--out")) << nothing.output;
+  const ChildResult suffix = Muster({"report", run, "--scene", folder_.File("scene.gif")});
+  EXPECT_EQ(suffix.exit_code, 2) << suffix.output;
+  EXPECT_TRUE(Contains(suffix.output, "FILE.png or FILE.webm")) << suffix.output;
+  const ChildResult show = Muster({"report", run, "-o", folder_.File("a.html"), "--show", "t=60"});
+  EXPECT_EQ(show.exit_code, 2) << show.output;
+
+  const std::string picture = folder_.File("scene.png");
+  std::ofstream(picture) << "a letter";
+  const ChildResult other = Muster({"report", run, "--scene", picture});
+  EXPECT_EQ(other.exit_code, 2) << other.output;
+  if (Contains(other.output, "built without three.js")) GTEST_SKIP() << other.output;
+  EXPECT_EQ(TextOf(picture), "a letter");
+
+  const std::string path = std::getenv("PATH") == nullptr ? "" : std::getenv("PATH");
+  setenv("PATH", folder_.File("nowhere").c_str(), 1);
+  const ChildResult missing = Muster({"report", run, "--scene", folder_.File("new.png")});
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(missing.exit_code, 3) << missing.output;
+  EXPECT_TRUE(Contains(missing.output, "apt-get install chromium")) << missing.output;
 }
 
 }  // namespace

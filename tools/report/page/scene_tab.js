@@ -85,7 +85,7 @@ export class SceneTab {
     });
     this.view.followChanged = () => this.#showFollow();
     this.view.setMode(this.state.looks);
-    window.muster.scene = this.view;
+    Object.assign(window.muster, { scene: this.view, film: new window.musterScene.Film(this.view) });
     this.#showFollow();
   }
 

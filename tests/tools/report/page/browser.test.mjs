@@ -208,7 +208,7 @@ test("two thousand agents fit in a canvas of bounded size, down to the last", as
   await page.locator("#gantt-scroll").evaluate((box) => { box.scrollTop = box.scrollHeight; });
   const box = await page.locator("#gantt-scroll").boundingBox();
   await page.locator("#gantt-scroll").click({ position: { x: box.width / 2, y: box.height - 6 } });
-  assert.match(await page.locator("#selection").innerText(), /^vehicle:399: /);
+  await soon(async () => assert.match(await page.locator("#selection").innerText(), /^vehicle:399: /));
 });
 
 test("names from a file are text, never markup", async (t) => {

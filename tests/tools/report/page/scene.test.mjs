@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { before, test } from "node:test";
-import { accessible, drawn, file, json, muster, open, scrub, soon } from "./support.mjs";
+import { accessible, browser, drawn, file, json, muster, open, scrub, soon } from "./support.mjs";
 
 const SIZES = [[1440, 900], [1024, 768], [390, 844]];
 const SENSING = 4;
@@ -210,4 +210,35 @@ test("without WebGL, or built without three.js, the tab says so", async (t) => {
   writeFileSync(file("flat.html"), readFileSync(file("a.html"), "utf8").replace(/<script type="text\/x-muster-scene">[^<]*<\/script>/, ""));
   const flat = await open(t, "flat.html", {}, "#look=scene");
   await soon(async () => assert.match(await flat.locator("#scene-problem").innerText(), /built without three.js/));
+});
+
+test("a picture of the scene is made with what the link says", async (t) => {
+  muster("report", file("a"), "--scene", file("scene.png"), "--show", "t=4860&sel=uav:25");
+  const png = readFileSync(file("scene.png"));
+  assert.equal(png.toString("latin1", 1, 4), "PNG");
+  assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [1920, 1080]);
+  muster("report", file("a"), "--scene", file("scene.png"), "--show", "look=time");
+  assert.notDeepEqual(readFileSync(file("scene.png")), png);
+  assert.throws(() => muster("report", file("a"), "--scene", file("a.html")), { status: 2 });
+});
+
+test("a film of the scene plays, and has the length that it says", async (t) => {
+  const page = await open(t, "a.html", { viewport: { width: 320, height: 240 } }, "#look=scene&sel=uav:2");
+  await scene(page);
+  const webm = await page.evaluate(async () => {
+    const { film } = window.muster;
+    const n = await film.begin(2, 3, 0.5);
+    for (let i = 0; i < n; i += 2) await film.take(i, 2);
+    return film.end();
+  });
+  assert.equal(await page.evaluate(() => window.muster.clock.t), await page.evaluate(() => window.muster.state.run.nowMs));
+  const player = await (await browser().newContext()).newPage();
+  const seen = await player.evaluate((data) => new Promise((resolve, reject) => {
+    const video = Object.assign(document.createElement("video"), { src: `data:video/webm;base64,${data}`, muted: true });
+    video.onerror = () => reject(new Error(video.error.message));
+    video.onloadedmetadata = () => { video.currentTime = 1.4; };
+    video.onseeked = () => resolve({ width: video.videoWidth, height: video.videoHeight, duration: video.duration });
+  }), webm);
+  assert.deepEqual(seen, { width: 320, height: 240, duration: 2 });
+  await player.context().close();
 });

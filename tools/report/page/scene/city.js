@@ -1,6 +1,6 @@
-import { MeshLambertMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Mesh, MeshLambertMaterial, VertexColors } from "three";
 import { theme } from "../theme.js";
-import { Crowd, mixed } from "./crowd.js";
+import { mixed } from "./crowd.js";
 import { blockShape } from "./shapes.js";
 
 const STREET = 2.6; // from block to block, in the scene's units
@@ -40,27 +40,40 @@ export function blocksOf(run, plane) {
   return blocks;
 }
 
-/** Draws the blocks; those in ruins have rubble beside what still stands. */
+/** Draws the blocks, as one body; those in ruins have rubble beside what still stands. */
 export class City {
   constructor(scene) {
-    this.crowd = new Crowd(scene, blockShape(), new MeshLambertMaterial());
+    this.mesh = new Mesh(new BufferGeometry(), new MeshLambertMaterial({ vertexColors: VertexColors }));
+    this.mesh.frustumCulled = false;
+    scene.add(this.mesh);
   }
 
   /** `shown`: whether there is scenery at all. */
   build(run, plane, shown) {
-    const { crowd } = this;
     const [whole, ruin] = [mixed(theme.line, theme.muted, 0.12), mixed(theme.line, theme.muted, 0.38)];
-    crowd.begin();
     const blocks = shown ? blocksOf(run, plane) : [];
-    for (const { x, z, wide, high, deep, turn, broken } of blocks) {
-      if (!broken) {
-        crowd.put(x, 0, z, [wide, high, deep], turn, whole);
-        continue;
+    const boxes = blocks.flatMap(({ x, z, wide, high, deep, turn, broken }) => (broken
+      ? [{ x: x - wide * 0.22, z, size: [wide * 0.5, high * 1.7, deep * 0.8], turn, colour: ruin },
+        { x: x + wide * 0.25, z: z + deep * 0.15, size: [wide * 0.5, high * 0.5, deep * 0.6], turn: turn * 3, colour: ruin }]
+      : [{ x, z, size: [wide, high, deep], turn, colour: whole }]));
+    const { position, normal } = blockShape().attributes;
+    const n = position.array.length;
+    const arrays = { position: new Float32Array(n * boxes.length), normal: new Float32Array(n * boxes.length), color: new Float32Array(n * boxes.length) };
+    boxes.forEach(({ x, z, size, turn, colour }, box) => {
+      const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
+      for (let i = 0; i < n; i += 3) {
+        const at = n * box + i;
+        const [px, py, pz] = [0, 1, 2].map((axis) => position.array[i + axis] * size[axis]);
+        const [nx, ny, nz] = normal.array.slice(i, i + 3);
+        arrays.position.set([x + px * cos + pz * sin, py, z - px * sin + pz * cos], at);
+        arrays.normal.set([nx * cos + nz * sin, ny, -nx * sin + nz * cos], at);
+        colour.toArray(arrays.color, at);
       }
-      crowd.put(x - wide * 0.22, 0, z, [wide * 0.5, high * 1.7, deep * 0.8], turn, ruin);
-      crowd.put(x + wide * 0.25, 0, z + deep * 0.15, [wide * 0.5, high * 0.5, deep * 0.6], turn * 3, ruin);
-    }
-    crowd.end();
+    });
+    const { geometry } = this.mesh;
+    geometry.dispose();
+    for (const [name, array] of Object.entries(arrays)) geometry.setAttribute(name, new BufferAttribute(array, 3));
+    this.mesh.visible = boxes.length > 0;
     this.n = blocks.length;
   }
 }

@@ -149,7 +149,7 @@ export class SceneView {
     this.floor = inTime ? this.spaceTime.heightOf(run, t) : 0;
     this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, floor: this.floor, flat: inTime, trailMs: state.trailMs, classes: state.classes, selected: state.selected });
     this.spaceTime.cut(run, t);
-    this.city.crowd.mesh.visible = !inTime;
+    this.city.mesh.visible = !inTime && this.city.n > 0;
     this.ground.glass.visible = inTime;
     this.ground.glass.position.y = this.floor;
     if (this.follow && state.selected) {

@@ -1,0 +1,2 @@
+export { Film } from "./film.js";
+export { SceneView } from "./view.js";
