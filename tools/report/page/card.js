@@ -1,4 +1,5 @@
 import { oncePerFrame } from "./canvas.js";
+import { ChartTable } from "./chart_table.js";
 import { byId, element, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
@@ -203,5 +204,7 @@ function rangeCurve(run, agent) {
   const svg = template.content.firstChild;
   svg.setAttribute("aria-label", `Range of ${agent.label} over time, 0 to ${km(agent.fullRange)}`);
   svg.querySelector("polyline").setAttribute("points", points.join(" "));
-  return element("figure", {}, svg, element("figcaption", {}, `range, 0 to ${km(agent.fullRange)}, over the mission`));
+  const table = new ChartTable(`range of ${agent.label}`, () => ({ head: ["time", "km left"],
+    rows: Array.from({ length: stops.length / 4 }, (_, i) => [stops[4 * i], number(stops[4 * i + 3] / 1000, 1)]) }));
+  return element("figure", {}, svg, element("figcaption", {}, `range, 0 to ${km(agent.fullRange)}, over the mission`), table.node);
 }

@@ -1,3 +1,4 @@
+import { ChartTable } from "./chart_table.js";
 import { numbersOf } from "./compare.js";
 import { byId, duration, element, number, percent } from "./dom.js";
 import { Plot } from "./plot.js";
@@ -29,13 +30,13 @@ const policyOf = (run) => numbersOf(run).policy;
 
 const CHARTS = [
   {
-    id: "completion", title: "Completion", unit: "%",
+    id: "completion", title: "Completion", unit: "%", names: ["% done"], digits: 1,
     curves: completion,
     now: (run, t) => `${doneAt(run, t)} of ${run.tasks.length} (${percent(doneAt(run, t) / Math.max(1, run.tasks.length))})`,
     range: () => [0, 100],
   },
   {
-    id: "weight", title: "Weight of each decision and its bound", unit: "", own: true,
+    id: "weight", title: "Weight of each decision and its bound", unit: "", own: true, names: ["weight", "bound"], digits: 1,
     curves: (run) => [
       ofDecisions(run, (d) => d.weight),
       { ...ofDecisions(run, (d) => d.bound), points: false, thin: true },
@@ -48,7 +49,7 @@ const CHARTS = [
     },
   },
   {
-    id: "solve", title: "Decision time", unit: "ms",
+    id: "solve", title: "Decision time", unit: "ms", names: ["ms"], digits: 1,
     curves: (run) => [ofDecisions(run, (d) => d.solveUs / 1000)],
     now: (run, t) => {
       const d = decisionAt(run, t);
@@ -56,7 +57,7 @@ const CHARTS = [
     },
   },
   {
-    id: "bus", title: "Bus: messages lost and sent again", unit: "",
+    id: "bus", title: "Bus: messages lost and sent again", unit: "", names: ["lost", "sent again"], digits: 0,
     curves: (run) => {
       const bus = busOverTime(run);
       return [{ t: bus.t, y: bus.lost, stepped: true }, { t: bus.t, y: bus.resent, stepped: true, thin: true }];
@@ -91,7 +92,8 @@ export class Charts {
     const host = element("div", { class: "plot", id: `plot-${chart.id}` });
     const cursor = element("div", { class: "time-cursor" });
     const note = element("small", {}, chart.unit);
-    this.box.append(element("section", { class: "chart" }, element("h3", {}, chart.title, " ", note, value), host));
+    const table = new ChartTable(chart.title, () => this.#table(chart));
+    this.box.append(element("section", { class: "chart" }, element("h3", {}, chart.title, " ", note, value), host, table.node));
     const plot = new Plot(host, {
       xTicks: (range, pixels) => this.#ticks(range, pixels / 70),
       behind: (c, shown) => this.#drawBands(c, shown),
@@ -102,7 +104,7 @@ export class Charts {
       onReset: () => this.state.setView(null),
     });
     plot.over.append(cursor);
-    return { ...chart, note, value, cursor, plot };
+    return { ...chart, note, value, cursor, plot, table };
   }
 
   /** Time to the axis' unit: seconds, or decisions of that run. */
@@ -148,6 +150,20 @@ export class Charts {
     if (chart.own) chart.note.textContent = runs.some((run) => policyOf(run) !== policyOf(current)) ? ` ${policyOf(current)} only` : "";
     chart.plot.xRange = this.#xRange();
     chart.plot.show(curves, chart.range ? chart.range(max) : [0, max > 0 ? max * 1.1 : 1]);
+    chart.table.update();
+  }
+
+  /** What the curves are at each time that one of them changes. */
+  #table(chart) {
+    const { run: current, runs } = this.state;
+    const columns = runs.filter((run) => !chart.own || policyOf(run) === policyOf(current)).flatMap((run) => chart.curves(run)
+      .map((curve, i) => ({ ...curve, name: runs.length > 1 ? `${run.name}: ${chart.names[i]}` : chart.names[i] })));
+    const times = [...new Set(columns.flatMap(({ t }) => t))].sort((a, b) => a - b);
+    const cell = ({ t, y, stepped }, at) => {
+      const i = rowAt(t, 1, at);
+      return i < 0 || (!stepped && t[i] !== at) ? "–" : number(y[i], chart.digits);
+    };
+    return { head: ["time", ...columns.map(({ name }) => name)], rows: times.map((at) => [at, ...columns.map((column) => cell(column, at))]) };
   }
 
   /** At most `most` round times or decisions, with their texts. */

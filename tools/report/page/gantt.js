@@ -1,12 +1,14 @@
 import { fit, oncePerFrame } from "./canvas.js";
-import { byId } from "./dom.js";
-import { FAILED, OFFLINE, busyMs, faultBands } from "./run.js";
+import { ChartTable } from "./chart_table.js";
+import { byId, number } from "./dom.js";
+import { FAILED, OFFLINE, busyMs, faultBands, statusAt } from "./run.js";
 import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { theme } from "./theme.js";
 
 const LABEL = 84;
 const AXIS = 22;
+const COUNT_EVERY_MS = 600_000;
 const HEIGHTS = { rows: 18, dense: 7 };
 /** Share of the row's height by status, so that statuses differ by more than colour. */
 const THICK = [0, 0.12, 0.4, 0.62, 0.86, 0.86, 0.86];
@@ -40,7 +42,35 @@ export class Gantt {
     this.scroller.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.scroller.addEventListener("click", (event) => this.#click(event));
     this.overview.addEventListener("click", (event) => clock.seek(this.#x(this.overview.clientWidth).invert(event.offsetX)));
+    this.tables = [new ChartTable("Agents together: how many had which status", () => this.#countTable()),
+      new ChartTable("Agents: minutes with each status, in the whole mission", () => this.#agentTable())];
+    byId("gantt-tables").append(...this.tables.map(({ node }) => node));
     this.layout();
+  }
+
+  get #statuses() {
+    return this.state.run.words.statuses.map((name, i) => [name, i]).slice(1);
+  }
+
+  /** Of the agents in the rows, at every tenth minute. */
+  #countTable() {
+    const { run } = this.state;
+    const rows = [];
+    for (let t = 0; t <= run.nowMs; t += COUNT_EVERY_MS) {
+      const now = this.rows.map((agent) => statusAt(agent, t));
+      rows.push([t, ...this.#statuses.map(([, i]) => String(now.filter((status) => status === i).length))]);
+    }
+    return { head: ["time", ...this.#statuses.map(([name]) => name)], rows };
+  }
+
+  #agentTable() {
+    const { run } = this.state;
+    const rows = this.rows.map(({ label, spans }) => {
+      const sums = new Map();
+      for (let i = 0; i < spans.length; i += 2) sums.set(spans[i + 1], (sums.get(spans[i + 1]) ?? 0) + (spans[i + 2] ?? run.nowMs) - spans[i]);
+      return [label, ...this.#statuses.map(([, i]) => number((sums.get(i) ?? 0) / 60000, 1))];
+    });
+    return { head: ["agent", ...this.#statuses.map(([name]) => name)], rows };
   }
 
   get rowHeight() {
@@ -62,6 +92,7 @@ export class Gantt {
     byId("gantt-count").textContent = `${this.rows.length} of ${run.agents.length} agents`;
     this.draw();
     this.drawOverview();
+    for (const table of this.tables) table.update();
   }
 
   reveal(agent) {

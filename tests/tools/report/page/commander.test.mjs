@@ -170,7 +170,7 @@ test("filters count what they show, and the legend names every mark", async (t) 
   await page.keyboard.press("1");
   await page.locator("#filter").fill("uav:");
   await soon(async () => assert.equal(await sum(), uavs));
-  const legend = await page.locator(".legend").innerText();
+  const legend = await page.locator("#map-legend").innerText();
   for (const word of ["open", "reserved", "being sensed", "done", "charging point", "idle", "waiting", "failed", "trail", "on the way to"]) assert.ok(legend.includes(word), word);
 });
 
@@ -250,4 +250,30 @@ test("printed, it is one page with the map, what needs attention and the tasks",
   for (const id of ["gantt-panel", "chart-panel"]) assert.ok(!(await page.locator(`#${id}`).isVisible()), id);
   const pdf = (await page.pdf({ format: "A4", landscape: true, scale: 0.7 })).toString("latin1");
   assert.equal(pdf.match(/\/Type\s*\/Page\b/g).length, 1);
+});
+
+test("behind every chart is a table of its numbers", async (t) => {
+  const page = await open(t, "ab.html", {}, "#t=4800&sel=uav:2");
+  const report = json("a/report.json");
+  const rows = (place) => page.locator(`${place} tbody tr`).evaluateAll((list) => list.map((row) => [...row.cells].map((cell) => cell.innerText)));
+  const charts = page.locator("#charts details");
+  assert.equal(await charts.count(), 4);
+  for (let i = 0; i < 4; ++i) await charts.nth(i).locator("summary").click();
+  await soon(async () => assert.equal(await page.locator("#charts table").count(), 4));
+  const done = (await rows("#charts .chart:nth-child(1)")).at(-1);
+  assert.equal(done[0], "3:00:00");
+  assert.equal(done[1], (100 * report.completion_rate).toFixed(1));
+  assert.equal(await page.locator("#charts .chart:nth-child(1) thead th").nth(1).innerText(), "a: % done");
+  const weights = await rows("#charts .chart:nth-child(2)");
+  assert.equal(weights.length, report.decisions.length);
+  assert.equal(weights[3][1].replaceAll(",", ""), report.decisions[3].weight.toFixed(1));
+  for (const i of [0, 1]) await page.locator("#gantt-tables summary").nth(i).click();
+  await soon(async () => assert.equal(await page.locator("#gantt-tables table").count(), 2));
+  const agents = await rows("#gantt-tables details:nth-child(2)");
+  assert.equal(agents.length, 100);
+  await page.locator("#filter").fill("uav:2");
+  await soon(async () => assert.ok((await rows("#gantt-tables details:nth-child(2)")).every(([name]) => name.startsWith("uav:2"))));
+  await page.locator("#card figure summary").click();
+  await soon(async () => assert.equal((await rows("#card figure"))[0][1], "30.0"));
+  await accessible(page, "with all tables open");
 });
