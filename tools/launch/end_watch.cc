@@ -14,10 +14,10 @@ constexpr TimeUs kGapUs = 10 * kSecondUs;
 std::optional<std::string> EndWatch::Line(const Waiting& waiting, TimeUs now_us) {
   if (waiting.gaps == 0) {
     gaps_since_us_ = kNever;
-  } else if (gaps_since_us_ == kNever || waiting.gaps < gaps_ || waiting.may_be_filled) {
+  } else if (gaps_since_us_ == kNever || waiting.gaps < least_gaps_ || waiting.may_be_filled) {
     gaps_since_us_ = now_us;
+    least_gaps_ = waiting.gaps;
   }
-  gaps_ = waiting.gaps;
 
   patience_.WaitFor(waiting.for_whom.empty() ? "" : "end", now_us);
   if (!patience_.Due(now_us)) return {};

@@ -26,12 +26,13 @@ class EndWatch {
 
   /// Takes how things stand; a line to say now: after 3 s, 6 s, 12 s ...
   std::optional<std::string> Line(const Waiting& waiting, TimeUs now_us);
-  /// The gaps have not become smaller for 10 s in which all ran who could have filled them.
+  /// The gaps have not been fewer than before for 10 s in which all ran who could have filled them.
   bool hopeless(TimeUs now_us) const;
 
  private:
   Patience patience_;
-  std::int64_t gaps_ = 0;
+  /// The fewest so far: what the living go on to say is a gap until it is in the log.
+  std::int64_t least_gaps_ = 0;
   TimeUs gaps_since_us_ = kNever;
 };
 

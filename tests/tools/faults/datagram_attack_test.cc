@@ -32,8 +32,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A mission in this test's network, so that others can speak at its port.
-class DatagramAttackTest : public ::testing::Test {
+/// A mission in this test's network, so that others can speak at its port, with each of the two
+/// loggers.
+class DatagramAttackTest : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     MUSTER_NEEDS_MULTICAST();
@@ -41,8 +42,9 @@ class DatagramAttackTest : public ::testing::Test {
   }
   Muster Start(const std::string& rate, bool sealed = false) const {
     std::vector<std::string> arguments = {
-        "run", scenario_,   "--policy",        "mpq",   "--rate",
-        rate,  "--lcm-url", MissionUrl(port_), "--out", folder_.File("run")};
+        "run",      scenario_,   "--policy",        "mpq",   "--rate",
+        rate,       "--lcm-url", MissionUrl(port_), "--out", folder_.File("run"),
+        "--logger", GetParam()};
     if (sealed) arguments.push_back("--seal");
     return Muster(folder_, "run", arguments);
   }
@@ -72,6 +74,9 @@ class DatagramAttackTest : public ::testing::Test {
   TemporaryFolder folder_;
   std::string scenario_ = folder_.File("scenario.json");
 };
+
+INSTANTIATE_TEST_SUITE_P(Loggers, DatagramAttackTest, ::testing::Values("lcm", "muster"),
+                         [](const auto& logger) { return std::string(logger.param); });
 
 Datagram Named(std::string_view channel, std::size_t bytes) {
   Datagram datagram(bytes, 'x');
@@ -154,13 +159,13 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
 
 #ifdef MUSTER_LONG_ATTACK
 
-TEST_F(DatagramAttackTest, TenMillionDamagedAtRandomHarmNobody) {
+TEST_P(DatagramAttackTest, TenMillionDamagedAtRandomHarmNobody) {
   const char* text = std::getenv("MUSTER_DATAGRAMS");
   const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
   AttackAtRandom(2, datagrams, false, "15", std::chrono::minutes(60));
 }
 
-TEST_F(DatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
+TEST_P(DatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
   const char* text = std::getenv("MUSTER_DATAGRAMS");
   const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
   AttackAtRandom(3, datagrams, true, "15", std::chrono::minutes(60));
@@ -168,7 +173,7 @@ TEST_F(DatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
 
 #else
 
-TEST_F(DatagramAttackTest, WhatEndsLcmEndsNobody) {
+TEST_P(DatagramAttackTest, WhatEndsLcmEndsNobody) {
   Muster muster = Start("1800");
   ASSERT_TRUE(UnderWay(&muster)) << muster.output();
   RawSender raw(port_);
@@ -199,16 +204,16 @@ TEST_F(DatagramAttackTest, WhatEndsLcmEndsNobody) {
   ExpectUnharmed(&muster, std::chrono::minutes(2));
 }
 
-TEST_F(DatagramAttackTest, WhatIsDamagedAtRandomHarmsNobody) {
+TEST_P(DatagramAttackTest, WhatIsDamagedAtRandomHarmsNobody) {
   AttackAtRandom(1, 200'000, false, "1800", std::chrono::minutes(2));
 }
 
-TEST_F(DatagramAttackTest, WhatIsDamagedOfItsOwnHarmsNoSealedMission) {
+TEST_P(DatagramAttackTest, WhatIsDamagedOfItsOwnHarmsNoSealedMission) {
   AttackAtRandom(4, 200'000, true, "1800", std::chrono::minutes(2));
 }
 
 /// An impostor among the members, without whose 999 messages nobody would ever have ended.
-TEST_F(DatagramAttackTest, ANumberThatIsTooHighHoldsTheMissionUpNoLonger) {
+TEST_P(DatagramAttackTest, ANumberThatIsTooHighHoldsTheMissionUpNoLonger) {
   Muster muster = Start("max");
   LcmBus bus(MissionUrl(port_));
   std::optional<process_status_t> status;

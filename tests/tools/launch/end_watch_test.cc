@@ -37,5 +37,18 @@ TEST(EndWatch, GivesUpGapsThatStandWhileAllRun) {
   EXPECT_FALSE(at(50, 0, false));
 }
 
+TEST(EndWatch, WhoLivesAndSpeaksOnFillsNoGap) {
+  EndWatch watch;
+  for (int s = 0; s < 10; ++s) {
+    // A heartbeat is heard, and then it is in the log.
+    for (const std::int64_t gaps : {10, 9}) {
+      watch.Line({{"the log"}, gaps, false}, ToUs(s + 0.1 * static_cast<double>(10 - gaps)));
+    }
+    EXPECT_FALSE(watch.hopeless(ToUs(s + 0.1))) << s;
+  }
+  watch.Line({{"the log"}, 9, false}, ToUs(10.2));
+  EXPECT_TRUE(watch.hopeless(ToUs(10.2)));
+}
+
 }  // namespace
 }  // namespace muster::tools
