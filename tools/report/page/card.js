@@ -5,7 +5,7 @@ import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
 import { reasonAt, storyOf } from "./reasons.js";
 import { FAILED, OFFLINE, decisionAt, placeAt } from "./run.js";
-import { DONE, OPEN, activities, agentNext, agentNow, arrivalAt, commandsByTask, commandsOf, taskNow } from "./story.js";
+import { DONE, OPEN, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const km = (m) => `${number(m / 1000, 1)} km`;
@@ -19,16 +19,6 @@ function within(ms) {
 
 export function siteName(site) {
   return site.charging ? `charging point ${site.site}` : `task ${site.site}`;
-}
-
-/** What a command tells its agents to do. */
-function commandWords(command) {
-  const names = [command.uav >= 0 ? `uav:${command.uav}` : "", command.worker >= 0 ? `worker:${command.worker}` : "",
-    command.vehicle >= 0 ? `vehicle:${command.vehicle}` : ""].filter(Boolean).join(" and ");
-  const site = command.task >= 0 ? `task ${command.task}` : command.charge >= 0 ? `charging point ${command.charge}` : null;
-  if (command.kind === 7) return `${names} sense ${site}`;
-  if (command.kind === 8) return `${names} meet to charge at ${site}`;
-  return site ? `${names} goes ahead to ${site}` : `${names} goes to ${number(command.x / 1000, 1)}, ${number(command.y / 1000, 1)} km`;
 }
 
 /** `muster explain` writes task:17 where the page writes task 17. */

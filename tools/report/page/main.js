@@ -3,6 +3,7 @@ import { Card } from "./card.js";
 import { Charts } from "./charts.js";
 import { Clock } from "./clock.js";
 import { embeddedRuns, follow, liveAddress } from "./data.js";
+import { Differences } from "./differences.js";
 import { byId } from "./dom.js";
 import { Gantt } from "./gantt.js";
 import { Header } from "./header.js";
@@ -58,6 +59,7 @@ function build() {
   const panels = new Panels(state, clock);
   new Legend(state, clock);
   new Card(state, clock);
+  new Differences(state, clock);
   new Attention(state, clock, (filter) => panels.showTasks(filter));
   bindChoices(map, scene, gantt);
   bindKeys({ state, clock, transport, map, scene, panels });

@@ -1,4 +1,5 @@
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
+import { differencesAt } from "./differences.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
@@ -45,7 +46,7 @@ export class MapView {
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
-    state.on("run data selection classes theme trails", this.draw);
+    state.on("run data selection classes theme trails differ", this.draw);
     new ResizeObserver(this.draw).observe(this.canvas);
   }
 
@@ -130,6 +131,7 @@ export class MapView {
     this.#drawTrails(c, x, y, t);
     this.#drawSites(c, x, y, t, r);
     this.#drawAgents(c, x, y, t, r);
+    this.#drawDifferences(c, x, y, t, r);
     this.#drawSelected(c, x, y, t, r);
     this.#drawLabels(c, x, y, t, r);
     drawScale(c, perMetre, frame);
@@ -223,6 +225,29 @@ export class MapView {
     this.drawn = shown.flat();
   }
 
+  /** Who is commanded otherwise in another run: a ring, and a line to where that run sends it, in that run's colour. */
+  #drawDifferences(c, x, y, t, r) {
+    const { run, runs, other } = this.state;
+    if (other === null) return;
+    c.strokeStyle = theme.runs[other % theme.runs.length];
+    c.lineWidth = 1.6;
+    const there = new Map(differencesAt(run, runs[other], t).map((pair) => [pair.agent, pair.there]));
+    for (const { agent, px, py } of this.drawn) {
+      if (!there.has(agent)) continue;
+      c.beginPath();
+      c.arc(px, py, r * 1.8, 0, 2 * Math.PI);
+      c.stroke();
+      const command = there.get(agent);
+      if (!command) continue;
+      c.beginPath();
+      c.setLineDash([7, 3]);
+      c.moveTo(px, py);
+      c.lineTo(x(command.x), y(command.y));
+      c.stroke();
+      c.setLineDash([]);
+    }
+  }
+
   /** Names: of what is selected first; of agents, then tasks to do, while few enough are in view. */
   #drawLabels(c, x, y, t, r) {
     const { run, selected } = this.state;
@@ -233,8 +258,9 @@ export class MapView {
       if (place) put(nameOf(run, selected).replace(":", selected.type === "agent" ? ":" : " "), x(place.x), y(place.y), theme.text);
     }
     const room = (this.shown.width * this.shown.height) / LABEL_PX;
-    const agents = this.drawn.filter(({ px, py }) => this.#inView(px, py));
-    const tasks = run.tasks.filter((task) => taskStatusAt(task, t) !== 3 && this.#inView(x(task.x), y(task.y)));
+    const named = selected?.type === "agent" ? selected.index : -1;
+    const agents = this.drawn.filter(({ agent, px, py }) => agent.index !== named && this.#inView(px, py));
+    const tasks = run.tasks.filter((task) => taskStatusAt(task, t) !== 3 && !(selected?.type === "task" && selected.id === task.id) && this.#inView(x(task.x), y(task.y)));
     if (agents.length <= room) {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const task of tasks) put(`${task.id}`, x(task.x), y(task.y), theme.muted);

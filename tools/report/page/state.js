@@ -9,6 +9,7 @@ export class State {
     this.view = null; // [from, to] in ms of the current run; null: all of it
     this.byDecision = false; // curves over decisions rather than time
     this.live = false;
+    this.other = null; // the run whose decisions the map shows as well
     this.trailMs = 20 * 60000;
     this.looks = "map"; // "scene": in 3D; "time": space and time
     this.listeners = new Map();
@@ -18,7 +19,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "theme" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "differ", "theme" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -71,6 +72,12 @@ export class State {
   setTrails(ms) {
     this.trailMs = ms;
     this.emit("trails");
+  }
+
+  /** Shows what run `i` decided otherwise; null: nothing. */
+  differFrom(i) {
+    this.other = i;
+    this.emit("differ");
   }
 
   /** Shows the map, the scene, or space and time. */

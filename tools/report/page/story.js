@@ -1,3 +1,4 @@
+import { number } from "./dom.js";
 import { MOVING, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { rowAt } from "./time.js";
 
@@ -71,6 +72,27 @@ export function commandsByTask(run) {
     }
     return found;
   });
+}
+
+/** What a decision commands, by the index of the agent, stays aside; nothing for no decision. */
+export function commandsAt(run, decision) {
+  const found = new Map();
+  for (let i = 0; decision && i < decision.actions.length; i += ACTION) {
+    if (decision.actions[i] < 3) continue;
+    const command = actionAt(run, decision, i);
+    [command.uav, command.worker, command.vehicle].forEach((id, kind) => id >= 0 && found.set(run.agentIndex(kind, id), command));
+  }
+  return found;
+}
+
+/** What a command tells its agents to do. */
+export function commandWords(command) {
+  const names = [command.uav >= 0 ? `uav:${command.uav}` : "", command.worker >= 0 ? `worker:${command.worker}` : "",
+    command.vehicle >= 0 ? `vehicle:${command.vehicle}` : ""].filter(Boolean).join(" and ");
+  const site = command.task >= 0 ? `task ${command.task}` : command.charge >= 0 ? `charging point ${command.charge}` : null;
+  if (command.kind === 7) return `${names} sense ${site}`;
+  if (command.kind === 8) return `${names} meet to charge at ${site}`;
+  return site ? `${names} goes ahead to ${site}` : `${names} goes to ${number(command.x / 1000, 1)}, ${number(command.y / 1000, 1)} km`;
 }
 
 const latest = (list, t) => list.findLast((command) => command.decision.t <= t) ?? null;

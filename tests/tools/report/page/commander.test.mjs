@@ -277,3 +277,32 @@ test("behind every chart is a table of its numbers", async (t) => {
   await soon(async () => assert.equal((await rows("#card figure"))[0][1], "30.0"));
   await accessible(page, "with all tables open");
 });
+
+test("what another run decided otherwise is on the map, and names stand once", async (t) => {
+  const page = await open(t, "ab.html", {}, "#t=4800");
+  const before = await picture(page, "map");
+  await page.locator("#differ").selectOption({ label: "b" });
+  await soon(async () => assert.notEqual(await picture(page, "map"), before));
+  await accessible(page, "with differences");
+  await page.locator("#differences tbody button").first().click();
+  await soon(async () => assert.ok(await page.locator("#card").isVisible()));
+  await page.locator("#differ").selectOption({ label: "none" });
+  await soon(async () => assert.ok(!(await page.locator("#differences").isVisible())));
+
+  const faulty = await open(t, "faulty.html", {}, "#t=7000&sel=uav:3");
+  const names = await faulty.evaluate(() => new Promise((resolve) => {
+    let texts = []; // of the newest drawing
+    const { fillText: write, clearRect: clear } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.clearRect = function (...box) {
+      if (this.canvas.id === "map") texts = [];
+      return clear.call(this, ...box);
+    };
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+      if (this.canvas.id === "map") texts.push(text);
+      return write.call(this, text, ...at);
+    };
+    window.muster.clock.seek(window.muster.clock.t);
+    requestAnimationFrame(() => requestAnimationFrame(() => resolve(texts)));
+  }));
+  assert.equal(names.filter((name) => name === "uav:3").length, 1);
+});
