@@ -18,7 +18,7 @@ export class ChartTable {
     this.name = name;
     this.rows = rows;
     this.body = element("div", { class: "behind-body", tabindex: "0", role: "group", "aria-label": `${name}: table` });
-    this.node = element("details", { class: "behind" }, element("summary", {}, "Table", element("span", { class: "unseen" }, ` of ${name}`)), this.body);
+    this.node = element("details", { class: "behind" }, element("summary", {}, `Table: ${name}`), this.body);
     this.node.addEventListener("toggle", () => this.update());
   }
 

@@ -92,7 +92,7 @@ export class Charts {
     const host = element("div", { class: "plot", id: `plot-${chart.id}` });
     const cursor = element("div", { class: "time-cursor" });
     const note = element("small", {}, chart.unit);
-    const table = new ChartTable(chart.title, () => this.#table(chart));
+    const table = new ChartTable(chart.title[0].toLowerCase() + chart.title.slice(1), () => this.#table(chart));
     this.box.append(element("section", { class: "chart" }, element("h3", {}, chart.title, " ", note, value), host, table.node));
     const plot = new Plot(host, {
       xTicks: (range, pixels) => this.#ticks(range, pixels / 70),

@@ -42,8 +42,8 @@ export class Gantt {
     this.scroller.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.scroller.addEventListener("click", (event) => this.#click(event));
     this.overview.addEventListener("click", (event) => clock.seek(this.#x(this.overview.clientWidth).invert(event.offsetX)));
-    this.tables = [new ChartTable("Agents together: how many had which status", () => this.#countTable()),
-      new ChartTable("Agents: minutes with each status, in the whole mission", () => this.#agentTable())];
+    this.tables = [new ChartTable("agents with each status over time", () => this.#countTable()),
+      new ChartTable("minutes of each agent with each status", () => this.#agentTable())];
     byId("gantt-tables").append(...this.tables.map(({ node }) => node));
     this.layout();
   }

@@ -193,7 +193,7 @@ test("several runs are compared", async (t) => {
   assert.equal(Number(await raw(page, "tasks_done")), reports[1].tasks_done);
   await page.locator("#axis").selectOption("decision");
   assert.equal(await page.locator("#plot-weight canvas").count(), 1);
-  await page.locator("summary").click();
+  await page.locator("#comparison-body summary").click();
   assert.equal(await page.locator("#comparison-body .tall tbody tr").count(), reports[0].decisions.length);
 });
 
