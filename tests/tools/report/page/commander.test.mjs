@@ -24,6 +24,7 @@ for (const [width, height] of SIZES) {
       await accessible(page, "as it opens");
       const map = await page.locator("#map").boundingBox();
       await page.locator("#attention-list .alarm").first().click();
+      await page.locator("#card").waitFor();
       const card = await page.locator("#card").boundingBox();
       assert.ok(card.y >= 0 && card.y + card.height <= height, `the card is in view: ${JSON.stringify(card)}`);
       assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
