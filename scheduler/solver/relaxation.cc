@@ -26,10 +26,11 @@ constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing 
 
 /// A program that is hard and still that far from its bound, relative, is begun anew,
 constexpr double kFar = 0.01;
-constexpr std::size_t kRowsAnew = 2000;  ///< unless it has more rows,
-constexpr std::size_t kDiverse = 20;     ///< with so many columns of each UAV
-constexpr std::size_t kDrawn = 200;      ///< out of so many;
-constexpr double kAlikeAnew = 0.1;       ///< regrets that count as equal there.
+constexpr std::int64_t kWorkAnew = 30'000'000;  ///< after so many steps,
+constexpr std::size_t kRowsAnew = 2000;         ///< unless it has more rows,
+constexpr std::size_t kDiverse = 20;            ///< with so many columns of each UAV
+constexpr std::size_t kDrawn = 200;             ///< out of so many;
+constexpr double kAlikeAnew = 0.1;              ///< regrets that count as equal there.
 
 /// Columns in an order that differs from UAV to UAV, but for the regret.
 struct Keyed {
@@ -169,7 +170,7 @@ bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function
 }
 
 bool Relaxation::IsHard() const {
-  return !anew_ && lp_.is_hard() && lp_.prices().size() <= kRowsAnew &&
+  return !anew_ && lp_.is_hard() && lp_.work() >= kWorkAnew && lp_.prices().size() <= kRowsAnew &&
          bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
 }
 
