@@ -28,8 +28,8 @@ struct Deciding {
 bool DecidesByHorizon(const Policy& policy);
 
 /// The way to weigh that leads to exactly the commanded actions: `horizon`'s own; of `rollout` the
-/// first of its variants, else of its draws and theirs. Which one it was is read from the weights of what was
-/// commanded, so nothing is carried forward. `policy` must decide by horizon.
+/// first of its variants, else of its draws and theirs. Which one it was is read from the weights
+/// of what was commanded, so nothing is carried forward. `policy` must decide by horizon.
 Deciding HowDecided(const Situation& situation, const std::vector<Action>& commanded,
                     const Policy& policy);
 
