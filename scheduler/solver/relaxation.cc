@@ -169,8 +169,10 @@ bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function
   return true;
 }
 
+bool Relaxation::is_hard() const { return lp_.is_hard() && lp_.prices().size() <= kRowsAnew; }
+
 bool Relaxation::IsHard() const {
-  return !anew_ && lp_.is_hard() && lp_.work() >= kWorkAnew && lp_.prices().size() <= kRowsAnew &&
+  return !anew_ && is_hard() && lp_.work() >= kWorkAnew &&
          bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
 }
 

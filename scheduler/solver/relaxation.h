@@ -44,6 +44,8 @@ class Relaxation {
   PackingLp* lp() { return &lp_; }
   /// Whether the program was found hard and begun anew.
   bool anew() const { return anew_; }
+  /// Whether it was found hard, and is small enough to be begun anew.
+  bool is_hard() const;
 
   /// What a column of the linear program is.
   struct Known {

@@ -55,7 +55,7 @@ class Search {
     work_ += planner_.Fill(&plan);
     planner_.Weigh(&plan);
     best_ = plan;
-    if (!Proven() && relaxation_.anew()) {
+    if (!Proven() && relaxation_.is_hard()) {
       matchings_.Improve(&plan, stop);
       best_ = plan;
     }
