@@ -33,6 +33,9 @@ inline constexpr std::string_view kRulings = "MUSTER_RULINGS";
 inline constexpr std::string_view kUavs = "MUSTER_UAVS";
 inline constexpr std::string_view kWorkers = "MUSTER_WORKERS";
 inline constexpr std::string_view kVehicles = "MUSTER_VEHICLES";
+inline constexpr std::string_view kUavChanges = "MUSTER_UAV_CHANGES";
+inline constexpr std::string_view kWorkerChanges = "MUSTER_WORKER_CHANGES";
+inline constexpr std::string_view kVehicleChanges = "MUSTER_VEHICLE_CHANGES";
 inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
 inline constexpr std::string_view kEvent = "MUSTER_EVENT";
 inline constexpr std::string_view kFault = "MUSTER_FAULT";
@@ -49,9 +52,15 @@ inline constexpr Channel kChannels[] = {
     {channel::kClock, "clock_t", process_name::kWorld, "every tick", 1024},
     {channel::kWorld, "world_state_t", process_name::kWorld, "every tick", 16 * kMiB},
     {channel::kRulings, "rulings_t", process_name::kWorld, "every tick", 4 * kMiB},
-    {channel::kUavs, "agent_states_t", "UAV processes", "every tick", 1 * kMiB},
-    {channel::kWorkers, "agent_states_t", "worker processes", "every tick", 1 * kMiB},
-    {channel::kVehicles, "agent_states_t", "vehicle processes", "every tick", 1 * kMiB},
+    {channel::kUavs, "agent_states_t", "UAV processes", "every tick, or now and then", 1 * kMiB},
+    {channel::kWorkers, "agent_states_t", "worker processes", "every tick, or now and then",
+     1 * kMiB},
+    {channel::kVehicles, "agent_states_t", "vehicle processes", "every tick, or now and then",
+     1 * kMiB},
+    {channel::kUavChanges, "agent_changes_t", "UAV processes", "every other tick", 1 * kMiB},
+    {channel::kWorkerChanges, "agent_changes_t", "worker processes", "every other tick", 1 * kMiB},
+    {channel::kVehicleChanges, "agent_changes_t", "vehicle processes", "every other tick",
+     1 * kMiB},
     {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB},
     {channel::kEvent, "event_t", "world, launcher", "when it happens", 4096},
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
@@ -62,6 +71,13 @@ inline constexpr Channel kChannels[] = {
     {channel::kRestore, "restore_t", "whoever holds the message", "not any more", 64 * kMiB},
     {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB},
 };
+
+/// Whether agents' processes report on that channel, whole states or changes.
+constexpr bool IsReports(std::string_view name) {
+  return name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles ||
+         name == channel::kUavChanges || name == channel::kWorkerChanges ||
+         name == channel::kVehicleChanges;
+}
 
 /// The table's row of that name, or nullptr.
 constexpr const Channel* FindChannel(std::string_view name) {

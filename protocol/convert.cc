@@ -136,6 +136,17 @@ std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
   return messages;
 }
 
+std::vector<agent_states_t> PartsOf(const agent_states_t& states) {
+  std::vector<agent_states_t> parts = StatesMessages(
+      static_cast<AgentKind>(states.kind), states.tick, states.applied_decision, states.agents);
+  std::int64_t seq = states.header.seq;
+  for (agent_states_t& part : parts) {
+    part.header = states.header;
+    part.header.seq = seq++;
+  }
+  return parts;
+}
+
 std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
                                    const WireLimits& limits) {
   const auto action = static_cast<ActionKind>(wire.action);

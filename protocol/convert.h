@@ -56,6 +56,10 @@ std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
                                            std::int32_t applied_decision,
                                            std::span<const agent_t> agents);
 
+/// The same states in such messages, numbered from theirs on: nobody has sent them, and whoever
+/// tells them apart does so by number.
+std::vector<agent_states_t> PartsOf(const agent_states_t& states);
+
 /// The inverse, for a report of time t; nothing when an id, time or number is impossible. The wire
 /// does not carry the activity (Settle() attaches it) nor the wind on the leg under way, which is
 /// drawn again: whoever compares two reports sees it too.

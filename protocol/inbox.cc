@@ -31,6 +31,7 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
     return DecodeAs<agent_states_t>(packet);
   }
+  if (IsReports(name)) return DecodeAs<agent_changes_t>(packet);
   if (name == channel::kSchedule) return DecodeAs<schedule_t>(packet);
   if (name == channel::kEvent) return DecodeAs<event_t>(packet);
   if (name == channel::kProcess) return DecodeAs<process_status_t>(packet);

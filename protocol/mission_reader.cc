@@ -36,6 +36,7 @@ void MissionReader::Add(const Packet& packet, const Visit& visit) {
   if (scenario != nullptr && row->AcceptsFrom(scenario->header.sender)) {
     scenario_ = ScenarioOf(*scenario);
     if (scenario_) {
+      reports_.emplace(std::make_shared<const Scenario>(*scenario_));
       run_id_ = run_id;
       Take(*message, packet, visit);
       for (const auto& [held, held_packet] : std::exchange(held_back_, {})) {
@@ -58,7 +59,8 @@ void MissionReader::Take(const Message& message, const Packet& packet, const Vis
     ++counts_.strangers;
     return;
   }
-  if (!seqs_[{header.sender, header.boot_id}].Add(header.seq)) {
+  IntervalSet& seqs = seqs_[{header.sender, header.boot_id}];
+  if (!seqs.Add(header.seq)) {
     ++counts_.duplicates;
     return;
   }
@@ -68,7 +70,14 @@ void MissionReader::Take(const Message& message, const Packet& packet, const Vis
   if (clock != nullptr && clock->phase != ClockPhase::kReady && !epoch_us_) {
     epoch_us_ = header.wall_us == 0 ? 0 : header.wall_us - clock->tick_us;
   }
-  visit(message, packet);
+  const bool is_report = std::holds_alternative<agent_states_t>(message) ||
+                         std::holds_alternative<agent_changes_t>(message);
+  if (!is_report) return visit(message, packet);
+  const std::int64_t impossible = reports_->impossible();
+  reports_->Add(message, packet, seqs, [&](const agent_states_t& states, const Packet& its_packet) {
+    visit(Message(states), its_packet);
+  });
+  counts_.undecodable += reports_->impossible() - impossible;
 }
 
 }  // namespace muster

@@ -12,16 +12,18 @@
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
 #include "protocol/inbox.h"
+#include "protocol/report_reader.h"
 
 namespace muster {
 
 /// The one reader of a mission's packets, from a log, a live capture or the bus in memory alike: it
 /// decodes them, leaves out other runs and repeats, and holds back what comes before the scenario
 /// until it is there. A scenario_t that cannot be (it does not parse) is none. Memory grows with
-/// gaps, and until the scenario is there with what is held back.
+/// agents and gaps, and until the scenario is there with what is held back.
 class MissionReader {
  public:
-  /// Called with what the mission said: each (sender, boot_id, seq) once, the scenario first.
+  /// Called with what the mission said: each (sender, boot_id, seq) once, the scenario first. An
+  /// agent_changes_t comes as the agent_states_t that it stands for, once that is known.
   using Visit = std::function<void(const Message&, const Packet&)>;
 
   /// Messages are of run `run_id`; none: of the run of the first scenario.
@@ -70,6 +72,7 @@ class MissionReader {
   bool overflowed_ = false;
   std::map<std::pair<std::string, std::int64_t>, IntervalSet> seqs_;
   Counts counts_;
+  std::optional<ReportReader> reports_;  ///< with the scenario
 };
 
 }  // namespace muster

@@ -35,9 +35,13 @@ request_t QuestionFor(std::string_view channel) {
 }  // namespace
 
 Archive::Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on)
-    : scenario_(scenario), run_id_(run_id), goes_on_(goes_on) {}
+    : scenario_(scenario),
+      run_id_(run_id),
+      goes_on_(goes_on),
+      reports_(std::make_shared<const Scenario>(scenario)) {}
 
 void Archive::Add(const Packet& packet) {
+  if (IsReports(packet.channel)) return AddReport(packet);
   if (packet.channel == channel::kSchedule) {
     const auto schedule = DecodeValid<schedule_t>(packet.bytes);
     if (!schedule || schedule->header.run_id != run_id_ || schedule->decision < newest_decision_ ||
@@ -48,19 +52,48 @@ void Archive::Add(const Packet& packet) {
     schedule_ = packet;
     return;
   }
-  if (!IsStates(packet.channel) && !IsOfWorld(packet.channel)) return;
+  if (!IsOfWorld(packet.channel)) return;
   const std::optional<header_t> header = DecodeHeader(packet);
-  if (!header || header->run_id != run_id_ || header->sim_us < 0 ||
-      header->sim_us > scenario_.rules.limit_us) {
-    return;
-  }
-  const Source source{packet.channel, header->sender};
+  if (header && header->run_id == run_id_) Keep(packet.channel, *header, {packet.bytes, {}});
+}
+
+void Archive::AddReport(const Packet& packet) {
+  const std::optional<Message> report = DecodeMessage(packet);
+  if (!report) return;
+  const header_t& header = HeaderOf(*report);
+  const std::pair start(header.sender, header.boot_id);
+  if (header.run_id != run_id_ || (seqs_.size() >= kMostSources && !seqs_.contains(start))) return;
+  IntervalSet& seqs = seqs_[start];
+  if (!seqs.Add(header.seq)) return;
+  reports_.Add(*report, packet, seqs, [&](const agent_states_t& states, const Packet& said) {
+    if (IsStates(said.channel)) {
+      Keep(said.channel, states.header, {said.bytes, {}});
+    } else {
+      Keep(ChannelOf(static_cast<AgentKind>(states.kind)), states.header, {{}, states});
+    }
+  });
+}
+
+void Archive::Keep(std::string_view channel, const header_t& header, Kept kept) {
+  if (header.sim_us < 0 || header.sim_us > scenario_.rules.limit_us) return;
+  const Source source{std::string(channel), header.sender};
   if (told_.size() >= kMostSources && !told_.contains(source)) return;
   const TimeUs tick_us = scenario_.rules.tick_us;
   Told& told = told_[source];
-  told[(header->sim_us + tick_us - 1) / tick_us].try_emplace({header->boot_id, header->seq},
-                                                             packet);
+  told[(header.sim_us + tick_us - 1) / tick_us].try_emplace({header.boot_id, header.seq},
+                                                            std::move(kept));
   Forget(source, &told);
+}
+
+template <class Visit>
+void Archive::ForEachMessage(const Messages& messages, Visit visit) {
+  for (const auto& [id, kept] : messages) {
+    if (!kept.states) {
+      visit(kept.bytes);
+      continue;
+    }
+    for (const agent_states_t& part : PartsOf(*kept.states)) visit(Encode(part));
+  }
 }
 
 void Archive::Forget(const Source& source, Told* told) const {
@@ -97,10 +130,10 @@ std::optional<std::int64_t> Archive::Consistent() const {
     for (const auto& [source, told] : told_) {
       const std::string& name = source.channel;
       const auto take = [&](std::int64_t t, const Messages& messages) {
-        for (const auto& [id, packet] : messages) {
+        ForEachMessage(messages, [&](const std::vector<std::uint8_t>& bytes) {
           // One that is impossible lacks below.
-          static_cast<void>(restoring.Take(AnswerTo(QuestionFor(name), t, packet.bytes)));
-        }
+          static_cast<void>(restoring.Take(AnswerTo(QuestionFor(name), t, bytes)));
+        });
       };
       if (IsOfWorld(source.channel)) {
         for (const auto& [t, messages] : told) take(t, messages);
@@ -149,9 +182,9 @@ std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
     return answers;
   }
   const auto answer = [&](std::int64_t tick, const Messages& messages) {
-    for (const auto& [id, packet] : messages) {
-      answers.push_back(AnswerTo(request, tick, packet.bytes));
-    }
+    ForEachMessage(messages, [&](const std::vector<std::uint8_t>& bytes) {
+      answers.push_back(AnswerTo(request, tick, bytes));
+    });
   };
   for (const auto& [source, told] : told_) {
     if (source.channel != request.channel) continue;

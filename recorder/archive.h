@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/interval_set.h"
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
+#include "protocol/report_reader.h"
 
 namespace muster::tools {
 
@@ -34,13 +36,23 @@ class Archive {
   bool AnswersAtOnce(const request_t& request) const;
 
  private:
-  using Messages = std::map<std::pair<std::int64_t, std::int64_t>, Packet>;  ///< by boot_id, seq
-  using Told = std::map<std::int64_t, Messages>;                             ///< by tick
+  /// A message; or what one with changes stands for.
+  struct Kept {
+    std::vector<std::uint8_t> bytes;
+    std::optional<agent_states_t> states;
+  };
+  using Messages = std::map<std::pair<std::int64_t, std::int64_t>, Kept>;  ///< by boot_id, seq
+  using Told = std::map<std::int64_t, Messages>;                           ///< by tick
   struct Source {
     std::string channel, sender;
     auto operator<=>(const Source&) const = default;
   };
 
+  void Keep(std::string_view channel, const header_t& header, Kept kept);
+  void AddReport(const Packet& packet);
+  /// Visits the bytes of messages that tell all of these.
+  template <class Visit>
+  static void ForEachMessage(const Messages& messages, Visit visit);
   void Forget(const Source& source, Told* told) const;
   /// The newest tick from which the mission can go on: everybody's states, the verdict before.
   std::optional<std::int64_t> Consistent() const;
@@ -54,6 +66,9 @@ class Archive {
   std::optional<Packet> schedule_;  ///< the newest decision
   std::int32_t newest_decision_ = -1;
   std::map<Source, Told> told_;
+  ReportReader reports_;
+  std::map<std::pair<std::string, std::int64_t>, IntervalSet>
+      seqs_;  ///< of reports, by sender, boot_id
   struct Question {
     TimeUs since_us = 0, asked_us = kNever, answered_us = -kNever / 2;
   };

@@ -23,7 +23,7 @@ std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSet
   for (const AgentKind kind : kAgentKinds) {
     if (identity.name != ToString(kind)) continue;
     return std::make_unique<agents::AgentProcess>(identity, settings.window, kind,
-                                                  agents::IdRange());
+                                                  agents::IdRange(), settings.most_whole);
   }
   MUSTER_CHECK(false, "{}", identity.name);
   return nullptr;

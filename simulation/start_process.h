@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/core/agent_process.h"
 #include "protocol/process.h"
 #include "scheduler/process/scheduler_process.h"
 #include "world/world_process.h"
@@ -21,8 +22,9 @@ struct ProcessSettings {
   /// How long decisions took is measured by it; the log is to be a function of its seed: always 0.
   scheduler::Stopwatch stopwatch = [] { return TimeUs{0}; };
   world::WorldOptions world = {};
-  int world_window = 0;  ///< see Sender
-  int window = 0;        ///< of the others
+  int world_window = 0;                                       ///< see Sender
+  int window = 0;                                             ///< of the others
+  std::size_t most_whole = agents::AgentProcess::kMostWhole;  ///< see there
 };
 
 /// The core of that name of those: agent classes with all their agents.

@@ -16,6 +16,8 @@ class Handover {
  public:
   /// A report for the tick under way.
   void Add(AgentKind kind, const Packet& packet) { reports_[kind].push_back(packet); }
+  /// The same, said as changes: the whole states that they stand for.
+  void Add(AgentKind kind, agent_states_t states) { told_[kind].push_back(std::move(states)); }
   /// The tick under way is judged; `applied` is the decision in force. What was added is its.
   void Judge(std::int64_t tick, TimeUs sim_us, std::int32_t applied);
   /// An agent that nobody has reported for it, as the verdict leaves it.
@@ -33,6 +35,7 @@ class Handover {
   TimeUs sim_us_ = 0;  ///< of that tick
   std::int32_t applied_ = -1;
   PerKind<std::vector<Packet>> reports_, judged_;
+  PerKind<std::vector<agent_states_t>> told_, judged_told_;
   PerKind<std::vector<agent_t>> unreported_;
 };
 

@@ -32,6 +32,12 @@ FailureReason LossOf(const std::string& process) {
   return {FailureReason::Cause::kProcessLost, process};
 }
 
+PerKind<ToldAgents> ToldOf(const Scenario& scenario) {
+  const auto shared = std::make_shared<const Scenario>(scenario);
+  return {ToldAgents(shared, AgentKind::kUav), ToldAgents(shared, AgentKind::kWorker),
+          ToldAgents(shared, AgentKind::kVehicle)};
+}
+
 }  // namespace
 
 WorldProcess::WorldProcess(const Identity& identity, int window, std::string json,
@@ -46,6 +52,7 @@ WorldProcess::WorldProcess(const Identity& identity, int window, std::string jso
       attendance_(scenario_, Peers(options.lost_after_us, this->identity().boot_id == 0)),
       restoring_(scenario_, this->identity().run_id),
       recorder_ready_(!options.recorded),
+      told_(ToldOf(scenario_)),
       repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs) {
   for (const AgentKind kind : kAgentKinds) agents_[kind].resize(scenario_.agents(kind).size());
   for (const Outage& outage : options.outages) {
@@ -61,13 +68,14 @@ WorldProcess::WorldProcess(const Identity& identity, int window, std::string jso
 void WorldProcess::OnMessage(const Message& message, const Packet& packet, const Now& now) {
   attendance_.peers().Hear(HeaderOf(message).sender, now.monotonic_us);
   Handle(
-      message, [&](const agent_states_t& states) { Take(states, packet); },
+      message,
+      [&](const agent_states_t& states) {
+        if (packet.channel == ChannelOf(static_cast<AgentKind>(states.kind))) Take(states, &packet);
+      },
+      [&](const agent_changes_t& changes) { Take(changes, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
-      [&](const answer_t& answer) {
-        if (wait_ != Wait::kRestore || !Answers(answer)) return;
-        if (!restoring_.Take(answer)) inbox().Reject();
-      },
+      [&](const answer_t& answer) { Take(answer); },
       [&](const log_status_t&) {
         recorder_ready_ = true;
         recorder_heard_us_ = now.monotonic_us;
@@ -83,12 +91,41 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       });
 }
 
-void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
-  const auto kind = static_cast<AgentKind>(states.kind);
-  if (wait_ == Wait::kRestore || states.tick != clock_.tick() || ended() ||
-      packet.channel != ChannelOf(kind)) {
+bool WorldProcess::IsForTick(std::int64_t tick) const {
+  return wait_ != Wait::kRestore && tick == clock_.tick() && !ended();
+}
+
+void WorldProcess::Take(const answer_t& answer) {
+  if (!Answers(answer)) return;
+  if (wait_ == Wait::kRestore) {
+    if (!restoring_.Take(answer)) inbox().Reject();
     return;
   }
+  // Whole states, since changes rest on what this process has not heard.
+  const auto states = DecodeValid<agent_states_t>(answer.data);
+  if (!states || states->header.run_id != identity().run_id ||
+      answer.channel != ChannelOf(static_cast<AgentKind>(states->kind))) {
+    return inbox().Reject();
+  }
+  const Packet packet{answer.channel, answer.data};
+  Take(*states, &packet);
+}
+
+void WorldProcess::Take(const agent_changes_t& changes, const Packet& packet) {
+  const auto kind = static_cast<AgentKind>(changes.kind);
+  if (!IsForTick(changes.tick) || packet.channel != ChangesChannelOf(kind)) return;
+  if (static_cast<std::size_t>(changes.last_id) >= agents_[kind].size()) return inbox().Reject();
+  for (std::int32_t id = changes.first_id; id <= changes.last_id; ++id) {
+    if (!attendance_.MayReport(kind, id, changes.header.sender)) return inbox().Reject();
+  }
+  if (const auto states = told_[kind].Expand(changes)) return Take(*states, nullptr);
+  if (!told_[kind].Possible(changes)) return inbox().Reject();
+  base_lacks_[kind] = true;
+}
+
+void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
+  const auto kind = static_cast<AgentKind>(states.kind);
+  if (!IsForTick(states.tick)) return;
   std::vector<AgentState> agents;
   for (const agent_t& wire : states.agents) {
     const std::optional<AgentState> agent = FromWire(wire, kind, clock_.sim_us(), limits_);
@@ -104,7 +141,10 @@ void WorldProcess::Take(const agent_states_t& states, const Packet& packet) {
     agents_.at(kind, agent.id) = agent;
     news = true;
   }
-  if (news) handover_.Add(kind, packet);
+  if (!news) return;
+  if (packet == nullptr) return handover_.Add(kind, states);
+  told_[kind].Take(states);
+  handover_.Add(kind, *packet);
 }
 
 void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {
@@ -178,7 +218,7 @@ bool WorldProcess::RestoreState(const Now& now) {
   Begin(now);
   // This tick may have been judged before, with what its reporters can no longer repeat.
   for (const Packet& packet : state->reports) {
-    if (const auto states = DecodeValid<agent_states_t>(packet.bytes)) Take(*states, packet);
+    if (const auto states = DecodeValid<agent_states_t>(packet.bytes)) Take(*states, &packet);
   }
   for (const Restoring::Lost& lost : state->lost) RestoreLost(lost);
   return true;
@@ -204,6 +244,8 @@ void WorldProcess::PublishClock(const Now& now) {
 
 void WorldProcess::Judge(const Now& now) {
   const TimeUs t = clock_.sim_us();
+  base_lacks_ = {};
+  ForgetQuestions();
   for (const std::string& name : attendance_.TakeBack()) {
     referee_.EndOutages(LossOf(name), t);
     SayOfProcess(Event::Kind::kProcessBack, name, now);
@@ -368,6 +410,11 @@ void WorldProcess::Repeat(const Now& now) {
     }
     if (world_packet_) sender().Resend(world_packet_);
     if (rulings_packet_) sender().Resend(rulings_packet_);
+    for (const AgentKind kind : kAgentKinds) {
+      if (wait_ == Wait::kStates && base_lacks_[kind]) {
+        Request(ChannelOf(kind), clock_.sim_us(), now);
+      }
+    }
   }
   sender().Resend(clock_packet_);
 }

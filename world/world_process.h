@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "model/scenario.h"
+#include "protocol/agent_changes.h"
 #include "protocol/convert.h"
 #include "protocol/process.h"
 #include "world/answer_time.h"
@@ -46,7 +47,11 @@ class WorldProcess : public Process {
  private:
   enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
   using Phase = MissionClock::Phase;
-  void Take(const agent_states_t& states, const Packet& packet);
+  /// `packet`: the message itself; null: it was said as changes.
+  void Take(const agent_states_t& states, const Packet* packet);
+  void Take(const agent_changes_t& changes, const Packet& packet);
+  void Take(const answer_t& answer);
+  bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
@@ -84,6 +89,8 @@ class WorldProcess : public Process {
   bool recorder_ready_ = false;
   TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
+  PerKind<ToldAgents> told_;
+  PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
   BackOff repeat_;

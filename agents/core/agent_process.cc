@@ -12,6 +12,8 @@ namespace {
 
 /// Who has the schedule answers sooner. After that a move goes to where the report says it does.
 constexpr TimeUs kGoalPatienceUs = 4 * kSecondUs;
+/// However far apart decisions are, a log tells everything at least so often, in ticks.
+constexpr std::int64_t kWholeEvery = 60;
 /// A goal and what a report tells of it are this close.
 constexpr double kSameGoal_m = 1;
 
@@ -29,8 +31,9 @@ bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
 
 }  // namespace
 
-AgentProcess::AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids)
-    : Follower(identity, window), kind_(kind), ids_(ids) {}
+AgentProcess::AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
+                           std::size_t most_whole)
+    : Follower(identity, window), kind_(kind), ids_(ids), most_whole_(most_whole) {}
 
 void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet, const Now& now) {
   Handle(
@@ -58,6 +61,9 @@ void AgentProcess::OnScenario() {
   }
   for (std::int32_t id = first; id <= last; ++id) {
     agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)]));
+  }
+  if (agents_.size() > most_whole_) {
+    told_.emplace(std::make_shared<const Scenario>(*scenario()), kind_);
   }
   restored_ = identity().boot_id == 0;
   if (restored_) set_state(ProcessState::kReady);
@@ -127,6 +133,7 @@ void AgentProcess::TakeGoals(const schedule_t& schedule) {
 
 void AgentProcess::GoOn() {
   restored_ = true;
+  says_whole_ = true;
   set_state(ProcessState::kRunning);
   clock_.reset();
   activities_.reset();
@@ -141,7 +148,10 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
   };
   if (request.channel == ChannelOf(kind_)) {
     if (tick_ < 0) answer(-1, {});
-    for (const SentPacket& packet : published_.packets) answer(published_.tick, *packet);
+    Answer(request, published_, now);
+    // Said again, its changes would tell nothing to who asks.
+    if (published_before_.states) Answer(request, published_before_, now);
+    says_whole_ = true;
   }
   // The newest verdict, too: it may have been given without a process that is lost.
   if (request.channel == channel::kWorld) {
@@ -151,6 +161,18 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
   if (request.channel == channel::kRulings) {
     if (rulings_) answer(tick_, rulings_packet_);
     answer(consumed_.tick, consumed_.rulings);
+  }
+}
+
+void AgentProcess::Answer(const request_t& request, const Published& published, const Now& now) {
+  if (!published.states) {
+    for (const SentPacket& packet : published.packets) {
+      Process::Answer(request, published.tick, packet->bytes, tick_us_, now);
+    }
+    return;
+  }
+  for (const agent_states_t& part : PartsOf(*published.states)) {
+    Process::Answer(request, published.tick, Encode(part), tick_us_, now);
   }
 }
 
@@ -240,7 +262,7 @@ void AgentProcess::OnMissionStep(const Now& now) {
   StopAsking();
   if (!restored_states_.empty()) {
     // As they were: what these agents know beyond the wire only comes with the next verdict.
-    PublishStates(std::exchange(restored_states_, {}), now);
+    Publish(std::exchange(restored_states_, {}), true, now);
   }
   if (CanAdvance()) {
     Advance(now);
@@ -271,7 +293,14 @@ void AgentProcess::Advance(const Now& now) {
   std::vector<agent_t> wires;
   for (const AgentState& agent : agents_)
     wires.push_back(ToWire(agent, tick_us_, scenario()->tasks));
-  PublishStates(wires, now);
+  Publish(std::move(wires), SpeaksWhole(), now);
+  says_whole_ = false;
+}
+
+bool AgentProcess::SpeaksWhole() const {
+  const Rules& rules = scenario()->rules;
+  return !told_ || says_whole_ || published_.tick != tick_ - 1 || tick_ % kWholeEvery == 0 ||
+         tick_ == rules.last_tick() || rules.DecisionAt(tick_) >= 0;
 }
 
 void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t) {
@@ -288,12 +317,27 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
   }
 }
 
-void AgentProcess::PublishStates(const std::vector<agent_t>& wires, const Now& now) {
+void AgentProcess::Publish(std::vector<agent_t> wires, bool whole, const Now& now) {
   published_before_ = std::move(published_);
-  published_ = {tick_, {}};
-  for (agent_states_t& states : StatesMessages(kind_, tick_, applied_decision_, wires)) {
-    published_.packets.push_back(sender().Send(ChannelOf(kind_), std::move(states), tick_us_, now));
+  published_ = {tick_, {}, {}};
+  std::vector<SentPacket>& packets = published_.packets;
+  if (whole) {
+    for (agent_states_t& states : StatesMessages(kind_, tick_, applied_decision_, wires)) {
+      if (told_) told_->Take(states);
+      packets.push_back(sender().Send(ChannelOf(kind_), std::move(states), tick_us_, now));
+    }
+    return;
   }
+  for (agent_changes_t& changes : told_->ChangesSince(tick_, applied_decision_, wires)) {
+    packets.push_back(sender().Send(ChangesChannelOf(kind_), std::move(changes), tick_us_, now));
+  }
+  agent_states_t& states = published_.states.emplace();
+  states.header = *DecodeHeader(*packets.front());
+  states.kind = NumberOf(kind_);
+  states.tick = tick_;
+  states.applied_decision = applied_decision_;
+  states.agents = std::move(wires);
+  states.n = static_cast<std::int32_t>(states.agents.size());
 }
 
 }  // namespace muster::agents

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/scenario.h"
+#include "protocol/agent_changes.h"
 #include "protocol/convert.h"
 #include "protocol/follower.h"
 
@@ -17,10 +18,13 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 
 /// Some or all agents of one class in lockstep (docs/mission.md). It advances when it holds the
 /// clock, the world's verdict on its present tick and the decision that must be in force, publishes
-/// its states, and publishes them again when the clock is repeated.
+/// its states, or what of them has changed, and publishes them again when the clock is repeated.
 class AgentProcess : public Follower {
  public:
-  AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids);
+  /// Up to `most_whole` agents always tell whole states: one message, and readable as it is.
+  AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
+               std::size_t most_whole = kMostWhole);
+  static constexpr std::size_t kMostWhole = 256;
 
  protected:
   void OnScenario() override;
@@ -42,10 +46,13 @@ class AgentProcess : public Follower {
   bool CanAdvance() const;
   void Advance(const Now& now);
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
-  void PublishStates(const std::vector<agent_t>& wires, const Now& now);
+  /// Whether the states of tick_ have to be said whole, though most of it may be known.
+  bool SpeaksWhole() const;
+  void Publish(std::vector<agent_t> wires, bool whole, const Now& now);
 
   const AgentKind kind_;
   const IdRange ids_;
+  const std::size_t most_whole_;
   std::vector<AgentState> agents_;
 
   std::int64_t tick_ = -1;  ///< of the published states
@@ -63,8 +70,13 @@ class AgentProcess : public Follower {
   struct Published {
     std::int64_t tick = -1;
     std::vector<SentPacket> packets;
+    /// Said as changes: the whole states, with the header of the first of the packets.
+    std::optional<agent_states_t> states;
   };
+  void Answer(const request_t& request, const Published& published, const Now& now);
   Published published_, published_before_;
+  std::optional<ToldAgents> told_;  ///< what whoever has heard this process knows
+  bool says_whole_ = false;         ///< the next time: somebody has not heard it
   /// The verdict that led to tick_, for a world that starts again.
   struct Consumed {
     std::int64_t tick = -1;

@@ -78,6 +78,9 @@ bool Scan(Scanner& in, const header_t*) {
 }
 bool ScanHeader(Scanner& in) { return Scan(in, static_cast<const header_t*>(nullptr)); }
 
+bool Scan(Scanner& in, const agent_changes_t*) {
+  return ScanHeader(in) && in.Skip(1 + 8 + 4 + 8 + 4 + 4) && in.SkipArray(FixedBytes<agent_t>());
+}
 bool Scan(Scanner& in, const agent_states_t*) {
   return ScanHeader(in) && in.Skip(1 + 8 + 4) && in.SkipArray(FixedBytes<agent_t>());
 }
@@ -154,11 +157,11 @@ TypeRow RowOf() {
 
 const TypeRow* FindType(std::string_view name) {
   static const TypeRow rows[] = {
-      RowOf<agent_states_t>(), RowOf<clock_t>(),      RowOf<event_t>(),
-      RowOf<fault_t>(),        RowOf<log_status_t>(), RowOf<process_status_t>(),
-      RowOf<request_t>(),      RowOf<restore_t>(),    RowOf<rulings_t>(),
-      RowOf<scenario_t>(),     RowOf<schedule_t>(),   RowOf<world_state_t>(),
-      RowOf<answer_t>(),
+      RowOf<agent_states_t>(), RowOf<clock_t>(),         RowOf<event_t>(),
+      RowOf<fault_t>(),        RowOf<log_status_t>(),    RowOf<process_status_t>(),
+      RowOf<request_t>(),      RowOf<restore_t>(),       RowOf<rulings_t>(),
+      RowOf<scenario_t>(),     RowOf<schedule_t>(),      RowOf<world_state_t>(),
+      RowOf<answer_t>(),       RowOf<agent_changes_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -175,6 +178,7 @@ template <class T>
 bool CountsHold(const T&) {
   return true;
 }
+bool CountsHold(const agent_changes_t& m) { return HasCount(m.n, m.agents.size()); }
 bool CountsHold(const agent_states_t& m) { return HasCount(m.n, m.agents.size()); }
 bool CountsHold(const log_status_t& m) { return HasCount(m.n, m.marks.size()); }
 bool CountsHold(const restore_t& m) { return HasCount(m.n, m.data.size()); }
@@ -273,6 +277,15 @@ bool Valid(const agent_states_t& m) {
   return Valid(m.header) && IsWord<AgentKind>(m.kind) && m.tick >= 0 && m.applied_decision >= -1 &&
          std::all_of(m.agents.begin(), m.agents.end(), ValidAgent);
 }
+bool Valid(const agent_changes_t& m) {
+  const auto in_order = [&](const agent_t& a, const agent_t& b) { return a.id >= b.id; };
+  return Valid(m.header) && IsWord<AgentKind>(m.kind) && In(m.base_tick, 0, m.tick - 1) &&
+         m.applied_decision >= -1 && In(m.first_id, 0, m.last_id) &&
+         std::all_of(m.agents.begin(), m.agents.end(), ValidAgent) &&
+         std::adjacent_find(m.agents.begin(), m.agents.end(), in_order) == m.agents.end() &&
+         (m.agents.empty() ||
+          (m.agents.front().id >= m.first_id && m.agents.back().id <= m.last_id));
+}
 bool Valid(const clock_t& m) {
   return Valid(m.header) && NotNegative(m.tick, m.tick_us, m.limit_us) && m.decision >= -1 &&
          m.required_decision >= -1 && IsWord<ClockPhase>(m.phase) &&
@@ -360,6 +373,7 @@ std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept {
 #define MUSTER_CODEC(T)                                   \
   template std::vector<std::uint8_t> Encode<T>(const T&); \
   template std::optional<T> Decode<T>(Bytes) noexcept
+MUSTER_CODEC(agent_changes_t);
 MUSTER_CODEC(agent_states_t);
 MUSTER_CODEC(answer_t);
 MUSTER_CODEC(clock_t);

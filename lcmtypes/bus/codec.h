@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "muster/agent_changes_t.hpp"
 #include "muster/agent_states_t.hpp"
 #include "muster/answer_t.hpp"
 #include "muster/clock_t.hpp"
@@ -41,6 +42,7 @@ std::optional<T> Decode(std::span<const std::uint8_t> bytes) noexcept;
 /// of at least -1, times and counters not negative (the ticks of process_status_t, restore_t and
 /// answer_t: at least -1, none yet), names that are not endless, channels of the table.
 bool Valid(const header_t& header);
+bool Valid(const agent_changes_t& message);
 bool Valid(const agent_states_t& message);
 bool Valid(const clock_t& message);
 bool Valid(const event_t& message);

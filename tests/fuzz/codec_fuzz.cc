@@ -34,6 +34,7 @@ void Check(const std::vector<std::uint8_t>& bytes, const char* channel) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace muster;
   const std::vector<std::uint8_t> bytes(data, data + size);
+  Check<agent_changes_t>(bytes, "MUSTER_UAV_CHANGES");
   Check<agent_states_t>(bytes, "MUSTER_UAVS");
   Check<muster::clock_t>(bytes, "MUSTER_CLOCK");
   Check<event_t>(bytes, "MUSTER_EVENT");

@@ -177,6 +177,7 @@ TEST(Codec, RefusesCountsThatTheBytesDoNotJustify) {
       EXPECT_FALSE(Decode<T>(bytes).has_value()) << wrong;
     }
   };
+  check(Sample<agent_changes_t>(), 2 * kAgentBytes, 2);
   check(Sample<agent_states_t>(), 2 * kAgentBytes, 2);
   check(Sample<schedule_t>(), 10 * kActionBytes, 10);
   check(Sample<rulings_t>(), 3 * kRulingBytes, 3);
@@ -384,6 +385,17 @@ TEST(Valid, LooksAtEveryElement) {
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].range_left_m = -1; }));
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].busy_until_us = -1; }));
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].decision = -2; }));
+  using C = agent_changes_t;
+  EXPECT_TRUE(ValidAfter<C>([](C& m) { m.agents[0].id = 4; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.kind = 3; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.base_tick = m.tick; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.base_tick = -1; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.applied_decision = -2; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.first_id = -1; }));
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.first_id = 4; })) << "before the first";
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.last_id = 254; })) << "behind the last";
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.agents[1].id = 3; })) << "twice";
+  EXPECT_FALSE(ValidAfter<C>([](C& m) { m.agents[1].x_m = kNan; }));
   using S = schedule_t;
   EXPECT_FALSE(ValidAfter<S>([](S& m) { m.decision = -1; }));
   EXPECT_FALSE(ValidAfter<S>([](S& m) { m.weight = kNan; }));

@@ -47,6 +47,20 @@ agent_states_t SampleAgentStates() {
   return agents;
 }
 
+agent_changes_t SampleAgentChanges() {
+  agent_changes_t changes{};
+  changes.header = Header(13);
+  changes.kind = 1;
+  changes.tick = 5;
+  changes.applied_decision = -1;
+  changes.base_tick = 4;
+  changes.first_id = 3;
+  changes.last_id = 260;
+  changes.agents = {Agent(3), Agent(255)};
+  changes.n = 2;
+  return changes;
+}
+
 clock_t SampleClock() {
   clock_t clock{};
   clock.header = Header(1);
@@ -208,10 +222,10 @@ world_state_t SampleWorldState() {
 }  // namespace
 
 AllMessages SampleMessages() {
-  return {SampleAgentStates(), SampleAnswer(),    SampleClock(),         SampleEvent(),
-          SampleFault(),       SampleLogStatus(), SampleProcessStatus(), SampleRequest(),
-          SampleRestore(),     SampleRulings(),   SampleScenario(),      SampleSchedule(),
-          SampleWorldState()};
+  return {SampleAgentChanges(), SampleAgentStates(), SampleAnswer(),    SampleClock(),
+          SampleEvent(),        SampleFault(),       SampleLogStatus(), SampleProcessStatus(),
+          SampleRequest(),      SampleRestore(),     SampleRulings(),   SampleScenario(),
+          SampleSchedule(),     SampleWorldState()};
 }
 
 }  // namespace muster

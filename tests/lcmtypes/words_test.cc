@@ -14,7 +14,8 @@ namespace {
 /// Calls visit(word, where): the field that holds it, as docs/wire.md says.
 template <class Visit>
 void ForEachWord(Visit visit) {
-  visit(AgentKind::kVehicle, "`agent_states_t.kind`, `ruling_t.agent_kind`");
+  visit(AgentKind::kVehicle,
+        "`agent_states_t.kind`, `agent_changes_t.kind`, `ruling_t.agent_kind`");
   visit(AgentStatus::kFailed, "`agent_t.status`");
   visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
   visit(ActivityKind::kCharging, "`activity_t.kind`");

@@ -21,14 +21,15 @@ inline PacketFaults Lossy(double loss, double duplication = 0, TimeUs delay_us =
 }
 
 /// A process of run 1 with policy mpq.
-inline std::unique_ptr<Process> StartProcess(const std::string& name, std::int64_t boot_id,
-                                             const std::string& json,
-                                             const world::WorldOptions& options = {},
-                                             const std::string& policy = "mpq") {
+inline std::unique_ptr<Process> StartProcess(
+    const std::string& name, std::int64_t boot_id, const std::string& json,
+    const world::WorldOptions& options = {}, const std::string& policy = "mpq",
+    std::size_t most_whole = agents::AgentProcess::kMostWhole) {
   simulation::ProcessSettings settings;
   settings.scenario_json = json;
   settings.policy = policy;
   settings.world = options;
+  settings.most_whole = most_whole;
   return simulation::StartProcess({1, name, boot_id}, settings);
 }
 

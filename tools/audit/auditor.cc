@@ -25,7 +25,9 @@ std::size_t HashOf(const Packet& packet) {
 }
 
 int ClassOf(std::string_view channel) {
-  return channel == channel::kUavs ? kUav : channel == channel::kWorkers ? kWorker : kVehicle;
+  return channel == channel::kUavs || channel == channel::kUavChanges         ? kUav
+         : channel == channel::kWorkers || channel == channel::kWorkerChanges ? kWorker
+                                                                              : kVehicle;
 }
 
 bool SameActions(const schedule_t& a, const schedule_t& b) {
@@ -129,7 +131,9 @@ void Auditor::Take(const Packet& packet) {
     TickData* data = m ? DataOf(m->tick) : nullptr;
     if (data != nullptr && !data->rulings) data->rulings = std::move(*m);
   } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
-    if (const auto m = Admit<agent_states_t>(packet)) TakeReports(*m, ClassOf(name));
+    if (const auto m = Admit<agent_states_t>(packet)) TakeStates(*m, ClassOf(name));
+  } else if (IsReports(name)) {
+    if (const auto m = Admit<agent_changes_t>(packet)) TakeChanges(*m, ClassOf(name));
   } else if (name == channel::kSchedule) {
     if (const auto m = Admit<schedule_t>(packet)) TakeSchedule(*m);
   } else if (name == channel::kEvent) {
@@ -186,6 +190,7 @@ void Auditor::TakeScenario(const scenario_t& message) {
       }
     }
     last_seen_[kind].resize(models_[kind].size());
+    told_[kind].resize(models_[kind].size());
     for (const AgentModel& model : models_[kind]) was_[kind].emplace_back(model.from, 0);
   }
   task_status_.assign(scenario_->tasks.size(), 0);
@@ -205,45 +210,6 @@ Auditor::TickData* Auditor::DataOf(std::int64_t tick) {
   TickData& data = pending_[tick];
   for (const int kind : {kUav, kWorker, kVehicle}) data.reports[kind].resize(models_[kind].size());
   return &data;
-}
-
-void Auditor::TakeReports(const agent_states_t& message, int kind) {
-  const std::int64_t t = scenario_->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
-  if (message.kind != kind) {
-    Violate(t, "lockstep",
-            fmt::format("agents of class {} on the channel of {}s, tick {}", message.kind,
-                        ToString<AgentKind>(kind), message.tick));
-    return;
-  }
-  TickData* data = DataOf(message.tick);
-  const bool is_late = message.tick >= 0 && message.tick < next_tick_;
-  if (data == nullptr && !is_late) return;
-  for (const agent_t& agent : message.agents) {
-    if (agent.id < 0 || static_cast<std::size_t>(agent.id) >= models_[kind].size()) {
-      Violate(t, "lockstep",
-              fmt::format("{} reports {}:{}, which the scenario does not have",
-                          message.header.sender, ToString<AgentKind>(kind), agent.id));
-      continue;
-    }
-    if (data == nullptr) {
-      // A lost process that is back says where it stands at a tick that went by without it.
-      if (kind == kUav) NoteUav(message.tick, agent);
-      continue;
-    }
-    auto& report = data->reports[kind][static_cast<std::size_t>(agent.id)];
-    if (report) {
-      // A restarted process may say its last tick again.
-      if (report->sender != message.header.sender || report->boot_id == message.header.boot_id) {
-        Violate(t, "lockstep",
-                fmt::format("{}:{} is reported twice for tick {}, by {} (start {}) and {} (start "
-                            "{})",
-                            ToString<AgentKind>(kind), agent.id, message.tick, report->sender,
-                            report->boot_id, message.header.sender, message.header.boot_id));
-      }
-      continue;
-    }
-    report = Report{agent, message.applied_decision, message.header.sender, message.header.boot_id};
-  }
 }
 
 void Auditor::TakeSchedule(const schedule_t& message) {

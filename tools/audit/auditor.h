@@ -67,10 +67,17 @@ class Auditor {
 
  private:
   struct Report {
-    agent_t agent;
+    agent_t agent;                ///< not listed: nothing but its id
+    std::int64_t base_tick = -1;  ///< not listed: it goes on as told for that; -1: listed
     std::int32_t applied_decision = -1;
     std::string sender;
     std::int64_t boot_id = 0;
+  };
+  /// An agent as last listed, and until when nothing has changed since.
+  struct Told {
+    agent_t agent;
+    std::int64_t at_us = 0;
+    std::int64_t tick = -1;
   };
   struct TickData {
     std::optional<clock_t> clock;
@@ -109,7 +116,11 @@ class Auditor {
   std::optional<Message> Admit(const Packet& packet);
   void Take(const Packet& packet);
   void TakeScenario(const scenario_t& message);
-  void TakeReports(const agent_states_t& message, int kind);
+  void TakeStates(const agent_states_t& message, int kind);
+  void TakeChanges(const agent_changes_t& message, int kind);
+  /// Whether a report of that class and tick can be, on the channel of class `kind`.
+  bool CanReport(int said, int kind, std::int64_t tick, TickData** data);
+  void TakeReport(std::int64_t tick, int kind, const Report& report, TickData* data);
   void TakeSchedule(const schedule_t& message);
   TickData* DataOf(std::int64_t tick);
   bool Complete(std::int64_t tick, const TickData& data) const;
@@ -125,7 +136,9 @@ class Auditor {
   void CheckClock(const clock_t& clock);
   void CheckReports(const TickData& data);
   void NoteUav(std::int64_t tick, const agent_t& a);
-  void CheckReport(AgentModel* model, const Report& report);
+  /// What the report says of its agent; none: of who is not listed nothing is known.
+  std::optional<agent_t> Read(int kind, const Report& report, std::int64_t tick);
+  void CheckReport(AgentModel* model, const agent_t& a, std::int32_t applied_decision);
   void CheckSpec(const AgentModel& model, const agent_t& report);
   void CheckMotion(const AgentModel& model, const agent_t& report);
   void ResolveCommand(AgentModel* model, const agent_t& report);
@@ -180,6 +193,7 @@ class Auditor {
   std::vector<AgentModel> models_[3];
   std::vector<std::optional<Place>> last_seen_[3];      // as reported
   std::vector<std::pair<Place, std::int64_t>> was_[3];  // where it truly was, and when
+  std::vector<Told> told_[3];
   std::map<AgentKey, Command> commands_;
   std::map<AgentKey, Failure> failed_;
   std::set<std::pair<std::int64_t, int>> failing_;  // by tick: UAVs that fail at it

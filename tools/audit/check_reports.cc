@@ -6,9 +6,97 @@
 #include <set>
 
 #include "tools/audit/auditor.h"
+#include "tools/audit/unlisted.h"
 #include "tools/audit/values.h"
 
 namespace muster::tools::audit {
+
+bool Auditor::CanReport(int said, int kind, std::int64_t tick, TickData** data) {
+  if (said != kind) {
+    Violate(scenario_->TimeOf(std::clamp<std::int64_t>(tick, 0, 1 << 30)), "lockstep",
+            fmt::format("agents of class {} on the channel of {}s, tick {}", said,
+                        ToString<AgentKind>(kind), tick));
+    return false;
+  }
+  *data = DataOf(tick);
+  const bool is_late = tick >= 0 && tick < next_tick_;
+  return *data != nullptr || is_late;
+}
+
+void Auditor::TakeStates(const agent_states_t& message, int kind) {
+  TickData* data = nullptr;
+  if (!CanReport(message.kind, kind, message.tick, &data)) return;
+  for (const agent_t& agent : message.agents) {
+    TakeReport(message.tick, kind,
+               {agent, -1, message.applied_decision, message.header.sender, message.header.boot_id},
+               data);
+  }
+}
+
+void Auditor::TakeChanges(const agent_changes_t& message, int kind) {
+  TickData* data = nullptr;
+  if (!CanReport(message.kind, kind, message.tick, &data)) return;
+  const header_t& header = message.header;
+  if (scenario_->DecisionAt(message.tick) >= 0) {
+    Violate(now_us_, "lockstep",
+            fmt::format("{} says only what has changed at tick {}, where a decision rests on it",
+                        header.sender, message.tick));
+    return;
+  }
+  // A range that no scenario has is told of once.
+  const auto last =
+      std::min<std::int64_t>(message.last_id, static_cast<std::int64_t>(models_[kind].size()));
+  auto listed = message.agents.begin();
+  for (auto id = message.first_id; id <= last; ++id) {
+    Report report{{}, message.base_tick, message.applied_decision, header.sender, header.boot_id};
+    report.agent.id = id;
+    if (listed != message.agents.end() && listed->id == id) {
+      report.agent = *listed++;
+      report.base_tick = -1;
+    }
+    TakeReport(message.tick, kind, report, data);
+  }
+}
+
+void Auditor::TakeReport(std::int64_t tick, int kind, const Report& report, TickData* data) {
+  const std::int64_t t = scenario_->TimeOf(tick);
+  const std::int32_t id = report.agent.id;
+  if (id < 0 || static_cast<std::size_t>(id) >= models_[kind].size()) {
+    Violate(t, "lockstep",
+            fmt::format("{} reports {}:{}, which the scenario does not have", report.sender,
+                        ToString<AgentKind>(kind), id));
+    return;
+  }
+  if (data == nullptr) {
+    // A lost process that is back says where it stands at a tick that went by without it.
+    const std::optional<agent_t> said = Read(kind, report, tick);
+    if (said && kind == kUav) NoteUav(tick, *said);
+    return;
+  }
+  auto& known = data->reports[kind][static_cast<std::size_t>(id)];
+  if (!known) {
+    known = report;
+    return;
+  }
+  // A restarted process may say its last tick again.
+  if (known->sender == report.sender && known->boot_id != report.boot_id) return;
+  Violate(t, "lockstep",
+          fmt::format("{}:{} is reported twice for tick {}, by {} (start {}) and {} (start {})",
+                      ToString<AgentKind>(kind), id, tick, known->sender, known->boot_id,
+                      report.sender, report.boot_id));
+}
+
+std::optional<agent_t> Auditor::Read(int kind, const Report& report, std::int64_t tick) {
+  Told& told = told_[kind][static_cast<std::size_t>(report.agent.id)];
+  const std::int64_t t = scenario_->TimeOf(tick);
+  if (report.base_tick < 0) {
+    if (tick > told.tick) told = {report.agent, t, tick};
+    return report.agent;
+  }
+  if (told.tick < report.base_tick || told.tick > tick) return {};
+  told.tick = tick;
+  return Unlisted(told.agent, kind, told.at_us, t, *scenario_);
+}
 
 void Auditor::CheckReports(const TickData& data) {
   // What a process says of the tick in which it is lost never reached the world.
@@ -25,8 +113,14 @@ void Auditor::CheckReports(const TickData& data) {
     for (AgentModel& model : models_[kind]) {
       const auto id = static_cast<std::size_t>(model.id);
       const auto& report = data.reports[kind][id];
-      if (report && !unheard.contains({kind, model.id})) {
-        CheckReport(&model, *report);
+      const std::optional<agent_t> said =
+          report ? Read(kind, *report, next_tick_) : std::optional<agent_t>();
+      if (report && !said) {
+        Violate(now_us_, "lockstep",
+                fmt::format("{} has not changed since tick {}, says {}, which has not been told",
+                            model.name(), report->base_tick, report->sender));
+      } else if (report && !unheard.contains({kind, model.id})) {
+        CheckReport(&model, *said, report->applied_decision);
       } else {
         commands_.erase({kind, model.id});  // of a lost process: what it did is not known
       }
@@ -34,15 +128,14 @@ void Auditor::CheckReports(const TickData& data) {
   }
 }
 
-void Auditor::CheckReport(AgentModel* model, const Report& report) {
-  const agent_t& a = report.agent;
+void Auditor::CheckReport(AgentModel* model, const agent_t& a, std::int32_t applied_decision) {
   const auto kind = static_cast<std::size_t>(model->kind);
   const auto id = static_cast<std::size_t>(model->id);
   const std::size_t before = n_violations_;
-  if (report.applied_decision != in_force_) {
+  if (applied_decision != in_force_) {
     Violate(now_us_, "lockstep",
-            fmt::format("{} applied decision {}, in force is {}", model->name(),
-                        report.applied_decision, in_force_));
+            fmt::format("{} applied decision {}, in force is {}", model->name(), applied_decision,
+                        in_force_));
   }
   CheckSpec(*model, a);
 

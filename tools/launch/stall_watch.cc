@@ -46,7 +46,7 @@ void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
   Peer& peer = peers_[header->sender];
   peer.heard_us = now_us;
   const std::string& name = packet.channel;
-  if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
+  if (IsReports(name)) {
     peer.role = Role::kAgents;
     peer.answered_us = std::max(peer.answered_us, header->sim_us);
   } else if (name == channel::kSchedule) {

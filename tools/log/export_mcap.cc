@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "lcmtypes/channels.h"
 #include "model/agent.h"
+#include "protocol/convert.h"
 #include "tools/files/pending_file.h"
 #include "tools/log/export.h"
 #include "tools/log/mcap_writer.h"
@@ -148,14 +149,17 @@ void ExportMcap(LogSource* source, const std::string& out) {
       at_us = std::max(at_us, header.sim_us);
       const std::int64_t unix_us = head.epoch_us + at_us;
       const auto time_ns = static_cast<std::uint64_t>(unix_us) * 1000;
-      auto channel = channels.find(packet.channel);
+      // What was said as changes comes as the whole states that they stand for.
+      const auto* states = std::get_if<agent_states_t>(&message);
+      const std::string name(states == nullptr ? packet.channel
+                                               : ChannelOf(static_cast<AgentKind>(states->kind)));
+      auto channel = channels.find(name);
       if (channel == channels.end()) {
-        const Channel* row = FindChannel(packet.channel);
-        MUSTER_CHECK(row != nullptr, "{}", packet.channel);
+        const Channel* row = FindChannel(name);
+        MUSTER_CHECK(row != nullptr, "{}", name);
         channel = channels
-                      .emplace(packet.channel,
-                               writer.AddChannel(packet.channel, "muster." + std::string(row->type),
-                                                 MessageSchema(message).dump()))
+                      .emplace(name, writer.AddChannel(name, "muster." + std::string(row->type),
+                                                       MessageSchema(message).dump()))
                       .first;
       }
       writer.Write(channel->second, time_ns, MessageJson(message).dump());

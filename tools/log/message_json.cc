@@ -115,6 +115,17 @@ void Visit(const agent_states_t& m, V&& v) {
   v("agents", m.agents);
 }
 template <class V>
+void Visit(const agent_changes_t& m, V&& v) {
+  v("header", m.header);
+  v("kind", m.kind);
+  v("tick", m.tick);
+  v("applied_decision", m.applied_decision);
+  v("base_tick", m.base_tick);
+  v("first_id", m.first_id);
+  v("last_id", m.last_id);
+  v("agents", m.agents);
+}
+template <class V>
 void Visit(const schedule_t& m, V&& v) {
   v("header", m.header);
   v("decision", m.decision);

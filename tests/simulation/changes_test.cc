@@ -1,0 +1,169 @@
+// Missions whose agents say what has changed: outcomes are those of missions told whole.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "base/check.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tests/simulation/archivist.h"
+#include "tests/simulation/audited.h"
+#include "tests/simulation/crew.h"
+#include "tools/record/digest.h"
+
+namespace muster::tools {
+namespace {
+
+using testing::Archivist;
+using testing::Crew;
+using testing::Lossy;
+
+const std::vector<std::string> kNames = {"world", "uav", "worker", "vehicle", "scheduler"};
+
+Scenario Undisturbed() { return Generate(PresetByName("Random_10"), 5); }
+
+/// With wind, costs of communication, failures and failed matches.
+Scenario Disturbed() {
+  Scenario scenario = Undisturbed();
+  scenario.disturbances.wind = {0.1, 0.4};
+  scenario.disturbances.communication_m = {100, 500};
+  scenario.disturbances.match_failure = {0.05, 0.1};
+  scenario.disturbances.agent_failure = {0.01, 0.05};
+  return scenario;
+}
+
+/// Each process of the mission, and somebody who looks at all that is said.
+class Mission {
+ public:
+  Mission(const Scenario& scenario, const PacketFaults& faults, std::uint64_t seed,
+          std::string policy = "mpq")
+      : json_(ScenarioToJson(scenario)), policy_(std::move(policy)), crew_(faults, seed) {
+    for (const std::string& name : kNames) Start(name);
+  }
+
+  void Start(const std::string& name) {
+    crew_.Add(testing::StartProcess(name, boots_[name]++, json_, options_, policy_, 0));
+  }
+  void RunUntil(TimeUs limit_us, const std::function<bool()>& done) {
+    crew_.Run(
+        limit_us, [&] { return ended_ || done(); }, [&](const Packet& packet) { Hear(packet); });
+  }
+  void RunToEnd() {
+    RunUntil(crew_.now_us() + 3600 * kSecondUs, [] { return false; });
+  }
+  void RunToTick(std::int64_t tick) {
+    RunUntil(crew_.now_us() + 3600 * kSecondUs, [&] { return tick_ >= tick; });
+  }
+  void Hear(const Packet& packet) {
+    ++sent_;
+    changes_ += IsReports(packet.channel) &&
+                DecodeMessage(packet)->index() == Message(agent_changes_t()).index();
+    record_.Add(packet);
+    audited_.Add(packet);
+    if (packet.channel != channel::kClock) return;
+    const auto clock = Decode<clock_t>(packet.bytes);
+    tick_ = clock->tick;
+    ended_ |= clock->phase == ClockPhase::kEnded;
+  }
+
+  Crew& crew() { return crew_; }
+  const RunRecord& record() const { return record_; }
+  bool ended() const { return ended_; }
+  int sent() const { return sent_; }
+  int changes() const { return changes_; }
+
+ private:
+  std::string json_, policy_;
+  world::WorldOptions options_;
+  Crew crew_;
+  std::map<std::string, std::int64_t> boots_;
+  RunRecord record_;
+  Audited audited_;
+  bool ended_ = false;
+  int sent_ = 0, changes_ = 0;
+  std::int64_t tick_ = -1;
+};
+
+std::string WholeDigest(const Scenario& scenario, const std::string& policy = "mpq") {
+  RunRecord record;
+  Simulate(ScenarioToJson(scenario), policy, [&](const Packet& packet) { record.Add(packet); });
+  return Digest(record);
+}
+
+TEST(Changes, OutcomeIsThatOfWholeStatesWhateverThePolicy) {
+  for (const Scenario& scenario : {Undisturbed(), Disturbed()}) {
+    for (const char* policy : {"mpq", "certified", "horizon", "greedy-sum"}) {
+      Mission mission(scenario, {}, 1, policy);
+      mission.RunToEnd();
+      EXPECT_TRUE(mission.record().CheckComplete().complete);
+      EXPECT_EQ(Digest(mission.record()), WholeDigest(scenario, policy)) << policy;
+      EXPECT_GT(mission.changes(), 900) << policy;  // of 361 ticks and 3 processes
+    }
+  }
+}
+
+TEST(Changes, OutcomeDoesNotDependOnMeetings) {
+  Scenario scenario = Undisturbed();
+  scenario.rules.start_on_meeting = true;
+  Mission mission(scenario, {}, 1, "horizon");
+  mission.RunToEnd();
+  EXPECT_EQ(Digest(mission.record()), WholeDigest(scenario, "horizon"));
+}
+
+TEST(Changes, OutcomeDoesNotDependOnLossDuplicationOrOrder) {
+  const std::string expected = WholeDigest(Disturbed());
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Mission mission(Disturbed(), Lossy(0.3, 0.1, 3000), seed);
+    mission.RunToEnd();
+    EXPECT_TRUE(mission.ended()) << "seed " << seed;
+    EXPECT_EQ(Digest(mission.record()), expected) << "seed " << seed;
+  }
+}
+
+TEST(Changes, AnyOneProcessMayBeKilledAtAnyTime) {
+  const std::string expected = WholeDigest(Undisturbed());
+  const PacketFaults faults = Lossy(0.1, 0, 150);
+  Mission undisturbed(Undisturbed(), faults, 1);
+  undisturbed.RunToEnd();
+  Random random(1, Stream::kTest);
+  for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+    for (int i = 0; i < 12; ++i) {
+      const auto at =
+          static_cast<int>(random.Below(static_cast<std::uint32_t>(undisturbed.sent())));
+      SCOPED_TRACE(fmt::format("{} killed after packet {}", victim, at));
+      Mission mission(Undisturbed(), faults, 1);
+      mission.RunUntil(3600 * kSecondUs, [&] { return mission.sent() >= at; });
+      mission.crew().Kill(victim);
+      mission.Start(victim);
+      mission.RunToEnd();
+      ASSERT_TRUE(mission.ended());
+      ASSERT_EQ(Digest(mission.record()), expected);
+    }
+  }
+}
+
+TEST(Changes, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
+  const Scenario scenario = Undisturbed();
+  const std::string expected = WholeDigest(scenario);
+  Random random(2, Stream::kTest);
+  for (int i = 0; i < 40; ++i) {
+    std::vector<std::string> victims = kNames;
+    random.Shuffle(victims);
+    victims.resize(2 + random.Below(4));
+    const auto tick = static_cast<std::int64_t>(random.Below(360));
+    SCOPED_TRACE(fmt::format("{} killed at tick {}", fmt::join(victims, ", "), tick));
+    Mission mission(scenario, Lossy(0, 0, 150), 1);
+    mission.crew().Add(std::make_unique<Archivist>(scenario, false), PacketFaults{});
+    mission.RunToTick(tick);
+    for (const std::string& victim : victims) mission.crew().Kill(victim);
+    for (const std::string& victim : victims) mission.Start(victim);
+    mission.RunToEnd();
+    ASSERT_TRUE(mission.ended());
+    ASSERT_EQ(Digest(mission.record()), expected);
+  }
+}
+
+}  // namespace
+}  // namespace muster::tools
