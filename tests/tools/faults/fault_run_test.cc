@@ -10,6 +10,7 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
+#include "tests/tools/faults/mission_test.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
 
@@ -18,22 +19,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-class FaultRunTest : public ::testing::Test {
+class FaultRunTest : public MissionTest {
  protected:
-  void SetUp() override {
-    MUSTER_NEEDS_MULTICAST();
-    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
-    Muster simulate(folder_, "simulate",
-                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
-    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
-    undisturbed_ = Report("simulated")["digest"];
-  }
-  Json Report(const std::string& name) const {
-    return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
-  }
-  /// A mission with these faults; its report.
-  /// Where somebody is to be back in a mission that goes on without him, `more` has a rate: as fast
-  /// as it can, the mission may be over before.
+  /// The report of a mission with these faults. Where somebody is to be back in a mission that goes
+  /// on without him, `more` has a rate: as fast as it can, the mission may be over before.
   Json Run(const std::vector<std::string>& faults, const std::string& name = "run",
            const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File(name)};
@@ -49,10 +38,6 @@ class FaultRunTest : public ::testing::Test {
     EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
     return report;
   }
-
-  TemporaryFolder folder_;
-  std::string scenario_ = folder_.File("scenario.json");
-  std::string undisturbed_;
 };
 
 TEST_F(FaultRunTest, LossDuplicationReorderingAndDelayChangeNoDecision) {

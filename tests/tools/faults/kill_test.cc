@@ -15,6 +15,7 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
+#include "tests/tools/faults/mission_test.h"
 #include "tests/tools/launch/live_log.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
@@ -25,20 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class KillTest : public ::testing::Test {
+class KillTest : public MissionTest {
  protected:
-  void SetUp() override {
-    MUSTER_NEEDS_MULTICAST();
-    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
-    Muster simulate(folder_, "simulate",
-                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
-    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
-    expected_ = Report("simulated")["digest"];
-  }
-  Json Report(const std::string& name) const {
-    return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
-  }
-
   /// A mission in which each of `victims` is killed at a random tick of its own.
   void KillAll(const std::vector<std::string>& victims, std::uint64_t seed,
                const std::vector<std::string>& more = {}) {
@@ -68,7 +57,7 @@ class KillTest : public ::testing::Test {
     }
     ASSERT_EQ(muster.Wait(), 0) << muster.output();
     const Json report = Report(name);
-    EXPECT_EQ(report["digest"], expected_) << "killed at tick " << at;
+    EXPECT_EQ(report["digest"], undisturbed_) << "killed at tick " << at;
     EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
     std::map<std::string, int> restarts;
     for (const Json& process : report["processes"]) {
@@ -83,10 +72,6 @@ class KillTest : public ::testing::Test {
       }
     }
   }
-
-  TemporaryFolder folder_;
-  std::string scenario_ = folder_.File("scenario.json");
-  std::string expected_;
 };
 
 TEST_F(KillTest, World) { KillAll({"world"}, 1); }
@@ -110,7 +95,7 @@ TEST_F(KillTest, AllAtOnce) {
   EXPECT_NE(muster.output().find("nobody told world how things stand"), std::string::npos)
       << muster.output();
   const Json report = Report("run");
-  EXPECT_EQ(report["digest"], expected_);
+  EXPECT_EQ(report["digest"], undisturbed_);
   EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
   EXPECT_EQ(report["events"]["process_lost"], victims.size());
 }
@@ -160,7 +145,7 @@ TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
        "continue", "--lost-after", "0.5", "--fault", "process_stopped:lcm-logger@60+4s"});
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const Json report = Report("run");
-  EXPECT_EQ(report["digest"], expected_);
+  EXPECT_EQ(report["digest"], undisturbed_);
   EXPECT_EQ(report["events"]["process_lost"], 0);
 }
 
@@ -205,7 +190,7 @@ TEST_F(KillTest, ASecondProcessOfANameIsRefusedAndNamed) {
   ASSERT_TRUE(
       Eventually([&] { return muster.child().Poll().has_value(); }, std::chrono::minutes(3)));
   EXPECT_TRUE(muster.child().Poll()->clean()) << muster.output();
-  EXPECT_EQ(Report("run")["digest"], expected_);
+  EXPECT_EQ(Report("run")["digest"], undisturbed_);
 }
 
 TEST_F(KillTest, OverABadNetwork) { KillAll({"worker", "world"}, 8, {"--drop", "0.2"}); }

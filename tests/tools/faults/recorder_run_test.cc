@@ -18,6 +18,7 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "tests/lcmtypes/test_network.h"
+#include "tests/tools/faults/mission_test.h"
 #include "tests/tools/launch/live_log.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
@@ -28,19 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class RecorderRunTest : public ::testing::Test {
+class RecorderRunTest : public MissionTest {
  protected:
-  void SetUp() override {
-    MUSTER_NEEDS_MULTICAST();
-    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
-    Muster simulate(folder_, "simulate",
-                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
-    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
-    undisturbed_ = Report("simulated")["digest"];
-  }
-  Json Report(const std::string& name = "run") const {
-    return Json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
-  }
   std::vector<std::string> With(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"run",    scenario_, "--quiet", "--logger",
                                           "muster", "--out",   Run()};
@@ -60,10 +50,6 @@ class RecorderRunTest : public ::testing::Test {
     }
     return report;
   }
-
-  TemporaryFolder folder_;
-  std::string scenario_ = folder_.File("scenario.json");
-  Json undisturbed_;
 };
 
 std::int64_t GarbageIn(const std::string& log) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "tests/lcmtypes/test_network.h"
+#include "tests/tools/launch/muster_process.h"
+#include "tests/tools/launch/process_test_util.h"
+
+namespace muster::tools {
+
+/// Missions of Random_1, and the digest that each of them has when nothing disturbs it.
+class MissionTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    MUSTER_NEEDS_MULTICAST();
+    std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
+    Muster simulate(folder_, "simulate",
+                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
+    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
+    undisturbed_ = Report("simulated")["digest"];
+  }
+  /// report.json of that run directory.
+  nlohmann::json Report(const std::string& name = "run") const {
+    return nlohmann::json::parse(TextOf(folder_.File(name) + "/report.json"), nullptr, false);
+  }
+
+  TemporaryFolder folder_;
+  std::string scenario_ = folder_.File("scenario.json");
+  std::string undisturbed_;
+};
+
+}  // namespace muster::tools
