@@ -55,7 +55,14 @@ enum class TaskStatus : std::int8_t {
   kReserved = 1,  ///< a pair is on its way
   kSensing = 2,
   kDone = 3,
+  kUnreported = 4,  ///< nobody knows of it yet
+  kExpired = 5,     ///< sensing had not begun in time
 };
+/// Whether it may still be done, as far as is known.
+constexpr bool IsToDo(TaskStatus status) {
+  return status == TaskStatus::kOpen || status == TaskStatus::kReserved ||
+         status == TaskStatus::kSensing;
+}
 
 /// ruling_t.kind
 enum class RulingKind : std::int8_t {
@@ -84,6 +91,8 @@ enum class EventKind : std::int8_t {
   kProcessBack = 12,
   kFaultApplied = 13,
   kFaultEnded = 14,
+  kTaskReported = 15,
+  kTaskExpired = 16,
 };
 
 /// fault_t.kind
@@ -113,7 +122,11 @@ enum class ProcessState : std::int8_t {
 
 /// Whether it happened to agents and tasks, rather than to processes and faults. Outcomes make a
 /// mission's digest.
-constexpr bool IsOutcome(EventKind kind) { return kind <= EventKind::kMatchFailed; }
+constexpr bool IsOutcome(EventKind kind) {
+  return kind <= EventKind::kMatchFailed || kind >= EventKind::kTaskReported;
+}
+/// Whether it happens only where tasks have times.
+constexpr bool OfOpenMissions(EventKind kind) { return kind >= EventKind::kTaskReported; }
 
 /// Kinds that a process sees in the packets that it receives, and confirms.
 constexpr bool IsPacketFault(FaultKind kind) {
@@ -148,18 +161,19 @@ inline constexpr std::array<std::string_view, 10> kNames<ActionKind> = {
 template <>
 inline constexpr std::array<std::string_view, 2> kNames<ActivityKind> = {"sensing", "charging"};
 template <>
-inline constexpr std::array<std::string_view, 4> kNames<TaskStatus> = {"open", "reserved",
-                                                                       "sensing", "done"};
+inline constexpr std::array<std::string_view, 6> kNames<TaskStatus> = {
+    "open", "reserved", "sensing", "done", "unreported", "expired"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed", "released",
                                                                        "lost"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 15> kNames<EventKind> = {
-    "agent_online", "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
-    "sensing_done", "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
-    "match_failed", "process_lost",    "process_back",     "fault_applied", "fault_ended"};
+inline constexpr std::array<std::string_view, 17> kNames<EventKind> = {
+    "agent_online",   "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
+    "sensing_done",   "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
+    "match_failed",   "process_lost",    "process_back",     "fault_applied", "fault_ended",
+    "task_reported",  "task_expired"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

@@ -21,6 +21,12 @@ inline bool CanSense(double range_m, double way_m, double cost_m, double to_char
   return way_m + cost_m + to_charge_m <= range_m;
 }
 
+/// Whether one who sets out now and takes that long is there before the task expires. Both of a
+/// pair must be: sensing begins at the later arrival. Source: ours.
+inline bool CanBegin(const Task& task, TimeUs now_us, TimeUs travel_us) {
+  return travel_us != kNever && task.AllowsStart(now_us + travel_us);
+}
+
 /// Duration of sensing, constraint (2): cost / UAV speed.
 inline TimeUs SensingUs(double cost_m, double uav_speed_m_s) {
   return TravelUs(cost_m, uav_speed_m_s);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,9 +27,23 @@ struct AgentSpec {
   TimeUs online_until_us = 0;
 };
 
+/// How much a task matters. docs/scenario-format.md has what each is worth.
+enum class Priority : std::int8_t { kLow = 0, kNormal = 1, kHigh = 2, kEmergency = 3 };
+inline constexpr std::size_t kPriorities = 4;
+
 struct Task {
   Point at;
-  double cost_m = 0;  ///< range that sensing takes (T_costPow)
+  double cost_m = 0;         ///< range that sensing takes (T_costPow)
+  TimeUs reported_us = 0;    ///< nobody knows of it before
+  TimeUs due_us = kNever;    ///< sensing should have begun by then; later is late, not undone
+  TimeUs expires_us = kNever;  ///< sensing must begin before; then it is gone
+  Priority priority = Priority::kNormal;
+  std::string name = {}, external_id = {}, source = {};  ///< as people call it; "": not given
+
+  /// Whether it has a place and a cost alone, as all tasks of version 1 of the file.
+  bool IsPlain() const;
+  /// Whether sensing that begins at that time counts.
+  bool AllowsStart(TimeUs start_us) const { return start_us < expires_us; }
 };
 
 struct ChargingPoint {
@@ -53,6 +68,10 @@ struct Rules {
   /// Same cell, both idle: sensing and charging start without a pair action (for policies that move
   /// by cells).
   bool start_on_meeting = false;
+  /// What a task of each priority is worth that is begun in time; one begun late is worth
+  /// late_worth of that. Ours.
+  std::array<double, kPriorities> priority_worth = {0.5, 1, 2, 4};
+  double late_worth = 0.5;
 
   /// Ticks are 0 to last_tick(), whose time is the limit.
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
@@ -65,6 +84,10 @@ struct Rules {
 
   bool operator==(const Rules&) const = default;
 };
+
+/// What that task is worth when its sensing begins at that time, in tasks of normal priority.
+/// Source: ours.
+double WorthOf(const Task& task, TimeUs start_us, const Rules& rules);
 
 /// Disturbances of the paper's section 5.3.4. Off when the interval's upper end is 0.
 struct Disturbances {
@@ -104,6 +127,9 @@ struct Scenario {
     return ByKind(kind, uavs, workers, vehicles);
   }
   AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }
+  /// Whether it needs version 2 of the file: a task has more than a place and a cost, or a rule of
+  /// such tasks is not the usual one.
+  bool IsOpen() const;
   /// Number of decisions: at n * interval < limit.
   int decisions() const {
     return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);

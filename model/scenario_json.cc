@@ -183,16 +183,46 @@ std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list
   return agents;
 }
 
-std::vector<Task> ReadTasks(const ObjectReader& top) {
+std::string OptionalString(const ObjectReader& object, std::string_view key) {
+  return object.Optional(key) == nullptr ? "" : object.String(key);
+}
+
+/// What a task has in version 2 only.
+void ReadTimes(const ObjectReader& object, Task* task) {
+  const auto time = [&](std::string_view key, TimeUs otherwise) {
+    return object.Optional(key) == nullptr ? otherwise : object.Time(key, kMinute);
+  };
+  task->reported_us = time("reported_min", 0);
+  task->due_us = time("due_min", kNever);
+  task->expires_us = time("expires_min", kNever);
+  if (const JsonValue* priority = object.Optional("priority")) {
+    task->priority = static_cast<Priority>(
+        object.Integer("priority", *priority, 0, static_cast<std::int64_t>(kPriorities) - 1));
+  }
+  task->name = OptionalString(object, "name");
+  task->external_id = OptionalString(object, "external_id");
+  task->source = OptionalString(object, "source");
+}
+
+std::vector<Task> ReadTasks(const ObjectReader& top, int version) {
   const std::vector<JsonValue>& items = top.Array("tasks");
   std::vector<Task> tasks;
   tasks.reserve(items.size());
   IdCounter ids;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const ObjectReader object = top.Element("tasks", items[i], i);
-    object.AllowOnly({"id", "x_km", "y_km", "cost_km"});
+    if (version == 1) {
+      object.AllowOnly({"id", "x_km", "y_km", "cost_km"});
+    } else {
+      object.AllowOnly({"id", "x_km", "y_km", "cost_km", "reported_min", "priority", "due_min",
+                        "expires_min", "name", "external_id", "source"});
+    }
     ids.Take(object);
-    tasks.push_back({ReadPoint(object), object.Number("cost_km", kKm)});
+    Task task;
+    task.at = ReadPoint(object);
+    task.cost_m = object.Number("cost_km", kKm);
+    if (version > 1) ReadTimes(object, &task);
+    tasks.push_back(std::move(task));
   }
   return tasks;
 }
@@ -220,9 +250,32 @@ std::vector<ChargingPoint> ReadChargingPoints(const ObjectReader& top) {
   return points;
 }
 
-void ReadRules(const ObjectReader& object, Rules* rules) {
-  object.AllowOnly(
-      {"availability", "tick_s", "ceil_to_minutes", "mean_over_all", "start_on_meeting"});
+/// What rules have in version 2 only.
+void ReadOpenRules(const ObjectReader& object, Rules* rules) {
+  if (object.Optional("late_worth") != nullptr) {
+    rules->late_worth = object.Number("late_worth", kOne);
+  }
+  if (object.Optional("priority_worth") == nullptr) return;
+  const std::vector<JsonValue>& worths = object.Array("priority_worth");
+  if (worths.size() != kPriorities) {
+    object.Fail("priority_worth", fmt::format("an array of {}", worths.size()),
+                "[low, normal, high, emergency]");
+  }
+  for (std::size_t i = 0; i < kPriorities; ++i) {
+    rules->priority_worth[i] =
+        object.ReadNumber(fmt::format("priority_worth[{}]", i), worths[i], kOne);
+  }
+}
+
+void ReadRules(const ObjectReader& object, int version, Rules* rules) {
+  if (version == 1) {
+    object.AllowOnly(
+        {"availability", "tick_s", "ceil_to_minutes", "mean_over_all", "start_on_meeting"});
+  } else {
+    object.AllowOnly({"availability", "tick_s", "ceil_to_minutes", "mean_over_all",
+                      "start_on_meeting", "priority_worth", "late_worth"});
+    ReadOpenRules(object, rules);
+  }
   if (object.Optional("availability") != nullptr) {
     const std::string name = object.String("availability");
     if (name != "strict" && name != "overrun") {
@@ -272,10 +325,9 @@ class Writer {
  public:
   std::string Write(const Scenario& scenario) {
     const Rules& rules = scenario.rules;
-    Add("{{\n  \"version\": 1,\n  \"name\": {},\n  \"seed\": {},\n",
-        nlohmann::json(scenario.name)
-            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-        scenario.seed);
+    const bool open = scenario.IsOpen();
+    Add("{{\n  \"version\": {},\n  \"name\": {},\n  \"seed\": {},\n", open ? 2 : 1,
+        Quoted(scenario.name), scenario.seed);
     Add("  \"area_km\": [{}, {}],\n", ToText(scenario.width_m, kKm),
         ToText(scenario.height_m, kKm));
     Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
@@ -286,10 +338,17 @@ class Writer {
           ToText(scenario.origin->longitude_deg, kOne));
     }
     Add("  \"rules\": {{\"availability\": \"{}\", \"tick_s\": {}, \"ceil_to_minutes\": {}, "
-        "\"mean_over_all\": {}, \"start_on_meeting\": {}}},\n",
+        "\"mean_over_all\": {}, \"start_on_meeting\": {}",
         rules.availability == Availability::kStrict ? "strict" : "overrun",
         TimeToText(rules.tick_us, kSecond), rules.ceil_to_minutes, rules.mean_over_all,
         rules.start_on_meeting);
+    if (open) {
+      const auto& worth = rules.priority_worth;
+      Add(", \"priority_worth\": [{}, {}, {}, {}], \"late_worth\": {}",
+          ToText(worth[0], kOne), ToText(worth[1], kOne),
+          ToText(worth[2], kOne), ToText(worth[3], kOne), ToText(rules.late_worth, kOne));
+    }
+    Add("}},\n");
     const Disturbances& disturbances = scenario.disturbances;
     Add("  \"disturbances\": {{\"wind\": {}, \"communication_km\": {}, \"agent_failure\": {}, "
         "\"match_failure\": {}}},\n",
@@ -301,6 +360,7 @@ class Writer {
     List("tasks", scenario.tasks, [&](const Task& task) {
       Place(task.at);
       Add(", \"cost_km\": {}", ToText(task.cost_m, kKm));
+      Times(task);
     });
     List("charging_points", scenario.charging_points, [&](const ChargingPoint& point) {
       Place(point.at);
@@ -314,6 +374,29 @@ class Writer {
   template <class... Args>
   void Add(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+
+  static std::string Quoted(const std::string& text) {
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+
+  /// What a plain task has not.
+  void Times(const Task& task) {
+    const auto time = [&](std::string_view key, TimeUs t, TimeUs usual) {
+      if (t != usual) Add(", \"{}\": {}", key, TimeToText(t, kMinute));
+    };
+    const auto text = [&](std::string_view key, const std::string& value) {
+      if (!value.empty()) Add(", \"{}\": {}", key, Quoted(value));
+    };
+    time("reported_min", task.reported_us, 0);
+    time("due_min", task.due_us, kNever);
+    time("expires_min", task.expires_us, kNever);
+    if (task.priority != Priority::kNormal) {
+      Add(", \"priority\": {}", static_cast<int>(task.priority));
+    }
+    text("name", task.name);
+    text("external_id", task.external_id);
+    text("source", task.source);
   }
 
   static std::string Ends(const Disturbances::Interval& interval, Unit unit) {
@@ -360,10 +443,11 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   const JsonValue tree = ParseJson(json, file);
   const ObjectReader top(tree, "", file);
   // The version first: another version's keys would only confuse.
-  const JsonValue& version = top.Required("version", "1");
-  if (version.type != JsonValue::Type::kNumber || version.text != "1") {
-    top.Fail("version", version.Shown(), "1");
+  const JsonValue& number = top.Required("version", "1 or 2");
+  if (number.type != JsonValue::Type::kNumber || (number.text != "1" && number.text != "2")) {
+    top.Fail("version", number.Shown(), "1 or 2");
   }
+  const int version = number.text == "1" ? 1 : 2;
   top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "origin",
                  "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
                  "charging_points"});
@@ -384,14 +468,14 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
     scenario.origin =
         Origin{origin.Number("latitude_deg", kOne), origin.Number("longitude_deg", kOne)};
   }
-  if (top.Optional("rules") != nullptr) ReadRules(top.Child("rules"), &scenario.rules);
+  if (top.Optional("rules") != nullptr) ReadRules(top.Child("rules"), version, &scenario.rules);
   if (top.Optional("disturbances") != nullptr) {
     scenario.disturbances = ReadDisturbances(top.Child("disturbances"));
   }
   scenario.uavs = ReadAgents(top, "uavs", AgentKind::kUav);
   scenario.workers = ReadAgents(top, "workers", AgentKind::kWorker);
   scenario.vehicles = ReadAgents(top, "vehicles", AgentKind::kVehicle);
-  scenario.tasks = ReadTasks(top);
+  scenario.tasks = ReadTasks(top, version);
   scenario.charging_points = ReadChargingPoints(top);
   ValidateScenario(scenario, file);
   return scenario;

@@ -10,6 +10,7 @@ namespace muster {
 namespace {
 
 constexpr TimeUs kMaxDecisions = 1'000'000;
+constexpr double kMaxWorth = 1e6;
 
 /// The one list of rules, also for scenarios that were built in memory.
 class Validator {
@@ -48,11 +49,16 @@ class Validator {
     Agents("uavs", AgentKind::kUav);
     Agents("workers", AgentKind::kWorker);
     Agents("vehicles", AgentKind::kVehicle);
+    for (std::size_t i = 0; i < kPriorities; ++i) {
+      Within(fmt::format("rules.priority_worth[{}]", i), rules.priority_worth[i], kOne, 0, kMaxWorth);
+    }
+    Within("rules.late_worth", rules.late_worth, kOne, 0, 1);
     NotEmpty("tasks", scenario_.tasks.size());
     for (std::size_t i = 0; i < scenario_.tasks.size(); ++i) {
       const Key key{"tasks", i};
       InArea(key, scenario_.tasks[i].at);
       Within(key("cost_km"), scenario_.tasks[i].cost_m, kKm, 0, HUGE_VAL);
+      Times(key, scenario_.tasks[i]);
     }
     NotEmpty("charging_points", scenario_.charging_points.size());
     for (std::size_t i = 0; i < scenario_.charging_points.size(); ++i) {
@@ -114,6 +120,18 @@ class Validator {
   void InArea(const Key& key, Point at) const {
     Within(key("x_km"), at.x_m, kKm, 0, scenario_.width_m);
     Within(key("y_km"), at.y_m, kKm, 0, scenario_.height_m);
+  }
+
+  void Times(const Key& key, const Task& task) const {
+    const auto at_least = [&](std::string_view name, TimeUs t, TimeUs low, std::string_view of) {
+      if (t == kNever || (t >= low && TimeFits(t))) return;
+      Fail(key(name)(), MinutesText(t),
+           fmt::format("a number in [{}{}, {}]", MinutesText(low), of, kMaxMinutes));
+    };
+    at_least("reported_min", task.reported_us, 0, "");
+    at_least("due_min", task.due_us, task.reported_us, " (reported_min)");
+    at_least("expires_min", task.expires_us, task.due_us == kNever ? task.reported_us : task.due_us,
+             task.due_us == kNever ? " (reported_min)" : " (due_min)");
   }
 
   void Interval(std::string_view name, const Disturbances::Interval& interval, Unit unit,

@@ -14,18 +14,8 @@
 namespace muster::scheduler {
 namespace {
 
-std::string_view Name(TaskStatus status) {
-  switch (status) {
-    case TaskStatus::kOpen:
-      return "open";
-    case TaskStatus::kReserved:
-      return "reserved";
-    case TaskStatus::kSensing:
-      return "being sensed";
-    case TaskStatus::kDone:
-      return "done";
-  }
-  return "unknown";
+std::string Name(TaskStatus status) {
+  return status == TaskStatus::kSensing ? "being sensed" : std::string(ToString(status));
 }
 
 /// As ToString, but for any number in `kind`.
@@ -70,6 +60,7 @@ class Checker {
     CheckDestination(a, *agents.front());
     if (IsStay(a.kind)) return;
     if (a.uav.valid()) CheckRange(a, *agents.front());
+    if (a.task.valid()) CheckExpiry(a, agents);
     CheckAvailability(a, agents);
   }
 
@@ -138,6 +129,20 @@ class Checker {
     const TaskStatus status = s_.task_status[task.index()];
     if (status != TaskStatus::kOpen) {
       Broken(Rule::kTaskNotOpen, fmt::format("task {} is {}", task.value, Name(status)));
+    }
+  }
+
+  /// `agents`: those who must be there when sensing begins, or one who goes there alone.
+  void CheckExpiry(const Action& a, const std::vector<const AgentState*>& agents) {
+    const Task& task = site_.tasks[a.task.index()];
+    TimeUs start_us = s_.now_us;
+    for (const AgentState* agent : agents) {
+      const TimeUs travel_us = TravelUs(Distance(agent->to, task.at), agent->speed_m_s);
+      start_us = travel_us == kNever ? kNever : std::max(start_us, s_.now_us + travel_us);
+    }
+    if (start_us >= task.expires_us) {
+      Broken(Rule::kExpiry, fmt::format("there at {} us, task {} expires at {} us", start_us,
+                                        a.task.value, task.expires_us));
     }
   }
 
@@ -232,6 +237,8 @@ std::string_view ToString(Rule rule) {
       return "agent used twice";
     case Rule::kTaskNotOpen:
       return "task not open";
+    case Rule::kExpiry:
+      return "task expires before";
     case Rule::kTaskTwice:
       return "task used twice";
     case Rule::kConstraint5:

@@ -18,6 +18,7 @@ enum class Rule {
   kNotIdle,       ///< offline, failed or busy
   kAgentTwice,    ///< an agent in two actions
   kTaskNotOpen,   ///< done, reserved or being sensed
+  kExpiry,        ///< not there before the task expires
   kTaskTwice,     ///< a task in two actions
   kConstraint5,   ///< range for the way to the charging point
   kConstraint6,   ///< range for the way, the sensing and the way to the nearest charging point

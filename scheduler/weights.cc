@@ -241,6 +241,17 @@ struct UavRanges {
   Eigen::ArrayXd full_m, task_likelihood, charge_likelihood;
 };
 
+/// Nobody gets to a task that is gone by then: such a way takes for ever.
+void KeepToExpiry(const Situation& situation, const std::vector<TaskId>& tasks, Legs* legs) {
+  for (std::size_t x = 0; x < tasks.size(); ++x) {
+    const Task& task = situation.site->tasks[tasks[x].index()];
+    if (task.expires_us == kNever) continue;
+    for (TimeUs& travel_us : legs->travel_us.col(static_cast<Eigen::Index>(x))) {
+      if (!CanBegin(task, situation.now_us, travel_us)) travel_us = kNever;
+    }
+  }
+}
+
 /// What the UAVs' ranges allow and make likely (Eq. 4-1, 4-4, 4-19); fills range_m,
 /// charge_foundation, senseable and chargeable of `w`, whose ways are known.
 UavRanges LookAtRanges(const Situation& situation, const Agents& uavs, Foundation foundation,
@@ -329,6 +340,8 @@ Weights ComputeWeights(const Situation& situation, Foundation foundation) {
 
   w.uav_task = LegsOf(uavs, task_points, unit_us);
   w.worker_task = LegsOf(workers, task_points, unit_us);
+  KeepToExpiry(situation, w.tasks, &w.uav_task);
+  KeepToExpiry(situation, w.tasks, &w.worker_task);
   w.uav_charge = LegsOf(uavs, charge_points, unit_us);
   w.vehicle_charge = LegsOf(vehicles, charge_points, unit_us);
 

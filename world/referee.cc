@@ -46,7 +46,18 @@ std::string FailureReason::Text() const {
 }
 
 Referee::Referee(const Scenario& scenario)
-    : scenario_(scenario), task_status_(scenario.tasks.size(), TaskStatus::kOpen) {}
+    : scenario_(scenario), task_status_(scenario.tasks.size(), TaskStatus::kOpen) {
+  for (std::size_t x = 0; x < scenario.tasks.size(); ++x) {
+    const Task& task = scenario.tasks[x];
+    if (task.reported_us > 0) {
+      task_status_[x] = TaskStatus::kUnreported;
+      to_report_.emplace_back(task.reported_us, x);
+    }
+    if (task.expires_us != kNever) to_expire_.emplace_back(task.expires_us, x);
+  }
+  std::sort(to_report_.rbegin(), to_report_.rend());
+  std::sort(to_expire_.rbegin(), to_expire_.rend());
+}
 
 int Referee::done() const {
   return static_cast<int>(std::count(task_status_.begin(), task_status_.end(), TaskStatus::kDone));
@@ -62,6 +73,9 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   for (const Ruling& ruling : verdict.rulings()) {
     if (ruling.fails()) failed_[{ruling.agent_kind, ruling.agent}] = ruling;
   }
+  const auto is_past = [t](const auto& entry) { return entry.first <= t; };
+  std::erase_if(to_report_, is_past);
+  std::erase_if(to_expire_, is_past);
   activities_.clear();
   for (const Activity& activity : verdict.activities()) {
     // One that a failure aborted is listed once more.
@@ -70,7 +84,10 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
       return failed != failed_.end() && failed->second.at_us < activity.end_us;
     };
     const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
-                            aborted_by({PartnerKind(activity.kind), activity.partner});
+                            aborted_by({PartnerKind(activity.kind), activity.partner}) ||
+                            (activity.kind == Activity::Kind::kSensing &&
+                             task_status_[static_cast<std::size_t>(activity.site)] ==
+                                 TaskStatus::kExpired);
     activities_.push_back({activity, false, is_aborted});
   }
 }
@@ -89,9 +106,11 @@ void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
   for (Known& known : activities_) known.is_new = false;
   released_.clear();
 
+  EmitReports(t);
   PlanNewActivities(t, agents);
   Return(t);
   FindFailures(t, decision, agents);
+  ExpireUntil(t);
   UpdateVerdict();
   for (const AgentKind kind : kAgentKinds) {
     for (AgentState& agent : (*agents)[kind]) Settle(&agent, verdict_, t, scenario_.tasks);
@@ -220,7 +239,43 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   for (const Failure& failure : failures) {
     // A UAV that was released before has not run dry.
     const bool dry = failure.reason.cause == Cause::kOutOfRange;
+    ExpireUntil(failure.at_us);
     if (!dry || !released_before(failure)) Fail(failure, agents);
+  }
+}
+
+void Referee::ExpireUntil(TimeUs t) {
+  for (; !to_expire_.empty() && to_expire_.back().first <= t; to_expire_.pop_back()) {
+    const auto [expires_us, x] = to_expire_.back();
+    if (task_status_[x] == TaskStatus::kDone) continue;
+    const bool begun = std::any_of(activities_.begin(), activities_.end(), [&](const Known& known) {
+      return !known.is_aborted && known.activity.kind == Activity::Kind::kSensing &&
+             known.activity.site == static_cast<std::int32_t>(x) &&
+             scenario_.tasks[x].AllowsStart(known.activity.start_us);
+    });
+    if (begun) continue;
+    CallOff(x, expires_us);
+    ExpireIfLate(x, expires_us);
+  }
+}
+
+void Referee::ExpireIfLate(std::size_t task, TimeUs t) {
+  if (scenario_.tasks[task].AllowsStart(t)) return;
+  task_status_[task] = TaskStatus::kExpired;
+  Emit(Event::Kind::kTaskExpired, t, TaskId(task), "");
+}
+
+void Referee::CallOff(std::size_t task, TimeUs t) {
+  for (Known& known : activities_) {
+    const Activity& activity = known.activity;
+    if (known.is_aborted || activity.kind != Activity::Kind::kSensing ||
+        activity.site != static_cast<std::int32_t>(task)) {
+      continue;
+    }
+    known.is_aborted = true;
+    released_.push_back({AgentKind::kUav, activity.uav.value, Ruling::Kind::kReleased, t});
+    released_.push_back({AgentKind::kWorker, activity.partner, Ruling::Kind::kReleased, t});
+    Emit(Event::Kind::kSensingAborted, t, activity, "before its start");
   }
 }
 
@@ -270,6 +325,7 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
     }
     Emit(sensing ? Event::Kind::kSensingAborted : Event::Kind::kChargingAborted, failure.at_us,
          activity, began ? "under way" : "before its start");
+    if (sensing) ExpireIfLate(static_cast<std::size_t>(activity.site), failure.at_us);
   }
 }
 
@@ -329,6 +385,14 @@ void Referee::Meet(TimeUs t, Agents* agents) {
   }
 }
 
+void Referee::EmitReports(TimeUs t) {
+  for (; !to_report_.empty() && to_report_.back().first <= t; to_report_.pop_back()) {
+    const auto [reported_us, x] = to_report_.back();
+    task_status_[x] = TaskStatus::kOpen;
+    Emit(Event::Kind::kTaskReported, reported_us, TaskId(x), "");
+  }
+}
+
 void Referee::EmitPresence(TimeUs t, Agents* agents) {
   const auto within = [&](TimeUs at) { return previous_us_ < at && at <= t; };
   for (const AgentKind kind : kAgentKinds) {
@@ -361,7 +425,9 @@ void Referee::EmitProgress(TimeUs t) {
 
 void Referee::UpdateTasks(TimeUs t) {
   for (TaskStatus& status : task_status_) {
-    if (status != TaskStatus::kDone) status = TaskStatus::kOpen;
+    if (status == TaskStatus::kReserved || status == TaskStatus::kSensing) {
+      status = TaskStatus::kOpen;
+    }
   }
   for (const Known& known : activities_) {
     const Activity& activity = known.activity;
@@ -406,6 +472,15 @@ void Referee::Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std
   }
   event.detail = std::move(detail);
   events_.push_back(event);
+}
+
+void Referee::Emit(Event::Kind kind, TimeUs at_us, TaskId task, std::string detail) {
+  Event event;
+  event.kind = kind;
+  event.at_us = at_us;
+  event.task = task;
+  event.detail = std::move(detail);
+  events_.push_back(std::move(event));
 }
 
 void Referee::Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,

@@ -105,18 +105,27 @@ class Referee {
   void Return(TimeUs t);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
   void Fail(const Failure& failure, Agents* agents);
+  /// Tasks whose last time for sensing to begin is at or before `t` are gone, if it has not.
+  void ExpireUntil(TimeUs t);
+  /// The sensing at that task, which has not begun at `t`, does not take place.
+  void CallOff(std::size_t task, TimeUs t);
+  /// A task that nobody is sensing any more at `t` is gone if sensing may not begin then.
+  void ExpireIfLate(std::size_t task, TimeUs t);
+  void EmitReports(TimeUs t);
   bool IsOutBecauseOfAnother(const Failure& failure) const;
   void Meet(TimeUs t, Agents* agents);
   void EmitPresence(TimeUs t, Agents* agents);
   void EmitProgress(TimeUs t);
   void UpdateTasks(TimeUs t);
   void Emit(Event::Kind kind, TimeUs at_us, const Activity& activity, std::string detail = {});
+  void Emit(Event::Kind kind, TimeUs at_us, TaskId task, std::string detail);
   void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
             const std::optional<FailureReason>& reason = {});
 
   const Scenario& scenario_;
   TimeUs previous_us_ = -1;
   std::vector<TaskStatus> task_status_;
+  std::vector<std::pair<TimeUs, std::size_t>> to_report_, to_expire_;  ///< tasks, latest first
   std::vector<Known> activities_;
   std::map<AgentKey, Ruling> failed_;
   std::vector<Ruling> released_;  ///< by the present verdict

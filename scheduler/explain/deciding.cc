@@ -181,7 +181,7 @@ std::size_t ForecastDone(const Situation& situation, const std::vector<Action>& 
   HorizonPolicy policy(follow);
   model.Step(actions);
   while (!model.over() && model.anybody()) model.Step(policy.Decide(model.situation()).actions);
-  return model.done_us().size();
+  return model.done().size();
 }
 
 }  // namespace muster::scheduler

@@ -256,6 +256,10 @@ class Builder {
     });
   }
 
+  /// Whether one who takes that long is at the open task before it expires.
+  bool IsInTime(Index task, TimeUs travel_us) const {
+    return CanBegin(site_.tasks[tasks_[At(task)].index()], situation_.now_us, travel_us);
+  }
   TimeUs TimeLeft(const AgentState& agent) const {
     return LatestEnd(agent, rules_) - situation_.now_us;
   }
@@ -424,6 +428,18 @@ class Builder {
     return begin;
   }
 
+  template <class Arc>
+  static void DropWithoutSite(std::vector<Arc>* arcs, std::vector<Index>* site) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < arcs->size(); ++i) {
+      if ((*site)[i] < 0) continue;
+      (*arcs)[kept] = (*arcs)[i];
+      (*site)[kept++] = (*site)[i];
+    }
+    arcs->resize(kept);
+    site->resize(kept);
+  }
+
   void AddUavArcs(Instance* instance) {
     const double sense_base = SenseFoundation(Foundation::kHierarchical);
     std::vector<Instance::UavArc> arcs(uav_to_task_.size() + uav_to_charge_.size());
@@ -436,7 +452,7 @@ class Builder {
       site[at] = -1;
       const TimeUs travel = TravelUs(way.metres, uav.speed_m_s);
       if (travel == kNever || travel > TimeLeft(uav)) return;
-      if (charging && site_of_charge_[At(way.place)] < 0) return;
+      if (charging ? site_of_charge_[At(way.place)] < 0 : !IsInTime(way.place, travel)) return;
       const auto& tasks_after = charging ? uav_tasks_.charge[c] : uav_tasks_.task[c];
       const auto& charges_after = charging ? uav_charges_.charge[c] : uav_charges_.task[c];
       const double to_tasks =
@@ -470,14 +486,7 @@ class Builder {
         fill(charging ? uav_to_charge_[i - uav_to_task_.size()] : uav_to_task_[i], charging, i);
       }
     });
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < arcs.size(); ++i) {
-      if (site[i] < 0) continue;
-      arcs[kept] = arcs[i];
-      site[kept++] = site[i];
-    }
-    arcs.resize(kept);
-    site.resize(kept);
+    DropWithoutSite(&arcs, &site);
     instance->uav_begin = SortBySite(&arcs, site, instance->capacity.size());
     instance->uav_arcs = std::move(arcs);
   }
@@ -499,10 +508,14 @@ class Builder {
         arcs[i].partner = charging ? n_workers + way.agent : way.agent;
         arcs[i].level = way.level;
         arcs[i].gain = MoveBenefit(mean.agent[At(way.agent)], after[At(way.place)], way.level);
-        arcs[i].arrive_us = situation_.now_us + TravelUs(way.metres, speed);
-        site[i] = charging ? site_of_charge_[At(way.place)] : way.place;
+        const TimeUs travel = TravelUs(way.metres, speed);
+        arcs[i].arrive_us = situation_.now_us + travel;
+        site[i] = charging                        ? site_of_charge_[At(way.place)]
+                  : IsInTime(way.place, travel) ? way.place
+                                                  : -1;
       }
     });
+    DropWithoutSite(&arcs, &site);
     instance->partner_begin = SortBySite(&arcs, site, instance->capacity.size());
     const auto& begins = instance->partner_begin;
     ParallelFor(instance->capacity.size(), threads_, 512, [&](std::size_t begin, std::size_t end) {

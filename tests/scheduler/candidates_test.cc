@@ -139,7 +139,9 @@ TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
     rules.ceil_to_minutes = variant == "ceil_to_minutes";
     rules.mean_over_all = variant == "mean_over_all";
     const bool uniform = variant == "uniform";
-    const Situation situation = RandomSituation(seed, {}, rules);
+    testing::RandomSize size;
+    size.times = variant == "expiring";
+    const Situation situation = RandomSituation(seed, size, rules);
     const Candidates fast =
         EnumerateCandidates(situation, uniform ? Foundation::kUniform : Foundation::kHierarchical);
     const ReferenceGraph reference(situation, uniform);
@@ -159,7 +161,7 @@ TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
 
 INSTANTIATE_TEST_SUITE_P(Rules, CandidatesAgainstReference,
                          ::testing::Values("strict", "overrun", "ceil_to_minutes", "mean_over_all",
-                                           "uniform"),
+                                           "uniform", "expiring"),
                          [](const auto& variant) { return variant.param; });
 
 }  // namespace

@@ -108,7 +108,8 @@ TEST(Checker, Agents) {
 TEST(Checker, Tasks) {
   Situation s = Base().Build();
   EXPECT_EQ(Broken(s, {Sense(0, 0, 0), WorkerToTask(1, 0)}), Rules_{Rule::kTaskTwice});
-  for (const TaskStatus status : {TaskStatus::kReserved, TaskStatus::kSensing, TaskStatus::kDone}) {
+  for (const TaskStatus status : {TaskStatus::kReserved, TaskStatus::kSensing, TaskStatus::kDone,
+                                  TaskStatus::kUnreported, TaskStatus::kExpired}) {
     s.task_status[0] = status;
     EXPECT_EQ(Broken(s, {Sense()}), Rules_{Rule::kTaskNotOpen});
     EXPECT_EQ(Broken(s, {WorkerToTask(0, 0)}), Rules_{Rule::kTaskNotOpen});

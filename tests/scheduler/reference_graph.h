@@ -144,12 +144,22 @@ class ReferenceGraph {
     return s_.now_us + TravelUs(Distance(agent.to, to), agent.speed_m_s) <=
            LatestEnd(agent, s_.site->rules);
   }
+  bool ArrivesAtTask(const AgentState& agent, std::size_t x) const {
+    const Task& task = s_.site->tasks[x];
+    return Arrives(agent, task.at) &&
+           s_.now_us + TravelUs(Distance(agent.to, task.at), agent.speed_m_s) < task.expires_us;
+  }
   bool Ends(AgentState uav, AgentState partner, const Action& action) const {
     const TimeUs latest =
         std::min(LatestEnd(uav, s_.site->rules), LatestEnd(partner, s_.site->rules));
     Begin(&uav, action, s_.decision, s_.now_us, {}, 0);
     Begin(&partner, action, s_.decision, s_.now_us, {}, 0);
-    return PlanActivity(uav, partner, s_.site->tasks).end_us <= latest;
+    const Activity activity = PlanActivity(uav, partner, s_.site->tasks);
+    if (action.task.valid() &&
+        activity.start_us >= s_.site->tasks[action.task.index()].expires_us) {
+      return false;
+    }
+    return activity.end_us <= latest;
   }
 
   void Add(Action action, Point to, double weight) {
@@ -170,7 +180,7 @@ class ReferenceGraph {
       for (const std::size_t x : open_) {
         const Point at = site.tasks[x].at;
         const double way = Distance(uav.to, at);
-        if (!Senseable(uav, x) || !Arrives(uav, at)) continue;
+        if (!Senseable(uav, x) || !ArrivesAtTask(uav, x)) continue;
         Action move = action;
         move.task = TaskId(x);
         move.kind = ActionKind::kUavToTask;
@@ -214,7 +224,7 @@ class ReferenceGraph {
       Add(action, worker.to, Soft(0));
       action.kind = ActionKind::kWorkerToTask;
       for (const std::size_t x : open_) {
-        if (!Arrives(worker, site.tasks[x].at)) continue;
+        if (!ArrivesAtTask(worker, x)) continue;
         action.task = TaskId(x);
         Add(action, site.tasks[x].at, Move(worker, site.tasks[x].at, false, true));
       }

@@ -91,6 +91,7 @@ struct RandomSize {
   int tasks = 5;
   int charging_points = 2;
   double area_km = 12;
+  bool times = false;  ///< every other task is due or expires within the next 40 min
 };
 
 /// A random situation from a seed alone: places on a grid of 1 km (so that distances tie), some
@@ -125,6 +126,15 @@ inline Situation RandomSituation(std::uint64_t seed, const RandomSize& size = {}
   }
   const TimeUs now = rules.interval_us * below(builder.scenario().decisions());
   builder.Decision(static_cast<std::int32_t>(now / rules.interval_us));
+  if (size.times) {
+    Random times(seed, Stream::kTest, 1);
+    for (muster::Task& task : builder.scenario().tasks) {
+      const TimeUs soon = now + kMinuteUs * static_cast<TimeUs>(1 + times.Below(40));
+      task.priority = static_cast<Priority>(times.Below(4));
+      if (times.Below(2) == 0) task.expires_us = soon;
+      if (times.Below(2) == 0) task.due_us = std::min(soon, task.expires_us);
+    }
+  }
   const auto vary = [&](std::vector<AgentSpec>& specs) {
     for (AgentSpec& spec : specs) {
       if (below(4) == 0) spec.speed_m_s *= 0.5 + random.Uniform();

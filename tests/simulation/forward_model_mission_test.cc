@@ -80,7 +80,7 @@ TEST(ForwardModel, GivesTheMissionsOutcomes) {
       }
       model.Step(actions);
     }
-    done += model.done_us().size();
+    done += model.done().size();
   }
   EXPECT_GT(done, 60u);
 }

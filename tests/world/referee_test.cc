@@ -353,6 +353,73 @@ TEST(Referee, ARestartDoesNotReviveWhatAFailureAborted) {
   EXPECT_EQ(restarted.task_status()[0], TaskStatus::kOpen);
 }
 
+Scenario Timed(TimeUs reported_us, TimeUs expires_us) {
+  Scenario scenario = SmallScenario();
+  scenario.tasks[0].reported_us = reported_us;
+  scenario.tasks[0].expires_us = expires_us;
+  return scenario;
+}
+
+TEST(Referee, ATaskIsUnknownUntilItIsReported) {
+  for (const TimeUs tick : {20, 30, 300}) {
+    Mission mission(Timed(250 * kSecondUs, kNever));
+    mission.Judge(0, 0);
+    EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kUnreported);
+    for (TimeUs t = tick; t <= 300; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kTaskReported, 250}})) << "tick " << tick;
+    EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kOpen);
+  }
+}
+
+TEST(Referee, SensingThatHasNotBegunWhenItsTaskExpiresIsCalledOff) {
+  for (const TimeUs tick : {20, 30, 300, 600}) {
+    Mission mission(Timed(0, 700 * kSecondUs));  // the worker would be there after 800 s
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    for (TimeUs t = tick; t <= 1800; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(),
+              (Happened{{Kind::kSensingAborted, 700}, {Kind::kTaskExpired, 700}}))
+        << "tick " << tick;
+    EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kExpired);
+    EXPECT_EQ(mission.referee().done(), 0);
+    EXPECT_TRUE(mission.agents().uavs[0].idle(700 * kSecondUs));
+    // 700 s at 5 m/s of 4 km.
+    EXPECT_EQ(PositionAt(mission.agents().workers[0], 1800 * kSecondUs), (Point{3000, 3500}));
+  }
+}
+
+TEST(Referee, SensingThatHasBegunGoesOnAfterTheExpiry) {
+  for (const TimeUs expires : {801, 830}) {
+    Mission mission(Timed(0, expires * kSecondUs));
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    for (TimeUs t = 20; t <= 1200; t += 20) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(),
+              (Happened{{Kind::kSensingStarted, 800}, {Kind::kSensingDone, 860}}));
+  }
+  // It must begin before, not at, the expiry.
+  Mission mission(Timed(0, 800 * kSecondUs));
+  mission.Judge(0, 0);
+  mission.Command(Sense());
+  for (TimeUs t = 20; t <= 1200; t += 20) mission.Judge(t * kSecondUs);
+  EXPECT_EQ(mission.referee().task_status()[0], TaskStatus::kExpired);
+}
+
+TEST(Referee, ATaskExpiresWhenItsSensingEndsTooLateToBeginAnew) {
+  for (const TimeUs tick : {10, 20, 300}) {
+    Mission mission(Timed(0, 830 * kSecondUs));
+    mission.Judge(0, 0);
+    mission.Command(Sense());
+    mission.referee().Add({AgentKind::kWorker, 0, 850 * kSecondUs, kNever, Fault("test")});
+    for (TimeUs t = tick; t <= 1200; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(mission.Happened(), (Happened{{Kind::kSensingStarted, 800},
+                                            {Kind::kAgentFailed, 850},
+                                            {Kind::kSensingAborted, 850},
+                                            {Kind::kTaskExpired, 850}}))
+        << "tick " << tick;
+  }
+}
+
 TEST(Referee, FailedMatchIsTold) {
   Scenario scenario = SmallScenario();
   scenario.disturbances.match_failure = {1, 1};

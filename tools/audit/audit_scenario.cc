@@ -100,6 +100,8 @@ Scenario ParseScenario(const std::string& text) {
     for (const Scenario::Charge& charge : s.charges) {
       task.to_charge_m = std::min(task.to_charge_m, Way(task.at, charge.at));
     }
+    if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
+    if (item.contains("expires_min")) task.expires_us = Minutes(item.at("expires_min"));
     s.tasks.push_back(task);
   }
   return s;

@@ -46,6 +46,8 @@ struct Scenario {
     Place at;
     double cost_m = 0;
     double to_charge_m = 0;  ///< way to the nearest charging point, infinity without one
+    std::int64_t reported_us = 0;
+    std::int64_t expires_us = kForever;
   };
   struct Charge {
     Place at;
@@ -67,7 +69,7 @@ struct Scenario {
   std::int32_t DecisionAt(std::int64_t tick) const;
 };
 
-/// Throws std::exception when the text is no scenario of version 1.
+/// Throws std::exception when the text is no scenario of version 1 or 2.
 Scenario ParseScenario(const std::string& json);
 
 /// SHA-256 as 64 lower-case hexadecimal digits.

@@ -92,6 +92,7 @@ class Auditor {
     bool is_new = false;
     bool aborted = false;
     bool meeting = false;  ///< began without a command
+    std::int64_t aborted_us = kForever;
   };
   /// An agent's command between the decision and the next report, which shows whether its pair
   /// matched.
@@ -152,6 +153,7 @@ class Auditor {
   void SettleAgents();
   void CheckRangeLeft(const AgentModel& model);
   void CheckTasks(const world_state_t& world);
+  void ExpireTasks();
   void CheckDecision(const schedule_t& schedule);
   bool CheckShape(const action_t& action, const std::string& name);
   void CheckAction(const action_t& action, const std::string& name);

@@ -184,8 +184,13 @@ void Auditor::AbortActivities() {
       if (failure == failed_.end() || !failure->second.is_new) continue;
       if (failure->second.at_us < a.end_us) at = std::min(at, failure->second.at_us);
     }
+    if (a.senses()) {
+      const std::int64_t expires_us = scenario_->tasks[static_cast<std::size_t>(a.site)].expires_us;
+      if (a.start_us >= expires_us && expires_us <= now_us_) at = std::min(at, expires_us);
+    }
     if (at == kForever) continue;
     tracked.aborted = true;
+    tracked.aborted_us = at;
     const bool sensing = a.senses();
     if (a.start_us <= at && (tracked.is_new || a.start_us > before_us_)) {
       Expect(a.start_us, sensing ? EventKind::kSensingStarted : EventKind::kChargingStarted, a);

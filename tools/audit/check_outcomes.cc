@@ -112,8 +112,11 @@ void Auditor::CheckTasks(const world_state_t& world) {
                         task_status_.size()));
     return;
   }
-  for (std::int8_t& status : task_status_) {
-    if (status != TaskStatus::kDone) status = NumberOf(TaskStatus::kOpen);
+  for (std::size_t x = 0; x < task_status_.size(); ++x) {
+    std::int8_t& status = task_status_[x];
+    if (status == TaskStatus::kDone || status == TaskStatus::kExpired) continue;
+    status = NumberOf(scenario_->tasks[x].reported_us > now_us_ ? TaskStatus::kUnreported
+                                                                : TaskStatus::kOpen);
   }
   for (const Tracked& tracked : activities_) {
     const Activity& a = tracked.activity;
@@ -127,6 +130,7 @@ void Auditor::CheckTasks(const world_state_t& world) {
                       : a.start_us <= now_us_ ? TaskStatus::kSensing
                                               : TaskStatus::kReserved);
   }
+  ExpireTasks();
   std::int32_t done = 0;
   for (std::size_t x = 0; x < task_status_.size(); ++x) {
     done += task_status_[x] == TaskStatus::kDone ? 1 : 0;
@@ -139,6 +143,29 @@ void Auditor::CheckTasks(const world_state_t& world) {
   if (world.done != done) {
     Violate(now_us_, "task-status",
             fmt::format("{} tasks are said to be done, {} are", world.done, done));
+  }
+}
+
+void Auditor::ExpireTasks() {
+  for (std::size_t x = 0; x < task_status_.size(); ++x) {
+    const Scenario::Task& task = scenario_->tasks[x];
+    const auto expect = [&](std::int64_t at_us, EventKind kind) {
+      expected_.insert({at_us, NumberOf(kind), -1, -1, -1, static_cast<std::int32_t>(x), -1});
+    };
+    if (task.reported_us > 0 && before_us_ < task.reported_us && task.reported_us <= now_us_) {
+      expect(task.reported_us, EventKind::kTaskReported);
+    }
+    if (task.expires_us > now_us_ || task_status_[x] != TaskStatus::kOpen) continue;
+    // Sensing that had begun in time may have been aborted since.
+    std::int64_t at_us = task.expires_us;
+    for (const Tracked& tracked : activities_) {
+      const Activity& a = tracked.activity;
+      if (tracked.aborted && a.senses() && a.site == static_cast<std::int32_t>(x)) {
+        at_us = std::max(at_us, tracked.aborted_us);
+      }
+    }
+    task_status_[x] = NumberOf(TaskStatus::kExpired);
+    expect(at_us, EventKind::kTaskExpired);
   }
 }
 

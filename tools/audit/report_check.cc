@@ -137,8 +137,10 @@ class Comparison {
         Differ(0, fmt::format("tasks/{}/status", x), "done", "that it was not");
       }
     }
-    for (int kind = 0; IsOutcome(static_cast<EventKind>(kind)); ++kind) {
-      Exact(fmt::format("events/{}", ToString<EventKind>(kind)), counts[kind]);
+    for (int kind = 0; IsWord<EventKind>(kind); ++kind) {
+      const auto word = static_cast<EventKind>(kind);
+      if (!IsOutcome(word) || (OfOpenMissions(word) && counts[kind] == 0)) continue;
+      Exact(fmt::format("events/{}", ToString(word)), counts[kind]);
     }
     Exact("charges", counts[NumberOf(EventKind::kChargingDone)]);
     double flown = 0;

@@ -221,6 +221,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   for (const event_t& event : record.events()) ++counts[static_cast<std::size_t>(event.kind)];
   ordered_json events = ordered_json::object();
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
+    if (counts[kind] == 0 && OfOpenMissions(static_cast<EventKind>(kind))) continue;
     events[std::string(kNames<EventKind>[kind])] = counts[kind];
   }
 

@@ -251,6 +251,17 @@ class PairFinder {
                          (settings_.true_duration ? duration : TimeUs{0}));
   }
 
+  /// What a task gains because it loses worth when it waits (HorizonSettings::urgency).
+  double Urgency(const Task& task) const {
+    const auto part = [&](TimeUs until_us, double lost) {
+      if (until_us == kNever || until_us < situation_.now_us) return 0.0;
+      return lost / static_cast<double>(worths_.Decisions(until_us - situation_.now_us));
+    };
+    const double worth = WorthOf(task, 0, site_.rules);
+    return settings_.urgency * worth *
+           (part(task.due_us, 1 - site_.rules.late_worth) + part(task.expires_us, 1));
+  }
+
   double ChanceOf(AgentKind kind, std::int32_t id, std::int32_t task) const {
     return JitterOf(situation_, settings_, kind, id, task);
   }
@@ -264,8 +275,11 @@ class PairFinder {
     return uav.idle_gain - (settings_.ties ? settings_.uav_way * way_m / uav.range_full_m : 0);
   }
 
+  /// `task`: its id, -1 for charging. `late_loss`: what a partner costs that is there after the
+  /// task is due, in tasks.
   void AddPartners(std::span<const Way> ways, const std::vector<Mover>& partners,
-                   std::int32_t first, TimeUs duration, std::int32_t task, Arcs* arcs) const {
+                   std::int32_t first, TimeUs duration, std::int32_t task, double late_loss,
+                   Arcs* arcs) const {
     arcs->found.clear();
     arcs->order.clear();
     for (const Way& way : ways) {
@@ -277,7 +291,11 @@ class PairFinder {
       arc.arrive_us = partner.ready_us + travel;
       arc.level = Level(arc.arrive_us, duration);
       arc.gain = PartnerGain(partner, travel);
-      if (task >= 0) arc.gain += ChanceOf(AgentKind::kWorker, partner.id, task);
+      if (task >= 0) {
+        if (!site_.tasks[At(task)].AllowsStart(arc.arrive_us)) continue;
+        arc.gain += ChanceOf(AgentKind::kWorker, partner.id, task);
+        if (arc.arrive_us > site_.tasks[At(task)].due_us) arc.gain -= late_loss;
+      }
       arc.solo = false;
       arcs->order.push_back(static_cast<std::uint64_t>(arc.level) << 32 | arcs->found.size());
       arcs->found.push_back(arc);
@@ -317,6 +335,7 @@ class PairFinder {
   void AddTask(std::size_t s, Arcs* arcs) const {
     const Task& task = TaskAt(s);
     const std::int32_t x = pairs_.site_ids[s];
+    bool in_time = false;   // some UAV is there before it is due
     double speed_m_s = -1;  // that duration and next tasks are of
     TimeUs duration = 0;
     for (const Way& way : uavs_to_task_.to(s)) {
@@ -330,9 +349,10 @@ class PairFinder {
       arc.uav = way.agent;
       arc.arrive_us = uav.ready_us + TravelUs(way.metres, speed_m_s);
       arc.duration_us = duration;
-      if (arc.arrive_us + duration > uav.latest_us) continue;
+      if (arc.arrive_us + duration > uav.latest_us || !task.AllowsStart(arc.arrive_us)) continue;
       arc.level = Level(arc.arrive_us, duration);
-      arc.base = Worths::kParts;
+      in_time |= arc.arrive_us <= task.due_us;
+      arc.base = Worths::kParts * (WorthOf(task, arc.arrive_us, site_.rules) + Urgency(task));
       arc.pair_gain = UavGain(uav, way.metres) + ChanceOf(AgentKind::kUav, uav.id, x);
       if (settings_.chains) {
         arc.pair_gain +=
@@ -340,8 +360,12 @@ class PairFinder {
       }
       arcs->uavs.push_back(arc);
     }
+    const double late_loss = in_time ? WorthOf(task, 0, site_.rules) -
+                                           WorthOf(task, kNever, site_.rules)
+                                     : 0;
     AddPartners(workers_to_task_.to(s), workers_, 0,
-                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x, arcs);
+                fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x, late_loss,
+                arcs);
   }
 
   void AddCharge(std::size_t k, Arcs* arcs) const {
@@ -365,7 +389,7 @@ class PairFinder {
     }
     if (shortest == kNever) return;
     AddPartners(vehicles_to_charge_.to(k), vehicles_, static_cast<std::int32_t>(workers_.size()),
-                shortest, -1, arcs);
+                shortest, -1, 0, arcs);
   }
 
   /// The arcs of all sites, those of the second run after those of the first.

@@ -64,7 +64,7 @@ void ForwardModel::AdvanceTo(TimeUs t) {
       }
     } else if (activity.kind == Activity::Kind::kSensing) {
       situation_.task_status[site] = TaskStatus::kDone;
-      done_us_.push_back(activity.end_us);
+      done_.push_back(activity);
     } else {
       --situation_.charging_load[site];
     }

@@ -27,8 +27,8 @@ class ForwardModel {
   /// the limit.
   void Step(const std::vector<Action>& actions);
 
-  /// End times of the sensing that has ended within the limit, in the order of the decisions.
-  const std::vector<TimeUs>& done_us() const { return done_us_; }
+  /// The sensing that has ended within the limit, in the order of the decisions.
+  const std::vector<Activity>& done() const { return done_; }
 
  private:
   AgentState* Find(AgentKind kind, std::int32_t id);
@@ -36,7 +36,7 @@ class ForwardModel {
   void AdvanceTo(TimeUs t);
 
   Situation situation_;
-  std::vector<TimeUs> done_us_;
+  std::vector<Activity> done_;
 };
 
 }  // namespace muster::scheduler

@@ -34,6 +34,23 @@ std::vector<HorizonSettings> RolloutSettings::DefaultVariants() {
   return variants;
 }
 
+namespace {
+
+/// When so many tasks get done, nothing better is looked for: all that are known. Where some matter
+/// more, or when they begin matters, there is no such number.
+std::size_t AllThatCanBeDone(const Situation& situation) {
+  std::size_t left = 0;
+  for (std::size_t x = 0; x < situation.task_status.size(); ++x) {
+    if (!IsToDo(situation.task_status[x])) continue;
+    const Task& task = situation.site->tasks[x];
+    if (task.due_us != kNever || task.priority != Priority::kNormal) return SIZE_MAX;
+    ++left;
+  }
+  return left;
+}
+
+}  // namespace
+
 RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(settings)) {
   MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0 && settings_.rounds > 0,
                "work={} rounds={}", settings_.work, settings_.rounds);
@@ -92,9 +109,12 @@ void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock
     for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
       model.Step(policy.ActionsOf(model.situation()));
     }
-    plan->done = model.done_us().size();
-    for (const TimeUs done : model.done_us()) {
-      plan->worth += 1 + settings_.early * (1 - static_cast<double>(done) / limit);
+    plan->done = model.done().size();
+    for (const Activity& sensing : model.done()) {
+      const double early = 1 - static_cast<double>(sensing.end_us) / limit;
+      plan->worth += WorthOf(situation.site->tasks[static_cast<std::size_t>(sensing.site)],
+                             sensing.start_us, situation.site->rules) *
+                     (1 + settings_.early * early);
     }
   });
 }
@@ -130,9 +150,7 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
   Follow(situation, start, work, nullptr, &variants);
   const Plan* best = best_of(variants, nullptr);
 
-  const auto left = static_cast<std::size_t>(
-      std::count_if(situation.task_status.begin(), situation.task_status.end(),
-                    [](TaskStatus status) { return status != TaskStatus::kDone; }));
+  const std::size_t left = AllThatCanBeDone(situation);
   if (best->done >= left || best->decision.actions.empty()) return best->decision;
   const auto rounds = static_cast<std::size_t>(settings_.rounds);
   const auto all = static_cast<std::size_t>(settings_.draws);

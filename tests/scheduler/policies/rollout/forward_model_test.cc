@@ -33,10 +33,11 @@ TEST(ForwardModel, SensingEndsWhenTheRuleBookSays) {
   EXPECT_EQ(model.situation().task_status[0], TaskStatus::kReserved);
   EXPECT_EQ(model.situation().uavs[0].busy_until_us, 1100 * kSecondUs);
   EXPECT_FALSE(model.situation().uavs[0].idle(kInterval));
-  EXPECT_TRUE(model.done_us().empty());
+  EXPECT_TRUE(model.done().empty());
   model.Step({});
   EXPECT_EQ(model.situation().task_status[0], TaskStatus::kDone);
-  EXPECT_EQ(model.done_us(), std::vector<TimeUs>{1100 * kSecondUs});
+  ASSERT_EQ(model.done().size(), 1u);
+  EXPECT_EQ(model.done()[0].end_us, 1100 * kSecondUs);
   const AgentState& uav = model.situation().uavs[0];
   EXPECT_TRUE(uav.idle(model.situation().now_us));
   EXPECT_EQ(uav.to, (Point{3000, 1000}));
@@ -59,7 +60,7 @@ TEST(ForwardModel, ChargingHoldsItsPlaceUntilTheUavIsFull) {
   model.Step({});
   EXPECT_EQ(model.situation().free_places(ChargeId(0)), 1);
   EXPECT_EQ(model.situation().range_m(model.situation().uavs[0]), 30e3);
-  EXPECT_TRUE(model.done_us().empty());
+  EXPECT_TRUE(model.done().empty());
 }
 
 TEST(ForwardModel, AgentsLeaveAtTheirDowntimeAndNothingHappensAfterTheLimit) {
@@ -81,7 +82,7 @@ TEST(ForwardModel, AgentsLeaveAtTheirDowntimeAndNothingHappensAfterTheLimit) {
     ForwardModel model(situation);
     model.Step({action});  // 600 s
     EXPECT_EQ(model.situation().workers.size(), 0u) << "one is done, the other offline";
-    EXPECT_EQ(model.done_us().size(), 1u);
+    EXPECT_EQ(model.done().size(), 1u);
     model.Step({});
     EXPECT_TRUE(model.over());
     EXPECT_EQ(model.situation().now_us, 900 * kSecondUs);

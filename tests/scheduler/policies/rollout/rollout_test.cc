@@ -18,7 +18,7 @@ using testing::SituationBuilder;
 std::size_t Done(const Situation& situation, Policy&& policy) {
   ForwardModel model(situation);
   while (!model.over()) model.Step(policy.Decide(model.situation()).actions);
-  return model.done_us().size();
+  return model.done().size();
 }
 
 TEST(Rollout, AnswersDependNeitherOnThreadsNorOnEarlierCalls) {
@@ -89,7 +89,7 @@ TEST(Rollout, FollowsAVariantNoFartherThanTheWorkAllows) {
     const auto done = [&](const Decision& d) {
       ForwardModel model(situation);
       model.Step(d.actions);
-      return model.done_us().size();
+      return model.done().size();
     };
     for (const HorizonSettings& variant : settings.variants) {
       EXPECT_GE(done(decision), done(HorizonPolicy(variant).Decide(situation)));
