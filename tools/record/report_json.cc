@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "protocol/fault_switch.h"
 #include "tools/record/digest.h"
+#include "tools/record/service.h"
 
 namespace muster::tools {
 namespace {
@@ -240,6 +241,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["tasks_done"] = done;
   report["completion_rate"] =
       total == 0 ? 0.0 : static_cast<double>(done) / static_cast<double>(total);
+  if (scenario.IsOpen()) report["service"] = ToJson(ServiceOf(record, scenario));
   report["charges"] = counts[NumberOf(EventKind::kChargingDone)];
   report["flown_m"] = Number(flown_m);
   report["wall_s"] = record.wall_s();

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
+#include "tools/record/service.h"
 
 namespace muster::tools {
 namespace {
@@ -54,6 +55,17 @@ std::string LogLine(const RunRecord& record) {
   return text;
 }
 
+std::string ServiceLine(const Service& service) {
+  std::string text = fmt::format("worth {:.4g} of {:.4g}, {} of {} on time, {} expired",
+                                 service.worth_done, service.worth_all, service.on_time(),
+                                 service.reported(), service.expired);
+  if (!service.response_s.empty()) {
+    text += fmt::format("; response {:.1f} min on average, 90 % within {:.1f}",
+                        service.mean_response_s() / 60, service.response_quantile_s(0.9) / 60);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string Summary(const RunRecord& record) {
@@ -93,6 +105,7 @@ std::string Summary(const RunRecord& record) {
       total == 0 ? fmt::format("{} of {}", done, total)
                  : fmt::format("{} of {} ({:.1f} %)", done, total,
                                100.0 * static_cast<double>(done) / static_cast<double>(total)));
+  if (scenario.IsOpen()) row("served", ServiceLine(ServiceOf(record, scenario)));
   row("charges", fmt::format("{}", charges));
   row("flown", fmt::format("{:.1f} km", flown_m * 1e-3));
   row("decisions", fmt::format("{} of {}, total weight {:.6g}{}", record.schedules().size(),

@@ -251,17 +251,6 @@ class PairFinder {
                          (settings_.true_duration ? duration : TimeUs{0}));
   }
 
-  /// What a task gains because it loses worth when it waits (HorizonSettings::urgency).
-  double Urgency(const Task& task) const {
-    const auto part = [&](TimeUs until_us, double lost) {
-      if (until_us == kNever || until_us < situation_.now_us) return 0.0;
-      return lost / static_cast<double>(worths_.Decisions(until_us - situation_.now_us));
-    };
-    const double worth = WorthOf(task, 0, site_.rules);
-    return settings_.urgency * worth *
-           (part(task.due_us, 1 - site_.rules.late_worth) + part(task.expires_us, 1));
-  }
-
   double ChanceOf(AgentKind kind, std::int32_t id, std::int32_t task) const {
     return JitterOf(situation_, settings_, kind, id, task);
   }
@@ -352,7 +341,7 @@ class PairFinder {
       if (arc.arrive_us + duration > uav.latest_us || !task.AllowsStart(arc.arrive_us)) continue;
       arc.level = Level(arc.arrive_us, duration);
       in_time |= arc.arrive_us <= task.due_us;
-      arc.base = Worths::kParts * (WorthOf(task, arc.arrive_us, site_.rules) + Urgency(task));
+      arc.base = Worths::kParts * WorthOf(task, arc.arrive_us, site_.rules);
       arc.pair_gain = UavGain(uav, way.metres) + ChanceOf(AgentKind::kUav, uav.id, x);
       if (settings_.chains) {
         arc.pair_gain +=

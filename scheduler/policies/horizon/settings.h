@@ -55,9 +55,6 @@ struct HorizonSettings {
   std::int32_t soon_decisions = 2;
   /// Worth of a task that charging enables.
   double charge_worth = 0.8;
-  /// What a task gains whose worth is lost when it waits: per worth that its due time or its expiry
-  /// takes, in the last interval before; half of that two intervals before, and so on.
-  double urgency = 1.0;
   /// Way to the next task that is expected when the tasks that a range allows are counted, in mean
   /// distances between open tasks (sqrt(area / tasks)).
   double expected_way = 1.0;

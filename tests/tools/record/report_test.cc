@@ -11,6 +11,7 @@
 #include "tests/tools/fake_mission.h"
 #include "tests/tools/record/record_of.h"
 #include "tools/record/digest.h"
+#include "tools/record/service.h"
 #include "tools/record/summary.h"
 
 namespace muster::tools {
@@ -260,6 +261,41 @@ TEST(Summary, SaysWhatPeopleAskFirst) {
         "median 2.0 ms, max 3.0 ms\n", "log            complete, "}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << "in\n" << text;
   }
+}
+
+TEST(Service, CountsWorthResponseAndLateness) {
+  const RunRecord record = RecordOf(MakeFakeMission());
+  Scenario scenario = *record.scenario();
+  EXPECT_FALSE(ReadBack(record).contains("service"));  // no task has times
+  scenario.rules.priority_worth = {0.5, 1, 3, 4};
+  scenario.rules.late_worth = 0.25;
+  scenario.tasks[0].priority = Priority::kHigh;
+  scenario.tasks[0].reported_us = kMinuteUs;
+  scenario.tasks[0].due_us = 7 * kMinuteUs;  // sensing begins at 7.211 min
+  scenario.tasks[1].priority = Priority::kEmergency;
+  scenario.tasks[1].reported_us = 4 * kMinuteUs;
+  scenario.tasks[1].due_us = 14 * kMinuteUs;  // and at 14 min
+  Task never;
+  never.reported_us = 9 * kMinuteUs;
+  scenario.tasks.push_back(never);
+  never.reported_us = scenario.rules.limit_us;  // nobody ever knew of it
+  scenario.tasks.push_back(never);
+
+  const Service service = ServiceOf(record, scenario);
+  EXPECT_DOUBLE_EQ(service.worth_done, 3 * 0.25 + 4);
+  EXPECT_DOUBLE_EQ(service.worth_all, 3 + 4 + 1);
+  EXPECT_EQ(service.reported(), 3);
+  EXPECT_EQ(service.done(), 2);
+  EXPECT_EQ(service.on_time(), 1);
+  EXPECT_EQ(service.by_priority[2].on_time, 0);
+  EXPECT_EQ(service.by_priority[3].on_time, 1);
+  ASSERT_EQ(service.response_s.size(), 2u);
+  EXPECT_NEAR(service.response_s[0], 60 * 6.211, 0.1);
+  EXPECT_NEAR(service.response_s[1], 600, 1e-6);
+  EXPECT_EQ(service.response_quantile_s(0.5), service.response_s[0]);
+  EXPECT_EQ(service.response_quantile_s(0.9), service.response_s[1]);
+  EXPECT_NEAR(service.mean_response_s(), 30 * 16.211, 0.1);
+  EXPECT_TRUE(ToJson(Service())["response_s"]["mean"].is_null());
 }
 
 }  // namespace
