@@ -313,7 +313,8 @@ std::vector<HostCheck> CheckHost(const MulticastUrl& url) {
   checks.push_back(CheckGuard());
   checks.push_back(CheckLcm(url.port));
   checks.push_back(CheckSeal());
-  checks.push_back(CheckProgram("lcm-logger", "'muster run' records with it", Result::kFail));
+  checks.push_back(
+      CheckProgram("lcm-logger", "'muster run --logger lcm' records with it", Result::kWarn));
   checks.push_back(CheckProgram("lcm-logplayer", "plays a log back", Result::kWarn));
   checks.push_back(CheckGenerator());
   return checks;

@@ -84,7 +84,7 @@ void AddLaunchOptions(Options* options) {
             "Who writes the log: stock lcm-logger, or muster-recorder, which takes less of the "
             "processors (docs/running.md)")
       .OneOf({"lcm", "muster"})
-      .Default("lcm");
+      .Default("muster");
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");

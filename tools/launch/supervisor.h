@@ -33,7 +33,7 @@ std::string_view LauncherNameWith(Logger logger);
 /// What a mission is, wherever it runs.
 struct MissionPlan {
   std::int64_t run_id = 0;
-  Logger logger = Logger::kLcm;
+  Logger logger = Logger::kMuster;
   Scenario scenario;
   std::vector<std::string> processes;  ///< by sender name, in the order of their start
   RestartPolicy restarts = {};

@@ -221,6 +221,8 @@ std::string UndisturbedDigest(const VirtualMission& mission) {
 MissionResult RunVirtualMission(const VirtualMission& mission) {
   MissionPlan plan;
   plan.run_id = kRunId;
+  // What it has not written when it dies is lost: the harder of the two for everybody else.
+  plan.logger = Logger::kLcm;
   plan.scenario = mission.scenario;
   plan.processes = ProcessNames();
   plan.restarts = mission.restarts;

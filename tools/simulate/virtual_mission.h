@@ -29,9 +29,9 @@ struct VirtualMission {
 };
 
 /// What `muster run` does with real processes over LCM, in this process over a virtual network: the
-/// processes' cores, the launcher's supervision, lcm-logger. A function of its arguments: no clock
-/// of the host enters, so schedules say that they took no time. It fails when it has not ended
-/// after half an hour of network time beside what its faults last.
+/// processes' cores, the launcher's supervision, lcm-logger (as with --logger lcm). A function of
+/// its arguments: no clock of the host enters, so schedules say that they took no time. It fails
+/// when it has not ended after half an hour of network time beside what its faults last.
 MissionResult RunVirtualMission(const VirtualMission& mission);
 
 /// The digest of the same mission where only agents fail: what it must have when it waits for

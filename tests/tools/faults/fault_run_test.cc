@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/generator.h"
@@ -41,13 +42,17 @@ class FaultRunTest : public MissionTest {
 };
 
 TEST_F(FaultRunTest, LossDuplicationReorderingAndDelayChangeNoDecision) {
-  const Json report =
-      Run({"loss:*@0=0.3", "duplication:*@0=0.1", "reordering:*@0=0.2", "delay:worker@60+10=3"});
-  EXPECT_EQ(report["digest"], undisturbed_);
-  // Six processes' worth of three faults, and one.
-  EXPECT_EQ(report["events"]["fault_applied"], 3 * 6 + 1);
-  EXPECT_EQ(report["events"]["fault_ended"], 3 * 6 + 1);
-  for (const Json& fault : report["faults"]) EXPECT_GT(fault["packets"], 0) << fault;
+  // With lcm-logger the launcher is the recorder.
+  for (const auto& [logger, processes] : {std::pair("muster", 7), std::pair("lcm", 6)}) {
+    const Json report =
+        Run({"loss:*@0=0.3", "duplication:*@0=0.1", "reordering:*@0=0.2", "delay:worker@60+10=3"},
+            logger, {"--logger", logger});
+    EXPECT_EQ(report["digest"], undisturbed_);
+    // All processes' worth of three faults, and one.
+    EXPECT_EQ(report["events"]["fault_applied"], 3 * processes + 1);
+    EXPECT_EQ(report["events"]["fault_ended"], 3 * processes + 1);
+    for (const Json& fault : report["faults"]) EXPECT_GT(fault["packets"], 0) << fault;
+  }
 }
 
 TEST_F(FaultRunTest, ForeignPacketsAreCountedAndChangeNothing) {
@@ -69,18 +74,24 @@ TEST_F(FaultRunTest, AFaultThatHitsNothingFailsTheRun) {
 }
 
 TEST_F(FaultRunTest, KilledStoppedAndCutOffProcessesChangeNoDecision) {
-  const Json report = Run({"process_killed:uav@10", "process_killed:world@30",
-                           "process_stopped:vehicle@50+0.3s", "partition:uav+worker|world@70+0.3s",
-                           "process_killed:scheduler@90+0.5s", "process_killed:lcm-logger@110"});
-  EXPECT_EQ(report["digest"], undisturbed_);
-  EXPECT_EQ(report["events"]["process_lost"], 4);
-  EXPECT_EQ(report["events"]["process_back"], 4);
+  for (const std::string logger : {"muster", "lcm"}) {
+    const Json report =
+        Run({"process_killed:uav@10", "process_killed:world@30", "process_stopped:vehicle@50+0.3s",
+             "partition:uav+worker|world@70+0.3s", "process_killed:scheduler@90+0.5s",
+             "process_killed:lcm-logger@110"},
+            logger, {"--logger", logger});
+    EXPECT_EQ(report["digest"], undisturbed_);
+    EXPECT_EQ(report["events"]["process_lost"], 4);
+    EXPECT_EQ(report["events"]["process_back"], 4);
+  }
 }
 
 TEST_F(FaultRunTest, AFullDiskHoldsTheMissionAndLosesNothing) {
-  const Json report = Run({"disk_full:lcm-logger@60+0.5s"});
-  EXPECT_EQ(report["digest"], undisturbed_);
-  EXPECT_TRUE(std::filesystem::exists(folder_.File("run") + "/mission.lcm.1"));
+  for (const std::string logger : {"muster", "lcm"}) {
+    const Json report = Run({"disk_full:lcm-logger@60+0.5s"}, logger, {"--logger", logger});
+    EXPECT_EQ(report["digest"], undisturbed_);
+    EXPECT_TRUE(std::filesystem::exists(folder_.File(logger) + "/mission.lcm.1"));
+  }
 }
 
 TEST_F(FaultRunTest, AnAgentGoesSilentComesBackAndARestartedWorldKnows) {

@@ -38,9 +38,9 @@ class FreezeTest : public ::testing::Test {
 };
 
 TEST_F(FreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
-  // The launcher is the mission's recorder, too.
-  constexpr std::array kVictims = {"world",     "uav",      "worker",    "vehicle",
-                                   "scheduler", "launcher", "lcm-logger"};
+  // Where lcm-logger writes, the launcher is the mission's recorder, too.
+  constexpr std::array kVictims = {"world",     "uav",      "worker", "vehicle",
+                                   "scheduler", "launcher", "logger"};
   constexpr std::array kHeld_s = {1, 5, 20};
   std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
   Muster simulate(folder_, "simulate",
@@ -52,19 +52,21 @@ TEST_F(FreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
   for (int i = 0; i < missions; ++i) {
     const std::string victim = kVictims[static_cast<std::size_t>(i) % kVictims.size()];
     const int held_s = kHeld_s[static_cast<std::size_t>(i) / kVictims.size() % kHeld_s.size()];
+    const bool lcm = i % 2 == 1;
     const bool goes_on = static_cast<std::size_t>(i) / kVictims.size() / kHeld_s.size() % 2 == 0;
     Random random(static_cast<std::uint64_t>(i), Stream::kTest);
     const std::int64_t at = 5 + random.Below(350);  // of 361 ticks
-    SCOPED_TRACE(fmt::format("mission {}: {} held for {} s at tick {}, {}", i, victim, held_s, at,
-                             goes_on ? "continue" : "wait"));
-    Muster muster(folder_, "run",
-                  {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600",
-                   "--on-loss", goes_on ? "continue" : "wait", "--lost-after", "3"});
+    SCOPED_TRACE(fmt::format("mission {}: {} held for {} s at tick {}, {}, {}", i, victim, held_s,
+                             at, goes_on ? "continue" : "wait", lcm ? "lcm-logger" : "recorder"));
+    Muster muster(
+        folder_, "run",
+        {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600", "--on-loss",
+         goes_on ? "continue" : "wait", "--lost-after", "3", "--logger", lcm ? "lcm" : "muster"});
     LiveLog log(folder_.File("run"));
     const auto pid = [&] {
-      return victim == "launcher"     ? muster.child().pid()
-             : victim == "lcm-logger" ? ChildOf(muster.child().pid(), "lcm-logger")
-                                      : log.pid(victim);
+      if (victim == "launcher") return muster.child().pid();
+      if (victim != "logger") return log.pid(victim);
+      return lcm ? ChildOf(muster.child().pid(), "lcm-logger") : log.pid("recorder");
     };
     ASSERT_TRUE(Eventually([&] {
       log.Read();
@@ -80,8 +82,8 @@ TEST_F(FreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
     ASSERT_EQ(muster.Wait(std::chrono::minutes(3)), 0) << muster.output();
     const Json report = Report("run");
     EXPECT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
-    const bool may_be_lost = goes_on && held_s > 3 && victim != "world" && victim != "launcher" &&
-                             victim != "lcm-logger";
+    const bool may_be_lost =
+        goes_on && held_s > 3 && victim != "world" && victim != "launcher" && victim != "logger";
     if (may_be_lost) {
       for (const char* const other : kVictims) {
         if (other == victim) continue;

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -35,6 +36,8 @@ class KillTest : public MissionTest {
     SCOPED_TRACE(fmt::format("{}, seed {}", fmt::join(victims, ", "), seed));
     std::vector<std::string> arguments = {
         "run", scenario_, "--quiet", "--out", folder_.File(name), "--rate", "1800"};
+    const bool lcm = std::find(victims.begin(), victims.end(), "lcm-logger") != victims.end();
+    if (lcm) arguments.insert(arguments.end(), {"--logger", "lcm"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     Muster muster(folder_, name, arguments);
     LiveLog log(folder_.File(name));
@@ -79,14 +82,16 @@ TEST_F(KillTest, Uav) { KillAll({"uav"}, 2); }
 TEST_F(KillTest, Worker) { KillAll({"worker"}, 3); }
 TEST_F(KillTest, Vehicle) { KillAll({"vehicle"}, 4); }
 TEST_F(KillTest, Scheduler) { KillAll({"scheduler"}, 5); }
-TEST_F(KillTest, Logger) { KillAll({"lcm-logger"}, 6); }
+TEST_F(KillTest, Recorder) { KillAll({"recorder"}, 6); }
+TEST_F(KillTest, LcmLogger) { KillAll({"lcm-logger"}, 6); }
 TEST_F(KillTest, EachOnceInOneMission) {
   KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
 }
 TEST_F(KillTest, AllAtOnce) {
   const std::vector<std::string> victims = {"world",   "uav",       "worker",
                                             "vehicle", "scheduler", "lcm-logger"};
-  std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File("run")};
+  std::vector<std::string> arguments = {
+      "run", scenario_, "--quiet", "--out", folder_.File("run"), "--logger", "lcm"};
   for (const std::string& victim : victims) {
     arguments.insert(arguments.end(), {"--fault", fmt::format("process_killed:{}@80.5", victim)});
   }
@@ -139,10 +144,10 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 
 // In the place of the frozen launcher: its log tells nobody what it holds.
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
-  Muster muster(
-      folder_, "run",
-      {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "7200", "--on-loss",
-       "continue", "--lost-after", "0.5", "--fault", "process_stopped:lcm-logger@60+4s"});
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--logger", "lcm",
+                 "--rate", "7200", "--on-loss", "continue", "--lost-after", "0.5", "--fault",
+                 "process_stopped:lcm-logger@60+4s"});
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const Json report = Report("run");
   EXPECT_EQ(report["digest"], undisturbed_);

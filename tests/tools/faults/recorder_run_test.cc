@@ -1,5 +1,5 @@
-// Missions whose log our own recorder writes, as a process of the mission: what lcm-logger and the
-// launcher survive, it survives.
+// What befalls the recorder, the process that writes a mission's log: all that lcm-logger and the
+// launcher survive with --logger lcm, it survives.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -32,8 +32,7 @@ using Json = nlohmann::json;
 class RecorderRunTest : public MissionTest {
  protected:
   std::vector<std::string> With(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments = {"run",    scenario_, "--quiet", "--logger",
-                                          "muster", "--out",   Run()};
+    std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", Run()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -256,8 +256,8 @@ TEST_F(SealRunTest, AnImpostorOfEachRoleChangesNothingAndIsNamed) {
   Impostor impostor(MissionUrl(port_));
   while (!muster.child().Poll()) impostor.Turn();
   ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
-  EXPECT_EQ(impostor.senders(),
-            (std::set<std::string>{"recorder", "scheduler", "uav", "vehicle", "worker", "world"}));
+  EXPECT_EQ(impostor.senders(), (std::set<std::string>{"launcher", "recorder", "scheduler", "uav",
+                                                       "vehicle", "worker", "world"}));
   EXPECT_EQ(Report()["digest"], expected_);
   EXPECT_NE(muster.output().find("of somebody without its key, or damaged; the newest, on MUSTER_"),
             std::string::npos)

@@ -30,6 +30,9 @@ int Missions(int usual) {
   return text == nullptr ? usual : std::atoi(text);
 }
 
+/// Who writes the log of that mission: each in turn.
+const char* LoggerOf(int mission) { return mission % 2 == 0 ? "muster" : "lcm"; }
+
 class SweepTest : public ::testing::Test {
  protected:
   void SetUp() override { MUSTER_NEEDS_MULTICAST(); }
@@ -55,8 +58,9 @@ TEST_F(SweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
     std::vector<std::string> victims = {"uav",       "worker", "vehicle",
                                         "scheduler", "world",  "lcm-logger"};
     random.Shuffle(victims);
-    std::vector<std::string> arguments = {"run", scenario_, "--quiet",          "--policy",
-                                          "mpq", "--out",   folder_.File("run")};
+    std::vector<std::string> arguments = {"run",      scenario_, "--quiet",           "--policy",
+                                          "mpq",      "--out",   folder_.File("run"), "--logger",
+                                          LoggerOf(i)};
     for (std::size_t k = 0; k < victims.size(); ++k) {
       const double at_min = 0.5 * static_cast<double>(60 * k + random.Below(60));
       arguments.insert(arguments.end(),
@@ -87,9 +91,10 @@ TEST_F(SweepTest, RandomPlansBreakNoInvariant) {
     ASSERT_EQ(draw.Wait(), 0) << draw.output();
     const std::string plan = folder_.File("plan.json");
     std::ofstream(plan) << draw.output();
-    Muster run(folder_, "run",
-               {"run", scenario_, "--quiet", "--policy", "mpq", "--out", folder_.File("run"),
-                "--faults", plan, "--on-loss", on_loss, "--lost-after", "0.5"});
+    Muster run(
+        folder_, "run",
+        {"run", scenario_, "--quiet", "--policy", "mpq", "--out", folder_.File("run"), "--faults",
+         plan, "--on-loss", on_loss, "--lost-after", "0.5", "--logger", LoggerOf(seed / 2)});
     ASSERT_EQ(run.Wait(kLongest), 0) << run.output() << draw.output();
     std::filesystem::remove_all(folder_.File("run"));
   }

@@ -13,6 +13,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/lcmtypes/test_network.h"
@@ -144,13 +145,18 @@ TEST_F(HostTrouble, AFullDiskIsSaidAndWaitedFor) {
 }
 
 TEST_F(HostTrouble, AFileThatMayNotGrowIsSaid) {
-  const ChildResult result = Run({"run", scenario_, "--quiet", "--out", Out("small")}, [] {
-    const rlimit limit = {8192, 8192};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  });
-  EXPECT_EQ(result.exit_code, 3) << result.output;
-  EXPECT_NE(result.output.find("File size limit exceeded"), std::string::npos) << result.output;
-  EXPECT_NE(result.output.find("tasks done"), std::string::npos) << result.output;
+  const std::pair<const char*, const char*> loggers[] = {
+      {"muster", "/mission.lcm.5: File too large"}, {"lcm", "File size limit exceeded"}};
+  for (const auto& [logger, said] : loggers) {
+    const ChildResult result =
+        Run({"run", scenario_, "--quiet", "--out", Out(logger), "--logger", logger}, [] {
+          const rlimit limit = {8192, 8192};
+          setrlimit(RLIMIT_FSIZE, &limit);
+        });
+    EXPECT_EQ(result.exit_code, 3) << result.output;
+    EXPECT_NE(result.output.find(said), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("tasks done"), std::string::npos) << result.output;
+  }
 }
 
 TEST_F(HostTrouble, AnyNameIsAFolder) {

@@ -51,7 +51,7 @@ TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
 }
 
 TEST(LaunchOptions, OneOfTwoWritesTheLog) {
-  EXPECT_EQ(Parse({"a.json"}).logger, Logger::kLcm);
+  EXPECT_EQ(Parse({"a.json"}).logger, Logger::kMuster);
   EXPECT_EQ(Parse({"a.json", "--logger", "lcm"}).logger, Logger::kLcm);
   EXPECT_EQ(Parse({"a.json", "--logger", "muster"}).logger, Logger::kMuster);
   EXPECT_EQ(ErrorOf({"a.json", "--logger", "tape"}),

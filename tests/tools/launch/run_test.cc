@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -98,7 +99,7 @@ TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
   ASSERT_EQ(muster.Wait(), 0) << muster.output();
   for (const char* name :
        {"mission.lcm", "scenario.json", "manifest.json", "report.json", "world.stderr",
-        "uav.stderr", "worker.stderr", "vehicle.stderr", "scheduler.stderr", "lcm-logger.stderr"}) {
+        "uav.stderr", "worker.stderr", "vehicle.stderr", "scheduler.stderr", "recorder.stderr"}) {
     EXPECT_TRUE(fs::exists(Out() + "/" + name)) << name;
   }
   const Log log(Out() + "/mission.lcm");
@@ -106,8 +107,8 @@ TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
   EXPECT_EQ(log.garbage, 0);
   EXPECT_TRUE(log.end_announced);
   EXPECT_EQ(log.runs.size(), 1u);
-  EXPECT_EQ(log.ended,
-            (std::set<std::string>{"recorder", "scheduler", "uav", "vehicle", "worker", "world"}));
+  EXPECT_EQ(log.ended, (std::set<std::string>{"launcher", "recorder", "scheduler", "uav", "vehicle",
+                                              "worker", "world"}));
   const Json report = Report();
   EXPECT_TRUE(report["log"]["complete"].get<bool>());
   EXPECT_EQ(report["log"]["messages"], log.messages);
@@ -117,6 +118,37 @@ TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
   EXPECT_NE(TextOf(folder_.File("run.output.audit")).find("passed: every rule holds"),
             std::string::npos);
   EXPECT_NE(TextOf(folder_.File("run.output.redecide")).find("bit for bit"), std::string::npos);
+}
+
+TEST_F(RunTest, StockLcmLoggerLeavesTheSame) {
+  Muster muster = Start({"--logger", "lcm"});
+  ASSERT_EQ(muster.Wait(), 0) << muster.output();
+  EXPECT_TRUE(fs::exists(Out() + "/lcm-logger.stderr"));
+  EXPECT_FALSE(fs::exists(Out() + "/recorder.stderr"));
+  const Log log(Out() + "/mission.lcm");
+  EXPECT_EQ(log.missing, 0);
+  EXPECT_EQ(log.garbage, 0);
+  EXPECT_TRUE(log.end_announced);
+  EXPECT_EQ(log.ended,
+            (std::set<std::string>{"recorder", "scheduler", "uav", "vehicle", "worker", "world"}));
+  EXPECT_TRUE(Report()["log"]["complete"].get<bool>());
+  EXPECT_EQ(Report()["log"]["messages"], log.messages);
+  Muster other = Start({}, "other");
+  ASSERT_EQ(other.Wait(), 0) << other.output();
+  EXPECT_EQ(Report()["digest"], Report("other")["digest"]);
+}
+
+TEST_F(RunTest, WithoutLcmLoggerItIsSaidWhereToGetIt) {
+  const char* const path = std::getenv("PATH");
+  const std::string kept = path == nullptr ? "" : path;
+  setenv("PATH", "/nonexistent", 1);
+  Muster with = Start({"--logger", "lcm"}, "with");
+  Muster without = Start({"--limit", "10"}, "without");
+  setenv("PATH", kept.c_str(), 1);
+  EXPECT_EQ(with.Wait(), 3);
+  EXPECT_EQ(with.output(),
+            "muster: lcm-logger is not in PATH; Debian has it in the package liblcm-bin\n");
+  EXPECT_EQ(without.Wait(), 0) << without.output();
 }
 
 TEST_F(RunTest, HowTheMissionIsSplitChangesNoDecision) {
@@ -181,7 +213,7 @@ TEST_F(RunTest, CtrlCEndsItCleanly) {
   EXPECT_EQ(log.missing, 0);
   EXPECT_EQ(log.garbage, 0);
   EXPECT_FALSE(log.end_announced);
-  EXPECT_EQ(log.pids.size(), 6u);
+  EXPECT_EQ(log.pids.size(), 7u);
   for (const auto& [name, pid] : log.pids) EXPECT_EQ(kill(pid, 0), -1) << name;
   const auto report = Report();
   EXPECT_FALSE(report["log"]["complete"].get<bool>());
@@ -208,7 +240,7 @@ TEST_F(RunTest, NoProcessIsLeftWhenTheLauncherIsKilled) {
     return pid < 0;  // no child is left, whether it has ended or not
   });
   EXPECT_TRUE(all_gone);
-  EXPECT_EQ(children, 6);  // world, three agent classes, scheduler, logger
+  EXPECT_EQ(children, 6);  // world, three agent classes, scheduler, recorder
   EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 0), 0);
 }
 
