@@ -25,6 +25,7 @@
 #include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/seal.h"
+#include "lcmtypes/bus/udpm_receiver.h"
 #include "lcmtypes/channels.h"
 #include "tools/host/child_guard.h"
 #include "tools/host/network_namespace.h"
@@ -51,28 +52,51 @@ HostCheck CheckHostMulticast(const std::string& address, bool has_private) {
   return check;
 }
 
-/// Bytes that the kernel gives a socket that asks for `wanted`. It reports twice what it counts as
-/// given, for its own bookkeeping (socket(7)).
-std::int64_t GivenReceiveBuffer(std::int64_t wanted) {
+/// Bytes that the kernel gives a socket that asks for `wanted` by that option; 0: it refuses. It
+/// reports twice what it counts as given, for its own bookkeeping (socket(7)).
+std::int64_t GivenReceiveBuffer(std::int64_t wanted, int option) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return 0;
   const int size = static_cast<int>(wanted);
   int given = 0;
   socklen_t length = sizeof(given);
-  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof(size));
-  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &given, &length);
+  if (setsockopt(fd, SOL_SOCKET, option, &size, sizeof(size)) != 0 ||
+      getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &given, &length) != 0) {
+    given = 0;
+  }
   close(fd);
   return given / 2;
 }
 
-HostCheck CheckReceiveBuffer(std::int64_t wanted) {
-  if (wanted == 0) wanted = ParseMulticastUrl(MissionUrl(1)).recv_buf_size;
-  const std::int64_t given = GivenReceiveBuffer(wanted);
-  HostCheck check{"receive buffer", Result::kOk, fmt::format("{} bytes", given), ""};
-  if (given < wanted) {
+std::string InMiB(std::int64_t bytes) {
+  return fmt::format("{:g} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+/// What our own sockets get (udpm_receiver.h), and those that LCM opens: of lcm-logger, of others'
+/// tools, and ours too where their own buffer would be too small. In the network that missions
+/// have.
+HostCheck CheckReceiveBuffer(std::int64_t lcm_wanted) {
+  constexpr std::int64_t kOwn = UdpmReceiver::kBufferBytes;
+  if (lcm_wanted == 0) lcm_wanted = ParseMulticastUrl(MissionUrl(1)).recv_buf_size;
+  const std::int64_t largest = GivenReceiveBuffer(1 << 30, SO_RCVBUF);
+  const std::int64_t forced = GivenReceiveBuffer(kOwn, SO_RCVBUFFORCE);
+  const std::int64_t own = std::max(forced, std::min(largest, kOwn));
+  const std::int64_t of_lcm = GivenReceiveBuffer(lcm_wanted, SO_RCVBUF);
+  const bool own_reads = 2 * own >= UdpmReceiver::kLeastBufferBytes;
+  const std::string lcm_gets = of_lcm < lcm_wanted
+                                   ? fmt::format("{} of {}", InMiB(of_lcm), InMiB(lcm_wanted))
+                                   : InMiB(of_lcm);
+  HostCheck check{"receive buffer", Result::kOk, "", ""};
+  check.found =
+      own_reads ? fmt::format("{} on our sockets, {} on LCM's", InMiB(own), lcm_gets)
+                : fmt::format("{} for ours, so LCM reads for them with {}", InMiB(own), lcm_gets);
+  check.found += fmt::format("; net.core.rmem_max is {}{}", InMiB(largest),
+                             forced > 0 ? ", which this user may exceed" : "");
+  if (!own_reads || of_lcm < lcm_wanted) {
     check.result = Result::kWarn;
-    check.found = fmt::format("{} of {} bytes: bursts may be lost and sent again", given, wanted);
-    check.advice = fmt::format("run as root: sysctl -w net.core.rmem_max={}", wanted);
+    check.found += ": bursts may be lost and sent again";
+    check.advice = fmt::format("run as root: sysctl -w net.core.rmem_max={}",
+                               std::max(forced > 0 ? 0 : kOwn, lcm_wanted));
   }
   return check;
 }
@@ -285,7 +309,6 @@ std::vector<HostCheck> CheckHost(const MulticastUrl& url) {
   const bool has_private = refused.empty();
   // The host's own network first: there is no way back to it.
   const HostCheck multicast = CheckHostMulticast(url.address, has_private);
-  const HostCheck buffer = CheckReceiveBuffer(url.recv_buf_size);
   const HostCheck port = CheckPort(url.port);
 
   HostCheck own{"private network", Result::kOk, "", ""};
@@ -309,7 +332,7 @@ std::vector<HostCheck> CheckHost(const MulticastUrl& url) {
   checks.push_back(own);
   checks.push_back(multicast);
   checks.push_back(port);
-  checks.push_back(buffer);
+  checks.push_back(CheckReceiveBuffer(url.recv_buf_size));
   checks.push_back(CheckGuard());
   checks.push_back(CheckLcm(url.port));
   checks.push_back(CheckSeal());

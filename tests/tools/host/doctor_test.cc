@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -98,7 +99,25 @@ TEST(Doctor, WarnsOfASmallReceiveBuffer) {
     return RunDoctor({"--lcm-url", "udpm://?recv_buf_size=1073741824"});
   });
   EXPECT_TRUE(Contains(result.output, "receive buffer   warn")) << result.output;
+  EXPECT_TRUE(Contains(result.output, " of 1024 MiB on LCM's") ||
+              Contains(result.output, "so LCM reads for them with"))
+      << result.output;
   EXPECT_TRUE(Contains(result.output, "sysctl -w net.core.rmem_max=1073741824")) << result.output;
+}
+
+TEST(Doctor, SaysWhatSocketsGetWhereTheKernelAllowsNoMore) {
+  std::int64_t most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  // Root of a user namespace of its own may not exceed the limit.
+  const ChildResult result =
+      RunInChild([] { return EnterRefusingNetwork(true) ? RunDoctor() : kRefused; });
+  if (result.exit_code == kRefused || most == 0) GTEST_SKIP() << "cannot limit namespaces here";
+  EXPECT_FALSE(Contains(result.output, "this user may exceed")) << result.output;
+  const bool is_small = most < 8 << 20;
+  EXPECT_EQ(Contains(result.output, "for ours, so LCM reads for them with"), is_small)
+      << result.output;
+  EXPECT_EQ(Contains(result.output, "sysctl -w net.core.rmem_max=33554432"), is_small)
+      << result.output;
 }
 
 TEST(Doctor, RefusesAUrlThatIsNone) {
