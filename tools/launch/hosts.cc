@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 
 #include "base/check.h"
 #include "base/json_tree.h"
+#include "base/text.h"
 #include "lcmtypes/bus/multicast.h"
 
 namespace muster::tools {
@@ -32,6 +34,15 @@ class Object {
     // Neither may be taken for an option of ssh or ip.
     if (value->text.front() == '-') Refuse(key, value->text, "a text that does not begin with -");
     return value->text;
+  }
+  /// A number above 0; 0 where the key is not there.
+  double Positive(std::string_view key) {
+    const JsonValue* value = Take(key, false);
+    if (value == nullptr) return 0;
+    const double number =
+        value->type == JsonValue::Type::kNumber ? ToNumber(value->text).value_or(0) : 0;
+    if (!(number > 0) || std::isinf(number)) Refuse(key, value->Shown(), "a number above 0");
+    return number;
   }
   const std::vector<JsonValue>& List(std::string_view key) {
     const JsonValue* value = Take(key, true);
@@ -85,6 +96,7 @@ Host ReadHost(const JsonValue& json, const std::string& file, std::size_t i) {
     }
     host.processes.push_back(process.text);
   }
+  host.mbit_s = object.Positive("mbit_s");
   object.ExpectNoMore();
   if (host.ssh.empty() == host.netns.empty()) {
     object.Refuse("ssh", host.ssh.empty() ? "neither ssh nor netns" : "ssh and netns",

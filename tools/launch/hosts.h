@@ -16,6 +16,7 @@ struct Host {
   std::string netns;   ///< a network namespace of this machine (ip-netns(8)); "": ssh
   std::string folder;  ///< where that host has Muster's programs; "": where this one has them
   std::vector<std::string> processes;  ///< by sender name
+  double mbit_s = 0;                   ///< what its link carries each way; 0: not known
 };
 
 /// A host list, version 1 (docs/hosts.md).

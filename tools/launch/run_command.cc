@@ -29,6 +29,7 @@
 #include "tools/host/progress.h"
 #include "tools/host/stop_signals.h"
 #include "tools/launch/launch_options.h"
+#include "tools/launch/link_traffic.h"
 #include "tools/launch/manifest.h"
 #include "tools/launch/mission.h"
 #include "tools/live/live_server.h"
@@ -224,6 +225,14 @@ int RunCommand(int argc, const char* const* argv) {
     Say("live at {}\n", server->url());
   }
 
+  std::optional<LinkTraffic> traffic;
+  if (!options->hosts.hosts.empty()) {
+    traffic.emplace(options->hosts, "here");
+    plan.on_logged = [&traffic, live = plan.on_logged](const Packet& packet) {
+      traffic->Add(packet, MonotonicUs());
+      if (live) live(packet);
+    };
+  }
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(plan, programs, bus.get(), stop, &progress);
 
@@ -236,6 +245,7 @@ int RunCommand(int argc, const char* const* argv) {
     code = kExitSystem;
   }
   fmt::print("{}", Summary(result.record));
+  if (traffic) fmt::print("{}", traffic->Text());
   if (mission.key) {
     fmt::print("{:<14} {} packets without the right tag refused; the key is {}\n", "sealed",
                result.refused, directory.File(kSealKeyFile));

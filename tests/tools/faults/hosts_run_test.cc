@@ -50,6 +50,12 @@ class Lan {
   std::string Name(const std::string& host) const { return hub_ + "-" + host; }
   /// "": all is there.
   const std::string& problem() const { return problem_; }
+  /// That much each way; a full queue loses what comes.
+  void Limit(const std::string& host, int mbit_s) {
+    const std::string queue = fmt::format("root tbf rate {}mbit burst 64kb latency 100ms", mbit_s);
+    Tc("-n {} qdisc add dev {} {}", hub_, host, queue);
+    Tc("-n {} qdisc add dev eth0 {}", Name(host), queue);
+  }
   void Pull(const std::string& host) { Ip("-n {} link set {} down", hub_, host); }
   void PutBack(const std::string& host) { Ip("-n {} link set {} up", hub_, host); }
 
@@ -65,6 +71,12 @@ class Lan {
   void Ip(fmt::format_string<Args...> format, Args&&... args) {
     const std::string command = "ip " + fmt::format(format, std::forward<Args>(args)...);
     if (problem_.empty() && !Run(command)) problem_ = "needs root and iproute2: " + command;
+  }
+
+  template <class... Args>
+  void Tc(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string command = "tc " + fmt::format(format, std::forward<Args>(args)...);
+    if (problem_.empty() && !Run(command)) problem_ = "needs tc with tbf: " + command;
   }
 
   std::string hub_;
@@ -137,6 +149,32 @@ class HostsRunTest : public ::testing::Test {
 TEST_F(HostsRunTest, FourHostsMakeTheSameDecisionsAsOne) {
   Child muster = Start({});
   ExpectTheUndisturbedMission(&muster);
+}
+
+// Classes are dealt out over the hosts; all that is said passes each of the slow links.
+TEST_F(HostsRunTest, SlowLinksHoldTheMissionUpAndItSaysWhatTheyCarry) {
+  for (const char* host : {"field", "road"}) lan_.Limit(host, 20);
+  if (!lan_.problem().empty()) GTEST_SKIP() << lan_.problem();
+  std::ofstream(folder_.File("hosts.json"))
+      << Json{{"version", 1},
+              {"hosts",
+               {{{"name", "field"},
+                 {"netns", lan_.Name("field")},
+                 {"mbit_s", 20},
+                 {"processes", {"uav-1", "worker-1", "vehicle-1"}}},
+                {{"name", "road"},
+                 {"netns", lan_.Name("road")},
+                 {"mbit_s", 20},
+                 {"processes", {"uav-2", "worker-2", "vehicle-2"}}}}}};
+  Child muster = Start({"--quiet", "--processes", "uav=2,worker=2,vehicle=2", "--fault",
+                        "delay:*@0=5"});  // ms, as on a long way
+  ExpectTheUndisturbedMission(&muster);
+  const std::string said = TextOf(folder_.File("output"));
+  for (const char* line :
+       {"\nlink here      sent ", "\nlink field     sent ", "\nlink road      sent ",
+        " % of its 20), busiest second ", "\nlimited by     "}) {
+    EXPECT_NE(said.find(line), std::string::npos) << line << said;
+  }
 }
 
 TEST_F(HostsRunTest, ACableMayBePulledAndPutBack) {

@@ -39,6 +39,17 @@ TEST(Hosts, SaysWhatRunsWhere) {
                                                  "/bin/muster-world", "s"}));
 }
 
+TEST(Hosts, ALinkMayHaveARate) {
+  const auto with = [](const std::string& rate) {
+    return Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"], "mbit_s": )" + rate + "}");
+  };
+  EXPECT_EQ(ParseHosts(with("12.5"), "hosts.json").hosts[0].mbit_s, 12.5);
+  for (const std::string rate : {"0", "-1", "\"fast\"", "1e999"}) {
+    EXPECT_NE(ErrorOf(with(rate)).find("hosts.json: "), std::string::npos) << rate;
+  }
+  EXPECT_EQ(ErrorOf(with("0")), "hosts.json: hosts[0].mbit_s: found 0, expected a number above 0");
+}
+
 TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]})")), "");
   EXPECT_EQ(ErrorOf("{}"), "hosts.json: version: found nothing, expected a value");
@@ -63,7 +74,7 @@ TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
             "or more: ttl=0 leaves no host");
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
             "hosts.json: hosts[0].port: found it, expected one of name, ssh, netns, folder, "
-            "processes");
+            "processes, mbit_s");
 }
 
 /// A program named ssh that runs its last argument as sshd would, before the real one in PATH.
