@@ -240,15 +240,15 @@ std::string PlotScript(const std::string& csv_file, const std::string& svg_file)
       "set terminal svg size 800,500 background 'white'\nset output '{}'\nset datafile separator "
       "','\n"
       "set logscale xy\nset xlabel 'nodes'\nset ylabel 'seconds'\nset key left top\n"
-      "plot '{}' using (column('n')):(column('total_s')) every ::1 smooth unique with linespoints "
+      "plot '{}' using (column('n')):(column('total_s')) smooth unique with linespoints "
       "title 'total', \\\n"
-      "     '' using (column('n')):(column('weights_s')) every ::1 smooth unique with linespoints "
+      "     '' using (column('n')):(column('weights_s')) smooth unique with linespoints "
       "title 'weights', \\\n"
-      "     '' using (column('n')):(column('candidates_s')) every ::1 smooth unique with "
+      "     '' using (column('n')):(column('candidates_s')) smooth unique with "
       "linespoints title 'candidates', \\\n"
-      "     '' using (column('n')):(column('bound_s')) every ::1 smooth unique with linespoints "
+      "     '' using (column('n')):(column('bound_s')) smooth unique with linespoints "
       "title 'bound', \\\n"
-      "     '' using (column('n')):(column('search_s')) every ::1 smooth unique with linespoints "
+      "     '' using (column('n')):(column('search_s')) smooth unique with linespoints "
       "title 'search'\n",
       svg_file, csv_file);
 }
