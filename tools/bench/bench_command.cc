@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -12,6 +13,8 @@
 #include "base/program.h"
 #include "scheduler/policies/registry.h"
 #include "tools/bench/hard_suite.h"
+#include "tools/bench/mission_suite.h"
+#include "tools/bench/missions_command.h"
 #include "tools/bench/paper_command.h"
 #include "tools/bench/suites.h"
 
@@ -29,12 +32,13 @@ void AddBenchOptions(Options* options) {
   options
       ->Add("suite", "SUITE",
             "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
-            "(families that are hard to prove), random (drawn settings), paper (its experiments: "
-            "completion rates) or paper-long (the runs of those that take longest)")
-      .OneOf({"decisions", "scale", "hard", "random", "paper", "paper-long"})
+            "(families that are hard to prove), random (drawn settings), missions (whole ones over "
+            "LCM), paper (its experiments: completion rates) or paper-long (the runs of those that "
+            "take longest)")
+      .OneOf({"decisions", "scale", "hard", "random", "missions", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
-  options->Add("scales", "X,...", "scale: times Random_29's size")
+  options->Add("scales", "X,...", "scale, missions: times Random_29's size")
       .List()
       .Number(Above0(1000))
       .Default("1,3,10,30,100");
@@ -118,8 +122,9 @@ int HardCommand(const Arguments& arguments, const std::string& suite) {
 }  // namespace
 
 int BenchCommand(int argc, const char* const* argv) {
-  Options options("muster bench", "Times decisions; writes one CSV row a run.");
+  Options options("muster bench", "Times decisions and missions; writes one CSV row a run.");
   AddBenchOptions(&options);
+  AddMissionSuiteOptions(&options);
   AddPaperOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -129,10 +134,21 @@ int BenchCommand(int argc, const char* const* argv) {
     throw InputError("command line", "--merge", "suite " + suite, "--suite paper");
   }
   if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite);
-  const BenchOptions bench = ReadBenchOptions(*arguments);
   if (arguments->Has("plot") && !arguments->Has("out")) {
     throw InputError("command line", "--out", "nothing", "the CSV file that --plot draws");
   }
+  if (suite == "missions") {
+    if (arguments->Has("plot")) {
+      const auto file = arguments->Get("out");
+      const auto processes = arguments->All<double>("processes");
+      WriteWhole(arguments->Get("plot"),
+                 MissionPlotScript(
+                     file, file + ".svg",
+                     static_cast<int>(*std::max_element(processes.begin(), processes.end()))));
+    }
+    return MissionsCommand(*arguments);
+  }
+  const BenchOptions bench = ReadBenchOptions(*arguments);
 
   std::ofstream csv;
   if (arguments->Has("out")) {

@@ -16,7 +16,7 @@ const std::vector<std::string> kImportedPlaces = {"newyork-bicycle", "shenzhen-d
                                                   "shenzhen-taxi", "Random_1"};
 constexpr std::string_view kHaiti = "haiti";
 
-std::string Random(int n) { return fmt::format("Random_{}", n); }
+std::string RandomSetting(int n) { return fmt::format("Random_{}", n); }
 
 class Experiments {
  public:
@@ -98,10 +98,11 @@ class Experiments {
   void Vary(PaperExperiment* group, const std::string& what, const std::vector<int>& settings,
             const std::string& published) {
     PaperLine mean{what + ", mean", {}, published + "; Interval 10min; LimitTime 3h"};
-    for (const int n : settings) mean.cases.push_back(With({}, Random(n)));
+    for (const int n : settings) mean.cases.push_back(With({}, RandomSetting(n)));
     group->lines.push_back(mean);
     for (const int n : settings) {
-      group->lines.push_back({fmt::format("{}, Random_{}", what, n), {With({}, Random(n))}, ""});
+      group->lines.push_back(
+          {fmt::format("{}, Random_{}", what, n), {With({}, RandomSetting(n))}, ""});
     }
   }
   void Background() {

@@ -176,9 +176,11 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     }
     plans.push_back({name, program, std::move(arguments)});
   };
-  std::vector<std::string> world = {
-      mission.scenario_file, "--rate",   options.rate,
-      "--recorder",          "--window", fmt::to_string(kWorldWindow)};
+  const std::string window = options.recorded ? fmt::to_string(kProcessWindow) : "0";
+  std::vector<std::string> world = {mission.scenario_file, "--rate", options.rate};
+  if (options.recorded) {
+    world.insert(world.end(), {"--recorder", "--window", fmt::to_string(kWorldWindow)});
+  }
   if (options.on_loss != "wait") {
     world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",
                                fmt::to_string(options.lost_after_s)});
@@ -196,7 +198,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
                        fmt::format("at most {}, the scenario's {}s", n, class_name));
     }
     for (int i = 0; i < k; ++i) {
-      std::vector<std::string> arguments = {"--window", fmt::to_string(kProcessWindow)};
+      std::vector<std::string> arguments = {"--window", window};
       if (k > 1) {
         const int first = n * i / k;
         const int last = n * (i + 1) / k - 1;
@@ -206,8 +208,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
           std::move(arguments));
     }
   }
-  std::vector<std::string> scheduler = {"--policy", options.policy, "--window",
-                                        fmt::to_string(kProcessWindow)};
+  std::vector<std::string> scheduler = {"--policy", options.policy, "--window", window};
   if (options.deadline_ms) {
     scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
   }

@@ -23,6 +23,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   /// Your own in place of muster-ROLE, absolute; by role: world, uav, worker, vehicle, scheduler.
   std::map<std::string, std::string> programs;
   Logger logger = Logger::kMuster;
+  bool recorded = true;          ///< false: nobody waits for a log, and none is written
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;

@@ -58,6 +58,25 @@ TEST(LaunchOptions, OneOfTwoWritesTheLog) {
             "command line: --logger: found 'tape', expected lcm or muster");
 }
 
+TEST(LaunchOptions, WithoutALogNobodyWaitsForOne) {
+  LaunchOptions options = Parse({"a.json"});
+  Scenario scenario;
+  scenario.uavs.resize(1), scenario.workers.resize(1), scenario.vehicles.resize(1);
+  const auto joined = [&] {
+    std::string all;
+    for (const ProcessPlan& plan : PlanProcesses(options, scenario, {})) {
+      EXPECT_EQ(ValueOf(plan, "--window") == "0" || ValueOf(plan, "--window").empty(),
+                !options.recorded)
+          << plan.name;
+      for (const std::string& argument : plan.arguments) all += argument + " ";
+    }
+    return all;
+  };
+  EXPECT_NE(joined().find("--recorder "), std::string::npos);
+  options.recorded = false;
+  EXPECT_EQ(joined().find("--recorder "), std::string::npos);
+}
+
 TEST(LaunchOptions, SealsWhatLeavesTheHost) {
   EXPECT_FALSE(Parse({"a.json"}).sealed);
   EXPECT_TRUE(Parse({"a.json", "--seal"}).sealed);
