@@ -2,8 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <linux/close_range.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,60 +13,9 @@
 
 #include "base/check.h"
 #include "base/program.h"
+#include "base/spawn.h"
 
 namespace muster::tools {
-namespace {
-
-/// Between fork and exec: async-signal-safe calls only, since the parent may have threads.
-[[noreturn]] void BecomeChild(char* const* argv, int output, int input, int failure, pid_t parent) {
-  const auto fail = [failure] {
-    const int error = errno;
-    [[maybe_unused]] const ssize_t written = write(failure, &error, sizeof error);
-    _exit(127);
-  };
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) fail();
-  if (getppid() != parent) _exit(127);  // it died before prctl
-  if (setpgid(0, 0) != 0) fail();
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) {
-    if (std::signal(signal, SIG_DFL) == SIG_ERR) fail();
-  }
-  sigset_t none;
-  sigemptyset(&none);
-  if (sigprocmask(SIG_SETMASK, &none, nullptr) != 0) fail();
-  if (dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
-      dup2(output, STDERR_FILENO) < 0) {
-    fail();
-  }
-  if (close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) != 0) fail();
-  execv(argv[0], argv);
-  fail();
-  _exit(127);
-}
-
-/// An open file, never one of stdin, stdout and stderr (even where our caller closed those), that
-/// closes itself.
-class Descriptor {
- public:
-  /// Takes fd over; a negative one stays so.
-  explicit Descriptor(int fd) : fd_(fd) {
-    if (fd < 0 || fd > STDERR_FILENO) return;
-    fd_ = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-    close(fd);
-  }
-  ~Descriptor() { Close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  void Close() {
-    if (fd_ >= 0) close(fd_);
-    fd_ = -1;
-  }
-
- private:
-  int fd_;
-};
-
-}  // namespace
 
 bool ChildEnd::clean() const { return WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0; }
 
@@ -92,53 +39,26 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
   if (output.get() < 0) {
     throw SystemError(fmt::format("cannot write {}: {}", spec_.output_file, std::strerror(errno)));
   }
-  int held[2] = {-1, -1};
-  const bool has_pipe = spec_.hold_stdin || !spec_.input.empty();
-  if (has_pipe && pipe2(held, O_CLOEXEC) != 0) {
+  const auto refuse = [this] {
     throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
+  };
+  std::optional<Pipe> held;
+  if (spec_.hold_stdin || !spec_.input.empty()) {
+    held = MakePipe();
+    if (!held) refuse();
+    // A line fits into a pipe.
+    const std::string& line = spec_.input;
+    if (!line.empty() && write(held->write_end.get(), line.data(), line.size()) !=
+                             static_cast<ssize_t>(line.size())) {
+      refuse();
+    }
+    if (!spec_.hold_stdin) held->write_end.Close();
   }
-  const Descriptor input(has_pipe ? held[0] : open("/dev/null", O_RDONLY | O_CLOEXEC));
-  // A line fits into a pipe.
-  if (!spec_.input.empty() && write(held[1], spec_.input.data(), spec_.input.size()) !=
-                                  static_cast<ssize_t>(spec_.input.size())) {
-    close(held[1]);
-    throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
-  }
-  if (has_pipe && !spec_.hold_stdin) {
-    close(held[1]);
-  } else {
-    stdin_fd_ = held[1];
-  }
-  int ends[2];
-  if (input.get() < 0 || pipe2(ends, O_CLOEXEC) != 0) {
-    throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
-  }
-  const Descriptor read_end(ends[0]);
-  Descriptor write_end(ends[1]);
-
-  std::vector<char*> argv;
-  for (std::string& argument : spec_.argv) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const pid_t parent = getpid();
-  pid_ = fork();
-  if (pid_ < 0) {
-    throw SystemError(fmt::format("cannot start {}: {}", spec_.name, std::strerror(errno)));
-  }
-  if (pid_ == 0) {
-    BecomeChild(argv.data(), output.get(), input.get(), write_end.get(), parent);
-  }
-  write_end.Close();
-
-  // The pipe closes without a byte when exec succeeds.
-  int error = 0;
-  ssize_t got = 0;
-  do {
-    got = read(read_end.get(), &error, sizeof error);
-  } while (got < 0 && errno == EINTR);
-  if (got == 0) return;
-  waitpid(pid_, nullptr, 0);
-  throw SystemError(
-      fmt::format("cannot start {}: {}", spec_.argv.front(), std::strerror(got > 0 ? error : EIO)));
+  const Descriptor nothing(held ? -1 : open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const int input = held ? held->read_end.get() : nothing.get();
+  if (input < 0) refuse();
+  pid_ = Spawn(spec_.argv, input, output.get(), output.get());
+  if (held) stdin_fd_ = held->write_end.Release();
 }
 
 Child::Child(Child&& other) noexcept
