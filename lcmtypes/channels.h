@@ -62,7 +62,7 @@ inline constexpr Channel kChannels[] = {
     {channel::kVehicleChanges, "agent_changes_t", "vehicle processes", "every other tick",
      1 * kMiB},
     {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB},
-    {channel::kEvent, "event_t", "world, launcher", "when it happens", 4096},
+    {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096},
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
     {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
      4096},

@@ -93,6 +93,7 @@ enum class EventKind : std::int8_t {
   kFaultEnded = 14,
   kTaskReported = 15,
   kTaskExpired = 16,
+  kAnswerRefused = 17,  ///< an outside scheduler's; everybody stays
 };
 
 /// fault_t.kind
@@ -123,10 +124,11 @@ enum class ProcessState : std::int8_t {
 /// Whether it happened to agents and tasks, rather than to processes and faults. Outcomes make a
 /// mission's digest.
 constexpr bool IsOutcome(EventKind kind) {
-  return kind <= EventKind::kMatchFailed || kind >= EventKind::kTaskReported;
+  return kind <= EventKind::kMatchFailed || kind == EventKind::kTaskReported ||
+         kind == EventKind::kTaskExpired;
 }
-/// Whether it happens only where tasks have times.
-constexpr bool OfOpenMissions(EventKind kind) { return kind >= EventKind::kTaskReported; }
+/// Whether a report leaves the kind out where nothing of it happened: kinds of few missions.
+constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
 
 /// Kinds that a process sees in the packets that it receives, and confirms.
 constexpr bool IsPacketFault(FaultKind kind) {
@@ -169,11 +171,11 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 17> kNames<EventKind> = {
+inline constexpr std::array<std::string_view, 18> kNames<EventKind> = {
     "agent_online",   "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
     "sensing_done",   "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
     "match_failed",   "process_lost",    "process_back",     "fault_applied", "fault_ended",
-    "task_reported",  "task_expired"};
+    "task_reported",  "task_expired",    "answer_refused"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "model/action.h"
@@ -18,6 +19,8 @@ struct Decision {
   /// Proven upper bound on the weight of any decision; NaN when the policy gives none.
   double bound = std::numeric_limits<double>::quiet_NaN();
   std::int64_t candidates = 0;  ///< feasible actions that the policy chose from
+  /// Why an outside program's answer was refused and everybody stays instead; mostly empty.
+  std::string refused = {};
 };
 
 /// A decision from its actions in any order: sorts them, sums their weights.

@@ -11,6 +11,7 @@
 #include "scheduler/policies/baselines/greedy.h"
 #include "scheduler/policies/baselines/kwta.h"
 #include "scheduler/policies/certified/certified_policy.h"
+#include "scheduler/policies/external/external_policy.h"
 #include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/paper/paper_policies.h"
 #include "scheduler/policies/rollout/rollout.h"
@@ -139,8 +140,9 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
     if (row.info.group != PolicyGroup::kAblation) names.push_back(row.info.name);
   }
   return options
-      ->Add("policy", "NAME",
-            fmt::format("{} {} (see muster policies)", help, fmt::join(names, " ")))
+      ->Add(
+          "policy", "NAME",
+          fmt::format("{} {} external:COMMAND (see muster policies)", help, fmt::join(names, " ")))
       .Default(kDefaultPolicy);
 }
 
@@ -152,12 +154,15 @@ void AddDeadlineOption(Options* options) {
       .Number(Above0(kMostDeadlineMs));
 }
 
+bool IsExternal(std::string_view name) { return name.starts_with(kExternalPrefix); }
+
 std::unique_ptr<Policy> MakePolicy(std::string_view name) {
+  if (IsExternal(name)) return std::make_unique<ExternalPolicy>(name);
   for (const Row& row : kPolicies) {
     if (row.info.name == name) return row.make();
   }
   const std::vector<std::string> names = Names();
-  throw InputError(fmt::format("policy: found {}, expected one of {}{}", name,
+  throw InputError(fmt::format("policy: found {}, expected one of {}, external:COMMAND{}", name,
                                fmt::join(names, ", "), DidYouMean(name, names)));
 }
 
@@ -170,8 +175,9 @@ void SetDeadline(Policy* policy, std::string_view name, std::optional<double> de
   const auto deadline = std::chrono::duration<double, std::milli>(*deadline_ms);
   if (!policy->SetDeadline(
           std::chrono::duration_cast<std::chrono::steady_clock::duration>(deadline))) {
-    throw InputError("options", "--deadline", fmt::format("policy {}", name),
-                     "one that can be cut short: certified, rollout, rollout-steps");
+    throw InputError(
+        "options", "--deadline", fmt::format("policy {}", name),
+        "one that can be cut short: certified, rollout, rollout-steps, external:COMMAND");
   }
 }
 

@@ -37,7 +37,12 @@ const std::vector<PolicyInfo>& Policies();
 Option& AddPolicyOption(Options* options, std::string_view help = "How to decide:");
 void AddDeadlineOption(Options* options);
 
-/// Throws InputError naming the known policies when `name` is none of them.
+/// Whether a policy of that name is a program of the user's (docs/external-schedulers.md). A log
+/// may name any: only who is told so by the user makes such a policy.
+bool IsExternal(std::string_view name);
+
+/// Throws InputError naming the known policies when `name` is none of them, nor "external:" and a
+/// program that is there.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);
 
 /// Gives the policy of that name a deadline for each decision, in milliseconds; throws InputError

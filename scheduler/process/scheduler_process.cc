@@ -79,6 +79,14 @@ void SchedulerProcess::Decide(const Now& now) {
   for (const Action& action : decision.actions) schedule.actions.push_back(ToWire(action));
   schedule.n = static_cast<std::int32_t>(schedule.actions.size());
   schedule.solve_us = stopwatch_() - begin;
+  if (!decision.refused.empty()) {
+    event_t event{};
+    event.kind = NumberOf(EventKind::kAnswerRefused);
+    event.at_us = tick_us_;
+    event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+    event.detail = decision.refused;
+    Announce(std::move(event), now);
+  }
   schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
   schedule_tick_ = tick_;
   due_ = -1;

@@ -19,10 +19,10 @@ void ForEachWord(Visit visit) {
   visit(AgentStatus::kFailed, "`agent_t.status`");
   visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
   visit(ActivityKind::kCharging, "`activity_t.kind`");
-  visit(TaskStatus::kDone, "`world_state_t.task_status`");
+  visit(TaskStatus::kExpired, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kFaultEnded, "`event_t.kind`");
+  visit(EventKind::kAnswerRefused, "`event_t.kind`");
   visit(FaultKind::kForeign, "`fault_t.kind`");
   visit(ProcessState::kEnded, "`process_status_t.state`");
 }
@@ -61,7 +61,7 @@ TEST(Words, OutcomesAndFaultsAreToldApart) {
     if (!IsOutcome(static_cast<EventKind>(i))) others.insert(kNames<EventKind>[i]);
   }
   EXPECT_EQ(others, (std::set<std::string_view>{"process_lost", "process_back", "fault_applied",
-                                                "fault_ended"}));
+                                                "fault_ended", "answer_refused"}));
   std::set<std::string_view> of_processes;
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);

@@ -139,7 +139,7 @@ class Comparison {
     }
     for (int kind = 0; IsWord<EventKind>(kind); ++kind) {
       const auto word = static_cast<EventKind>(kind);
-      if (!IsOutcome(word) || (OfOpenMissions(word) && counts[kind] == 0)) continue;
+      if (!IsOutcome(word) || (IsSpecial(word) && counts[kind] == 0)) continue;
       Exact(fmt::format("events/{}", ToString(word)), counts[kind]);
     }
     Exact("charges", counts[NumberOf(EventKind::kChargingDone)]);

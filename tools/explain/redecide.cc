@@ -8,8 +8,11 @@
 #include <set>
 #include <tuple>
 
+#include "base/check.h"
+#include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "scheduler/policies/registry.h"
 #include "scheduler/process/scheduler_process.h"
 
 namespace muster::tools {
@@ -99,6 +102,12 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
     std::string name = policy;
     if (name.empty() && !logged.schedules.empty()) name = logged.schedules.front().policy;
     if (name.empty()) continue;  // nothing to say how, nothing to compare with
+    if (policy.empty() && scheduler::IsExternal(name)) {
+      // Whoever wrote the log named that program: nothing of a log is run.
+      throw InputError("options", "--policy",
+                       fmt::format("none, and the log's is {}", Printable(name)),
+                       "the policy, said by you, as it is a program");
+    }
     auto& scheduler = schedulers[name];
     if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);
     if (auto again = scheduler->Decide(logged)) {

@@ -22,7 +22,8 @@ struct Redecided {
 /// Puts what the log holds to the scheduler's process once more, decision by decision: the same
 /// core that runs in a mission, packets in, schedule_t out. `policy` is how it decides; empty: as
 /// the logged schedules say. Decisions of which the log holds neither a schedule nor all messages
-/// are left out: the mission ended there. Throws InputError for an unknown policy.
+/// are left out: the mission ended there. Throws InputError for an unknown policy, and
+/// where an outside program decided and `policy` is empty: a log runs nothing.
 std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy);
 
 /// The first field in which two schedules differ, header and solve_us aside, with both values:

@@ -162,7 +162,9 @@ int RedecideCommand(int argc, const char* const* argv) {
       "With the log's own policy each must be the same, bit for bit; exit code 4 when one is not.\n"
       "With another policy: a table of what it would have decided.");
   options.Run();
-  options.Add("policy", "NAME", "Another way to decide (default: the log's own)");
+  options.Add("policy", "NAME",
+              "Another way to decide; external:COMMAND: a program (default: the log's own, unless "
+              "that is one)");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

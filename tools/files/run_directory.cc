@@ -60,7 +60,9 @@ void RunDirectory::WriteSecret(std::string_view name, std::string_view text) con
 }
 
 std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed) {
-  std::string stem = fmt::format("{}-{}-{}", scenario_name, policy, seed);
+  // A policy may be a command, a file name has an end.
+  constexpr std::size_t kLongest = 60;
+  std::string stem = fmt::format("{}-{}-{}", scenario_name, policy.substr(0, kLongest), seed);
   for (char& c : stem) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '_' && c != '-') {
       c = '_';

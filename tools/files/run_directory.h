@@ -30,7 +30,7 @@ class RunDirectory {
 };
 
 /// "NAME-POLICY-SEED" with what does not suit a file name (anything but letters, digits, '.', '_'
-/// and '-') as '_'.
+/// and '-') as '_', and no more than 60 characters of the policy.
 std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed);
 
 }  // namespace muster::tools

@@ -13,6 +13,7 @@
 
 #include "base/check.h"
 #include "base/text.h"
+#include "scheduler/policies/external/situation_json.h"
 
 namespace muster::tools {
 
@@ -31,21 +32,7 @@ ConflictGraph::ConflictGraph(scheduler::Situation situation)
 }
 
 std::string ConflictGraph::NameOf(std::int32_t element) const {
-  const scheduler::Elements& e = candidates_.elements;
-  const scheduler::Weights& w = candidates_.weights;
-  const auto at = [](std::int32_t i) { return static_cast<std::size_t>(i); };
-  if (element < e.worker(0))
-    return fmt::format("uav:{}", situation_.uavs[at(w.uavs[at(element)])].id);
-  if (element < e.vehicle(0)) {
-    return fmt::format("worker:{}",
-                       situation_.workers[at(w.workers[at(element - e.worker(0))])].id);
-  }
-  if (element < e.task(0)) {
-    return fmt::format("vehicle:{}",
-                       situation_.vehicles[at(w.vehicles[at(element - e.vehicle(0))])].id);
-  }
-  if (element < e.charge(0)) return fmt::format("task:{}", w.tasks[at(element - e.task(0))].value);
-  return fmt::format("charge:{}", element - e.charge(0));
+  return scheduler::NameOfElement(situation_, candidates_, element);
 }
 
 void ConflictGraph::Neighbours(std::int32_t node, std::vector<std::int32_t>* neighbours) const {

@@ -54,6 +54,16 @@ ordered_json Decisions(const RunRecord& record) {
   return list;
 }
 
+/// What outside schedulers said and nobody obeyed.
+ordered_json RefusedAnswers(const RunRecord& record) {
+  ordered_json list = ordered_json::array();
+  for (const event_t& event : record.events()) {
+    if (event.kind != EventKind::kAnswerRefused) continue;
+    list.push_back({{"sim_s", Seconds(event.at_us)}, {"why", event.detail}});
+  }
+  return list;
+}
+
 ordered_json Tasks(const RunRecord& record) {
   const std::size_t n_tasks = record.scenario()->tasks.size();
   std::vector<const event_t*> done(n_tasks, nullptr);
@@ -222,7 +232,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   for (const event_t& event : record.events()) ++counts[static_cast<std::size_t>(event.kind)];
   ordered_json events = ordered_json::object();
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
-    if (counts[kind] == 0 && OfOpenMissions(static_cast<EventKind>(kind))) continue;
+    if (counts[kind] == 0 && IsSpecial(static_cast<EventKind>(kind))) continue;
     events[std::string(kNames<EventKind>[kind])] = counts[kind];
   }
 
@@ -251,6 +261,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["uavs"] = std::move(uavs);
   report["decisions"] = Decisions(record);
   report["skipped_decisions"] = record.skipped_decisions();
+  report["refused_answers"] = RefusedAnswers(record);
   report["faults"] = Faults(record);
   report["processes"] = Processes(record);
   report["log"] = Log(record);

@@ -111,6 +111,17 @@ std::string Summary(const RunRecord& record) {
   row("decisions", fmt::format("{} of {}, total weight {:.6g}{}", record.schedules().size(),
                                scenario.decisions(), weight,
                                std::isnan(bound) ? "" : fmt::format(" (bound {:.6g})", bound)));
+  std::size_t refused = 0;
+  std::string first_refused;
+  for (const event_t& event : record.events()) {
+    if (event.kind == EventKind::kAnswerRefused && ++refused == 1) {
+      first_refused = Printable(event.detail);
+    }
+  }
+  if (refused > 0) {
+    row("refused",
+        fmt::format("{} answers of the outside scheduler, first: {}", refused, first_refused));
+  }
   row("decision time", fmt::format("median {}, max {}", Times(time.median_s), Times(time.max_s)));
   if (record.wall_s() > 0) row("wall time", fmt::format("{:.2f} s", record.wall_s()));
   row("log", LogLine(record));

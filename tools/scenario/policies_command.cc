@@ -8,6 +8,7 @@
 #include "base/options.h"
 #include "base/program.h"
 #include "scheduler/policies/registry.h"
+#include "tools/scenario/policies_check.h"
 
 namespace muster::tools {
 namespace {
@@ -39,6 +40,9 @@ std::string_view Heading(PolicyGroup group) {
   return "";
 }
 
+constexpr std::string_view kOutside =
+    "a program of yours, in any language (docs/external-schedulers.md)";
+
 void PrintText() {
   for (const PolicyGroup group : scheduler::kPolicyGroups) {
     fmt::print("{}\n", Heading(group));
@@ -48,6 +52,7 @@ void PrintText() {
                  info.name == scheduler::kDefaultPolicy ? " (default)" : "");
     }
   }
+  fmt::print("your own:\n  {:<30} {}\n", "external:COMMAND", kOutside);
 }
 
 void PrintJson() {
@@ -56,15 +61,20 @@ void PrintJson() {
     policies.push_back(
         {{"name", info.name}, {"group", NameOf(info.group)}, {"summary", info.summary}});
   }
-  const Json list = {
-      {"version", 1}, {"default", scheduler::kDefaultPolicy}, {"policies", std::move(policies)}};
+  const Json list = {{"version", 1},
+                     {"default", scheduler::kDefaultPolicy},
+                     {"policies", std::move(policies)},
+                     {"outside", {{"prefix", "external:"}, {"summary", kOutside}}}};
   fmt::print("{}\n", list.dump(2));
 }
 
 }  // namespace
 
 int PoliciesCommand(int argc, const char* const* argv) {
-  Options options("muster policies", "Says which policy to take for what.");
+  if (argc > 1 && std::string_view(argv[1]) == "check") return PoliciesCheck(argc - 1, argv + 1);
+  Options options("muster policies",
+                  "Says which policy to take for what. muster policies check COMMAND: tries a "
+                  "scheduler of yours.");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

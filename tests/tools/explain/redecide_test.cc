@@ -157,6 +157,26 @@ TEST(Redecide, AnotherPolicyDecidesInTheSameSituations) {
   EXPECT_THROW(Redecide(log, "nonsense"), InputError);
 }
 
+TEST(Redecide, RunsNoProgramThatALogNames) {
+  // Its answer would be a decision; it is there, and it is not asked.
+  const std::string program = "external:sh -c 'read h; echo hello'";
+  const std::vector<Packet> packets = SimulatedPackets(SmallScenario(), "mpq");
+  const DecisionLog log = Logged(Edited(packets, 2, [&](schedule_t& s) { s.policy = program; }));
+  EXPECT_THROW(Redecide(log, ""), InputError);
+  EXPECT_EQ(Redecide(log, "mpq").size(), 6u);
+}
+
+TEST(Redecide, AnOutsideProgramDecidesAgainWhenTheUserSaysSo) {
+  const std::string program =
+      "external:sh -c 'read h; echo \"{\\\"type\\\":\\\"hello\\\",\\\"version\\\":1}\"; i=0; "
+      "while read s; do i=$((i+1)); "
+      "echo \"{\\\"type\\\":\\\"decision\\\",\\\"id\\\":$i,\\\"actions\\\":[]}\"; done'";
+  const DecisionLog log = Logged(SimulatedPackets(SmallScenario(), program));
+  const auto decisions = Redecide(log, program);
+  ASSERT_EQ(decisions.size(), 6u);
+  EXPECT_TRUE(DivergencesOf(decisions).empty());
+}
+
 TEST(Redecide, CountsActionsThatAreNotShared) {
   const auto action = [](int kind, int uav, int task) {
     action_t a{};

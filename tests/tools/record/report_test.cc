@@ -238,6 +238,29 @@ TEST(Report, TellsFaultsWithWhatBecameOfThem) {
   EXPECT_TRUE(report["faults"][0]["ended_s"].is_null());
 }
 
+TEST(Report, CountsAnswersOfAnOutsideSchedulerThatWereRefused) {
+  FakeLog log = MakeFakeMission();
+  event_t event{};
+  event.header = log[0].header();
+  event.header.sender = "scheduler";
+  event.header.boot_id = 1;
+  event.kind = 15;
+  event.at_us = 61'000'000;
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.detail = "decision 1: no answer within 3 s";
+  log.push_back({"MUSTER_EVENT", event});
+  Renumber(&log);
+  const RunRecord record = RecordOf(log);
+  const nlohmann::json report = ReadBack(record);
+  EXPECT_EQ(report["events"]["answer_refused"], 1);
+  ASSERT_EQ(report["refused_answers"].size(), 1u);
+  EXPECT_EQ(report["refused_answers"][0]["sim_s"], 61.0);
+  EXPECT_EQ(report["refused_answers"][0]["why"], event.detail);
+  EXPECT_NE(Summary(record).find("1 answers of the outside scheduler, first: decision 1"),
+            std::string::npos);
+  EXPECT_EQ(report["digest"], ReadBack(RecordOf(MakeFakeMission()))["digest"]) << "no outcome";
+}
+
 TEST(Report, OfAnIncompleteLogNamesTheGaps) {
   FakeLog log = MakeFakeMission();
   std::erase_if(log, [](const FakeMessage& m) {

@@ -85,6 +85,29 @@ TEST_F(ScenarioCommandTest, PoliciesComeInThreeGroupsAndHelpNamesTwoOfThem) {
   EXPECT_GT(groups["ours"] * groups["paper"] * groups["ablation"], 0);
 }
 
+TEST_F(ScenarioCommandTest, ACheckNamesWhatAnOutsideSchedulerDoesWrong) {
+  std::ofstream(File("program"))
+      << "read -r line\necho '{\"type\":\"hello\",\"version\":1}'\nread -r line\n"
+         "echo '{\"type\":\"decision\",\"id\":1,\"actions\":[]}'\nread -r line\n"
+         "echo '{\"type\":\"decision\",\"id\":2,\"actions\":[{\"kind\":\"Ui\",\"uav\":999}]}'\n";
+  const auto check = [&](const std::string& decisions) {
+    const std::string command = "sh " + File("program");
+    const char* const argv[] = {"policies", "check", command.c_str(), "--decisions",
+                                decisions.c_str()};
+    ::testing::internal::CaptureStdout();
+    const int code = PoliciesCommand(5, argv);
+    return std::pair(code, ::testing::internal::GetCapturedStdout());
+  };
+  const auto [good, all_well] = check("1");
+  EXPECT_EQ(good, kExitOk);
+  EXPECT_NE(all_well.find("0 of 1 answers refused"), std::string::npos) << all_well;
+  const auto [bad, text] = check("2");
+  EXPECT_EQ(bad, kExitCheckFailed);
+  EXPECT_NE(text.find("REFUSED  decision 1: action 0 (Ui uav:999): unknown agent"),
+            std::string::npos)
+      << text;
+}
+
 TEST_F(ScenarioCommandTest, WritesThePresetOfTheSeed) {
   const Scenario s = Made({"--preset", "Random_20", "--seed", "18446744073709551615"});
   EXPECT_EQ(ScenarioToJson(s),

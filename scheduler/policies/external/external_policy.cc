@@ -1,0 +1,295 @@
+#include "scheduler/policies/external/external_policy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/check.h"
+#include "base/index.h"
+#include "base/say.h"
+#include "base/text.h"
+#include "scheduler/checker.h"
+
+namespace muster::scheduler {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A message holds no longer name of a policy.
+constexpr std::size_t kLongestName = 256;
+/// Of what a program said, in messages.
+constexpr std::size_t kLongestQuote = 500;
+/// Lines about earlier situations, or about this one again, that are passed over.
+constexpr int kMostPassedOver = 1000;
+
+/// Fit for a terminal, a message and JSON, whatever a program said.
+std::string Plain(std::string_view text) {
+  std::string plain;
+  for (const char c : text.substr(0, kLongestQuote)) {
+    const auto byte = static_cast<unsigned char>(c);
+    plain += byte < 0x20 || byte > 0x7e ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  return plain + (text.size() > kLongestQuote ? "..." : "");
+}
+
+double SecondsOf(LineProgram::Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Row of the agent with that id among the idle ones.
+int RowOf(const std::vector<AgentState>& agents, const std::vector<std::int32_t>& idle,
+          std::int32_t id) {
+  const auto found = std::find_if(idle.begin(), idle.end(), [&](std::int32_t position) {
+    return agents[At(position)].id == id;
+  });
+  return static_cast<int>(found - idle.begin());
+}
+
+/// The paper's weight of an action that the checker has let pass; 0 for a free move, as those of
+/// the other policies.
+double WeightOf(const Action& a, const Situation& s, const Weights& weights) {
+  if (IsStay(a.kind)) return weights.stay;
+  const int u = RowOf(s.uavs, weights.uavs, a.uav.value);
+  const int w = RowOf(s.workers, weights.workers, a.worker.value);
+  const int v = RowOf(s.vehicles, weights.vehicles, a.vehicle.value);
+  const auto& tasks = weights.tasks;
+  const int x =
+      static_cast<int>(std::lower_bound(tasks.begin(), tasks.end(), a.task) - tasks.begin());
+  const int y = a.charge.value;
+  switch (a.kind) {
+    case ActionKind::kUavToTask:
+      return weights.uav_to_task(u, x);
+    case ActionKind::kWorkerToTask:
+      return weights.worker_to_task(w, x);
+    case ActionKind::kUavToCharge:
+      return weights.uav_to_charge(u, y);
+    case ActionKind::kVehicleToCharge:
+      return weights.vehicle_to_charge(v, y);
+    case ActionKind::kSense:
+      return weights.Sense(u, x, w);
+    case ActionKind::kCharge:
+      return weights.Charge(u, y, v);
+    default:
+      return 0;
+  }
+}
+
+/// The answer as a decision; none, and why, when it breaks a rule.
+std::optional<Decision> DecisionOf(const Answer& answer, const Situation& situation,
+                                   const std::optional<Candidates>& candidates,
+                                   std::string* problem) {
+  std::vector<Action> actions = answer.actions;
+  for (std::size_t i = 0; i < answer.nodes.size(); ++i) {
+    const std::int64_t n = candidates ? static_cast<std::int64_t>(candidates->nodes.size()) : 0;
+    if (answer.nodes[i] >= n) {
+      *problem = fmt::format("nodes[{}] is {}, offered were {}", i, answer.nodes[i], n);
+      return {};
+    }
+    actions.push_back(candidates->ToAction(situation, candidates->nodes[At(answer.nodes[i])]));
+  }
+  const std::vector<Violation> violations = CheckActions(situation, actions);
+  if (!violations.empty()) {
+    *problem = violations.front().message;
+    if (violations.size() > 1) *problem += fmt::format(" (and {} more)", violations.size() - 1);
+    return {};
+  }
+  if (!answer.by_node) {
+    const Weights own = candidates ? Weights() : ComputeWeights(situation);
+    const Weights& weights = candidates ? candidates->weights : own;
+    for (Action& action : actions) action.weight = WeightOf(action, situation, weights);
+  }
+  return MakeDecision(std::move(actions),
+                      candidates ? static_cast<std::int64_t>(candidates->nodes.size()) : 0);
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> WordsOf(std::string_view command) {
+  std::vector<std::string> words;
+  bool in_word = false;
+  char quote = 0;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    char c = command[i];
+    if (quote == 0 && c == ' ') {
+      in_word = false;
+      continue;
+    }
+    if (!in_word) words.emplace_back();
+    in_word = true;
+    if (c == quote) {
+      quote = 0;
+      continue;
+    }
+    if (quote == 0 && (c == '\'' || c == '"')) {
+      quote = c;
+      continue;
+    }
+    if (c == '\\' && quote != '\'' && i + 1 < command.size()) c = command[++i];
+    words.back() += c;
+  }
+  return quote == 0 ? std::optional(words) : std::nullopt;
+}
+
+ExternalPolicy::ExternalPolicy(std::string_view name) {
+  const std::string shown = Plain(name);
+  if (name.size() > kLongestName) {
+    throw InputError("policy", "length", fmt::format("{} bytes", name.size()),
+                     fmt::format("at most {}: put a longer command into a script", kLongestName));
+  }
+  bool is_text = !HasControls(name);
+  try {
+    [[maybe_unused]] const std::string json = Json(name).dump();
+  } catch (const Json::exception&) {
+    is_text = false;
+  }
+  const auto words = WordsOf(name.substr(kExternalPrefix.size()));
+  if (!is_text || !words || words->empty()) {
+    throw InputError("policy", "external", shown,
+                     "external:COMMAND, UTF-8 without control characters, quotation marks closed");
+  }
+  argv_ = *words;
+  const auto program = FindProgram(argv_.front());
+  if (!program) {
+    throw InputError("policy", "external", Plain(argv_.front()),
+                     "a program: a path, or a name in PATH (docs/external-schedulers.md)");
+  }
+  argv_.front() = *program;
+}
+
+bool ExternalPolicy::SetDeadline(LineProgram::Clock::duration deadline) {
+  deadline_ = deadline;
+  return true;
+}
+
+Decision ExternalPolicy::Decide(const Situation& situation) {
+  std::string problem;
+  for (int ask = 0; ask < kMostAsks; ++ask) {
+    if (!program_ && failures_ >= kMostFailures) {
+      problem = fmt::format("the program failed {} times in a row and is left alone", failures_);
+      break;
+    }
+    Decision decision;
+    const Reply reply = Ask(situation, &decision, &problem);
+    if (reply == Reply::kAnswered) return decision;
+    if (reply == Reply::kUnusable) break;
+    if (ask + 1 < kMostAsks) {
+      Say("external: decision {}: {}; asked again\n", situation.decision, Plain(problem));
+    }
+  }
+  Decision stay = MakeDecision({}, 0);
+  stay.refused = fmt::format("decision {}: {}", situation.decision, Plain(problem));
+  Say("external: {}: everybody stays\n", stay.refused);
+  return stay;
+}
+
+ExternalPolicy::Reply ExternalPolicy::Ask(const Situation& situation, Decision* decision,
+                                          std::string* problem) {
+  if (!program_) {
+    const Reply reply = Start(problem);
+    if (reply != Reply::kAnswered) return reply;
+  }
+  const auto asked_for = std::chrono::duration_cast<LineProgram::Clock::duration>(
+      std::chrono::duration<double>(greeting_.deadline_s.value_or(SecondsOf(kDefaultDeadline))));
+  const auto deadline = deadline_.value_or(asked_for);
+  Json line = {{"type", "situation"}, {"id", ++asked_}, {"deadline_s", SecondsOf(deadline)}};
+  line.update(ToJson(situation));
+  std::optional<Candidates> candidates;
+  if (greeting_.wishes.nodes) {
+    candidates = EnumerateCandidates(situation);
+    AddGraph(situation, *candidates, greeting_.wishes, &line);
+  }
+  program_->Write(line.dump());
+  return AwaitAnswer(situation, candidates, deadline, decision, problem);
+}
+
+ExternalPolicy::Reply ExternalPolicy::Start(std::string* problem) {
+  asked_ = 0;
+  try {
+    program_ = std::make_unique<LineProgram>(argv_);
+  } catch (const SystemError& error) {
+    ++failures_;
+    *problem = error.what();
+    return Reply::kEnded;
+  }
+  program_->Write(
+      Json({{"type", "hello"}, {"protocol", "muster-scheduler"}, {"version", kExternalVersion}})
+          .dump());
+  std::string line;
+  const auto outcome = program_->Read(LineProgram::Clock::now() + kGreetingDeadline, &line);
+  if (outcome != LineProgram::Outcome::kLine) {
+    return GiveUp(outcome, "greeting", kGreetingDeadline, problem);
+  }
+  try {
+    greeting_ = ReadGreeting(line);
+  } catch (const InputError& error) {
+    ++failures_;
+    program_.reset();
+    *problem = fmt::format("no greeting: {}", error.what());
+    return Reply::kUnusable;
+  }
+  return Reply::kAnswered;
+}
+
+ExternalPolicy::Reply ExternalPolicy::AwaitAnswer(const Situation& situation,
+                                                  const std::optional<Candidates>& candidates,
+                                                  LineProgram::Clock::duration deadline,
+                                                  Decision* decision, std::string* problem) {
+  const auto until = LineProgram::Clock::now() + deadline;
+  for (int passed_over = 0; passed_over <= kMostPassedOver; ++passed_over) {
+    std::string line;
+    const auto outcome = program_->Read(until, &line);
+    if (outcome != LineProgram::Outcome::kLine) {
+      return GiveUp(outcome, "answer", deadline, problem);
+    }
+    Answer answer;
+    try {
+      answer = ReadAnswer(line, situation);
+    } catch (const InputError& error) {
+      *problem = error.what();
+      return Reply::kUnusable;
+    }
+    if (answer.id < asked_) {
+      Say("external: decision {}: passed over a line about situation {}, which is answered\n",
+          situation.decision, answer.id);
+      continue;
+    }
+    failures_ = 0;
+    if (answer.id > asked_) {
+      *problem = fmt::format("an answer to situation {}, asked was {}", answer.id, asked_);
+      return Reply::kUnusable;
+    }
+    std::optional<Decision> decided = DecisionOf(answer, situation, candidates, problem);
+    if (!decided) return Reply::kUnusable;
+    *decision = std::move(*decided);
+    return Reply::kAnswered;
+  }
+  program_.reset();
+  ++failures_;
+  *problem = fmt::format("more than {} lines about earlier situations", kMostPassedOver);
+  return Reply::kUnusable;
+}
+
+ExternalPolicy::Reply ExternalPolicy::GiveUp(LineProgram::Outcome outcome, std::string_view what,
+                                             LineProgram::Clock::duration deadline,
+                                             std::string* problem) {
+  ++failures_;
+  const std::string end = program_->Kill();
+  program_.reset();
+  switch (outcome) {
+    case LineProgram::Outcome::kLate:
+      *problem =
+          fmt::format("no {} within {:g} s; the program is ended", what, SecondsOf(deadline));
+      return Reply::kUnusable;
+    case LineProgram::Outcome::kTooLong:
+      *problem = fmt::format("no {} in {} MiB without a newline; the program is ended", what,
+                             LineProgram::kMostBytes >> 20);
+      return Reply::kUnusable;
+    default:
+      *problem = fmt::format("no {}: the program {}", what, end);
+      return Reply::kEnded;
+  }
+}
+
+}  // namespace muster::scheduler
