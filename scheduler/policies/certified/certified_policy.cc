@@ -17,6 +17,15 @@ constexpr double kFloorGap = 1e-6;
 /// With more nodes these rules, which list them (some 50 bytes each), are not asked.
 constexpr std::int64_t kFloorNodes = 2'000'000;
 constexpr int kFloorWinners = 3;
+/// All of them hold every agent's way to every site, some 24 bytes each: with more they are not
+/// asked. (Ten times Random_29 has 17 million, a hundred times 1.6 billion.)
+constexpr std::size_t kFloorWays = 20'000'000;
+
+std::size_t WaysIn(const Situation& situation) {
+  const std::size_t uavs = situation.uavs.size();
+  return (uavs + situation.workers.size()) * situation.site->tasks.size() +
+         (uavs + situation.vehicles.size()) * situation.site->charging_points.size();
+}
 
 /// Makes the decision at least as heavy as what simple rules decide at once.
 void RaiseToFloor(const Situation& situation, const SolverLimits& limits, Decision* decision) {
@@ -29,6 +38,7 @@ void RaiseToFloor(const Situation& situation, const SolverLimits& limits, Decisi
       decision->weight = other.weight;
     }
   };
+  if (WaysIn(situation) > kFloorWays) return;
   raise(KwtaPolicy(kFloorWinners));
   if (decision->candidates > kFloorNodes) return;
   raise(IlsPolicy(0));
