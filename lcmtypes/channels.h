@@ -7,15 +7,22 @@
 
 namespace muster {
 
+/// Whom a process of the mission is to its bus: a set of them hears a channel.
+enum class Hearer : unsigned { kWorld = 1, kAgents = 2, kScheduler = 4 };
+
 /// The channel table: name, type, who publishes, how often, largest encoded message that is
-/// accepted.
+/// accepted, who has a use for it.
 struct Channel {
   std::string_view name;
   std::string_view type;
   std::string_view publisher;
   std::string_view rate;
   std::int64_t max_bytes;
+  unsigned hearers = 7;  ///< of Hearer; launcher and recorder hear all
 
+  constexpr bool IsHeardBy(Hearer hearer) const {
+    return (hearers & static_cast<unsigned>(hearer)) != 0;
+  }
   /// Whether that sender may publish on it: where the publisher is one process it is the sender's
   /// name, and whoever else speaks there is an intruder.
   constexpr bool AcceptsFrom(std::string_view sender) const {
@@ -47,29 +54,41 @@ inline constexpr std::string_view kAnswer = "MUSTER_ANSWER";
 }  // namespace channel
 
 inline constexpr std::int64_t kMiB = 1 << 20;
+inline constexpr unsigned kNobody = 0;
+inline constexpr unsigned kWorldAlone = static_cast<unsigned>(Hearer::kWorld);
+inline constexpr unsigned kWorldAndScheduler =
+    kWorldAlone | static_cast<unsigned>(Hearer::kScheduler);
+inline constexpr unsigned kWorldAndAgents = kWorldAlone | static_cast<unsigned>(Hearer::kAgents);
 inline constexpr Channel kChannels[] = {
     {channel::kScenario, "scenario_t", process_name::kWorld, "at start, on request", 64 * kMiB},
     {channel::kClock, "clock_t", process_name::kWorld, "every tick", 1024},
     {channel::kWorld, "world_state_t", process_name::kWorld, "every tick", 16 * kMiB},
     {channel::kRulings, "rulings_t", process_name::kWorld, "every tick", 4 * kMiB},
-    {channel::kUavs, "agent_states_t", "UAV processes", "every tick, or now and then", 1 * kMiB},
+    {channel::kUavs, "agent_states_t", "UAV processes", "every tick, or now and then", 1 * kMiB,
+     kWorldAndScheduler},
     {channel::kWorkers, "agent_states_t", "worker processes", "every tick, or now and then",
-     1 * kMiB},
+     1 * kMiB, kWorldAndScheduler},
     {channel::kVehicles, "agent_states_t", "vehicle processes", "every tick, or now and then",
-     1 * kMiB},
-    {channel::kUavChanges, "agent_changes_t", "UAV processes", "every other tick", 1 * kMiB},
-    {channel::kWorkerChanges, "agent_changes_t", "worker processes", "every other tick", 1 * kMiB},
-    {channel::kVehicleChanges, "agent_changes_t", "vehicle processes", "every other tick",
-     1 * kMiB},
-    {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB},
-    {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096},
+     1 * kMiB, kWorldAndScheduler},
+    {channel::kUavChanges, "agent_changes_t", "UAV processes", "every other tick", 1 * kMiB,
+     kWorldAlone},
+    {channel::kWorkerChanges, "agent_changes_t", "worker processes", "every other tick", 1 * kMiB,
+     kWorldAlone},
+    {channel::kVehicleChanges, "agent_changes_t", "vehicle processes", "every other tick", 1 * kMiB,
+     kWorldAlone},
+    {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB,
+     kWorldAndAgents},
+    {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096, kNobody},
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
     {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
      4096},
     {channel::kLog, "log_status_t", process_name::kRecorder, "when the log grew", 64 * 1024},
-    {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024},
-    {channel::kRestore, "restore_t", "whoever holds the message", "not any more", 64 * kMiB},
-    {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB},
+    {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024,
+     kWorldAndAgents},
+    {channel::kRestore, "restore_t", "whoever holds the message", "not any more", 64 * kMiB,
+     kNobody},
+    {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB,
+     kWorldAndAgents},
 };
 
 /// Whether agents' processes report on that channel, whole states or changes.

@@ -45,6 +45,7 @@ bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
     if (std::optional<event_t> event = faults_.Take(packet)) process_->Announce(*event, now);
   }
   process_->NoteRefused(bus_->refused());
+  process_->NoteDropped(bus_->counters().lost);
   process_->Step(arrived, now, &out_);
   const bool changed = process_->state() != reported_;
   const bool beats = now.monotonic_us >= heartbeat_us_ && process_->state() != ProcessState::kEnded;

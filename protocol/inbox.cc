@@ -85,20 +85,14 @@ bool Inbox::Count(const Message& message) {
   Start& start = starts_[key];
   // A heartbeat bears the time of the last clock heard, and a world that starts again may go back
   // behind that; what its sender does was not undone.
-  if (header.seq > start.seqs.max() && !std::holds_alternative<process_status_t>(message)) {
+  if (header.seq > start.newest_seq && !std::holds_alternative<process_status_t>(message)) {
     // When nobody confirms what seemed newest, it was damaged or forged.
     if (header.sim_us < start.newest_sim_us && ++start.doubts < kMostDoubts) return false;
     start.newest_sim_us = header.sim_us;
     start.doubts = 0;
   }
-  start.seqs.Add(header.seq);
+  start.newest_seq = std::max(start.newest_seq, header.seq);
   return true;
-}
-
-std::int64_t Inbox::lost() const {
-  std::int64_t lost = 0;
-  for (const auto& [key, start] : starts_) lost += GapsIn(start.seqs);
-  return lost;
 }
 
 }  // namespace muster

@@ -56,8 +56,6 @@ class Inbox {
   bool Admit(const Packet& packet, const std::optional<Message>& message);
 
   const Counters& counters() const { return counters_; }
-  /// Messages of others known to exist and not seen (yet).
-  std::int64_t lost() const;
   /// For a receiver that finds a message impossible in the light of the scenario.
   void Reject() { ++counters_.rejected; }
 
@@ -69,7 +67,7 @@ class Inbox {
   std::string own_name_;
   Counters counters_;
   struct Start {
-    IntervalSet seqs;
+    std::int64_t newest_seq = -1;
     std::int64_t newest_sim_us = 0;  ///< of the highest seq that is no heartbeat's
     int doubts = 0;                  ///< messages since then that were behind that
   };

@@ -60,6 +60,8 @@ class Process {
   std::int64_t rejected() const { return inbox_.counters().rejected + refused_; }
   /// How many its bus has refused so far: they count as rejected.
   void NoteRefused(std::int64_t refused) { refused_ = refused; }
+  /// How many its bus has lost on purpose.
+  void NoteDropped(std::int64_t dropped) { dropped_ = dropped; }
 
   ProcessState state() const { return state_; }
   const Inbox::Counters& counters() const { return inbox_.counters(); }
@@ -71,8 +73,9 @@ class Process {
   virtual void OnStep(const Now& now) = 0;
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
-  /// Messages of others known to exist and not seen (yet).
-  virtual std::int64_t lost() const { return inbox_.lost(); }
+  /// Messages of others known to exist and not seen. Whoever does not hear every channel knows of
+  /// those alone that its bus has lost.
+  virtual std::int64_t lost() const { return dropped_; }
 
   /// Asks for the newest message of a channel.
   void Request(std::string_view channel, TimeUs sim_us, const Now& now);
@@ -98,7 +101,7 @@ class Process {
   Inbox inbox_;
   ProcessState state_ = ProcessState::kStarting;
   TimeUs sim_us_ = 0;
-  std::int64_t refused_ = 0;
+  std::int64_t refused_ = 0, dropped_ = 0;
   std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
 };
 

@@ -118,10 +118,12 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   return flags;
 }
 
-std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, std::optional<LcmTap> tap) {
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, GuardedChannels channels,
+                                  std::optional<LcmTap> tap) {
   const bool recorder = tap.has_value();
   auto bus = std::make_unique<LossyBus>(
-      std::make_unique<LcmBus>(flags.lcm_url, flags.seal ? kTagBytes : 0, std::move(tap)),
+      std::make_unique<LcmBus>(flags.lcm_url, flags.seal ? kTagBytes : 0, std::move(tap),
+                               LcmBus::Reader::kOwnIfItCan, channels),
       flags.drop_seed, flags.identity.name, &MonotonicUs);
   if (recorder) bus->ReturnOnArrival();
   if (flags.seal) bus->SetSeal(*flags.seal);

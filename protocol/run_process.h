@@ -39,9 +39,11 @@ void AddProcessOptions(Options* options, std::string_view default_name);
 /// nobody listens to another on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 
-/// The bus of these flags: LCM, sealed as --key and lossy as --drop say. `tap`: a recorder's, which
-/// gets what arrives as it is.
-std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, std::optional<LcmTap> tap = {});
+/// The bus of these flags: LCM, sealed as --key and lossy as --drop say. `channels`: what the
+/// process hears. `tap`: a recorder's, which gets what arrives as it is.
+std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags,
+                                  GuardedChannels channels = GuardedChannels::kOurs,
+                                  std::optional<LcmTap> tap = {});
 
 /// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
 /// next wake, steps it, publishes what it says. Applies the faults on packets that MUSTER_FAULT

@@ -64,7 +64,7 @@ int Main(int argc, char** argv) {
     process.OnLogged(packet);
   };
   tap.on_burst = [&] { log.Flush(); };
-  const auto bus = OpenBus(flags, tap);
+  const auto bus = OpenBus(flags, GuardedChannels::kAny, tap);
   const int code = RunProcess(&process, bus.get(), flags.quiet);
   SayLastWord(&process, bus.get());
   return code;

@@ -38,7 +38,7 @@ int Run(AgentKind kind, int argc, char** argv) {
   IdRange ids;
   if (arguments->Has("ids")) ids = ReadIds(arguments->Get("ids"));
   AgentProcess process(flags.identity, flags.window, kind, ids);
-  const auto bus = OpenBus(flags);
+  const auto bus = OpenBus(flags, GuardedChannels::kOfAgents);
   return RunProcess(&process, bus.get(), flags.quiet);
 }
 

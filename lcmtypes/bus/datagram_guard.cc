@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "lcmtypes/bus/seal.h"
-#include "lcmtypes/channels.h"
 
 namespace muster {
 namespace {
@@ -72,7 +71,7 @@ class Builder {
 
   // With X where the body begins: A := bytes of the channel's name and its NUL.
   void FindAnyName();
-  void FindOurName();
+  void FindOurName(GuardedChannels channels);
   std::vector<sock_filter> Take() { return std::move(program_); }
 
  private:
@@ -97,9 +96,11 @@ void Builder::FindAnyName() {
 }
 
 /// LCM keeps every name that it has heard for ever: only those of the table.
-void Builder::FindOurName() {
+void Builder::FindOurName(GuardedChannels channels) {
   std::vector<std::string> names = {"LCM_SELF_TEST", kRoundTripChannel};
-  for (const Channel& row : kChannels) names.emplace_back(row.name);
+  for (const Channel& row : kChannels) {
+    if (ComesThrough(row, channels)) names.emplace_back(row.name);
+  }
   std::vector<std::size_t> found;
   for (const std::string& name : names) {
     std::vector<std::size_t> differs;
@@ -129,7 +130,7 @@ void FindName(Builder* build, GuardedChannels channels) {
   if (channels == GuardedChannels::kAny) {
     build->FindAnyName();
   } else {
-    build->FindOurName();
+    build->FindOurName(channels);
   }
 }
 
@@ -190,6 +191,21 @@ void CheckFragment(Builder* build, GuardedChannels channels) {
 }
 
 }  // namespace
+
+bool ComesThrough(const Channel& channel, GuardedChannels channels) {
+  switch (channels) {
+    case GuardedChannels::kOfWorld:
+      return channel.IsHeardBy(Hearer::kWorld);
+    case GuardedChannels::kOfAgents:
+      return channel.IsHeardBy(Hearer::kAgents);
+    case GuardedChannels::kOfScheduler:
+      return channel.IsHeardBy(Hearer::kScheduler);
+    case GuardedChannels::kOurs:
+    case GuardedChannels::kAny:
+      break;
+  }
+  return true;
+}
 
 std::vector<sock_filter> DatagramGuard(GuardedChannels channels) {
   Builder build;

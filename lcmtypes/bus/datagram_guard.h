@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/channels.h"
+
 namespace muster {
 
 /// On which each process looks at the network when it starts. Not MUSTER_*: other members of the
@@ -15,9 +17,16 @@ inline constexpr const char* kRoundTripChannel = "ROUND_TRIP_OF_MUSTER";
 
 /// Which channels come through a guard.
 enum class GuardedChannels {
-  kOurs,  ///< the channel table's and the two on which LCM and we look at the network
-  kAny,   ///< every name
+  kOurs,         ///< the channel table's and the two on which LCM and we look at the network
+  kAny,          ///< every name
+  kOfWorld,      ///< of ours, those that the world hears
+  kOfAgents,     ///< of ours, those that an agents' process hears
+  kOfScheduler,  ///< of ours, those that the scheduler hears
 };
+
+/// Whether that channel of ours comes through: what nobody in a process has a use for does not
+/// wake it.
+bool ComesThrough(const Channel& channel, GuardedChannels channels);
 
 /// The program (classic BPF) that looks at a datagram, from its UDP header on, before LCM reads it,
 /// and drops what LCM cannot take safely or as one of our messages:

@@ -84,8 +84,12 @@ std::string LcmVersion() {
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
 LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmTap> tap,
-               Reader reader)
-    : url_(url), tag_bytes_(tag_bytes), parts_(ParseMulticastUrl(url)), tap_(std::move(tap)) {
+               Reader reader, GuardedChannels channels)
+    : url_(url),
+      tag_bytes_(tag_bytes),
+      parts_(ParseMulticastUrl(url)),
+      tap_(std::move(tap)),
+      channels_(tap_ ? GuardedChannels::kAny : channels) {
   // LCM's own self-test speaks to stderr only and may abort: what it needs is looked at first.
   if (const auto problem = MulticastProblem(parts_.address)) {
     throw SystemError(fmt::format(
@@ -97,8 +101,7 @@ LcmBus::LcmBus(const std::string& url, std::size_t tag_bytes, std::optional<LcmT
   const BlockSignals block;
   lcm_.reset(lcm_create(url.c_str()));
   if (lcm_ == nullptr) throw SystemError(fmt::format("LCM cannot open {}", url));
-  const auto channels = tap_ ? GuardedChannels::kAny : GuardedChannels::kOurs;
-  if (reader == Reader::kOwnIfItCan) receiver_ = UdpmReceiver::Open(parts_, channels);
+  if (reader == Reader::kOwnIfItCan) receiver_ = UdpmReceiver::Open(parts_, channels_);
   if (receiver_) {
     fd_ = receiver_->fd();
   } else {
@@ -115,8 +118,7 @@ void LcmBus::Subscribe() {
   }
   // LCM tells no socket before it reads from it: unguarded is its self-test, a millisecond or two.
   for (const int socket : SocketsOnPort(parts_.port)) {
-    const auto channels = tap_ ? GuardedChannels::kAny : GuardedChannels::kOurs;
-    if (const auto problem = GuardSocket(socket, channels)) {
+    if (const auto problem = GuardSocket(socket, channels_)) {
       fmt::print(stderr, "muster: LCM reads datagrams that nothing has checked: {}\n", *problem);
     }
   }
@@ -297,6 +299,8 @@ void LcmBus::Take(std::string_view channel, const std::uint8_t* data, std::size_
     ++counters_.rejected;
     return;
   }
+  // The rest of a message in fragments comes through whatever its channel.
+  if (!ComesThrough(*row, channels_)) return;
   inbox_.push_back({std::string(channel), {data, data + size}});
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/datagram_guard.h"
 #include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/bus/udpm_receiver.h"
 
@@ -55,9 +56,10 @@ class LcmBus : public Bus {
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a
   /// bad URL, SystemError, saying what to do, when the host does not carry multicast.
   /// `tag_bytes`: how much longer than the channel table says a packet may be, both ways. What
-  /// `tap` throws ends Receive.
+  /// `tap` throws ends Receive. `channels`: what is handed out; with a tap every channel comes in.
   explicit LcmBus(const std::string& url, std::size_t tag_bytes = 0, std::optional<LcmTap> tap = {},
-                  Reader reader = Reader::kOwnIfItCan);
+                  Reader reader = Reader::kOwnIfItCan,
+                  GuardedChannels channels = GuardedChannels::kOurs);
   ~LcmBus() override;
 
   void Publish(const Packet& packet) override;
@@ -92,6 +94,7 @@ class LcmBus : public Bus {
   std::size_t tag_bytes_;
   MulticastUrl parts_;
   std::optional<LcmTap> tap_;
+  GuardedChannels channels_;
   std::unique_ptr<_lcm_t, Destroy> lcm_;
   std::unique_ptr<UdpmReceiver> receiver_;  ///< none: LCM's thread receives
   int fd_ = -1;

@@ -38,7 +38,7 @@ int Run(const std::string& program, int argc, char** argv, const std::vector<Own
   const std::string policy = arguments->Get("policy");
   SchedulerProcess process(flags.identity, flags.window, policy, Make(policy, deadline_ms, own),
                            MonotonicUs);
-  const auto bus = OpenBus(flags);
+  const auto bus = OpenBus(flags, GuardedChannels::kOfScheduler);
   return RunProcess(&process, bus.get(), flags.quiet);
 }
 

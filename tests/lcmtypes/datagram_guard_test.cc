@@ -173,6 +173,30 @@ TEST(DatagramGuard, OnlyTheLoggersTakesOtherChannels) {
   EXPECT_TRUE(any.Passes(DatagramsOf(std::string(63, 'a'), Datagram(10)).front()));
 }
 
+TEST(DatagramGuard, AProcessIsNotWokenByWhatItHasNoUseFor) {
+  MUSTER_NEEDS_MULTICAST();
+  GuardedSocket world(GuardedChannels::kOfWorld);
+  GuardedSocket agents(GuardedChannels::kOfAgents);
+  GuardedSocket scheduler(GuardedChannels::kOfScheduler);
+  const auto passes = [](GuardedSocket& socket, std::string_view name) {
+    return socket.Passes(DatagramsOf(std::string(name), Datagram(10)).front());
+  };
+  for (GuardedSocket* socket : {&world, &agents, &scheduler}) {
+    for (const std::string_view name : {channel::kScenario, channel::kClock, channel::kFault,
+                                        channel::kProcess, std::string_view(kRoundTripChannel)}) {
+      EXPECT_TRUE(passes(*socket, name)) << name;
+    }
+    EXPECT_FALSE(passes(*socket, channel::kEvent));
+  }
+  EXPECT_TRUE(passes(world, channel::kUavs));
+  EXPECT_TRUE(passes(world, channel::kUavChanges));
+  EXPECT_FALSE(passes(agents, channel::kUavs));
+  EXPECT_FALSE(passes(agents, channel::kUavChanges));
+  EXPECT_TRUE(passes(scheduler, channel::kUavs));
+  EXPECT_FALSE(passes(scheduler, channel::kUavChanges));
+  EXPECT_FALSE(passes(scheduler, channel::kSchedule));
+}
+
 TEST(DatagramGuard, LetsExactlyTheSafeOnesPass) {
   MUSTER_NEEDS_MULTICAST();
   GuardedSocket socket(GuardedChannels::kAny);

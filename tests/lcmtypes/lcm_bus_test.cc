@@ -90,6 +90,17 @@ TEST_P(LcmBusTest, CarriesMessagesLargerThanADatagram) {
   }
 }
 
+TEST_P(LcmBusTest, HandsOutOnlyWhatTheProcessHears) {
+  MUSTER_NEEDS_MULTICAST();
+  LcmBus one(MissionUrl(Port(0)), 0, {}, GetParam());
+  LcmBus agents(MissionUrl(Port(0)), 0, {}, GetParam(), GuardedChannels::kOfAgents);
+  one.Publish(MakePacket(channel::kUavs, 200));
+  one.Publish(MakePacket(channel::kUavs, 300'000));
+  const Packet clock = MakePacket(channel::kClock, 100);
+  one.Publish(clock);
+  EXPECT_EQ(Take(agents, 1), std::vector<Packet>{clock});
+}
+
 TEST_P(LcmBusTest, MissionsOnTwoPortsDoNotHearEachOther) {
   MUSTER_NEEDS_MULTICAST();
   LcmBus first_a(MissionUrl(Port(0)), 0, {}, GetParam());

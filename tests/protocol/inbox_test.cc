@@ -85,17 +85,6 @@ TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
   EXPECT_EQ(inbox.counters().received, 0);
 }
 
-TEST(Inbox, LossIsKnownFromTheNumbersAndEndsWhenTheyCome) {
-  Inbox inbox(1, "uav");
-  inbox.Open(ClockFrom("world", 0));
-  inbox.Open(ClockFrom("world", 3));
-  inbox.Open(ClockFrom("world", 3));
-  EXPECT_EQ(inbox.lost(), 2);
-  inbox.Open(ClockFrom("world", 1));
-  inbox.Open(ClockFrom("world", 2));
-  EXPECT_EQ(inbox.lost(), 0);
-}
-
 TEST(Inbox, WhoFloodsItWithNamesGetsNoMoreThanSomeThousand) {
   Inbox inbox(1, "uav");
   ASSERT_TRUE(inbox.Open(ClockFrom("world", 0)));
@@ -111,22 +100,6 @@ TEST(Inbox, WhoFloodsItWithNamesGetsNoMoreThanSomeThousand) {
   EXPECT_FALSE(open(10'000));
   EXPECT_TRUE(open(9'998));
   EXPECT_TRUE(inbox.Open(ClockFrom("world", 1)));
-}
-
-TEST(Inbox, CountsWhatIsLostWhateverNumbersAreHeard) {
-  Inbox inbox(1, "uav");
-  for (const std::int64_t boot_id : {0, 1, 2}) {
-    for (const std::int64_t seq : {std::int64_t{3}, std::numeric_limits<std::int64_t>::max()}) {
-      request_t request{};
-      request.header.run_id = 1;
-      request.header.sender = "world";
-      request.header.boot_id = boot_id;
-      request.header.seq = seq;
-      request.channel = channel::kUavs;
-      EXPECT_TRUE(inbox.Open({std::string(channel::kRequest), Encode(request)}));
-    }
-  }
-  EXPECT_EQ(inbox.lost(), 3'000'000'000'000);
 }
 
 // One flipped bit must not make a process deaf.
