@@ -6,7 +6,7 @@
 
 namespace muster {
 
-Process::Process(const Identity& identity, int window)
+Process::Process(const Identity& identity, Window window)
     : sender_(identity, window), inbox_(identity.run_id, identity.name) {}
 
 void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out) {

@@ -32,7 +32,7 @@ answer_t AnswerTo(const request_t& request, std::int64_t tick, std::vector<std::
 class Process {
  public:
   /// window: see Sender.
-  Process(const Identity& identity, int window);
+  Process(const Identity& identity, Window window);
   virtual ~Process() = default;
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

@@ -79,13 +79,25 @@ class RepeatBudget {
   TimeUs quiet_until_us_ = 0;
 };
 
+/// How much of a process may be out unacknowledged.
+struct Window {
+  /// Messages: stock lcm-logger queues 30 and drops the newest. 0: nobody records, nothing waits
+  /// and nothing is kept.
+  int messages = 0;
+  /// Or as many as are together no larger than this: where our own recorder writes.
+  std::size_t bytes = 0;
+
+  Window(int most_messages, std::size_t most_bytes = 0)
+      : messages(most_messages), bytes(most_bytes) {}
+};
+
 /// Numbers, keeps and sends one process's messages. With a recorder, a message is kept until the
-/// recorder has it on disk, sent again with back-off until then, and at most `window` messages are
-/// out unacknowledged: stock lcm-logger queues 30 and drops the newest.
+/// recorder has it on disk, sent again with back-off until then, and no more than the window is
+/// out unacknowledged. What is under way is not lost: before it is said again, some four times as
+/// long passes as acknowledgements have taken of late.
 class Sender {
  public:
-  /// window 0: nobody records, nothing waits and nothing is kept here.
-  Sender(Identity identity, int window);
+  Sender(Identity identity, Window window);
 
   /// Stamps the header with the next seq and queues the message. The caller may keep the packet to
   /// send it again by Resend().
@@ -116,6 +128,8 @@ class Sender {
   TimeUs HeldUs(const Now& now) const { return out_ == 0 ? 0 : now.monotonic_us - progress_us_; }
   /// All sent and, with a recorder, on disk.
   bool drained() const { return kept_.empty() && resend_.empty(); }
+  /// Something waits for its first sending.
+  bool holds_back() const { return out_ < kept_.size(); }
 
  private:
   header_t NextHeader(TimeUs sim_us, const Now& now);
@@ -124,17 +138,24 @@ class Sender {
   void Repeat(const std::vector<SentPacket>& packets, TimeUs now_us, TimeUs* over_us,
               std::vector<Packet>* out);
 
+  /// Whether the next message may go out.
+  bool HasRoom() const;
+
   Identity identity_;
-  std::size_t window_;
+  Window window_;
   std::int64_t next_seq_ = 0;
   std::int64_t resent_ = 0;
   std::deque<SentPacket> kept_;  ///< unacknowledged, oldest first; the first out_ have been sent
   std::size_t out_ = 0;
+  std::size_t out_bytes_ = 0;
+  std::deque<TimeUs> sent_us_;       ///< of those that are out; -1: something was repeated since
   std::int64_t first_kept_seq_ = 0;  ///< of kept_.front()
   std::vector<SentPacket> resend_;
   bool progressed_ = false;  ///< since the last Flush
   TimeUs progress_us_ = 0;   ///< latest time that something was acknowledged, or nothing was out
-  BackOff repair_{20'000, 500'000};
+  TimeUs acknowledged_sent_us_ = -1;  ///< when the newest that was acknowledged since was sent
+  TimeUs answer_us_ = 0;              ///< what acknowledgements have taken at most of late
+  BackOff repair_{0, 0};
   RepeatBudget budget_;
   TimeUs resent_over_us_ = -kNever / 2, repaired_over_us_ = -kNever / 2;
 };

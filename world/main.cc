@@ -54,6 +54,11 @@ int Main(int argc, char** argv) {
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
            "An agent fails in [FROM, UNTIL), by order of that fault")
       .Repeated();
+  options
+      .Add("window-bytes", "N",
+           "Or as many messages as are together no larger: only with muster-recorder")
+      .Integer(0, 1 << 30)
+      .Default(0);
   AddProcessOptions(&options, process_name::kWorld);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -68,8 +73,9 @@ int Main(int argc, char** argv) {
   }
   if (world.recorded && flags.window == 0) flags.window = 10;
   const Scenario scenario = LoadScenario(arguments->Get("scenario"));
-  WorldProcess process(flags.identity, flags.window, ScenarioToJson(scenario), world);
-  const auto bus = OpenBus(flags);
+  const Window window(flags.window, arguments->Get<std::size_t>("window-bytes"));
+  WorldProcess process(flags.identity, window, ScenarioToJson(scenario), world);
+  const auto bus = OpenBus(flags, GuardedChannels::kOfWorld);
   return RunProcess(&process, bus.get(), flags.quiet);
 }
 

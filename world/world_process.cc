@@ -40,7 +40,7 @@ PerKind<ToldAgents> ToldOf(const Scenario& scenario) {
 
 }  // namespace
 
-WorldProcess::WorldProcess(const Identity& identity, int window, std::string json,
+WorldProcess::WorldProcess(const Identity& identity, Window window, std::string json,
                            const WorldOptions& options)
     : Process(identity, window),
       json_(std::move(json)),

@@ -34,7 +34,8 @@ struct WorldOptions {
 class WorldProcess : public Process {
  public:
   /// `json` is the scenario's file text, published as it is.
-  WorldProcess(const Identity& identity, int window, std::string json, const WorldOptions& options);
+  WorldProcess(const Identity& identity, Window window, std::string json,
+               const WorldOptions& options);
 
   bool ended() const { return clock_.phase() == MissionClock::Phase::kEnded; }
 

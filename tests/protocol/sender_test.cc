@@ -148,6 +148,38 @@ TEST(Sender, BacksOffToHalfASecondAndAnewAfterAnAcknowledgement) {
   EXPECT_EQ(sender.wake_us() - now, 20'000);
 }
 
+TEST(Sender, ManySmallMessagesAreOutAtATimeWhereTheWindowIsOneOfBytes) {
+  Sender sender({1, "world", 0}, {2, 2000});
+  std::vector<SentPacket> said;
+  for (int i = 0; i < 100; ++i) said.push_back(Say(&sender));
+  const std::size_t fit = 2000 / said[0]->bytes.size();
+  ASSERT_GT(fit, 4u);
+  EXPECT_EQ(FlushAt(&sender, 0).size(), fit);
+  EXPECT_TRUE(sender.holds_back());
+  sender.Acknowledge(Mark("world", 0, 3));
+  EXPECT_EQ(FlushAt(&sender, 1).size(), 3u);
+  EXPECT_EQ(FlushAt(&sender, sender.wake_us()).size(), fit) << "small ones are repaired together";
+  sender.Acknowledge(Mark("world", 0, 100));
+  EXPECT_EQ(FlushAt(&sender, 30'000).size(), fit);
+}
+
+// Processes that were slow because there were many of them made it worse by repairing.
+TEST(Sender, WaitsForAcknowledgementsThatTakeLong) {
+  Sender sender({1, "world", 0}, 2);
+  Say(&sender);
+  FlushAt(&sender, 0);
+  EXPECT_EQ(sender.wake_us(), 20'000);
+  sender.Acknowledge(Mark("world", 0, 1));
+  Say(&sender);
+  FlushAt(&sender, 15'000);
+  EXPECT_EQ(sender.wake_us(), 75'000);
+  FlushAt(&sender, 75'000);
+  sender.Acknowledge(Mark("world", 0, 2));
+  Say(&sender);
+  FlushAt(&sender, 400'000);
+  EXPECT_EQ(sender.wake_us(), 460'000) << "of what was said twice nobody knows how long it took";
+}
+
 TEST(BackOff, WhatHasWaitedForLongIsSaidLessOften) {
   BackOff repeat(2'000, 40'000, kSecondUs);
   repeat.Start(0);

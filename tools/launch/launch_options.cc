@@ -66,6 +66,16 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
   return programs;
 }
 
+/// Of each agents' process. lcm-logger's queue is one for all who report at once, however many they
+/// are: with more of them each has less of it.
+int WindowOf(const LaunchOptions& options) {
+  if (!options.recorded) return 0;
+  if (options.logger == Logger::kMuster) return kProcessWindow;
+  int processes = 0;
+  for (const auto& [kind, count] : options.processes) processes += count;
+  return std::clamp(kLoggerQueue / std::max(processes, 1), 1, kProcessWindow);
+}
+
 void AddLaunchOptions(Options* options) {
   AddMissionOptions(options);
   scheduler::AddDeadlineOption(options);
@@ -176,10 +186,13 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     }
     plans.push_back({name, program, std::move(arguments)});
   };
-  const std::string window = options.recorded ? fmt::to_string(kProcessWindow) : "0";
+  const std::string window = fmt::to_string(WindowOf(options));
   std::vector<std::string> world = {mission.scenario_file, "--rate", options.rate};
   if (options.recorded) {
     world.insert(world.end(), {"--recorder", "--window", fmt::to_string(kWorldWindow)});
+    if (options.logger == Logger::kMuster) {
+      world.insert(world.end(), {"--window-bytes", fmt::to_string(kWorldWindowBytes)});
+    }
   }
   if (options.on_loss != "wait") {
     world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",

@@ -36,9 +36,12 @@ struct LaunchOptions : MissionOptions, FaultOptions {
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv);
 
 /// Messages that one process may have out and not in the log (--window). lcm-logger queues 30, so
-/// the windows of all who talk at once stay below that together.
+/// the windows of all who talk at once stay below that together, as far as they can.
+inline constexpr int kLoggerQueue = 30;
 inline constexpr int kWorldWindow = 10;
 inline constexpr int kProcessWindow = 3;
+/// Events are many and small. (lcm-logger counts messages.)
+inline constexpr int kWorldWindowBytes = 64 * 1024;
 
 /// One process of a mission: program (absolute, or in the folder of `muster`) and its arguments.
 /// With

@@ -206,6 +206,19 @@ TEST(PlanProcesses, DealsAClassOutWithoutOverlapOrHole) {
   EXPECT_NE(ValueOf(plans[4], "--drop-seed"), ValueOf(plans[5], "--drop-seed"));
 }
 
+TEST(PlanProcesses, ManyProcessesShareWhatLcmLoggerQueues) {
+  const auto plans = [](const char* processes, const char* logger) {
+    return PlanProcesses(Parse({"a.json", "--processes", processes, "--logger", logger}),
+                         ScenarioWith(50, 50, 50), {});
+  };
+  EXPECT_EQ(ValueOf(plans("uav=2", "lcm")[1], "--window"), "3");
+  EXPECT_EQ(ValueOf(plans("uav=4,worker=4,vehicle=4", "lcm")[1], "--window"), "2");
+  EXPECT_EQ(ValueOf(plans("uav=20,worker=20,vehicle=20", "lcm")[60], "--window"), "1");
+  EXPECT_EQ(ValueOf(plans("uav=20,worker=20,vehicle=20", "muster")[60], "--window"), "3");
+  EXPECT_EQ(ValueOf(plans("uav=2", "lcm")[0], "--window-bytes"), "");
+  EXPECT_EQ(ValueOf(plans("uav=2", "muster")[0], "--window-bytes"), "65536");
+}
+
 TEST(PlanProcesses, MoreProcessesThanAgentsIsAnError) {
   const LaunchOptions options = Parse({"a.json", "--processes", "vehicle=2"});
   EXPECT_THROW(PlanProcesses(options, ScenarioWith(1, 1, 1), {}), InputError);
