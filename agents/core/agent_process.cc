@@ -62,7 +62,7 @@ void AgentProcess::OnScenario() {
   for (std::int32_t id = first; id <= last; ++id) {
     agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)]));
   }
-  if (agents_.size() > most_whole_) {
+  if (specs.size() > most_whole_) {
     told_.emplace(std::make_shared<const Scenario>(*scenario()), kind_);
   }
   restored_ = identity().boot_id == 0;

@@ -21,7 +21,8 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 /// its states, or what of them has changed, and publishes them again when the clock is repeated.
 class AgentProcess : public Follower {
  public:
-  /// Up to `most_whole` agents always tell whole states: one message, and readable as it is.
+  /// A class of up to `most_whole` agents always tells whole states: one message, and readable as
+  /// it is. A larger one says no more when many processes share it.
   AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
                std::size_t most_whole = kMostWhole);
   static constexpr std::size_t kMostWhole = 256;
