@@ -23,6 +23,10 @@ constexpr TimeUs kLongestRepeatUs = 40'000;
 /// At most so long it takes for granted that the fast answers of late were no accident.
 constexpr TimeUs kMostStatesUs = 10'000;
 constexpr TimeUs kMostScheduleUs = 200'000;
+/// After a report the others' are on their way, too.
+constexpr TimeUs kNextReportUs = 10'000;
+/// Moving an agent, writing and reading its whole state takes about that.
+constexpr TimeUs kWholeStateUs = 1;
 /// Whoever has not reported for so long may have started again, and want the last decision.
 constexpr TimeUs kMissedUs = 300'000;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
@@ -127,6 +131,7 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
   const auto kind = static_cast<AgentKind>(states.kind);
   if (!IsForTick(states.tick)) return;
   std::vector<AgentState> agents;
+  agents.reserve(states.agents.size());
   for (const agent_t& wire : states.agents) {
     const std::optional<AgentState> agent = FromWire(wire, kind, clock_.sim_us(), limits_);
     if (!agent) return inbox().Reject();
@@ -142,6 +147,7 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
     news = true;
   }
   if (!news) return;
+  has_news_ = true;
   if (packet == nullptr) return handover_.Add(kind, states);
   told_[kind].Take(states);
   handover_.Add(kind, *packet);
@@ -281,14 +287,21 @@ void WorldProcess::PublishEvents(const Now& now) {
 void WorldProcess::WaitFor(Wait wait, const Now& now) {
   wait_ = wait;
   asked_us_ = now.monotonic_us;
-  const TimeUs first_us = wait == Wait::kStates ? states_time_.Patience(kRepeatUs, kMostStatesUs)
-                          : wait == Wait::kSchedule
-                              ? schedule_time_.Patience(kRepeatUs, kMostScheduleUs)
-                              : kRepeatUs;
+  const TimeUs whole_us = clock_.decision() >= 0 ? AllWholeUs() : 0;
+  const TimeUs first_us =
+      wait == Wait::kStates ? std::max(states_time_.Patience(kRepeatUs, kMostStatesUs), whole_us)
+      : wait == Wait::kSchedule ? schedule_time_.Patience(kRepeatUs, kMostScheduleUs)
+                                : kRepeatUs;
   repeat_ = BackOff(first_us, kLongestRepeatUs, kSecondUs);
   repeat_.Start(now.monotonic_us);
   attendance_.peers().AwaitFrom(now.monotonic_us);
   look_us_ = now.monotonic_us;
+}
+
+TimeUs WorldProcess::AllWholeUs() const {
+  const std::size_t n =
+      scenario_.uavs.size() + scenario_.workers.size() + scenario_.vehicles.size();
+  return static_cast<TimeUs>(n) * kWholeStateUs;
 }
 
 void WorldProcess::StopWaiting() {
@@ -389,6 +402,10 @@ void WorldProcess::GoOn(const Now& now) {
     set_state(ProcessState::kEnded);
     PublishClock(now);
     return WaitFor(Wait::kNothing, now);
+  }
+  if (std::exchange(has_news_, false) && wait_ == Wait::kStates) {
+    repeat_ = BackOff(std::max(kNextReportUs, AllWholeUs()), kLongestRepeatUs, kSecondUs);
+    repeat_.Start(now.monotonic_us);
   }
   if (repeat_.Fire(now.monotonic_us)) Repeat(now);
 }

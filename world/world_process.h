@@ -74,6 +74,8 @@ class WorldProcess : public Process {
   void Lose(const std::string& name, const Now& now);
   void SayOfProcess(Event::Kind kind, const std::string& name, const Now& now);
   void WaitFor(Wait wait, const Now& now);
+  /// What it takes until all have told whole states.
+  TimeUs AllWholeUs() const;
   void StopWaiting();
 
   const std::string json_;
@@ -91,6 +93,7 @@ class WorldProcess : public Process {
   TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
   PerKind<ToldAgents> told_;
+  bool has_news_ = false;       ///< somebody has reported since the last step
   PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it

@@ -266,7 +266,7 @@ void AgentProcess::OnMissionStep(const Now& now) {
   }
   if (CanAdvance()) {
     Advance(now);
-  } else if (repeat_tick_ >= 0) {
+  } else if (repeat_tick_ >= 0 && !sender().holds_back()) {
     const Published& asked = repeat_tick_ == published_.tick ? published_ : published_before_;
     for (const SentPacket& packet : asked.packets) sender().Resend(packet);
   }

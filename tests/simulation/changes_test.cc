@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <tuple>
+
+#include "agents/core/agent_process.h"
 #include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
@@ -102,6 +105,73 @@ TEST(Changes, OutcomeIsThatOfWholeStatesWhateverThePolicy) {
       EXPECT_GT(mission.changes(), 900) << policy;  // of 361 ticks and 3 processes
     }
   }
+}
+
+TEST(Changes, ProcessesThatShareAClassSayNoMoreThanOne) {
+  const Scenario scenario = Undisturbed();
+  const std::string json = ScenarioToJson(scenario);
+  const auto n = static_cast<std::int32_t>(scenario.uavs.size());
+  const auto most_whole = static_cast<std::size_t>(n - 1);
+  Crew crew;
+  for (const char* name : {"world", "worker", "vehicle", "scheduler"}) {
+    crew.Add(testing::StartProcess(name, 0, json));
+  }
+  for (const auto& [name, first, last] :
+       {std::tuple("uav-1", 0, n / 2 - 1), std::tuple("uav-2", n / 2, n - 1)}) {
+    crew.Add(std::make_unique<agents::AgentProcess>(Identity{1, name, 0}, 0, AgentKind::kUav,
+                                                    std::pair(first, last), most_whole));
+  }
+  RunRecord record;
+  int changes = 0;
+  bool ended = false;
+  crew.Run(
+      3600 * kSecondUs, [&] { return ended; },
+      [&](const Packet& packet) {
+        record.Add(packet);
+        changes += packet.channel == channel::kUavChanges;
+        if (packet.channel != channel::kClock) return;
+        ended |= Decode<clock_t>(packet.bytes)->phase == ClockPhase::kEnded;
+      });
+  EXPECT_EQ(Digest(record), WholeDigest(scenario));
+  EXPECT_GT(changes, 600) << "of 361 ticks and 2 processes";
+}
+
+std::vector<Packet> StepAt(Process* process, TimeUs now_us, const std::vector<Packet>& arrived) {
+  std::vector<Packet> out;
+  process->Step(arrived, {now_us, now_us}, &out);
+  return out;
+}
+
+std::vector<std::string> ChannelsOf(const std::vector<Packet>& packets) {
+  std::vector<std::string> channels;
+  for (const Packet& packet : packets) channels.push_back(packet.channel);
+  return channels;
+}
+
+// The world repeats its clock to all while one class is still on its way.
+TEST(Changes, WhoIsStillSpeakingDoesNotBeginAnew) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.workers = 600;
+  const Scenario scenario = Generate(settings, 1);
+  const auto world = testing::StartProcess("world", 0, ScenarioToJson(scenario));
+  const std::vector<Packet> begin = StepAt(world.get(), 0, {});
+  ASSERT_EQ(ChannelsOf(begin), (std::vector<std::string>{"MUSTER_SCENARIO", "MUSTER_CLOCK"}));
+  agents::AgentProcess workers({1, "worker", 0}, 1, AgentKind::kWorker, {});
+  EXPECT_EQ(ChannelsOf(StepAt(&workers, 0, begin)), std::vector<std::string>{"MUSTER_WORKERS"});
+  EXPECT_TRUE(StepAt(&workers, 10'000, {begin.back()}).empty());
+}
+
+TEST(Changes, TheWorldDoesNotAskAgainWhileReportsCome) {
+  const std::string json = ScenarioToJson(Undisturbed());
+  const auto world = testing::StartProcess("world", 0, json);
+  const std::vector<Packet> begin = StepAt(world.get(), 0, {});
+  const auto report_of = [&](const char* name) {
+    return StepAt(testing::StartProcess(name, 0, json).get(), 0, begin);
+  };
+  EXPECT_TRUE(StepAt(world.get(), 1'900, report_of("uav")).empty());
+  EXPECT_TRUE(StepAt(world.get(), 11'000, report_of("worker")).empty());
+  EXPECT_TRUE(StepAt(world.get(), 20'000, {}).empty());
+  EXPECT_FALSE(StepAt(world.get(), 21'100, {}).empty()) << "the vehicles have not heard";
 }
 
 TEST(Changes, OutcomeDoesNotDependOnMeetings) {
