@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <string_view>
 
@@ -25,9 +26,10 @@ std::string Namesakes::Contradiction(const Packet& packet, const header_t& heade
   if (header.boot_id >= known.starts) {
     return fmt::format("nobody has made start {} of it", header.boot_id);
   }
-  if (header.seq >= kFar && header.seq - kFar >= known.logged) {
+  const std::int64_t logged = std::max(known.logged, start->logged);
+  if (header.seq >= kFar && header.seq - kFar >= logged) {
     return fmt::format("message {} is far ahead of its message {}, which the log awaits",
-                       header.seq, known.logged);
+                       header.seq, logged);
   }
   const std::size_t hash = HashOf(packet);
   const auto [said, is_new] = start->recent.try_emplace(header.seq, hash);
@@ -46,11 +48,24 @@ std::string Namesakes::Contradiction(const Packet& packet, const header_t& heade
   return "";
 }
 
+void Namesakes::NoteMarks(const Packet& packet) {
+  const auto status = DecodeValid<log_status_t>(packet.bytes);
+  if (!status) return;
+  for (const log_mark_t& mark : status->marks) {
+    const auto start = starts_.find({mark.sender, mark.boot_id});
+    if (start == starts_.end()) continue;
+    start->second.logged = std::max(start->second.logged, mark.next_seq);
+  }
+}
+
 std::optional<std::string> Namesakes::OnHeard(const Packet& packet, const header_t& header,
                                               const Known& known) {
   const std::pair key(header.sender, header.boot_id);
   if (starts_.size() >= kMost && !starts_.contains(key)) return {};
   Start& start = starts_[key];
+  if (packet.channel == channel::kLog && header.sender == process_name::kRecorder) {
+    NoteMarks(packet);
+  }
   if (packet.channel == channel::kProcess) {
     const auto status = DecodeValid<process_status_t>(packet.bytes);
     if (status && status->name == header.sender) {

@@ -19,11 +19,11 @@ namespace muster::tools {
 class Namesakes {
  public:
   /// A sender goes on only when the log has all but a few of its messages; numbers that are so far
-  /// ahead of the log, or apart, are not one sender's.
-  static constexpr std::int64_t kFar = 100;
+  /// ahead of the log, or apart, are not one sender's. (A window of 64 kB holds 770 events.)
+  static constexpr std::int64_t kFar = 1000;
   /// What can be known of the sender otherwise.
   struct Known {
-    std::int64_t logged = kNever;  ///< every number of that start below is in the log
+    std::int64_t logged = kNever;  ///< every number of that start below has been read in the log
     std::int64_t starts = kNever;  ///< so often it was started
   };
 
@@ -44,7 +44,9 @@ class Namesakes {
     std::optional<Self> self;
     std::map<std::int64_t, std::size_t> recent;  ///< by number: hash of the message
     std::int64_t newest_seq = -1, newest_wall_us = 0;
+    std::int64_t logged = 0;  ///< as the recorder says: whoever reads the log may be behind
   };
+  void NoteMarks(const Packet& packet);
   /// What is wrong with the message, in words; "": nothing.
   static std::string Contradiction(const Packet& packet, const header_t& header, const Known& known,
                                    Start* start);
