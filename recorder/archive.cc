@@ -58,6 +58,11 @@ void Archive::Add(const Packet& packet) {
 }
 
 void Archive::AddReport(const Packet& packet) {
+  // Most come twice: from the bus, and from the log.
+  const std::optional<header_t> said = DecodeHeader(packet);
+  if (!said) return;
+  const auto known = seqs_.find({said->sender, said->boot_id});
+  if (known != seqs_.end() && known->second.Contains(said->seq)) return;
   const std::optional<Message> report = DecodeMessage(packet);
   if (!report) return;
   const header_t& header = HeaderOf(*report);
@@ -65,9 +70,9 @@ void Archive::AddReport(const Packet& packet) {
   if (header.run_id != run_id_ || (seqs_.size() >= kMostSources && !seqs_.contains(start))) return;
   IntervalSet& seqs = seqs_[start];
   if (!seqs.Add(header.seq)) return;
-  reports_.Add(*report, packet, seqs, [&](const agent_states_t& states, const Packet& said) {
-    if (IsStates(said.channel)) {
-      Keep(said.channel, states.header, {said.bytes, {}});
+  reports_.Add(*report, packet, seqs, [&](const agent_states_t& states, const Packet& as_said) {
+    if (IsStates(as_said.channel)) {
+      Keep(as_said.channel, states.header, {as_said.bytes, {}});
     } else {
       Keep(ChannelOf(static_cast<AgentKind>(states.kind)), states.header, {{}, states});
     }

@@ -9,9 +9,10 @@ namespace muster::tools {
 namespace {
 
 /// Each word of the log's wakes everybody. It is said at once when a sender has so many messages
-/// out that it could come to the end of its window (three of most processes), and else after a
-/// moment.
+/// out that it could come to the end of its window (three of most processes, ten and more of the
+/// world), and else after a moment.
 constexpr int kUnsaid = 2;
+constexpr int kUnsaidOfWorld = 8;
 constexpr TimeUs kUnsaidUs = 2'000;
 
 }  // namespace
@@ -40,7 +41,8 @@ void RecorderProcess::OnLogged(const Packet& packet) {
   const Identity& own = this->identity();
   if (header->sender != own.name) {
     news_ = true;
-    is_urgent_ |= ++unsaid_[{header->sender, header->boot_id}] >= kUnsaid;
+    const int most = header->sender == process_name::kWorld ? kUnsaidOfWorld : kUnsaid;
+    is_urgent_ |= ++unsaid_[{header->sender, header->boot_id}] >= most;
   } else if (header->boot_id == own.boot_id) {
     log_status_t status{};
     log_mark_t& mark = status.marks.emplace_back();

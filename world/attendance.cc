@@ -26,8 +26,8 @@ bool Attendance::MayReport(AgentKind kind, std::int32_t id, const std::string& p
 bool Attendance::Report(AgentKind kind, std::int32_t id, const std::string& process) {
   Seat& seat = SeatOf(kind, id);
   if (!seat.owner.empty() && seat.owner != process) Leave(seat.owner);
-  seat.owner = process;
-  Join(process);
+  if (seat.owner != process) seat.owner = process;
+  if (newest_member_ != process) Join(process);
   if (seat.heard != Heard::kNot) return false;
   seat.heard = Heard::kYes;
   --missing_;

@@ -60,8 +60,14 @@ class Attendance {
   }
 
   /// The end of that process is awaited at the mission's end.
-  void Join(const std::string& process) { members_.insert(process); }
-  void Leave(const std::string& process) { members_.erase(process); }
+  void Join(const std::string& process) {
+    members_.insert(process);
+    newest_member_ = process;
+  }
+  void Leave(const std::string& process) {
+    members_.erase(process);
+    newest_member_.clear();
+  }
   /// All who joined have left.
   bool deserted() const { return members_.empty(); }
 
@@ -82,6 +88,7 @@ class Attendance {
   std::size_t missing_ = 0;
   Peers peers_;
   std::set<std::string> members_;
+  std::string newest_member_;  ///< who joined at last and has not left
 };
 
 }  // namespace muster::world

@@ -291,6 +291,7 @@ void AgentProcess::Advance(const Now& now) {
   schedule_.reset();
   set_sim_us(tick_us_);
   std::vector<agent_t> wires;
+  wires.reserve(agents_.size());
   for (const AgentState& agent : agents_)
     wires.push_back(ToWire(agent, tick_us_, scenario()->tasks));
   Publish(std::move(wires), SpeaksWhole(), now);

@@ -26,6 +26,7 @@ bool Fusion::Take(const agent_states_t& states) {
   if (states.tick != tick_) return true;
   const auto kind = static_cast<AgentKind>(states.kind);
   std::vector<AgentState> agents;
+  agents.reserve(states.agents.size());
   for (const agent_t& wire : states.agents) {
     const std::optional<AgentState> agent = FromWire(wire, kind, now_us_, limits_);
     if (!agent) return false;
