@@ -22,12 +22,18 @@ Json Seconds(TimeUs t) { return t == kNever ? Json() : Json(ToSeconds(t)); }
 Json TaskFields(const Situation& situation, std::size_t x) {
   const Task& task = situation.site->tasks[x];
   const double to_charge_m = situation.site->task_to_charge_m[x];
-  return {{"id", x},
-          {"x_m", task.at.x_m},
-          {"y_m", task.at.y_m},
-          {"status", ToString(situation.task_status[x])},
-          {"cost_m", task.cost_m},
-          {"to_charge_m", std::isfinite(to_charge_m) ? Json(to_charge_m) : Json()}};
+  Json json = {{"id", x},
+               {"x_m", task.at.x_m},
+               {"y_m", task.at.y_m},
+               {"status", ToString(situation.task_status[x])},
+               {"cost_m", task.cost_m},
+               {"to_charge_m", std::isfinite(to_charge_m) ? Json(to_charge_m) : Json()}};
+  if (task.IsPlain()) return json;
+  json["priority"] = static_cast<int>(task.priority);
+  json["reported_s"] = Seconds(task.reported_us);
+  json["due_s"] = task.due_us == kNever ? Json() : Json(Seconds(task.due_us));
+  json["expires_s"] = task.expires_us == kNever ? Json() : Json(Seconds(task.expires_us));
+  return json;
 }
 
 Json ChargingPointFields(const Situation& situation, std::size_t y) {
