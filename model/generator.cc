@@ -21,7 +21,14 @@ enum Property : std::uint32_t {
   kUptime = 2,
   kPower = 3,
   kStart = 4,
-  kRecord = 5
+  kRecord = 5,
+  kIsReported = 6,
+  kReport = 7,
+  kBurst = 8,    // which of them a task is in
+  kBurstAt = 9,  // of a burst, not of a task
+  kPriority = 10,
+  kDue = 11,
+  kExpires = 12
 };
 
 struct Row {
@@ -130,6 +137,16 @@ TimeUs DrawTime(TimeUs most_us, std::uint64_t seed, Stream stream, std::size_t i
   return static_cast<TimeUs>(DrawSteps(&random, static_cast<double>(steps))) * kOnlineStepUs;
 }
 
+/// `from_us` and the delay of that priority after it; kNever without one.
+TimeUs DrawDelayed(const Delays& delays, Priority priority, TimeUs from_us, std::uint64_t seed,
+                   std::size_t id, Property property) {
+  const auto& range = delays[static_cast<std::size_t>(priority)];
+  if (!range) return kNever;
+  const TimeUs low_us = ToUs(range->low * 60);
+  const TimeUs more_us = ToUs(range->high * 60) - low_us;
+  return from_us + low_us + DrawTime(more_us, seed, Stream::kTasks, id, property);
+}
+
 }  // namespace
 
 double KmToM(double km) {
@@ -213,6 +230,42 @@ double DrawTaskCostM(const GeneratorSettings& settings, std::uint64_t seed, std:
   return DrawThousandths(settings.task_cost_km, seed, Stream::kTasks, id, kPower);
 }
 
+Priority DrawPriority(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id) {
+  const auto& shares = settings.priority_shares;
+  double sum = 0;
+  for (const double share : shares) sum += share;
+  double left = Random(seed, Stream::kTasks, id, kPriority).Uniform() * sum;
+  std::size_t drawn = kPriorities;
+  for (std::size_t i = 0; i < kPriorities; ++i) {
+    if (shares[i] <= 0) continue;
+    drawn = i;  // the last one also when the sum was rounded
+    if (left < shares[i]) break;
+    left -= shares[i];
+  }
+  MUSTER_CHECK(drawn < kPriorities, "sum of shares={}", sum);
+  return static_cast<Priority>(drawn);
+}
+
+TimeUs DrawReport(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id) {
+  const Arrivals& arrivals = settings.arrivals;
+  if (Random(seed, Stream::kTasks, id, kIsReported).Uniform() >= arrivals.share) return 0;
+  const TimeUs limit_us = settings.rules.limit_us;
+  if (arrivals.bursts == 0) return DrawTime(limit_us - 1, seed, Stream::kTasks, id, kReport);
+  const std::uint32_t burst =
+      Random(seed, Stream::kTasks, id, kBurst).Below(static_cast<std::uint32_t>(arrivals.bursts));
+  const TimeUs length_us = std::min(kBurstUs, limit_us);
+  return DrawTime(limit_us - length_us, seed, Stream::kTasks, burst, kBurstAt) +
+         DrawTime(length_us - 1, seed, Stream::kTasks, id, kReport);
+}
+
+void DrawDeadlines(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id,
+                   Task* task) {
+  const TimeUs from_us = task->reported_us;
+  task->due_us = DrawDelayed(settings.due_min, task->priority, from_us, seed, id, kDue);
+  task->expires_us = DrawDelayed(settings.expires_min, task->priority, from_us, seed, id, kExpires);
+  if (task->due_us != kNever) task->due_us = std::min(task->due_us, task->expires_us);
+}
+
 std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n) {
   MUSTER_CHECK(n > 0 && n <= UINT32_MAX, "n={}", n);
   return Random(seed, StreamOf(kind), id, kRecord).Below(static_cast<std::uint32_t>(n));
@@ -247,8 +300,12 @@ Scenario Generate(const GeneratorSettings& settings, std::uint64_t seed) {
   agents(AgentKind::kVehicle, settings.vehicles, &scenario.vehicles);
   for (int i = 0; i < settings.tasks; ++i) {
     const auto id = static_cast<std::size_t>(i);
-    scenario.tasks.push_back(
-        {DrawPlace(settings, seed, Stream::kTasks, id), DrawTaskCostM(settings, seed, id)});
+    Task& task = scenario.tasks.emplace_back();
+    task.at = DrawPlace(settings, seed, Stream::kTasks, id);
+    task.cost_m = DrawTaskCostM(settings, seed, id);
+    task.priority = DrawPriority(settings, seed, id);
+    task.reported_us = DrawReport(settings, seed, id);
+    DrawDeadlines(settings, seed, id, &task);
   }
   for (int i = 0; i < settings.charging_points; ++i) {
     const auto id = static_cast<std::size_t>(i);

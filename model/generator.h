@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -27,6 +28,19 @@ enum class Placement { kCellCentres, kContinuous };
 /// short, or in [0, limit].
 enum class Uptime { kWithinLimit, kAnyTime };
 
+/// When tasks are reported. The others are known from the start.
+struct Arrivals {
+  double share = 0;  ///< probability that a task is reported while the mission runs
+  /// 0: at any time of the mission, uniformly. Else each in one of so many bursts of kBurstUs, that
+  /// begin at any time of it.
+  int bursts = 0;
+  bool operator==(const Arrivals&) const = default;
+};
+inline constexpr TimeUs kBurstUs = 10 * kMinuteUs;
+
+/// Minutes after a task's report, by its priority; none: never.
+using Delays = std::array<std::optional<DrawRange>, kPriorities>;
+
 /// What a random scenario is made from, in the units of the paper's Table 1 (km, min): this
 /// describes a data set; the scenario made from it is in SI. The paper does not publish the speeds,
 /// the full range, `placement`, `uptime` and `start_fraction`: those are ours
@@ -53,6 +67,9 @@ struct GeneratorSettings {
   std::optional<int> capacity = 1;       ///< of each charging point; none: unlimited
   Placement placement = Placement::kCellCentres;
   Uptime uptime = Uptime::kWithinLimit;
+  Arrivals arrivals;
+  std::array<double, kPriorities> priority_shares = {0, 1, 0, 0};  ///< at least 0, not all of them
+  Delays due_min, expires_min;  ///< a task is due at the latest when it expires
   Rules rules;
   Disturbances disturbances;
 };
@@ -80,9 +97,14 @@ Scenario Generate(const GeneratorSettings& settings, std::uint64_t seed);
 AgentSpec DrawAgent(const GeneratorSettings& settings, std::uint64_t seed, AgentKind kind,
                     std::size_t id);
 double DrawTaskCostM(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id);
+Priority DrawPriority(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id);
+TimeUs DrawReport(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id);
+/// Sets when a task is due and expires, by its report and its priority.
+void DrawDeadlines(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id,
+                   Task* task);
 /// Which of `n` > 0 records an agent is made from, uniformly; apart from DrawAgent's draws.
 std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n);
-/// Online times are drawn in these steps, so that files stay legible.
+/// Times are drawn in these steps, so that files stay legible.
 inline constexpr TimeUs kOnlineStepUs = kMinuteUs / 100;
 
 inline constexpr double kCellM = 1000;

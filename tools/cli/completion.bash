@@ -23,7 +23,8 @@ _muster_values() {
   case $text in
     *'How to decide: '*) "${1%/*}"/muster policies 2>/dev/null | awk '/^  / { print $1 }' ;;
     *'--preset '*) "${1%/*}"/muster scenario --list 2>/dev/null | awk 'NR > 1 { print $1 }' ;;
-    *) sed -n 's/^.*--[a-z-]* \([a-z]*|[a-z|]*\) .*/\1/p' <<<"$text" | tr '|' ' ' ;;
+    # Of bursts:N what comes before the number.
+    *) sed -n 's/^.*--[a-z-]* \([a-z]*|[a-z:N|]*\) .*/\1/p' <<<"$text" | tr '|' ' ' | tr -d N ;;
   esac
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "base/check.h"
@@ -20,10 +21,7 @@ constexpr int kMaxCount = 10'000'000;
 }
 
 /// "A" or "A:B", from `low` to `high`; with `open_end` also "A:", up to the limit.
-void ReadRange(const Arguments& arguments, const std::string& name, double low, double high,
-               bool open_end, DrawRange* to) {
-  if (!arguments.Has(name)) return;
-  const std::string text = arguments.Get(name);
+std::optional<DrawRange> RangeOf(const std::string& text, double low, double high, bool open_end) {
   const std::vector<std::string> ends = Split(text, ':');
   const auto from = ToNumber(ends.front());
   auto until = ToNumber(ends.back());
@@ -31,10 +29,77 @@ void ReadRange(const Arguments& arguments, const std::string& name, double low, 
   if (is_open) until = kUpToLimit;
   if (ends.size() > 2 || !from || !until || *from < low || *until < *from ||
       (*until > high && !is_open)) {
+    return std::nullopt;
+  }
+  return DrawRange{*from, *until};
+}
+
+void ReadRange(const Arguments& arguments, const std::string& name, double low, double high,
+               bool open_end, DrawRange* to) {
+  if (!arguments.Has(name)) return;
+  const std::string text = arguments.Get(name);
+  const auto range = RangeOf(text, low, high, open_end);
+  if (!range) {
     Fail(name, text,
          fmt::format("A, A:B{} with {} <= A <= B <= {}", open_end ? " or A:" : "", low, high));
   }
-  *to = {*from, *until};
+  *to = *range;
+}
+
+/// "steady" or "bursts:N", with ":SHARE" behind it or not.
+void ReadArrivals(const Arguments& arguments, bool may_be_rows, GeneratorSettings* settings) {
+  if (!arguments.Has("arrivals")) return;
+  const std::string text = arguments.Get("arrivals");
+  if (may_be_rows && text == kArrivalsOfRows) return;
+  const std::vector<std::string> parts = Split(text, ':');
+  const bool is_bursts = parts[0] == "bursts" && parts.size() > 1;
+  const auto bursts = is_bursts ? ToInteger(parts[1], 1, kMaxCount) : 0;
+  const std::size_t words = is_bursts ? 2 : 1;
+  const auto share = parts.size() > words ? ToNumber(parts[words]) : 1;
+  if ((parts[0] != "steady" && !is_bursts) || !bursts || !share || *share < 0 || *share > 1 ||
+      parts.size() > words + 1) {
+    Fail("arrivals", text,
+         fmt::format("{}steady or bursts:N, and :SHARE in [0, 1] behind it or not",
+                     may_be_rows ? "rows, " : ""));
+  }
+  settings->arrivals = {*share, static_cast<int>(*bursts)};
+}
+
+/// Four shares, from low to emergency.
+void ReadPriorities(const Arguments& arguments, GeneratorSettings* settings) {
+  if (!arguments.Has("priorities")) return;
+  const std::string text = arguments.Get("priorities");
+  const std::vector<std::string> shares = Split(text, ',');
+  double sum = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const auto share = ToNumber(shares[i]);
+    if (shares.size() != kPriorities || !share || *share < 0 || *share > 1e6) {
+      sum = 0;
+      break;
+    }
+    sum += settings->priority_shares[i] = *share;
+  }
+  if (sum <= 0) {
+    Fail("priorities", text,
+         "LOW,NORMAL,HIGH,EMERGENCY: four shares of at least 0, not all 0, like 1,6,2,1");
+  }
+}
+
+/// One range for all priorities, or four from low to emergency; "none" is one too.
+void ReadDelays(const Arguments& arguments, const std::string& name, Delays* to) {
+  if (!arguments.Has(name)) return;
+  const std::string text = arguments.Get(name);
+  const std::vector<std::string> parts = Split(text, ',');
+  for (std::size_t i = 0; i < kPriorities; ++i) {
+    const std::string& part = parts.size() == 1 ? parts[0] : parts[std::min(i, parts.size() - 1)];
+    (*to)[i] = RangeOf(part, 0, kMaxMinutes, false);
+    if ((parts.size() != 1 && parts.size() != kPriorities) || (!(*to)[i] && part != "none")) {
+      Fail(name, text,
+           fmt::format("minutes A, A:B or none, for all or for LOW,NORMAL,HIGH,EMERGENCY, with 0 "
+                       "<= A <= B <= {}",
+                       kMaxMinutes));
+    }
+  }
 }
 
 void ReadInterval(const Arguments& arguments, const std::string& name, double high, double unit,
@@ -61,7 +126,7 @@ void ReadArea(const Arguments& arguments, GeneratorSettings* settings) {
 
 }  // namespace
 
-void AddSettingsOptions(Options* options) {
+void AddSettingsOptions(Options* options, bool may_be_rows) {
   const GeneratorSettings defaults;
   constexpr NumberRange kPositive = {1e-6, 1e6};
   options->Add("seed", "N", "Seed of all random draws").Seed().Default(1);
@@ -86,6 +151,21 @@ void AddSettingsOptions(Options* options) {
   options->Add("scale", "S", "Multiply the preset's area and counts, at the same density")
       .Number(kPositive)
       .Default(1);
+
+  options->Group("Task in time (default: all known from the start, normal, never due)");
+  options->Add(
+      "arrivals", may_be_rows ? "rows|steady|bursts:N" : "steady|bursts:N",
+      fmt::format("When tasks are reported: {}steady: at any time of the mission; "
+                  "bursts:N: in N bursts of {} min; with :SHARE behind it a share of them, "
+                  "the others are known from the start",
+                  may_be_rows ? "rows: when their rows say; " : "", ToMinutes(kBurstUs)));
+  options->Add("priorities", "L,N,H,E", "Shares of low, normal, high and emergency, like 1,6,2,1");
+  options->Add(
+      "due", "A[:B]",
+      "Minutes from a task's report until it is due; four with commas: by priority; a part "
+      "may be none");
+  options->Add("expires", "A[:B]",
+               "Minutes from a task's report until it is gone; likewise by priority");
 
   options->Group("Unpublished setting");
   options->Add("uav-speed-km-per-min", "V", "Speed of UAVs")
@@ -135,7 +215,8 @@ void AddSettingsOptions(Options* options) {
   options->Add("match-failure", "A[:B]", "Probability that a pair's match fails");
 }
 
-GeneratorSettings SettingsFrom(const Arguments& arguments, const GeneratorSettings& base) {
+GeneratorSettings SettingsFrom(const Arguments& arguments, const GeneratorSettings& base,
+                               bool may_be_rows) {
   const auto scale = arguments.Get<double>("scale");
   GeneratorSettings settings = Scaled(base, scale);
   if (scale != 1) settings.name += fmt::format("_x{}", scale);
@@ -161,6 +242,10 @@ GeneratorSettings SettingsFrom(const Arguments& arguments, const GeneratorSettin
   arguments.Read("full-range-km", &settings.full_range_km);
   if (arguments.Get("placement") == "continuous") settings.placement = Placement::kContinuous;
   if (arguments.Get("uptime") == "any") settings.uptime = Uptime::kAnyTime;
+  ReadArrivals(arguments, may_be_rows, &settings);
+  ReadPriorities(arguments, &settings);
+  ReadDelays(arguments, "due", &settings.due_min);
+  ReadDelays(arguments, "expires", &settings.expires_min);
   Rules& rules = settings.rules;
   if (arguments.Has("interval")) rules.interval_us = ToUs(arguments.Get<double>("interval") * 60);
   if (arguments.Has("limit")) rules.limit_us = ToUs(arguments.Get<double>("limit") * 60);

@@ -1,5 +1,6 @@
 #include "tools/scenario/scenario_command.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -171,6 +172,21 @@ TEST_F(ScenarioCommandTest, SwitchesOfTheUnpublishedSettings) {
   EXPECT_GT(last, 180 * kMinuteUs);
 }
 
+TEST_F(ScenarioCommandTest, TasksHaveTimesAndPriorities) {
+  const std::vector<std::string> flags = {"--arrivals", "bursts:2:0.5", "--priorities",
+                                          "1,6,2,1",    "--due",        "none,60,30:40,10",
+                                          "--expires",  "120"};
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.arrivals = {.share = 0.5, .bursts = 2};
+  settings.priority_shares = {1, 6, 2, 1};
+  settings.due_min = {std::nullopt, Always(60), DrawRange{30, 40}, Always(10)};
+  settings.expires_min.fill(Always(120));
+  EXPECT_EQ(ScenarioToJson(Made(flags)), ScenarioToJson(Generate(settings, 1)));
+  settings = PresetByName("Random_1");
+  settings.arrivals = {.share = 1};
+  EXPECT_EQ(ScenarioToJson(Made({"--arrivals", "steady"})), ScenarioToJson(Generate(settings, 1)));
+}
+
 TEST_F(ScenarioCommandTest, ScaleKeepsDensityAndNumbersThatAreGiven) {
   const Scenario s = Made({"--scale", "4", "--tasks", "17"});
   EXPECT_EQ(s.name, "Random_1_x4");
@@ -205,6 +221,24 @@ TEST_F(ScenarioCommandTest, BadFlagsNameThemselves) {
   starts({"--uptime", "late"}, "command line: --uptime: found 'late', expected within or any");
   starts({"--capacity", "0"}, "command line: --capacity: found '0', expected none or an int");
   starts({"--scale", "0"}, "command line: --scale: found '0', expected a number in [1e-06, 10");
+  for (const char* how : {"rows", "slow", "steady:2", "steady:x", "steady:1:1", "bursts",
+                          "bursts:0", "bursts:1.5", "bursts:2:-1", "bursts:2:1:1"}) {
+    starts({"--arrivals", how}, fmt::format("command line: --arrivals: found '{}', expected steady "
+                                            "or bursts:N, and :SHARE in [0, 1]",
+                                            how));
+  }
+  for (const char* shares : {"1", "1,1,1", "1,1,1,x", "0,0,0,0", "1,1,1,-1", "1,1,1,1,1"}) {
+    starts({"--priorities", shares},
+           fmt::format("command line: --priorities: found '{}', expected LOW,NORMAL,HIGH,EMERGENCY",
+                       shares));
+  }
+  for (const char* delay : {"x", "-1", "5:", "5:3", "1,2", "1,2,3,4,5", "1,2,3,soon"}) {
+    for (const std::string flag : {"due", "expires"}) {
+      starts({"--" + flag, delay},
+             fmt::format("command line: --{}: found '{}', expected minutes A, A:B or none", flag,
+                         delay));
+    }
+  }
   starts({"--preset", "Random_99"}, "no preset 'Random_99'");
   starts({"extra"}, "unexpected argument 'extra'");
   EXPECT_THROW(Run(ScenarioCommand, {"--out", File("none/s.json")}), SystemError);
