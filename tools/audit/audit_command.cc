@@ -15,6 +15,7 @@
 #include "tools/audit/report_check.h"
 #include "tools/audit/seal_proof.h"
 #include "tools/files/log_files.h"
+#include "tools/files/log_progress.h"
 
 namespace muster::tools {
 namespace {
@@ -86,13 +87,16 @@ int AuditCommand(int argc, const char* const* argv) {
   } else if (const auto key = KeyBeside(files.front())) {
     proof.emplace(*key, std::string(kSealKeyFile));
   }
+  LogProgress progress("audit", files);
   for (const std::string& file : files) {
     EventLogReader reader(file, EventLogReader::Tail::kFinal);
     while (const auto event = reader.Next()) {
+      progress.Add(*event);
       if (!proof || proof->Takes(*event, file)) auditor.Add(event->packet);
     }
     garbage_bytes += reader.garbage_bytes();
   }
+  progress.Break();
   std::vector<Violation> violations = auditor.Finish();
   if (arguments->Has("key") && proof->refused() > 0) {
     violations.insert(violations.begin(), {proof->first_refused_us(), "seal",

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace muster::tools::audit {
 namespace {
@@ -49,6 +51,37 @@ std::vector<Scenario::Agent> AgentsOf(const json& list, Class kind) {
   }
   return agents;
 }
+
+/// Ways to the nearest of some places, in time that hardly grows with their number: only those less
+/// far to the east or west than the nearest so far are looked at.
+class Nearest {
+ public:
+  explicit Nearest(const std::vector<Scenario::Charge>& charges) {
+    for (const Scenario::Charge& charge : charges) places_.push_back(charge.at);
+    std::sort(places_.begin(), places_.end(),
+              [](Place a, Place b) { return std::pair(a.x_m, a.y_m) < std::pair(b.x_m, b.y_m); });
+  }
+
+  /// Metres; infinity where there is none.
+  double WayFrom(Place at) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    const auto middle =
+        std::lower_bound(places_.begin(), places_.end(), at.x_m,
+                         [](const Place& place, double x_m) { return place.x_m < x_m; });
+    for (auto east = middle; east != places_.end() && east->x_m - at.x_m <= nearest; ++east) {
+      nearest = std::min(nearest, Way(at, *east));
+    }
+    for (auto west = middle; west != places_.begin();) {
+      --west;
+      if (at.x_m - west->x_m > nearest) break;
+      nearest = std::min(nearest, Way(at, *west));
+    }
+    return nearest;
+  }
+
+ private:
+  std::vector<Place> places_;  ///< from west to east
+};
 
 }  // namespace
 
@@ -94,12 +127,10 @@ Scenario ParseScenario(const std::string& text) {
     }
     s.charges.push_back(charge);
   }
+  const Nearest charging(s.charges);
   for (const json& item : top.at("tasks")) {
-    Scenario::Task task{PlaceOf(item), item.at("cost_km").get<double>() * kKm,
-                        std::numeric_limits<double>::infinity()};
-    for (const Scenario::Charge& charge : s.charges) {
-      task.to_charge_m = std::min(task.to_charge_m, Way(task.at, charge.at));
-    }
+    const Place at = PlaceOf(item);
+    Scenario::Task task{at, item.at("cost_km").get<double>() * kKm, charging.WayFrom(at)};
     if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
     if (item.contains("expires_min")) task.expires_us = Minutes(item.at("expires_min"));
     s.tasks.push_back(task);

@@ -69,6 +69,7 @@ int ExplainCommand(int argc, const char* const* argv) {
     printer.Show(fmt::format("{} of {} decisions explained", told, of), now_us);
   };
   LogSource source(run);
+  source.ShowProgress("explain");
   const DecisionLog log = ReadDecisionLog(&source);
   const auto print = [&](const auto& story) {
     printer.Break();

@@ -92,10 +92,13 @@ std::set<ActionKey> MovesOf(const schedule_t& schedule) {
 
 }  // namespace
 
-std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy) {
+std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy,
+                                const RedecideProgress& progress) {
   std::map<std::string, std::unique_ptr<Scheduler>> schedulers;
   std::vector<Redecided> decisions;
+  std::size_t made = 0;
   for (const auto& [d, logged] : log.decisions) {
+    if (progress) progress(made++, log.decisions.size());
     std::string missing = WhatIsMissing(logged, log.scenario);
     if (logged.schedules.empty() && !missing.empty()) continue;
     Redecided result{d, logged.at_us, {}, logged.schedules, {}};

@@ -11,9 +11,11 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "protocol/run_process.h"
 #include "tools/explain/redecide.h"
 #include "tools/explain/words.h"
 #include "tools/host/build_info.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {
@@ -21,6 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kListed = 10;
+constexpr TimeUs kShowAfterUs = 2 * kSecondUs;  ///< progress is shown to who has waited for longer
 
 std::string Number(double value) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.3f}", value);
@@ -171,6 +174,7 @@ int RedecideCommand(int argc, const char* const* argv) {
   const std::string run = arguments->Get("run");
   const bool json = arguments->Has("json");
   LogSource source(run);
+  source.ShowProgress("redecide");
   const DecisionLog log = ReadDecisionLog(&source);
   std::string policy;
   arguments->Read("policy", &policy);
@@ -179,7 +183,14 @@ int RedecideCommand(int argc, const char* const* argv) {
     for (const schedule_t& schedule : decision.schedules) logged.insert(schedule.policy);
   }
   const bool another = !policy.empty() && logged != std::set<std::string>{policy};
-  const std::vector<Redecided> decisions = Redecide(log, policy);
+  ProgressPrinter printer(stderr, StyleFor(stderr, false));
+  const TimeUs start_us = MonotonicUs();
+  const auto decisions = Redecide(log, policy, [&](std::size_t made, std::size_t of) {
+    const TimeUs now_us = MonotonicUs();
+    if (now_us - start_us < kShowAfterUs || !printer.due(now_us)) return;
+    printer.Show(fmt::format("{} of {} decisions made again", made, of), now_us);
+  });
+  printer.Break();
   return another ? Compare(run, decisions, policy, json) : Verify(run, decisions, json);
 }
 

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kAtOnce = 1000;
+constexpr std::size_t kBytesAtOnce = 8 << 20;  ///< states of a city's agents are megabytes each
 constexpr TimeUs kAskAgainUs = kSecondUs;
 constexpr TimeUs kGraceUs = kSecondUs / 2;  // it may come by itself
 
@@ -60,10 +61,12 @@ class FollowedRun : public PacketSource {
       files_.push_back(OpenLog(next, EventLogReader::Tail::kMayGrow));
     }
     std::vector<Packet> packets;
+    std::size_t bytes = 0;
     for (const auto& file : files_) {
-      while (packets.size() < kAtOnce) {
+      while (packets.size() < kAtOnce && bytes < kBytesAtOnce) {
         std::optional<LogEvent> event = file->Next();
         if (!event) break;
+        bytes += event->packet.bytes.size();
         packets.push_back(std::move(event->packet));
       }
     }

@@ -42,6 +42,7 @@ int Repair(int argc, const char* const* argv) {
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   LogSource source(arguments->Get("run"));
+  source.ShowProgress("repair");
   const std::string out = arguments->Get("out");
   const EditResult result = RepairLog(&source, out);
   fmt::print("{}: {} of {} messages, {} bytes of garbage left out\n", out, result.written,
@@ -69,6 +70,7 @@ int Cut(int argc, const char* const* argv) {
     throw InputError("command line", "--to", arguments->Get("to"), "at least --from");
   }
   LogSource source(arguments->Get("run"));
+  source.ShowProgress("cut");
   const std::string out = arguments->Get("out");
   const EditResult result = CutLog(&source, from_us, to_us, out);
   fmt::print("{}: {} of {} messages\n", out, result.written, result.read);
@@ -102,6 +104,7 @@ int Export(int argc, const char* const* argv) {
   const std::string format = arguments->Get("format");
   const auto origin = OriginFlag(*arguments);
   LogSource source(arguments->Get("run"));
+  source.ShowProgress("export");
   const std::string out = arguments->Get("out");
   if (format == "csv") ExportCsv(&source, out);
   if (format == "geojson") ExportGeoJson(&source, out, origin);

@@ -37,6 +37,7 @@ void LogInfo::Add(const LoggedMessage& message) {
 LogInfo ReadLogInfo(const std::string& run) {
   LogInfo info;
   LogSource source(run);
+  source.ShowProgress("info");
   while (const auto message = source.Next()) info.Add(*message);
   info.files = source.files();
   info.garbage_bytes = source.garbage_bytes();

@@ -9,6 +9,7 @@ LogSource::LogSource(const std::string& run) : files_(LogFilesOf(run)) { Rewind(
 
 void LogSource::Rewind() {
   file_ = 0;
+  if (progress_) progress_->Rewind();
   garbage_before_ = refused_before_ = 0;
   reader_ = OpenLog(files_[0], EventLogReader::Tail::kFinal);
 }
@@ -23,8 +24,14 @@ std::optional<LoggedMessage> MessageSource::Next() {
 
 std::optional<LogEvent> LogSource::NextEvent() {
   while (true) {
-    if (std::optional<LogEvent> event = reader_->Next()) return event;
-    if (file_ + 1 == files_.size()) return {};
+    if (std::optional<LogEvent> event = reader_->Next()) {
+      if (progress_) progress_->Add(*event);
+      return event;
+    }
+    if (file_ + 1 == files_.size()) {
+      if (progress_) progress_->Break();
+      return {};
+    }
     garbage_before_ += reader_->garbage_bytes();
     refused_before_ += reader_->refused();
     ++file_;

@@ -9,6 +9,7 @@
 #include "lcmtypes/bus/bus.h"
 #include "lcmtypes/bus/event_log.h"
 #include "muster/header_t.hpp"
+#include "tools/files/log_progress.h"
 
 namespace muster::tools {
 
@@ -44,6 +45,10 @@ class LogSource : public MessageSource {
   void Rewind() override;
   std::string name() const override { return files_[0]; }
 
+  /// From now on stderr tells how much of the log has been read (LogProgress); `what` names the
+  /// work.
+  void ShowProgress(const std::string& what) { progress_.emplace(what, files_); }
+
   const std::vector<std::string>& files() const { return files_; }
   /// Index in files() of the last message's file.
   std::size_t file() const { return file_; }
@@ -56,6 +61,7 @@ class LogSource : public MessageSource {
   std::vector<std::string> files_;
   std::size_t file_ = 0;
   std::unique_ptr<EventLogReader> reader_;
+  std::optional<LogProgress> progress_;
   std::int64_t garbage_before_ = 0, refused_before_ = 0;  ///< in files read to their end
 };
 

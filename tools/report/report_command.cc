@@ -16,6 +16,7 @@
 #include "lcmtypes/bus/event_log.h"
 #include "protocol/run_process.h"
 #include "tools/files/log_files.h"
+#include "tools/files/log_progress.h"
 #include "tools/host/progress.h"
 #include "tools/record/report_json.h"
 #include "tools/report/background.h"
@@ -62,9 +63,13 @@ std::string Read(const std::string& file) {
 std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::string& background) {
   const std::vector<std::string> files = LogFilesOf(run);
   MissionFeed feed;
+  LogProgress progress(run, files);
   for (const std::string& file : files) {
     const auto log = OpenLog(file, EventLogReader::Tail::kFinal);
-    while (const auto event = log->Next()) feed.Add(event->packet);
+    while (const auto event = log->Next()) {
+      progress.Add(*event);
+      feed.Add(event->packet);
+    }
     if (log->garbage_bytes() == 0) continue;
     std::string text = fmt::format("{}: {} bytes belong to no event", file, log->garbage_bytes());
     // A logger that was killed leaves a torn event; all of it is in the next file.
@@ -74,6 +79,7 @@ std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::st
       feed.record().NoteTornTail(std::move(text));
     }
   }
+  progress.Break();
   if (!feed.ready()) throw InputError(files[0] + ": the log has no scenario");
   feed.Finish();
   PageCursor cursor;
@@ -83,13 +89,13 @@ std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::st
   }
   if (n_reasons > 0) {
     ProgressPrinter printer(stderr, StyleFor(stderr, false));
-    const auto progress = [&](std::size_t told, std::size_t of) {
+    const auto telling = [&](std::size_t told, std::size_t of) {
       const TimeUs now_us = MonotonicUs();
       if (told == 0 || !printer.due(now_us)) return;
       printer.Show(fmt::format("{}: {} of {} tasks explained", run, told, of), now_us);
     };
     try {
-      chunk["reasons"] = Reasons(run, feed.timeline(), n_reasons, progress);
+      chunk["reasons"] = Reasons(run, feed.timeline(), n_reasons, telling);
     } catch (const InputError& error) {  // the page is worth having without them
       fmt::print(stderr, "no reasons: {}\n", error.what());
     }
