@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "tools/host/progress.h"
+#include "tools/top/attention.h"
 
 namespace muster::tools {
 namespace {
@@ -160,6 +161,33 @@ std::vector<TopView::ProcessRow> TopView::Processes(std::int64_t now_us) const {
   return processes;
 }
 
+std::vector<std::string> TopView::SilentProcesses(std::int64_t now_us) const {
+  std::vector<std::string> silent;
+  for (const ProcessRow& row : Processes(now_us)) {
+    if (row.late) silent.push_back(row.name);
+  }
+  return silent;
+}
+
+void TopView::AddAttention(std::int64_t now_us, std::vector<Line>* lines) const {
+  constexpr std::size_t kShown = 3;  // of each kind
+  const std::vector<Concern> all = Attention(feed_.timeline(), SilentProcesses(now_us));
+  lines->push_back(
+      {all.empty() ? "ATTENTION: nothing" : fmt::format("ATTENTION: {}", all.size()), Look::kHead});
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t end = i;
+    while (end < all.size() && all[end].kind == all[i].kind) ++end;
+    std::string text = fmt::format("{}: {}", all[i].kind, end - i);
+    for (std::size_t k = i; k < std::min(end, i + kShown); ++k) {
+      text += fmt::format("{}{}{}", k == i ? "  " : "; ", Ascii(all[k].who),
+                          all[k].note.empty() ? "" : " " + all[k].note);
+    }
+    if (end - i > kShown) text += "; ...";
+    lines->push_back({std::move(text), all[i].bad ? Look::kBad : Look::kPlain});
+    i = end;
+  }
+}
+
 void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const {
   constexpr const char* kRow = "{:<14}{:<10}{:>6}{:>7}{:>8}{:>9}{:>7}{:>9}{:>8}{:>7}{:>6}{:>9}";
   lines->push_back({fmt::format(kRow, "PROCESS", "state", "age", "msg/s", "kB/s", "received",
@@ -212,6 +240,11 @@ std::string TopView::Json(std::int64_t now_us) const {
   json["bus"] = {{"messages_per_s", rate.messages},
                  {"bytes_per_s", rate.bytes},
                  {"age_s", or_null(all_.last_us == 0 ? -1 : Seconds(now_us - all_.last_us))}};
+  json["attention"] = Json::array();
+  for (const Concern& concern : Attention(timeline, SilentProcesses(now_us))) {
+    json["attention"].push_back(
+        {{"kind", concern.kind}, {"who", concern.who}, {"note", concern.note}});
+  }
   json["processes"] = Json::array();
   for (const ProcessRow& row : Processes(now_us)) {
     json["processes"].push_back({{"name", row.name},
@@ -243,6 +276,8 @@ std::vector<TopView::Line> TopView::Lines(std::int64_t now_us, std::size_t width
     lines.push_back({BusLine(now_us)});
     lines.push_back({});
     AddAgents(&lines);
+    lines.push_back({});
+    AddAttention(now_us, &lines);
     lines.push_back({});
     AddProcesses(now_us, &lines);
   }

@@ -65,10 +65,13 @@ class TopView {
   std::array<int, kNames<TaskStatus>.size()> TaskCounts() const;
   std::array<int, kNames<AgentStatus>.size()> AgentCounts(AgentKind kind) const;
   std::vector<ProcessRow> Processes(std::int64_t now_us) const;
+  /// Names of those that have said nothing for long.
+  std::vector<std::string> SilentProcesses(std::int64_t now_us) const;
   std::string MissionLine() const;
   std::string TaskLine() const;
   std::string BusLine(std::int64_t now_us) const;
   void AddAgents(std::vector<Line>* lines) const;
+  void AddAttention(std::int64_t now_us, std::vector<Line>* lines) const;
   void AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const;
 
   MissionFeed feed_;

@@ -1,0 +1,132 @@
+#include "tools/top/attention.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/geometry.h"
+#include "lcmtypes/words.h"
+#include "tools/host/progress.h"
+
+namespace muster::tools {
+namespace {
+
+constexpr std::int64_t kLongWaitMs = 5 * 60'000;
+constexpr double kLowRange = 0.2;  ///< of the full range
+
+std::string Since(std::int64_t ms) { return "since " + ClockText(ms * 1000); }
+
+/// Concerns of one kind, the most harmful first.
+class Kind {
+ public:
+  Kind(std::string name, bool bad) : name_(std::move(name)), bad_(bad) {}
+
+  void Add(std::string who, std::string note, double harm) {
+    found_.emplace_back(-harm, Concern{name_, std::move(who), std::move(note), bad_});
+  }
+  void MoveTo(std::vector<Concern>* all) {
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [harm, concern] : found_) all->push_back(std::move(concern));
+  }
+
+ private:
+  std::string name_;
+  bool bad_;
+  std::vector<std::pair<double, Concern>> found_;
+};
+
+double ToCharging(const Scenario& scenario, Point at) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const ChargingPoint& point : scenario.charging_points) {
+    nearest = std::min(nearest, Distance(at, point.at));
+  }
+  return nearest;
+}
+
+/// By id: faults that were applied and have not ended.
+std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
+  std::map<std::string, std::int64_t> since;
+  for (const event_t& event : timeline.events().rows) {
+    if (event.kind == EventKind::kFaultApplied) since.try_emplace(event.fault_id, Ms(event.at_us));
+  }
+  for (const event_t& event : timeline.events().rows) {
+    if (event.kind == EventKind::kFaultEnded) since.erase(event.fault_id);
+  }
+  return since;
+}
+
+/// Adds UAVs that are low, and those of them that reach no charging point.
+void AddRange(const Scenario& scenario, const std::string& name, const agent_t& uav, Kind* stranded,
+              Kind* low) {
+  if (!(uav.range_left_m < kLowRange * uav.range_full_m)) return;
+  const double nearest = ToCharging(scenario, {uav.x_m, uav.y_m});
+  if (!scenario.charging_points.empty() && uav.range_left_m < nearest) {
+    stranded->Add(name,
+                  fmt::format("{:.1f} km left, {:.1f} km to the nearest", uav.range_left_m / 1000,
+                              nearest / 1000),
+                  nearest - uav.range_left_m);
+  } else {
+    low->Add(name, fmt::format("{:.1f} km left", uav.range_left_m / 1000), -uav.range_left_m);
+  }
+}
+
+}  // namespace
+
+std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent) {
+  const Scenario& scenario = timeline.scenario();
+  const std::int64_t now_ms = timeline.now_ms();
+  Kind processes("processes silent", true), faults("faults in force", true),
+      failed("agents failed", true), stranded("cannot reach a charging point", true),
+      tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
+      waiting("waiting for a partner", false), low("low range", false);
+  for (const std::string& name : silent) processes.Add(name, "", 0);
+  for (const auto& [id, since_ms] : InForce(timeline)) {
+    if (timeline.ended()) break;
+    const auto fault = timeline.faults().find(id);
+    const bool known = fault != timeline.faults().end();
+    faults.Add(known ? fmt::format("{} {}", Spaced(ToString<FaultKind>(fault->second.kind)),
+                                   fault->second.target)
+                     : id,
+               Since(since_ms), -static_cast<double>(since_ms));
+  }
+  for (const AgentKind kind : kAgentKinds) {
+    for (std::size_t id = 0; id < scenario.agents(kind).size(); ++id) {
+      const Timeline::Agent& agent = timeline.agents()[timeline.IndexOf(kind, id)];
+      if (!agent.last || agent.spans.rows.empty()) continue;
+      const std::int64_t since_ms = agent.spans.rows.back().t_ms;
+      const std::string name = fmt::format("{}:{}", ToString(kind), id);
+      const auto status = static_cast<AgentStatus>(agent.last->status);
+      if (status == AgentStatus::kFailed) {
+        failed.Add(name, Since(since_ms), -static_cast<double>(since_ms));
+      } else if (status == AgentStatus::kWaiting) {
+        const std::int64_t waited_ms = now_ms - since_ms;
+        if (waited_ms < kLongWaitMs) continue;
+        waiting.Add(name, fmt::format("for {} min", waited_ms / 60'000),
+                    static_cast<double>(waited_ms));
+      } else if (kind == AgentKind::kUav && status != AgentStatus::kOffline &&
+                 status != AgentStatus::kCharging) {
+        AddRange(scenario, name, *agent.last, &stranded, &low);
+      }
+    }
+  }
+  const bool late = timeline.ended() || 2 * now_ms >= Ms(scenario.rules.limit_us);
+  for (std::size_t i = 0; late && i < timeline.tasks().size(); ++i) {
+    const auto& rows = timeline.tasks()[i].rows;
+    const int status = rows.empty() ? NumberOf(TaskStatus::kOpen) : rows.back().status;
+    if (timeline.ended() ? status != TaskStatus::kDone : status == TaskStatus::kOpen) {
+      tasks.Add(fmt::format("task {}", i), "", 0);
+    }
+  }
+  std::vector<Concern> all;
+  for (Kind* kind : {&processes, &faults, &failed, &stranded, &tasks, &waiting, &low}) {
+    kind->MoveTo(&all);
+  }
+  return all;
+}
+
+}  // namespace muster::tools
