@@ -2,7 +2,7 @@ import { oncePerFrame } from "./canvas.js";
 import { byId, element, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt } from "./run.js";
-import { DONE, OPEN, spanAt, taskNow } from "./story.js";
+import { DONE, OPEN, spanAt, taskNow, undoneTasks } from "./story.js";
 import { clockText } from "./time.js";
 
 const CHARGING = 5;
@@ -30,14 +30,15 @@ const minutes = (ms) => `${number(ms / 60000)} min`;
 function tasksAtRisk(run, t) {
   const found = [];
   const last = run.ended && t >= run.nowMs;
-  for (const task of run.tasks) {
+  const behind = !run.ended && t >= 3 * run.intervalMs && late(run, t);
+  for (const task of run.ended ? undoneTasks(run) : behind ? run.tasks : []) {
     const now = taskNow(run, task, t);
     if (now.status === DONE || now.doneAt !== null && now.doneAt <= t) continue;
     const never = run.ended && now.doneAt === null;
     if (never) {
       found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: now.status === OPEN ? 2 : 1,
         text: `task ${task.id}`, note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
-    } else if (!run.ended && now.status === OPEN && t >= 3 * run.intervalMs && late(run, t)) {
+    } else if (behind && now.status === OPEN) {
       found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: 0, text: `task ${task.id}`, note: "nobody is sent" });
     }
   }
@@ -72,10 +73,26 @@ function agentsInTrouble(run, t) {
   return found;
 }
 
+/** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
+function toCharging(run, place) {
+  const points = run.once("charging by x", () => run.charging.toSorted((a, b) => a.x - b.x));
+  let middle = 0;
+  for (let high = points.length; middle < high;) {
+    const mid = (middle + high) >> 1;
+    if (points[mid].x < place.x) middle = mid + 1;
+    else high = mid;
+  }
+  let nearest = Infinity;
+  const look = (point) => { nearest = Math.min(nearest, Math.hypot(point.x - place.x, point.y - place.y)); };
+  for (let i = middle; i < points.length && points[i].x - place.x < nearest; ++i) look(points[i]);
+  for (let i = middle - 1; i >= 0 && place.x - points[i].x < nearest; --i) look(points[i]);
+  return nearest;
+}
+
 function lowRange(run, agent, t, found) {
   const place = placeAt(agent, t);
   if (!place || !(place.range < LOW_RANGE * agent.fullRange)) return;
-  const nearest = Math.min(...run.charging.map((point) => Math.hypot(point.x - place.x, point.y - place.y)));
+  const nearest = toCharging(run, place);
   const item = { type: "agent", index: agent.index };
   const km = (m) => `${number(m / 1000, 1)} km`;
   // Places and ranges are whole metres in the page.
@@ -136,12 +153,13 @@ export class Attention {
     if (!run) return;
     const t = this.clock.t;
     const found = attentionAt(run, t, live ? performance.now() - this.heard : 0);
-    const key = JSON.stringify([found.map((f) => [f.kind, f.text, f.note]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t)]);
+    const groups = KINDS.map((kind) => found.filter((f) => f.kind === kind.id));
+    const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t)]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
     byId("attention-count").textContent = found.length === 0 ? "nothing" : number(found.length);
     const focused = document.activeElement?.dataset?.attention;
-    byId("attention-list").replaceChildren(...KINDS.flatMap((kind) => this.#group(kind, found.filter((f) => f.kind === kind.id))));
+    byId("attention-list").replaceChildren(...KINDS.flatMap((kind, i) => this.#group(kind, groups[i])));
     if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, "Nothing needs attention now."));
     if (focused) byId("attention-list").querySelector(`[data-attention="${focused}"]`)?.focus({ preventScroll: true });
     byId("forecast").replaceChildren(...this.#forecast(run, t));

@@ -2,7 +2,9 @@ import { Run } from "./run.js";
 
 /** A stream of what the page holds packed. */
 export function inflate(base64) {
-  const packed = Uint8Array.from(atob(base64.trim()), (c) => c.charCodeAt(0));
+  const text = atob(base64.trim());
+  const packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
   return new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
 }
 

@@ -4,6 +4,7 @@ import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
+import { MOST_SYMBOLS, cellWords, countCells, drawCells } from "./map_crowd.js";
 import { drawDegrees, drawGrid, drawGround, drawScale, frameOf } from "./map_frame.js";
 import { drawLabels } from "./map_labels.js";
 import { placeWords } from "./place.js";
@@ -128,13 +129,43 @@ export class MapView {
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
-    this.#drawTrails(c, x, y, t);
-    this.#drawSites(c, x, y, t, r);
-    this.#drawAgents(c, x, y, t, r);
+    this.#gather(x, y, t);
+    if (this.cells) drawCells(c, this.cells);
+    else {
+      this.#drawTrails(c, x, y, t);
+      this.#drawSites(c, x, y, r);
+      this.#drawAgents(c, x, y, r);
+    }
     this.#drawDifferences(c, x, y, t, r);
     this.#drawSelected(c, x, y, t, r);
     this.#drawLabels(c, x, y, t, r);
     drawScale(c, perMetre, frame);
+  }
+
+  /** Finds who and what is in view, in `drawn` and `sites`; where they are too many for symbols of their own, `cells`. */
+  #gather(x, y, t) {
+    const { run } = this.state;
+    this.drawn = []; // who is not in view may have a way that is
+    this.near = [];
+    for (const agent of run.agents) {
+      if (!this.#visible(agent)) continue;
+      const status = statusAt(agent, t);
+      if (status === OFFLINE) continue;
+      const place = placeAt(agent, t);
+      if (!place) continue;
+      const one = { agent, status, place, px: x(place.x), py: y(place.y) };
+      this.drawn.push(one);
+      if (this.#inView(one.px, one.py)) this.near.push(one);
+    }
+    this.sites = [];
+    for (const task of run.tasks) {
+      const px = x(task.x);
+      const py = y(task.y);
+      if (this.#inView(px, py)) this.sites.push({ task, status: taskStatusAt(task, t), px, py });
+    }
+    const crowd = this.near.length + this.sites.length > MOST_SYMBOLS;
+    this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
+    byId("map-crowd").hidden = !crowd;
   }
 
   #drawTrails(c, x, y, t) {
@@ -147,12 +178,15 @@ export class MapView {
       if (!this.state.classes[kind]) continue;
       c.strokeStyle = theme.kinds[kind];
       c.beginPath();
-      for (const agent of this.state.run.agents) {
-        if (agent.kind === kind && statusAt(agent, t) !== OFFLINE) this.#trail(c, x, y, agent, from, t);
-      }
+      for (const { agent } of this.#ways()) if (agent.kind === kind) this.#trail(c, x, y, agent, from, t);
       c.stroke();
     }
     c.globalAlpha = 1;
+  }
+
+  /** Whose ways are drawn: all, or in a city those in view. */
+  #ways() {
+    return this.drawn.length > MOST_SYMBOLS ? this.near : this.drawn;
   }
 
   #trail(c, x, y, agent, from, t) {
@@ -167,18 +201,15 @@ export class MapView {
     c.lineTo(x(now.x), y(now.y));
   }
 
-  #drawSites(c, x, y, t, r) {
+  #drawSites(c, x, y, r) {
     const { run } = this.state;
-    const put = (key, place, draw) => {
-      const px = x(place.x);
-      const py = y(place.y);
-      if (this.#inView(px, py)) this.sprites.stamp(c, `${key} ${r}`, r * 2 + 3, px, py, draw);
-    };
-    for (const point of run.charging) put("charging", point, (s) => chargingPoint(s, r));
-    for (let status = 3; status >= 0; --status) {
-      for (const task of run.tasks) {
-        if (taskStatusAt(task, t) === status) put(`task${status}`, task, (s) => taskMark(s, status, r));
-      }
+    for (const point of run.charging) {
+      const px = x(point.x);
+      const py = y(point.y);
+      if (this.#inView(px, py)) this.sprites.stamp(c, `charging ${r}`, r * 2 + 3, px, py, (s) => chargingPoint(s, r));
+    }
+    for (const { status, px, py } of this.sites.toSorted((a, b) => b.status - a.status)) {
+      this.sprites.stamp(c, `task${status} ${r}`, r * 2 + 3, px, py, (s) => taskMark(s, status, r));
     }
   }
 
@@ -186,17 +217,8 @@ export class MapView {
     return px > -20 && py > -20 && px < this.shown.width + 20 && py < this.shown.height + 20;
   }
 
-  #drawAgents(c, x, y, t, r) {
-    const { run } = this.state;
-    const crowded = run.agents.length > 500;
-    const shown = [[], [], []];
-    for (const agent of run.agents) {
-      if (!this.#visible(agent)) continue;
-      const status = statusAt(agent, t);
-      if (status === OFFLINE) continue;
-      const place = placeAt(agent, t);
-      if (place) shown[agent.kind].push({ agent, status, place, px: x(place.x), py: y(place.y) });
-    }
+  #drawAgents(c, x, y, r) {
+    const crowded = this.state.run.agents.length > 500;
     // where those who move are going
     if (!crowded) c.setLineDash([3, 4]);
     c.lineWidth = 1;
@@ -204,8 +226,8 @@ export class MapView {
     for (let kind = 0; kind < 3; ++kind) {
       c.strokeStyle = theme.kinds[kind];
       c.beginPath();
-      for (const { status, place, px, py } of shown[kind]) {
-        if (status !== MOVING) continue;
+      for (const { agent, status, place, px, py } of this.#ways()) {
+        if (agent.kind !== kind || status !== MOVING) continue;
         c.moveTo(px, py);
         c.lineTo(x(place.toX), y(place.toY));
       }
@@ -215,14 +237,13 @@ export class MapView {
     c.globalAlpha = 1;
     // vehicles lowest, UAVs on top
     for (const kind of [2, 1, 0]) {
-      for (const { status, place, px, py } of shown[kind]) {
-        if (!this.#inView(px, py)) continue;
+      for (const { agent, status, place, px, py } of this.near) {
+        if (agent.kind !== kind) continue;
         const turn = kind === 0 ? turnOf(status, place) : 0;
         this.sprites.stamp(c, `agent ${kind} ${status} ${turn} ${r}`, r * 2.1 + 3, px, py,
           (s) => agentMark(s, kind, status, turn, r));
       }
     }
-    this.drawn = shown.flat();
   }
 
   /** Who is commanded otherwise in another run: a ring, and a line to where that run sends it, in that run's colour. */
@@ -232,7 +253,7 @@ export class MapView {
     c.strokeStyle = theme.runs[other % theme.runs.length];
     c.lineWidth = 1.6;
     const there = new Map(differencesAt(run, runs[other], t).map((pair) => [pair.agent, pair.there]));
-    for (const { agent, px, py } of this.drawn) {
+    for (const { agent, px, py } of this.#ways()) {
       if (!there.has(agent)) continue;
       c.beginPath();
       c.arc(px, py, r * 1.8, 0, 2 * Math.PI);
@@ -259,11 +280,11 @@ export class MapView {
     }
     const room = (this.shown.width * this.shown.height) / LABEL_PX;
     const named = selected?.type === "agent" ? selected.index : -1;
-    const agents = this.drawn.filter(({ agent, px, py }) => agent.index !== named && this.#inView(px, py));
-    const tasks = run.tasks.filter((task) => taskStatusAt(task, t) !== 3 && !(selected?.type === "task" && selected.id === task.id) && this.#inView(x(task.x), y(task.y)));
-    if (agents.length <= room) {
+    const agents = this.near.length > room + 1 ? this.near : this.near.filter(({ agent }) => agent.index !== named);
+    const tasks = this.sites.filter(({ task, status }) => status !== 3 && !(selected?.type === "task" && selected.id === task.id));
+    if (!this.cells && agents.length <= room) {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
-      if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const task of tasks) put(`${task.id}`, x(task.x), y(task.y), theme.muted);
+      if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
     }
     drawLabels(c, labels, this.shown, theme.bg);
   }
@@ -297,7 +318,6 @@ export class MapView {
     if (!this.shown) return null;
     const { run } = this.state;
     const { x, y } = this.shown;
-    const t = this.clock.t;
     let best = null;
     let nearest = NEAR_PX ** 2;
     const look = (px, py, found) => {
@@ -307,24 +327,21 @@ export class MapView {
         best = found;
       }
     };
-    for (const agent of run.agents) {
-      if (!this.#visible(agent) || statusAt(agent, t) === OFFLINE) continue;
-      const place = placeAt(agent, t);
-      if (place) look(x(place.x), y(place.y), { type: "agent", index: agent.index });
-    }
+    for (const { agent, px, py } of this.near) look(px, py, { type: "agent", index: agent.index });
     if (best) return best;
-    for (const task of run.tasks) look(x(task.x), y(task.y), { type: "task", id: task.id });
+    for (const { task, px, py } of this.sites) look(px, py, { type: "task", id: task.id });
     for (const point of run.charging) look(x(point.x), y(point.y), { type: "charge", id: point.id });
     return best;
   }
 
   #hover(event) {
-    const found = this.#find(event);
-    this.canvas.style.cursor = found ? "pointer" : "grab";
-    this.tip.hidden = !found;
+    const found = this.cells ? null : this.#find(event);
+    const words = found ? describe(this.state.run, found, this.clock.t) : this.cells ? cellWords(this.cells, event.offsetX, event.offsetY) : "";
+    this.canvas.style.cursor = found || words ? "pointer" : "grab";
+    this.tip.hidden = !words;
     if (this.shown) byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
-    if (!found) return;
-    this.tip.textContent = describe(this.state.run, found, this.clock.t);
+    if (!words) return;
+    this.tip.textContent = words;
     const left = Math.min(event.offsetX + 14, this.shown.width - this.tip.offsetWidth - 6);
     this.tip.style.transform = `translate(${Math.max(4, left)}px, ${Math.max(4, event.offsetY - 34)}px)`;
   }

@@ -179,6 +179,15 @@ export function taskNow(run, task, t) {
 
 /** When a task's sensing ended; null: it was not done. */
 export function doneTime(run, task) {
+  return run.once("done times", () => run.tasks.map((each) => findDoneTime(run, each)))[task.id];
+}
+
+/** The tasks that were not done, as far as is known. */
+export function undoneTasks(run) {
+  return run.once("undone", () => run.tasks.filter((task) => doneTime(run, task) === null));
+}
+
+function findDoneTime(run, task) {
   const { changes } = task;
   for (let i = changes.length - 2; i >= 0; i -= 2) {
     if (changes[i + 1] !== DONE) continue;

@@ -1,6 +1,7 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
-import { DONE, OPEN, taskNow } from "./story.js";
+import { taskStatusAt } from "./run.js";
+import { DONE, OPEN, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const MOST_ROWS = 250;
@@ -25,12 +26,33 @@ const FILTERS = [
   ["never", "never done", (row) => row.never],
 ];
 
-function rowOf(run, task, t) {
-  const now = taskNow(run, task, t);
-  const { activity } = now;
-  const by = activity && now.status !== OPEN ? `uav:${activity.uav}, worker:${activity.partner}` : "";
-  const when = now.status === DONE ? now.doneAt : by ? activity.end : null;
-  return { id: task.id, cost: task.cost, status: now.status, who: by, when, doneAt: now.doneAt, never: run.ended && now.doneAt === null };
+/** A task as it stands at t. Who is at it is found when it is asked for: of a city's tasks few are shown. */
+class Row {
+  #of;
+
+  constructor(run, task, t) {
+    this.#of = { run, task, t, found: null };
+    this.id = task.id;
+    this.cost = task.cost;
+    this.status = taskStatusAt(task, t);
+    this.doneAt = doneTime(run, task);
+    this.never = run.ended && this.doneAt === null;
+  }
+
+  get #activity() {
+    const { run, task, t } = this.#of;
+    this.#of.found ??= { activity: this.status === OPEN ? null : taskNow(run, task, t).activity };
+    return this.#of.found.activity;
+  }
+
+  get who() {
+    const activity = this.#activity;
+    return activity ? `uav:${activity.uav}, worker:${activity.partner}` : "";
+  }
+
+  get when() {
+    return this.status === DONE ? this.doneAt : this.#activity?.end ?? null;
+  }
 }
 
 /** All tasks at the clock's time: sorted, filtered, chosen with mouse or keyboard. */
@@ -95,10 +117,11 @@ export class TaskTable {
     const wanted = FILTERS.find(([id]) => id === this.filter)[2];
     const { text } = this;
     const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who}`.includes(text));
-    const rows = run.tasks.map((task) => rowOf(run, task, this.clock.t)).filter((row) => wanted(row) && matches(row));
+    const rows = run.tasks.map((task) => new Row(run, task, this.clock.t)).filter((row) => wanted(row) && matches(row));
     const { key } = COLUMNS.find((column) => column.id === this.sort);
     const sign = this.down ? -1 : 1;
     const order = (a, b) => (a < b ? -1 : a > b ? 1 : 0);
+    if (this.sort === "task") return this.down ? rows.reverse() : rows; // as they come
     return rows.sort((a, b) => sign * order(key(a), key(b)) || a.id - b.id);
   }
 
@@ -109,7 +132,7 @@ export class TaskTable {
     const rows = this.#rows();
     COLUMNS.forEach((column, i) => this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending"));
     this.count.textContent = `${number(rows.length)} of ${number(run.tasks.length)} tasks`;
-    const key = JSON.stringify([rows.slice(0, MOST_ROWS), rows.length]);
+    const key = JSON.stringify([rows.slice(0, MOST_ROWS).map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never]), rows.length, run.name]);
     if (key !== this.key) {
       this.key = key;
       const focused = document.activeElement?.closest?.("#task-table tr")?.dataset.task;
