@@ -2,7 +2,7 @@ import { SPEEDS } from "./clock.js";
 import { fit, oncePerFrame } from "./canvas.js";
 import { byId, element } from "./dom.js";
 import { decisionAt, faultBands } from "./run.js";
-import { clockText } from "./time.js";
+import { clockText, localTime, wallTime } from "./time.js";
 import { theme } from "./theme.js";
 
 /** The bar below: play, step, scrub, speed; decisions and faults marked along the time. */
@@ -60,6 +60,9 @@ export class Transport {
     this.scrub.setAttribute("aria-valuetext", clockText(t));
     byId("time-now").textContent = clockText(t);
     byId("print-time").textContent = `at ${clockText(t)}`;
+    const wall = wallTime(run, t);
+    byId("time-wall").textContent = wall ? `${wall.utc}, ${localTime(run, t)}` : "";
+    byId("time-wall").title = wall?.date ?? "";
     const decision = decisionAt(run, t);
     byId("decision-now").textContent = decision ? `decision ${decision.index}` : "before the first decision";
     byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");

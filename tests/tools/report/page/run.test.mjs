@@ -16,7 +16,7 @@ import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, pl
 import { nearest } from "../../../../tools/report/page/plot.js";
 import { linear, roundTicks } from "../../../../tools/report/page/scale.js";
 import { agentNext, agentNow, doneTime, flownAt, taskNow, waitedMs } from "../../../../tools/report/page/story.js";
-import { clockText, rowAt, timeTicks } from "../../../../tools/report/page/time.js";
+import { clockText, rowAt, timeTicks, wallTime } from "../../../../tools/report/page/time.js";
 import { WHOLE, gripped, zoomed } from "../../../../tools/report/page/zoom.js";
 
 const SCENARIO = {
@@ -364,4 +364,14 @@ test("a crowd on the map is counted by squares", () => {
   assert.equal(cellWords(cells, 80, 80), "", "nothing is there");
   assert.equal(cellWords(cells, 95, 10), "", "outside");
   assert.equal(cells.most, 2);
+});
+
+test("the wall's time is told where the mission kept step with it", () => {
+  const run = new Run();
+  run.epochMs = Date.UTC(2026, 0, 31, 9, 30);
+  assert.equal(wallTime(run, 60000), null, "nobody has said anything");
+  run.processes.set("world", [600000, run.epochMs + 600400, 0, 0, 0, 0, 0, 0, 0, 0]);
+  assert.deepEqual(wallTime(run, 90000), { utc: "09:31:30 UTC", date: "2026-01-31" });
+  run.processes.set("world", [600000, run.epochMs + 10000, 0, 0, 0, 0, 0, 0, 0, 0]);
+  assert.equal(wallTime(run, 60000), null, "sixty times as fast");
 });
