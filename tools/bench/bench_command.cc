@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -12,11 +13,13 @@
 #include "base/options.h"
 #include "base/program.h"
 #include "scheduler/policies/registry.h"
+#include "tools/bench/arrivals_suite.h"
 #include "tools/bench/hard_suite.h"
 #include "tools/bench/mission_suite.h"
 #include "tools/bench/missions_command.h"
 #include "tools/bench/paper_command.h"
 #include "tools/bench/suites.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {
@@ -33,17 +36,22 @@ void AddBenchOptions(Options* options) {
       ->Add("suite", "SUITE",
             "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
             "(families that are hard to prove), random (drawn settings), missions (whole ones over "
-            "LCM), paper (its experiments: completion rates) or paper-long (the runs of those that "
-            "take longest)")
-      .OneOf({"decisions", "scale", "hard", "random", "missions", "paper", "paper-long"})
+            "LCM), arrivals (tasks that are reported meanwhile), paper (its experiments: completion "
+            "rates) or paper-long (the runs of those that take longest)")
+      .OneOf({"decisions", "scale", "hard", "random", "missions", "arrivals", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale, missions: times Random_29's size")
       .List()
       .Number(Above0(1000))
       .Default("1,3,10,30,100");
-  options->Add("methods", "NAME,...", "Policies (default: certified; paper: all)").List();
-  options->Add("seeds", "N", "Scenarios of each setting (default: 1; paper: 10)")
+  options->Add("loads", "X,...", "arrivals: tasks, times those of Random_1")
+      .List()
+      .Number(Above0(100))
+      .Default("0.5,1,2");
+  options->Add("methods", "NAME,...", "Policies (default: certified; paper, arrivals: several)")
+      .List();
+  options->Add("seeds", "N", "Scenarios of each setting (default: 1; paper, arrivals: 10)")
       .Integer(1, 10'000);
   options->Add("cbc", "WHAT", "hard: what COIN-OR CBC is asked for, where it is installed")
       .OneOf({"nothing", "relaxation", "optimum"})
@@ -119,6 +127,44 @@ int HardCommand(const Arguments& arguments, const std::string& suite) {
   return kExitOk;
 }
 
+int ArrivalsCommand(const Arguments& arguments) {
+  ArrivalsOptions options;
+  options.policies = arguments.All("methods");
+  if (options.policies.empty()) {
+    options.policies = {"kwta", "mpq", "certified", "horizon", "rollout", "rollout-steps"};
+  }
+  for (const std::string& policy : options.policies) scheduler::MakePolicy(policy);
+  options.loads = arguments.All<double>("loads");
+  arguments.Read("seeds", &options.seeds);
+  options.first_seed = arguments.Get<int>("first-seed");
+  std::string csv = ArrivalsCsvHeader();
+  std::vector<ArrivalsRow> rows;
+  ProgressPrinter progress(stderr, StyleFor(stderr, false));
+  const std::size_t n = 2 * options.loads.size() * static_cast<std::size_t>(options.seeds) *
+                        options.policies.size();
+  const auto start = std::chrono::steady_clock::now();
+  RunArrivals(options, [&](const ArrivalsRow& row) {
+    rows.push_back(row);
+    csv += ToCsv(row);
+    const auto took_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                             std::chrono::steady_clock::now() - start)
+                             .count();
+    if (progress.due(took_us)) {
+      progress.Show(fmt::format("{} of {} missions", rows.size(), n), took_us);
+    }
+  });
+  progress.Break();
+  if (arguments.Has("out")) {
+    const auto file = arguments.Get("out");
+    WriteWhole(file, csv);
+    if (arguments.Has("plot")) {
+      WriteWhole(arguments.Get("plot"), ArrivalsPlot(file, file + ".svg", options.policies));
+    }
+  }
+  fmt::print("{}", SummaryOf(rows));
+  return kExitOk;
+}
+
 }  // namespace
 
 int BenchCommand(int argc, const char* const* argv) {
@@ -137,6 +183,7 @@ int BenchCommand(int argc, const char* const* argv) {
   if (arguments->Has("plot") && !arguments->Has("out")) {
     throw InputError("command line", "--out", "nothing", "the CSV file that --plot draws");
   }
+  if (suite == "arrivals") return ArrivalsCommand(*arguments);
   if (suite == "missions") {
     if (arguments->Has("plot")) {
       const auto file = arguments->Get("out");

@@ -137,7 +137,7 @@ class UnloggedMission {
     }
     tap.on_message = [](const Packet&) {};
     tap.on_burst = [] {};
-    const auto bus = OpenBus(flags, tap);
+    const auto bus = OpenBus(flags, GuardedChannels::kOurs, tap);
     const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
     std::vector<Child> children;
     for (const ProcessPlan& process :
