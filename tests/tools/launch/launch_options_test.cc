@@ -155,7 +155,7 @@ TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   }
   EXPECT_EQ(ErrorOf({"a.json", "--policy", "mpq", "--deadline", "20"}),
             "options: --deadline: found policy mpq, expected one that can be cut short: certified, "
-            "rollout, rollout-steps");
+            "rollout, rollout-steps, external:COMMAND");
   // Nobody could reach the network of the mission's own.
   EXPECT_NE(ErrorOf({"a.json", "--processes", "uav=0"}), "");
 }

@@ -45,6 +45,9 @@ TEST_F(RunDirectoryTest, SaysWhenAFolderCannotBeMade) {
 TEST(RunStem, IsAFileName) {
   EXPECT_EQ(RunStem("Random_1", "mpq", 7), "Random_1-mpq-7");
   EXPECT_EQ(RunStem("../Port au Prince", "mpq", 0), "_._Port_au_Prince-mpq-0");
+  // A policy may be a command, and a file name has an end.
+  EXPECT_EQ(RunStem("a", "external:" + std::string(300, 'x'), 1),
+            "a-external_" + std::string(51, 'x') + "-1");
 }
 
 TEST(Manifest, NamesScenarioHashAndTypes) {
