@@ -21,7 +21,8 @@ struct CertifiedProfile {
 
 /// One decision by BuildInstance and Solve, with its proven bound. Where that leaves a gap above
 /// 1e-6, it is compared with kwta's and with the first local optima of ils and mpq (the latter two
-/// up to two million nodes), and the heaviest is taken. `profile` may be null.
+/// up to two million nodes, all of them where every agent's way to every site fits in memory), and
+/// the heaviest is taken. `profile` may be null.
 Decision DecideCertified(const Situation& situation, const SolverLimits& limits,
                          CertifiedProfile* profile);
 
