@@ -23,8 +23,7 @@ struct Window {
 };
 
 /// The window with the most places, to 100 m. Deterministic; ties: southern, then western. `places`
-/// must not be empty. Cost: with n the number of distinct 100 m squares and h those of the window's
-/// height, at most n h log n for each of a few rounds.
+/// must not be empty. Cost: O(n log n) with n places, for each of a few rounds.
 Window DensestWindow(const std::vector<Origin>& places, double width_m, double height_m);
 
 }  // namespace muster::tools

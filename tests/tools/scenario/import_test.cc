@@ -200,6 +200,19 @@ TEST(Window, DensestIsNotBeatenByAnyWindowOnAGrid) {
   }
 }
 
+TEST(Window, OfEquallyDenseOnesTheSouthernThenTheWestern) {
+  // Pairs of places, each pair in a window of its own, and one place alone in the south-west.
+  std::vector<Origin> places = {{10.01, 20.01}};
+  for (const auto& [north, east] : {std::pair{10.5, 20.2}, {10.2, 20.7}, {10.2, 20.4}}) {
+    places.push_back({north, east});
+    places.push_back({north + 0.01, east + 0.01});
+  }
+  const Window window = DensestWindow(places, 5000, 4000);
+  EXPECT_EQ(window.count, 2u);
+  EXPECT_NEAR(window.corner.latitude_deg, 10.2, 0.002);
+  EXPECT_NEAR(window.corner.longitude_deg, 20.4, 0.002);
+}
+
 /// A table of places given in km from 10 N 20 E.
 std::string CsvOf(const std::vector<std::pair<double, double>>& km, const std::string& rest = "") {
   std::string text = "lat,lon,kind,when\n";
