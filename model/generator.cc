@@ -266,6 +266,10 @@ void DrawDeadlines(const GeneratorSettings& settings, std::uint64_t seed, std::s
   if (task->due_us != kNever) task->due_us = std::min(task->due_us, task->expires_us);
 }
 
+double DrawTaskRank(std::uint64_t seed, std::size_t record) {
+  return Random(seed, Stream::kTasks, record, kRecord).Uniform();
+}
+
 std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n) {
   MUSTER_CHECK(n > 0 && n <= UINT32_MAX, "n={}", n);
   return Random(seed, StreamOf(kind), id, kRecord).Below(static_cast<std::uint32_t>(n));

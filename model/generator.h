@@ -102,6 +102,8 @@ TimeUs DrawReport(const GeneratorSettings& settings, std::uint64_t seed, std::si
 /// Sets when a task is due and expires, by its report and its priority.
 void DrawDeadlines(const GeneratorSettings& settings, std::uint64_t seed, std::size_t id,
                    Task* task);
+/// In which order tasks are made from records, where there are more of them.
+double DrawTaskRank(std::uint64_t seed, std::size_t record);
 /// Which of `n` > 0 records an agent is made from, uniformly; apart from DrawAgent's draws.
 std::size_t DrawRecord(std::uint64_t seed, AgentKind kind, std::size_t id, std::size_t n);
 /// Times are drawn in these steps, so that files stay legible.

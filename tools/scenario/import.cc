@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/check.h"
 #include "base/text.h"
@@ -15,8 +15,7 @@
 namespace muster::tools {
 namespace {
 
-constexpr TimeUs kHourUs = 60 * kMinuteUs;
-constexpr TimeUs kDayUs = 24 * kHourUs;
+constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
 /// The busiest period starts at a multiple of this.
 constexpr TimeUs kStartStepUs = 10 * kMinuteUs;
 
@@ -26,29 +25,8 @@ const std::vector<std::string> kLongitudeNames = {
     "longitude",        "lon", "lng", "long", "start_lng", "start_lon", "start_longitude",
     "pickup_longitude", "x"};
 const std::vector<std::string> kTimeNames = {
-    "time",       "timestamp", "datetime",        "date",      "incident_date", "started_at",
-    "start_time", "stime",     "pickup_datetime", "created_at"};
-
-std::string_view Trim(std::string_view text) {
-  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-bool IsBlank(std::string_view field) {
-  std::string upper(Trim(field));
-  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return upper.empty() || upper == "NA" || upper == "N/A" || upper == "NAN" || upper == "NULL";
-}
-
-/// Degrees in [-limit, limit]; none otherwise.
-std::optional<double> Degrees(std::string_view field, double limit) {
-  field = Trim(field);
-  if (field.starts_with('+')) field.remove_prefix(1);
-  const auto value = ToNumber(field);
-  return value && std::abs(*value) <= limit ? value : std::nullopt;
-}
+    "time",       "timestamp", "datetime",        "date",       "incident_date", "started_at",
+    "start_time", "stime",     "pickup_datetime", "created_at", "unix_time",     "epoch"};
 
 std::string Shown(const std::vector<RowFilter>& filters) {
   std::string text;
@@ -74,8 +52,9 @@ struct Places {
 /// Rows whose place is in the window.
 struct Record {
   Point at;
-  int row, column;  ///< of the 1 km cell
-  double part = 0;  ///< of the mission's period of the day, in [0, 1)
+  int row, column;        ///< of the 1 km cell
+  std::size_t table_row;  ///< in the table
+  TimeUs since_us = 0;    ///< the start of the mission's period of the day
 };
 
 struct Cell {
@@ -83,11 +62,12 @@ struct Cell {
   std::size_t count;
   bool is_taken = false;  ///< by a task
 };
+using CellPlace = std::pair<int, int>;  // row, column
 
 class Importer {
  public:
   Importer(const Table& table, const ImportRequest& request)
-      : table_(table), request_(request), settings_(request.settings) {}
+      : table_(table), request_(request), settings_(request.settings), start_us_(request.start) {}
 
   ImportResult Run() {
     const std::string latitude = ColumnName(request_.latitude, kLatitudeNames, "latitude", "--lat");
@@ -116,7 +96,9 @@ class Importer {
     scenario.origin = corner_;
     scenario.rules = settings_.rules;
     scenario.disturbances = settings_.disturbances;
-    MakeSites(&scenario);
+    const std::set<CellPlace> task_cells =
+        request_.are_reports ? MakeReportedTasks(&scenario) : MakeCellTasks(&scenario);
+    MakeChargingPoints(task_cells, &scenario);
     MakeAgents(&scenario);
     ValidateScenario(scenario, table_.file);
     result.summary = std::move(summary_);
@@ -210,15 +192,14 @@ class Importer {
   }
 
   /// Rows of a role that are in the window, in the table's order.
-  std::vector<Record> RecordsOf(const ImportRole& role, std::vector<std::size_t>* rows) const {
+  std::vector<Record> RecordsOf(const ImportRole& role) const {
     const Places places = PlacesOf(role.at.value_or(own_), role.where);
     const std::vector<Point> points = Project(places.at, corner_);
     std::vector<Record> records;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!Inside(points[i])) continue;
       records.push_back({points[i], static_cast<int>(points[i].y_m / kCellM),
-                         static_cast<int>(points[i].x_m / kCellM)});
-      if (rows != nullptr) rows->push_back(places.rows[i]);
+                         static_cast<int>(points[i].x_m / kCellM), places.rows[i]});
     }
     return records;
   }
@@ -226,7 +207,7 @@ class Importer {
   /// The cells that hold records, most records first.
   std::vector<Cell> CellsOf(const std::vector<Record>& records, std::string_view what,
                             const ImportRole& role) const {
-    std::map<std::pair<int, int>, std::size_t> counts;
+    std::map<CellPlace, std::size_t> counts;
     for (const Record& record : records) ++counts[{record.row, record.column}];
     if (counts.empty()) {
       throw InputError(table_.file, "rows",
@@ -244,47 +225,143 @@ class Importer {
     return role.at ? fmt::format(" at {}, {}", role.at->first, role.at->second) : "";
   }
 
-  void MakeSites(Scenario* scenario) {
-    const auto centre = [&](const Cell& cell) {
-      return CellCentre(cell.column, cell.row, scenario->width_m, scenario->height_m);
-    };
-    const std::vector<Record> task_records = RecordsOf(request_.tasks, nullptr);
-    std::vector<Cell> tasks = CellsOf(task_records, "tasks", request_.tasks);
-    const std::size_t task_cells = tasks.size();
-    tasks.resize(std::min(task_cells, static_cast<std::size_t>(settings_.tasks)));
-    for (const Cell& cell : tasks) {
-      const std::size_t id = scenario->tasks.size();
-      scenario->tasks.push_back({centre(cell), DrawTaskCostM(settings_, request_.seed, id)});
-    }
-    Say("tasks: {} of {} wanted, cells with {} to {} rows; {} rows{}{} are in {} cells",
-        tasks.size(), settings_.tasks, tasks.front().count, tasks.back().count, task_records.size(),
-        Shown(request_.tasks.where), PlaceNames(request_.tasks), task_cells);
-
-    const std::vector<Record> charge_records = RecordsOf(request_.charging, nullptr);
-    std::vector<Cell> charging = CellsOf(charge_records, "charging points", request_.charging);
-    for (Cell& cell : charging) {
-      cell.is_taken = std::any_of(tasks.begin(), tasks.end(), [&](const Cell& task) {
-        return task.row == cell.row && task.column == cell.column;
-      });
-    }
-    std::stable_partition(charging.begin(), charging.end(),
-                          [](const Cell& cell) { return !cell.is_taken; });
-    const std::size_t charging_cells = charging.size();
-    charging.resize(std::min(charging_cells, static_cast<std::size_t>(settings_.charging_points)));
-    for (const Cell& cell : charging) {
-      scenario->charging_points.push_back({centre(cell), settings_.capacity});
-    }
-    Say("charging points: {} of {} wanted, {} in cells of tasks; {} rows{}{} are in {} cells",
-        charging.size(), settings_.charging_points,
-        std::count_if(charging.begin(), charging.end(),
-                      [](const Cell& cell) { return cell.is_taken; }),
-        charge_records.size(), Shown(request_.charging.where), PlaceNames(request_.charging),
-        charging_cells);
+  Point CentreOf(int row, int column) const {
+    return CellCentre(column, row, KmToM(settings_.width_km), KmToM(settings_.height_km));
   }
 
-  /// Leaves the records of the mission's period of the day, with their part of it; returns whether
-  /// times are used.
-  bool KeepPeriod(std::vector<Record>* records, const std::vector<std::size_t>& rows) {
+  Point PlaceOf(const Record& record) const {
+    return settings_.placement == Placement::kContinuous
+               ? Point{std::floor(record.at.x_m), std::floor(record.at.y_m)}
+               : CentreOf(record.row, record.column);
+  }
+
+  std::optional<std::size_t> ColumnOf(const std::optional<std::string>& name) const {
+    return name ? std::optional(table_.Column(*name)) : std::nullopt;
+  }
+
+  /// What the row's field says; none where it is blank or there is no such column.
+  std::optional<Priority> PriorityOfRow(std::size_t row) const {
+    const auto column = ColumnOf(request_.priority);
+    if (!column || IsBlank(table_.rows[row][*column])) return std::nullopt;
+    const auto priority = PriorityOf(table_.rows[row][*column]);
+    if (!priority) {
+      throw InputError(table_.file,
+                       fmt::format("{}, column {}", table_.RowName(row), *request_.priority),
+                       fmt::format("'{}'", Printable(table_.rows[row][*column])),
+                       "a priority: 0 to 3, or low, normal, high or emergency");
+    }
+    return priority;
+  }
+
+  /// A task of that row's words, with the rest drawn.
+  Task TaskOf(std::size_t row, Point at, std::size_t id) const {
+    const auto text = [&](const std::optional<std::string>& name) {
+      const auto column = ColumnOf(name);
+      if (!column || IsBlank(table_.rows[row][*column])) return std::string();
+      return std::string(Trim(table_.rows[row][*column]));
+    };
+    Task task;
+    task.at = at;
+    task.cost_m = DrawTaskCostM(settings_, request_.seed, id);
+    task.priority = PriorityOfRow(row).value_or(DrawPriority(settings_, request_.seed, id));
+    task.reported_us = DrawReport(settings_, request_.seed, id);
+    task.name = text(request_.task_name);
+    task.external_id = text(request_.external_id);
+    return task;
+  }
+
+  /// Returns the cells of the tasks, as does MakeReportedTasks.
+  std::set<CellPlace> MakeCellTasks(Scenario* scenario) {
+    const std::vector<Record> records = RecordsOf(request_.tasks);
+    std::vector<Cell> cells = CellsOf(records, "tasks", request_.tasks);
+    const std::size_t all_cells = cells.size();
+    cells.resize(std::min(all_cells, static_cast<std::size_t>(settings_.tasks)));
+    struct Told {
+      int urgency;
+      std::size_t row;
+    };
+    std::map<CellPlace, Told> told;  // by which row
+    for (const Record& record : records) {
+      const auto priority = PriorityOfRow(record.table_row);
+      const Told by = {priority ? static_cast<int>(*priority) : -1, record.table_row};
+      const auto [at, is_new] = told.try_emplace({record.row, record.column}, by);
+      if (!is_new && by.urgency > at->second.urgency) at->second = by;
+    }
+    std::set<CellPlace> places;
+    for (const Cell& cell : cells) {
+      const std::size_t id = scenario->tasks.size();
+      const CellPlace place = {cell.row, cell.column};
+      Task& task = scenario->tasks.emplace_back(
+          TaskOf(told.at(place).row, CentreOf(cell.row, cell.column), id));
+      DrawDeadlines(settings_, request_.seed, id, &task);
+      places.insert(place);
+    }
+    Say("tasks: {} of {} wanted, cells with {} to {} rows; {} rows{}{} are in {} cells",
+        cells.size(), settings_.tasks, cells.front().count, cells.back().count, records.size(),
+        Shown(request_.tasks.where), PlaceNames(request_.tasks), all_cells);
+    return places;
+  }
+
+  std::set<CellPlace> MakeReportedTasks(Scenario* scenario) {
+    std::vector<Record> records = RecordsOf(request_.tasks);
+    for (const Record& record : records) PriorityOfRow(record.table_row);  // throws
+    if (!KeepPeriod("times of tasks", &records)) {
+      throw InputError(table_.file, "columns", fmt::format("{}", fmt::join(table_.columns, ", ")),
+                       "a time that can be read, for the reports (name its column with --time)");
+    }
+    if (records.empty()) {
+      throw InputError(table_.file, "rows",
+                       fmt::format("none in the window and the mission's period of the day for the "
+                                   "tasks{}",
+                                   Shown(request_.tasks.where)),
+                       "at least one");
+    }
+    const std::size_t all_rows = records.size();
+    std::vector<std::pair<double, std::size_t>> ranks;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      ranks.emplace_back(DrawTaskRank(request_.seed, records[i].table_row), i);
+    }
+    std::sort(ranks.begin(), ranks.end());
+    ranks.resize(std::min(all_rows, static_cast<std::size_t>(settings_.tasks)));
+    std::sort(ranks.begin(), ranks.end(), [&](const auto& a, const auto& b) {
+      return std::pair(records[a.second].since_us, a.second) <
+             std::pair(records[b.second].since_us, b.second);
+    });
+    std::set<CellPlace> places;
+    for (const auto& [rank, i] : ranks) {
+      const std::size_t id = scenario->tasks.size();
+      const Record& record = records[i];
+      Task& task = scenario->tasks.emplace_back(TaskOf(record.table_row, PlaceOf(record), id));
+      task.reported_us = record.since_us / kOnlineStepUs * kOnlineStepUs;
+      DrawDeadlines(settings_, request_.seed, id, &task);
+      places.insert({record.row, record.column});
+    }
+    Say("tasks: {} of {} wanted, each one of {} rows{}{}, reported at its time; in {} cells",
+        ranks.size(), settings_.tasks, all_rows, Shown(request_.tasks.where),
+        PlaceNames(request_.tasks), places.size());
+    return places;
+  }
+
+  void MakeChargingPoints(const std::set<CellPlace>& task_cells, Scenario* scenario) {
+    const std::vector<Record> records = RecordsOf(request_.charging);
+    std::vector<Cell> cells = CellsOf(records, "charging points", request_.charging);
+    for (Cell& cell : cells) cell.is_taken = task_cells.contains({cell.row, cell.column});
+    std::stable_partition(cells.begin(), cells.end(),
+                          [](const Cell& cell) { return !cell.is_taken; });
+    const std::size_t all_cells = cells.size();
+    cells.resize(std::min(all_cells, static_cast<std::size_t>(settings_.charging_points)));
+    for (const Cell& cell : cells) {
+      scenario->charging_points.push_back({CentreOf(cell.row, cell.column), settings_.capacity});
+    }
+    Say("charging points: {} of {} wanted, {} in cells of tasks; {} rows{}{} are in {} cells",
+        cells.size(), settings_.charging_points,
+        std::count_if(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_taken; }),
+        records.size(), Shown(request_.charging.where), PlaceNames(request_.charging), all_cells);
+  }
+
+  /// Leaves the records of the mission's period of the day, with their time in it; returns whether
+  /// times are used. The first call chooses the period. `what`: for the summary.
+  bool KeepPeriod(std::string_view what, std::vector<Record>* records) {
     std::optional<std::string> name = request_.time;
     if (!name) name = table_.FirstOf(kTimeNames);
     if (!name || name->empty()) {
@@ -295,8 +372,8 @@ class Importer {
     std::vector<std::optional<TimeUs>> times;
     std::vector<std::size_t> steps(kDayUs / kStartStepUs);
     std::size_t readable = 0;
-    for (const std::size_t row : rows) {
-      times.push_back(TimeOfDay(table_.rows[row][column]));
+    for (const Record& record : *records) {
+      times.push_back(TimeOfDay(table_.rows[record.table_row][column]));
       if (!times.back()) continue;
       ++readable;
       ++steps[static_cast<std::size_t>(*times.back() / kStartStepUs)];
@@ -304,14 +381,13 @@ class Importer {
     if (readable == 0) {
       if (request_.time) {
         throw InputError(table_.file, *name, "no time of day in any row",
-                         "H:MM, H:MM:SS or H:MM:SS.fff");
+                         "clock times (H:MM, H:MM:SS.fff), ISO 8601, Unix seconds or ms");
       }
       Say("times: none that can be read in {}; uptimes are drawn", *name);
       return false;
     }
     const TimeUs limit_us = std::min(settings_.rules.limit_us, kDayUs);
-    TimeUs start_us = request_.start.value_or(0);
-    if (!request_.start) {
+    if (!start_us_) {
       // The most records in whole steps; the last step counts as far as it is covered.
       double most = -1;
       for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -325,20 +401,19 @@ class Importer {
         }
         if (count > most) {
           most = count;
-          start_us = static_cast<TimeUs>(i) * kStartStepUs;
+          start_us_ = static_cast<TimeUs>(i) * kStartStepUs;
         }
       }
     }
     std::vector<Record> kept;
     for (std::size_t i = 0; i < records->size(); ++i) {
       if (!times[i]) continue;
-      const TimeUs since_us = (*times[i] - start_us + kDayUs) % kDayUs;
+      const TimeUs since_us = (*times[i] - *start_us_ + kDayUs) % kDayUs;
       if (since_us >= limit_us) continue;
-      Record& record = kept.emplace_back((*records)[i]);
-      record.part = static_cast<double>(since_us) / static_cast<double>(limit_us);
+      kept.emplace_back((*records)[i]).since_us = since_us;
     }
-    Say("times: {}, time of day; the mission is {}-{} ({}): {} of {} rows, {} without a time",
-        *name, Clock(start_us), Clock(start_us + limit_us),
+    Say("{}: {}, time of day; the mission is {}-{} ({}): {} of {} rows, {} without a time", what,
+        *name, Clock(*start_us_), Clock(*start_us_ + limit_us),
         request_.start ? "as given" : "the busiest", kept.size(), records->size(),
         records->size() - readable);
     *records = std::move(kept);
@@ -346,9 +421,8 @@ class Importer {
   }
 
   void MakeAgents(Scenario* scenario) {
-    std::vector<std::size_t> rows;
-    std::vector<Record> records = RecordsOf(request_.agents, &rows);
-    const bool has_times = KeepPeriod(&records, rows);
+    std::vector<Record> records = RecordsOf(request_.agents);
+    const bool has_times = KeepPeriod(request_.are_reports ? "times of agents" : "times", &records);
     if (records.empty()) {
       throw InputError(table_.file, "rows",
                        fmt::format("none in the window{} for the agents{}",
@@ -361,18 +435,17 @@ class Importer {
         const auto id = static_cast<std::size_t>(i);
         AgentSpec agent = DrawAgent(settings_, request_.seed, kind, id);
         const Record& record = records[DrawRecord(request_.seed, kind, id, records.size())];
-        agent.at =
-            settings_.placement == Placement::kContinuous
-                ? Point{std::floor(record.at.x_m), std::floor(record.at.y_m)}
-                : CellCentre(record.column, record.row, scenario->width_m, scenario->height_m);
+        agent.at = PlaceOf(record);
         if (has_times) {
           const TimeUs online_us = agent.online_until_us - agent.online_from_us;
           const TimeUs limit_us = settings_.rules.limit_us;
           const TimeUs latest_us = settings_.uptime == Uptime::kAnyTime
                                        ? limit_us
                                        : std::max<TimeUs>(0, limit_us - online_us);
+          const double part = static_cast<double>(record.since_us) /
+                              static_cast<double>(std::min(limit_us, kDayUs));
           agent.online_from_us =
-              static_cast<TimeUs>(record.part * static_cast<double>(latest_us / kOnlineStepUs)) *
+              static_cast<TimeUs>(part * static_cast<double>(latest_us / kOnlineStepUs)) *
               kOnlineStepUs;
           agent.online_until_us = agent.online_from_us + online_us;
         }
@@ -392,66 +465,11 @@ class Importer {
   GeneratorSettings settings_;
   Columns own_;
   Origin corner_;
+  std::optional<TimeUs> start_us_;  ///< of the mission, time of day, once it is known
   std::vector<std::string> summary_;
 };
 
 }  // namespace
-
-bool RowFilter::Matches(std::string_view field) const {
-  for (const std::string& part : Split(field, ';')) {
-    const std::string_view code = Trim(part);
-    for (const std::string_view pattern : patterns) {
-      if (pattern.ends_with('*') ? code.starts_with(pattern.substr(0, pattern.size() - 1))
-                                 : code == pattern) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-RowFilter ParseFilter(std::string_view flag, std::string_view text) {
-  const std::size_t equals = text.find('=');
-  if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
-    throw InputError("command line", flag, fmt::format("'{}'", text),
-                     "COLUMN=VALUE[,VALUE...], a value may end in *");
-  }
-  return {std::string(text.substr(0, equals)), Split(text.substr(equals + 1), ',')};
-}
-
-std::optional<TimeUs> TimeOfDay(std::string_view text) {
-  const auto digit = [&](std::size_t i) {
-    return i < text.size() && text[i] >= '0' && text[i] <= '9';
-  };
-  const auto pair = [&](std::size_t i) { return (text[i] - '0') * 10 + (text[i + 1] - '0'); };
-  for (std::size_t colon = text.find(':'); colon != text.npos; colon = text.find(':', colon + 1)) {
-    if (colon == 0 || !digit(colon - 1) || !digit(colon + 1) || !digit(colon + 2)) continue;
-    const bool has_two = colon >= 2 && digit(colon - 2);
-    if (has_two && colon >= 3 && digit(colon - 3)) continue;
-    int hour = has_two ? pair(colon - 2) : text[colon - 1] - '0';
-    const int minute = pair(colon + 1);
-    std::size_t at = colon + 3;
-    TimeUs second_us = 0;
-    if (at < text.size() && text[at] == ':' && digit(at + 1) && digit(at + 2)) {
-      second_us = pair(at + 1) * kSecondUs;
-      at += 3;
-      if (at < text.size() && text[at] == '.') {
-        TimeUs unit_us = kSecondUs / 10;
-        for (++at; digit(at); ++at, unit_us /= 10) second_us += (text[at] - '0') * unit_us;
-      }
-    }
-    if (digit(at)) continue;
-    std::string half(Trim(text.substr(at)).substr(0, 2));
-    for (char& c : half) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    if (half == "AM" || half == "PM") {
-      if (hour < 1 || hour > 12) continue;
-      hour = hour % 12 + (half == "PM" ? 12 : 0);
-    }
-    if (hour > 23 || minute > 59 || second_us >= kMinuteUs) continue;
-    return hour * kHourUs + minute * kMinuteUs + second_us;
-  }
-  return std::nullopt;
-}
 
 ImportResult Import(const Table& table, const ImportRequest& request) {
   return Importer(table, request).Run();

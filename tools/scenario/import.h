@@ -8,25 +8,10 @@
 #include <vector>
 
 #include "model/generator.h"
+#include "tools/scenario/fields.h"
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
-
-/// Keeps rows by one column. A field may hold several codes joined by ';'; one that matches one
-/// pattern is enough. A pattern is a whole code, or its beginning when it ends in '*'.
-struct RowFilter {
-  std::string column;
-  std::vector<std::string> patterns;
-
-  bool Matches(std::string_view field) const;
-};
-
-/// "category=1*,2d"; throws InputError naming the flag.
-RowFilter ParseFilter(std::string_view flag, std::string_view text);
-
-/// Microseconds since midnight of the first "H:MM", "H:MM:SS" or "H:MM:SS.fff" in the text, with
-/// "AM" or "PM" behind it or not. The date is not looked at, so its order does not matter.
-std::optional<TimeUs> TimeOfDay(std::string_view text);
 
 /// Where the rows of tasks, charging points or agents are and which they are.
 struct ImportRole {
@@ -47,9 +32,12 @@ struct ImportRequest {
   std::vector<RowFilter> where;
   ImportRole tasks, charging, agents;
   std::optional<ImportWindow> window;  ///< else the densest of the settings' area
-  bool may_turn = false;               ///< the densest window may also be height by width
-  std::optional<TimeUs> start;         ///< mission start, time of day; else the busiest period
-  GeneratorSettings settings;          ///< counts, area, speeds, ...
+  /// Columns of the tasks' priority, name and external id.
+  std::optional<std::string> priority, task_name, external_id;
+  bool are_reports = false;     ///< each task is a row that is reported at the row's time
+  bool may_turn = false;        ///< the densest window may also be height by width
+  std::optional<TimeUs> start;  ///< mission start, time of day; else the busiest period
+  GeneratorSettings settings;   ///< counts, area, speeds, ...
   std::uint64_t seed = 1;
 };
 
@@ -64,10 +52,18 @@ struct ImportResult {
 ///   origin, and counted in 1 km cells.
 /// - Tasks are the cells with the most rows, charging points those with the most among the cells
 ///   that are no tasks (then among tasks); ties: the southern, then the western cell first.
+/// - With `are_reports` tasks are rows instead, drawn from those of the mission's period of the
+/// day,
+///   which is then the tasks' busiest: each in its cell's centre (or where it is, with
+///   Placement::kContinuous), reported at its time. More tasks of the same seed are these and
+///   others.
+/// - A task has the priority, name and external id of its row; a cell's task those of its most
+///   urgent row, the first of them. A blank priority is drawn.
 /// - Each agent stands where a row drawn for it is. With times, rows are of the mission's period of
 ///   the day, and an agent comes online at its row's part of the period: that part of [0, limit] or
 ///   of [0, limit - its online time] (Uptime). Without, its uptime is drawn as in Generate.
-/// Throws InputError when a column is missing or nothing is left to make a class from.
+/// Throws InputError when a column is missing a priority is none, or nothing is left to
+/// make a class from.
 ImportResult Import(const Table& table, const ImportRequest& request);
 
 }  // namespace muster::tools

@@ -72,7 +72,9 @@ void AddImportOptions(Options* options) {
   options->Group("Table");
   options->Add("lat", "COLUMN", "Column of latitudes, WGS84 degrees (default: found by name)");
   options->Add("lon", "COLUMN", "Column of longitudes (default: found by name)");
-  options->Add("time", "COLUMN", "Column of times, or none (default: found by name)");
+  options->Add(
+      "time", "COLUMN",
+      "Column of times (clock, ISO 8601, Unix seconds or ms), or none (default: found by name)");
   options
       ->Add("where", "COLUMN=VALUE[,VALUE...]",
             "Use only rows with one of the values; a value may end in *; a field may hold several, "
@@ -86,6 +88,12 @@ void AddImportOptions(Options* options) {
   options->Add("agents-at", "LAT,LON", "Columns of the agents' places");
   options->Add("window", "LAT,LON,W,H",
                "South-west corner in degrees, width and height in km (default: the densest)");
+  options->Add(
+      "priority", "COLUMN",
+      "Column of the tasks' priorities: 0 to 3, or low, normal, high, emergency; a blank one "
+      "is drawn (--priorities)");
+  options->Add("task-name", "COLUMN", "Column of the tasks' names");
+  options->Add("external-id", "COLUMN", "Column of what others call the tasks");
   options->Add("start", "H:MM", "Time of day of the mission's start (default: the busiest)");
   options->Group("");
 }
@@ -98,7 +106,7 @@ int ImportCommand(int argc, const char* const* argv) {
       "Makes a scenario from a table of places: CSV, or GeoJSON when FILE ends in .json "
       "or .geojson.");
   AddImportOptions(&options);
-  AddSettingsOptions(&options);
+  AddSettingsOptions(&options, true);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string file = arguments->Get("points");
@@ -106,7 +114,7 @@ int ImportCommand(int argc, const char* const* argv) {
   ImportRequest request;
   GeneratorSettings base = PresetByName(arguments->Get("shape"));
   if (!arguments->Has("shape")) base.name = std::filesystem::path(file).stem().string();
-  request.settings = SettingsFrom(*arguments, base);
+  request.settings = SettingsFrom(*arguments, base, true);
   request.seed = arguments->Get<std::uint64_t>("seed");
   arguments->Read("lat", &request.latitude);
   arguments->Read("lon", &request.longitude);
@@ -117,6 +125,10 @@ int ImportCommand(int argc, const char* const* argv) {
   request.charging = Role(*arguments, "charging");
   request.agents = Role(*arguments, "agents");
   if (arguments->Has("window")) request.window = ParseWindow(arguments->Get("window"));
+  arguments->Read("priority", &request.priority);
+  arguments->Read("task-name", &request.task_name);
+  arguments->Read("external-id", &request.external_id);
+  request.are_reports = arguments->Has("arrivals") && arguments->Get("arrivals") == kArrivalsOfRows;
   request.may_turn = !arguments->Has("area");
   if (arguments->Has("start")) {
     request.start = TimeOfDay(arguments->Get("start"));

@@ -75,6 +75,10 @@ std::size_t Table::Column(std::string_view name) const {
   return static_cast<std::size_t>(at - columns.begin());
 }
 
+std::string Table::RowName(std::size_t row) const {
+  return is_geojson ? fmt::format("point {}", row + 1) : fmt::format("record {}", row + 2);
+}
+
 std::optional<std::string> Table::FirstOf(const std::vector<std::string>& names) const {
   for (const std::string& name : names) {
     for (const std::string& column : columns) {
@@ -141,6 +145,7 @@ Table ParseGeoJson(std::string_view text, std::string_view file) {
 
   Table table;
   table.file = file;
+  table.is_geojson = true;
   table.columns = {"latitude", "longitude"};
   std::map<std::string, std::size_t> columns;  // of the properties
   for (const JsonValue* feature : features) {

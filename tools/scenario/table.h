@@ -13,9 +13,12 @@ struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
   std::size_t not_points = 0;  ///< GeoJSON features that are no points, left out
+  bool is_geojson = false;
 
   /// Index of the column of that name; throws InputError naming the columns that there are.
   std::size_t Column(std::string_view name) const;
+  /// The row as messages name it: "record 2" is the first of a CSV file, "point 1" of GeoJSON.
+  std::string RowName(std::size_t row) const;
   /// The first of the names that a column has, in any case of letters; none when no column has one.
   std::optional<std::string> FirstOf(const std::vector<std::string>& names) const;
 };

@@ -137,6 +137,18 @@ TEST(TimeOfDay, ReadsCommonWritings) {
   EXPECT_EQ(TimeOfDay("12:05 am"), 5 * kMinuteUs);
   EXPECT_EQ(TimeOfDay("12:05PM"), 12 * kHour + 5 * kMinuteUs);
   EXPECT_EQ(TimeOfDay("7:30"), 7 * kHour + 30 * kMinuteUs);
+  EXPECT_EQ(TimeOfDay("2020-01-20T07:30:00,5+08:00"), 7 * kHour + 30 * kMinuteUs + 500'000);
+  EXPECT_EQ(TimeOfDay("20200120T0730"), 7 * kHour + 30 * kMinuteUs);
+  EXPECT_EQ(TimeOfDay("20200120T073059.25Z"), 7 * kHour + 30 * kMinuteUs + 59'250'000);
+  // 12 January 2010, 21:53:10 UTC.
+  EXPECT_EQ(TimeOfDay("1263333190"), 21 * kHour + 53 * kMinuteUs + 10 * kSecondUs);
+  EXPECT_EQ(TimeOfDay(" 1263333190.5 "), 21 * kHour + 53 * kMinuteUs + 10'500'000);
+  EXPECT_EQ(TimeOfDay("1263333190123"), 21 * kHour + 53 * kMinuteUs + 10'123'000);
+  for (const char* bad :
+       {"20200120", "20200120073000", "202001200730", "2020", "-1263333190", "1263333190 s",
+        "20200120T07", "20200120T2430", "T0730", "20200120T07305"}) {
+    EXPECT_EQ(TimeOfDay(bad), std::nullopt) << bad;
+  }
   for (const char* bad : {"", "NA", "2020-01-20", "24:00", "12:60", "12:00:61", "1:2", "123:45",
                           "13:00 PM", "a:b", ":30", "5:"}) {
     EXPECT_EQ(TimeOfDay(bad), std::nullopt) << bad;
@@ -418,7 +430,8 @@ TEST(Import, SaysWhatIsMissing) {
             }),
       "t.csv: rows: found none in the window for the tasks with kind=b, expected at least one");
   EXPECT_EQ(error(good, [](ImportRequest& r) { r.time = "when"; }),
-            "t.csv: when: found no time of day in any row, expected H:MM, H:MM:SS or H:MM:SS.fff");
+            "t.csv: when: found no time of day in any row, expected clock times "
+            "(H:MM, H:MM:SS.fff), ISO 8601, Unix seconds or ms");
   EXPECT_EQ(
       error(good,
             [](ImportRequest& r) {
