@@ -545,14 +545,26 @@ std::string ReadAll(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(ScenarioJson, TheDocumentationsExampleIsValid) {
+TEST(ScenarioJson, TheDocumentationsExamplesAreValid) {
   const std::string page = ReadAll(MUSTER_SOURCE_DIR "/docs/scenario-format.md");
-  const std::size_t begin = page.find("```json\n");
-  ASSERT_NE(begin, std::string::npos);
-  const std::size_t end = page.find("```", begin + 8);
-  const Scenario s = ParseScenario(page.substr(begin + 8, end - begin - 8), "scenario-format.md");
-  EXPECT_EQ(s.name, "small");
-  EXPECT_EQ(s.disturbances.wind.high, 0.4);
+  std::vector<Scenario> examples;
+  for (std::size_t begin = 0; (begin = page.find("```json\n", begin)) != page.npos;) {
+    const std::size_t end = page.find("```", begin + 8);
+    examples.push_back(ParseScenario(page.substr(begin + 8, end - begin - 8), "an example"));
+    begin = end + 3;
+  }
+  ASSERT_EQ(examples.size(), 2u);
+  EXPECT_EQ(examples[0].name, "small");
+  EXPECT_EQ(examples[0].disturbances.wind.high, 0.4);
+  EXPECT_FALSE(examples[0].IsOpen());
+  EXPECT_TRUE(examples[1].IsOpen());
+  const Task& task = examples[1].tasks.at(1);
+  EXPECT_EQ(task.external_id, "A-17");
+  // As the page says of it.
+  EXPECT_EQ(WorthOf(task, 30 * kMinuteUs, examples[1].rules), 4);
+  EXPECT_EQ(WorthOf(task, 30 * kMinuteUs + 1, examples[1].rules), 2);
+  EXPECT_FALSE(task.AllowsStart(60 * kMinuteUs));
+  EXPECT_EQ(examples[1].rules, Rules());  // its rules are the defaults that the page names
 }
 
 TEST(ScenarioJson, ReadyMadeScenariosAreWhatTheirCommandsWrite) {
