@@ -172,10 +172,10 @@ template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
 inline constexpr std::array<std::string_view, 18> kNames<EventKind> = {
-    "agent_online",   "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
-    "sensing_done",   "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
-    "match_failed",   "process_lost",    "process_back",     "fault_applied", "fault_ended",
-    "task_reported",  "task_expired",    "answer_refused"};
+    "agent_online",  "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
+    "sensing_done",  "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
+    "match_failed",  "process_lost",    "process_back",     "fault_applied", "fault_ended",
+    "task_reported", "task_expired",    "answer_refused"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

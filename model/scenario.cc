@@ -4,8 +4,7 @@ namespace muster {
 
 bool Task::IsPlain() const {
   return reported_us == 0 && due_us == kNever && expires_us == kNever &&
-         priority == Priority::kNormal && name.empty() && external_id.empty() &&
-         source.empty();
+         priority == Priority::kNormal && name.empty() && external_id.empty() && source.empty();
 }
 
 double WorthOf(const Task& task, TimeUs start_us, const Rules& rules) {
@@ -15,8 +14,7 @@ double WorthOf(const Task& task, TimeUs start_us, const Rules& rules) {
 
 bool Scenario::IsOpen() const {
   const Rules usual;
-  return rules.priority_worth != usual.priority_worth ||
-         rules.late_worth != usual.late_worth ||
+  return rules.priority_worth != usual.priority_worth || rules.late_worth != usual.late_worth ||
          !std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.IsPlain(); });
 }
 

@@ -33,9 +33,9 @@ inline constexpr std::size_t kPriorities = 4;
 
 struct Task {
   Point at;
-  double cost_m = 0;         ///< range that sensing takes (T_costPow)
-  TimeUs reported_us = 0;    ///< nobody knows of it before
-  TimeUs due_us = kNever;    ///< sensing should have begun by then; later is late, not undone
+  double cost_m = 0;           ///< range that sensing takes (T_costPow)
+  TimeUs reported_us = 0;      ///< nobody knows of it before
+  TimeUs due_us = kNever;      ///< sensing should have begun by then; later is late, not undone
   TimeUs expires_us = kNever;  ///< sensing must begin before; then it is gone
   Priority priority = Priority::kNormal;
   std::string name = {}, external_id = {}, source = {};  ///< as people call it; "": not given

@@ -344,9 +344,9 @@ class Writer {
         rules.start_on_meeting);
     if (open) {
       const auto& worth = rules.priority_worth;
-      Add(", \"priority_worth\": [{}, {}, {}, {}], \"late_worth\": {}",
-          ToText(worth[0], kOne), ToText(worth[1], kOne),
-          ToText(worth[2], kOne), ToText(worth[3], kOne), ToText(rules.late_worth, kOne));
+      Add(", \"priority_worth\": [{}, {}, {}, {}], \"late_worth\": {}", ToText(worth[0], kOne),
+          ToText(worth[1], kOne), ToText(worth[2], kOne), ToText(worth[3], kOne),
+          ToText(rules.late_worth, kOne));
     }
     Add("}},\n");
     const Disturbances& disturbances = scenario.disturbances;

@@ -50,7 +50,8 @@ class Validator {
     Agents("workers", AgentKind::kWorker);
     Agents("vehicles", AgentKind::kVehicle);
     for (std::size_t i = 0; i < kPriorities; ++i) {
-      Within(fmt::format("rules.priority_worth[{}]", i), rules.priority_worth[i], kOne, 0, kMaxWorth);
+      Within(fmt::format("rules.priority_worth[{}]", i), rules.priority_worth[i], kOne, 0,
+             kMaxWorth);
     }
     Within("rules.late_worth", rules.late_worth, kOne, 0, 1);
     NotEmpty("tasks", scenario_.tasks.size());

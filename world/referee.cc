@@ -83,11 +83,11 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
       const auto failed = failed_.find(agent);
       return failed != failed_.end() && failed->second.at_us < activity.end_us;
     };
-    const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
-                            aborted_by({PartnerKind(activity.kind), activity.partner}) ||
-                            (activity.kind == Activity::Kind::kSensing &&
-                             task_status_[static_cast<std::size_t>(activity.site)] ==
-                                 TaskStatus::kExpired);
+    const bool is_aborted =
+        aborted_by({AgentKind::kUav, activity.uav.value}) ||
+        aborted_by({PartnerKind(activity.kind), activity.partner}) ||
+        (activity.kind == Activity::Kind::kSensing &&
+         task_status_[static_cast<std::size_t>(activity.site)] == TaskStatus::kExpired);
     activities_.push_back({activity, false, is_aborted});
   }
 }

@@ -510,9 +510,9 @@ class Builder {
         arcs[i].gain = MoveBenefit(mean.agent[At(way.agent)], after[At(way.place)], way.level);
         const TimeUs travel = TravelUs(way.metres, speed);
         arcs[i].arrive_us = situation_.now_us + travel;
-        site[i] = charging                        ? site_of_charge_[At(way.place)]
+        site[i] = charging                      ? site_of_charge_[At(way.place)]
                   : IsInTime(way.place, travel) ? way.place
-                                                  : -1;
+                                                : -1;
       }
     });
     DropWithoutSite(&arcs, &site);

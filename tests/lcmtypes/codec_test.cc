@@ -316,7 +316,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 16; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 18; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));
@@ -407,7 +407,7 @@ TEST(Valid, LooksAtEveryElement) {
   using W = world_state_t;
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.done = 5; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.done = -1; }));
-  EXPECT_FALSE(ValidAfter<W>([](W& m) { m.task_status[3] = 4; }));
+  EXPECT_FALSE(ValidAfter<W>([](W& m) { m.task_status[3] = 6; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].kind = 2; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].end_us = 9; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].partner_id = -1; }));

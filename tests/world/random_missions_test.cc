@@ -273,9 +273,8 @@ TEST_P(RandomMissions, DoNotDependOnTheTickNorOnARestart) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Tasks, RandomMissions, ::testing::Bool(), [](const auto& timed) {
-  return timed.param ? "InTime" : "FromTheStart";
-});
+INSTANTIATE_TEST_SUITE_P(Tasks, RandomMissions, ::testing::Bool(),
+                         [](const auto& timed) { return timed.param ? "InTime" : "FromTheStart"; });
 
 TEST(RandomMissionsOfOld, ComeToWhatTheyCameTo) {
   const char* known[] = {"777 events, 3d9da66f", "776 events, e9e0db5d", "741 events, bb4b3e99",

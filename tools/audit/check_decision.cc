@@ -147,9 +147,9 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
     latest = std::min(latest, LatestEnd(*member));
   }
   if (task != nullptr && end >= task->expires_us) {
-    Violate(now_us_, "expiry",
-            fmt::format("{}: there at {} us, the task expires at {} us", name, end,
-                        task->expires_us));
+    Violate(
+        now_us_, "expiry",
+        fmt::format("{}: there at {} us, the task expires at {} us", name, end, task->expires_us));
   }
   if (a.uav_id >= 0) {
     const AgentModel& uav = *members[0];

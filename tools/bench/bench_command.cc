@@ -33,12 +33,14 @@ void WriteWhole(const std::string& file, const std::string& text) {
 
 void AddBenchOptions(Options* options) {
   options
-      ->Add("suite", "SUITE",
-            "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
-            "(families that are hard to prove), random (drawn settings), missions (whole ones over "
-            "LCM), arrivals (tasks that are reported meanwhile), paper (its experiments: completion "
-            "rates) or paper-long (the runs of those that take longest)")
-      .OneOf({"decisions", "scale", "hard", "random", "missions", "arrivals", "paper", "paper-long"})
+      ->Add(
+          "suite", "SUITE",
+          "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
+          "(families that are hard to prove), random (drawn settings), missions (whole ones over "
+          "LCM), arrivals (tasks that are reported meanwhile), paper (its experiments: completion "
+          "rates) or paper-long (the runs of those that take longest)")
+      .OneOf(
+          {"decisions", "scale", "hard", "random", "missions", "arrivals", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale, missions: times Random_29's size")
@@ -140,8 +142,8 @@ int ArrivalsCommand(const Arguments& arguments) {
   std::string csv = ArrivalsCsvHeader();
   std::vector<ArrivalsRow> rows;
   ProgressPrinter progress(stderr, StyleFor(stderr, false));
-  const std::size_t n = 2 * options.loads.size() * static_cast<std::size_t>(options.seeds) *
-                        options.policies.size();
+  const std::size_t n =
+      2 * options.loads.size() * static_cast<std::size_t>(options.seeds) * options.policies.size();
   const auto start = std::chrono::steady_clock::now();
   RunArrivals(options, [&](const ArrivalsRow& row) {
     rows.push_back(row);

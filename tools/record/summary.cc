@@ -56,9 +56,9 @@ std::string LogLine(const RunRecord& record) {
 }
 
 std::string ServiceLine(const Service& service) {
-  std::string text = fmt::format("worth {:.4g} of {:.4g}, {} of {} on time, {} expired",
-                                 service.worth_done, service.worth_all, service.on_time(),
-                                 service.reported(), service.expired);
+  std::string text =
+      fmt::format("worth {:.4g} of {:.4g}, {} of {} on time, {} expired", service.worth_done,
+                  service.worth_all, service.on_time(), service.reported(), service.expired);
   if (!service.response_s.empty()) {
     text += fmt::format("; response {:.1f} min on average, 90 % within {:.1f}",
                         service.mean_response_s() / 60, service.response_quantile_s(0.9) / 60);

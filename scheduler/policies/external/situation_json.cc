@@ -146,7 +146,8 @@ Json ToJson(const Situation& situation) {
   }
   Json tasks = Json::array(), points = Json::array();
   for (std::size_t x = 0; x < site.tasks.size(); ++x) {
-    if (situation.task_status[x] != TaskStatus::kUnreported) tasks.push_back(TaskFields(situation, x));
+    if (situation.task_status[x] != TaskStatus::kUnreported)
+      tasks.push_back(TaskFields(situation, x));
   }
   for (std::size_t y = 0; y < site.charging_points.size(); ++y) {
     points.push_back(ChargingPointFields(situation, y));

@@ -349,9 +349,8 @@ class PairFinder {
       }
       arcs->uavs.push_back(arc);
     }
-    const double late_loss = in_time ? WorthOf(task, 0, site_.rules) -
-                                           WorthOf(task, kNever, site_.rules)
-                                     : 0;
+    const double late_loss =
+        in_time ? WorthOf(task, 0, site_.rules) - WorthOf(task, kNever, site_.rules) : 0;
     AddPartners(workers_to_task_.to(s), workers_, 0,
                 fastest_uav_m_s_ > 0 ? SensingUs(task.cost_m, fastest_uav_m_s_) : 0, x, late_loss,
                 arcs);

@@ -54,6 +54,22 @@ std::vector<Mutation> DecisionMutations() {
            s.actions[3].x_m = s.actions[3].y_m = 9000;
          });
        }},
+      {"a pair is sent that comes after the task has expired", "expiry", 0,
+       "there at 432666153 us, the task expires at 420000000 us",
+       [](FakeLog* log) {
+         EditScenario(log, [](nlohmann::json& s) {
+           s["version"] = 2;
+           s["tasks"][0]["expires_min"] = 7;
+         });
+       }},
+      {"a task is given before it is reported", "task-status", 0,
+       "task:1 is said to be open, it is unreported",
+       [](FakeLog* log) {
+         EditScenario(log, [](nlohmann::json& s) {
+           s["version"] = 2;
+           s["tasks"][1]["reported_min"] = 5;
+         });
+       }},
       {"a done task is given", "task-open", 20 * kMin, "the task is done",
        [](FakeLog* log) {
          EditDecision(log, 2, [](schedule_t& s) {

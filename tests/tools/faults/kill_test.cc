@@ -146,7 +146,7 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
   Muster muster(folder_, "run",
                 {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--logger", "lcm",
-                 "--rate", "7200", "--on-loss", "continue", "--lost-after", "0.5", "--fault",
+                 "--rate", "3600", "--on-loss", "continue", "--lost-after", "0.5", "--fault",
                  "process_stopped:lcm-logger@60+4s"});
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const Json report = Report("run");

@@ -147,7 +147,7 @@ TEST_F(RecorderRunTest, EverybodysPacketsAreLostAndStrangersSpeak) {
 }
 
 TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
-  const Json report = Mission({"--rate", "7200", "--on-loss", "continue", "--lost-after", "0.5",
+  const Json report = Mission({"--rate", "3600", "--on-loss", "continue", "--lost-after", "0.5",
                                "--fault", "process_stopped:recorder@60+4s"});
   EXPECT_EQ(report["events"]["process_lost"], 0);
 }

@@ -100,7 +100,7 @@ std::string SeenOfProcesses() {
 }
 
 TEST_F(SealRunTest, DecidesAsWithoutAndKeepsItsKey) {
-  Muster muster = Start({"--seal", "--rate", "7200", "--fault", "process_killed:uav@60"});
+  Muster muster = Start({"--seal", "--rate", "3600", "--fault", "process_killed:uav@60"});
   ASSERT_TRUE(UnderWay(&muster)) << muster.output();
   const std::string key = TextOf(KeyFile()).substr(0, 64);
   ASSERT_EQ(key.size(), 64U);
@@ -281,7 +281,7 @@ TEST_F(SealRunTest, OverSshTheKeyComesByStdin) {
       {"lcm_url", MissionUrl(port_, 1)},
       {"hosts", {{{"name", "there"}, {"ssh", "there"}, {"processes", {"uav", "scheduler"}}}}}};
   Muster muster(folder_, "run",
-                {"run", scenario_, "--policy", "mpq", "--out", Run(), "--rate", "7200", "--hosts",
+                {"run", scenario_, "--policy", "mpq", "--out", Run(), "--rate", "3600", "--hosts",
                  folder_.File("hosts.json")});
   ASSERT_TRUE(UnderWay(&muster)) << muster.output();
   const std::string seen = SeenOfProcesses();

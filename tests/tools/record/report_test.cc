@@ -244,7 +244,7 @@ TEST(Report, CountsAnswersOfAnOutsideSchedulerThatWereRefused) {
   event.header = log[0].header();
   event.header.sender = "scheduler";
   event.header.boot_id = 1;
-  event.kind = 15;
+  event.kind = NumberOf(EventKind::kAnswerRefused);
   event.at_us = 61'000'000;
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
   event.detail = "decision 1: no answer within 3 s";

@@ -2,7 +2,7 @@ import { oncePerFrame } from "./canvas.js";
 import { byId, element, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt } from "./run.js";
-import { DONE, OPEN, spanAt, taskNow, undoneTasks } from "./story.js";
+import { DONE, EXPIRED, OPEN, UNREPORTED, spanAt, taskNow, undoneTasks } from "./story.js";
 import { clockText } from "./time.js";
 
 const CHARGING = 5;
@@ -33,6 +33,11 @@ function tasksAtRisk(run, t) {
   const behind = !run.ended && t >= 3 * run.intervalMs && late(run, t);
   for (const task of run.ended ? undoneTasks(run) : behind ? run.tasks : []) {
     const now = taskNow(run, task, t);
+    if (now.status === UNREPORTED) continue;
+    if (now.status === EXPIRED) {
+      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1, text: `task ${task.id}`, note: "expired: sensing had not begun" });
+      continue;
+    }
     if (now.status === DONE || now.doneAt !== null && now.doneAt <= t) continue;
     const never = run.ended && now.doneAt === null;
     if (never) {

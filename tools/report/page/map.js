@@ -2,6 +2,7 @@ import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
 import { differencesAt } from "./differences.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
+import { EXPIRED, UNREPORTED } from "./story.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
 import { MOST_SYMBOLS, cellWords, countCells, drawCells } from "./map_crowd.js";
@@ -161,7 +162,8 @@ export class MapView {
     for (const task of run.tasks) {
       const px = x(task.x);
       const py = y(task.y);
-      if (this.#inView(px, py)) this.sites.push({ task, status: taskStatusAt(task, t), px, py });
+      const status = taskStatusAt(task, t);
+      if (status !== UNREPORTED && this.#inView(px, py)) this.sites.push({ task, status, px, py });
     }
     const crowd = this.near.length + this.sites.length > MOST_SYMBOLS;
     this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
@@ -388,6 +390,11 @@ function taskMark(c, status, r) {
     c.moveTo(-r * 0.7, 0);
     c.lineTo(-r * 0.15, r * 0.6);
     c.lineTo(r * 0.8, -r * 0.7);
+  } else if (status === EXPIRED) {
+    c.moveTo(-r * 0.7, -r * 0.7);
+    c.lineTo(r * 0.7, r * 0.7);
+    c.moveTo(-r * 0.7, r * 0.7);
+    c.lineTo(r * 0.7, -r * 0.7);
   } else {
     const size = status === 2 ? r * 1.5 : r * 1.15;
     c.moveTo(0, -size);

@@ -11,6 +11,8 @@ export const OPEN = 0;
 export const RESERVED = 1;
 export const SENSING = 2;
 export const DONE = 3;
+export const UNREPORTED = 4;
+export const EXPIRED = 5;
 
 /** Every sensing and charging, by agent and by task: { charging, uav, partner, site, start, end, aborted }. */
 export function activities(run) {

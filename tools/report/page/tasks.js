@@ -1,7 +1,7 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
 import { taskStatusAt } from "./run.js";
-import { DONE, OPEN, doneTime, taskNow } from "./story.js";
+import { DONE, EXPIRED, OPEN, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const MOST_ROWS = 250;
@@ -19,9 +19,9 @@ const COLUMNS = [
 
 const FILTERS = [
   ["all", "all", () => true],
-  ["todo", "to do", (row) => row.status !== DONE],
+  ["todo", "to do", (row) => row.status !== DONE && row.status !== EXPIRED],
   ["open", "nobody sent", (row) => row.status === OPEN],
-  ["under", "under way", (row) => row.status !== OPEN && row.status !== DONE],
+  ["under", "under way", (row) => row.status === RESERVED || row.status === SENSING],
   ["done", "done", (row) => row.status === DONE],
   ["never", "never done", (row) => row.never],
 ];
@@ -117,7 +117,8 @@ export class TaskTable {
     const wanted = FILTERS.find(([id]) => id === this.filter)[2];
     const { text } = this;
     const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who}`.includes(text));
-    const rows = run.tasks.map((task) => new Row(run, task, this.clock.t)).filter((row) => wanted(row) && matches(row));
+    const rows = run.tasks.map((task) => new Row(run, task, this.clock.t))
+      .filter((row) => row.status !== UNREPORTED && wanted(row) && matches(row));
     const { key } = COLUMNS.find((column) => column.id === this.sort);
     const sign = this.down ? -1 : 1;
     const order = (a, b) => (a < b ? -1 : a > b ? 1 : 0);

@@ -76,6 +76,7 @@ export class Actors {
     for (const task of run.tasks) {
       const [x, z] = [plane.x(task.x), plane.z(task.y)];
       const status = taskStatusAt(task, t);
+      if (status > 3) continue; // not reported yet, or expired
       if (status === 3) this.done.put(x, floor + 0.06, z, [size, size, size], 0, done);
       else {
         const s = size * (status === 2 ? 1.1 : 0.85);
