@@ -108,22 +108,34 @@ std::string SummaryOf(const std::vector<ArrivalsRow>& rows) {
   return text;
 }
 
-std::string ArrivalsPlot(const std::string& csv_file, const std::string& svg_file,
-                         const std::vector<std::string>& policies) {
-  std::string text = fmt::format(
-      "set datafile separator ','\nset terminal svg size 900,400\nset output '{}'\n"
-      "set multiplot layout 1,2\nset xlabel 'tasks, times those of Random_1'\n"
-      "set yrange [0:1]\nset key bottom left\n",
-      svg_file);
-  for (const char* arrivals : kArrivals) {
-    text += fmt::format("set title '{}'\nset ylabel 'share of the worth'\nplot ", arrivals);
-    for (std::size_t i = 0; i < policies.size(); ++i) {
-      text += fmt::format(
-          "{}'{}' using ((stringcolumn(1) eq '{}' && stringcolumn(4) eq '{}') ? $2 : "
-          "1/0):($9/$10) smooth unique with linespoints title '{}'",
-          i == 0 ? "" : ", ", csv_file, arrivals, policies[i], policies[i]);
+std::string ArrivalsPlot(const std::vector<ArrivalsRow>& rows, const std::string& svg_file) {
+  std::map<std::string, std::map<std::string, std::map<double, Means>>> lines;
+  std::vector<std::string> policies;
+  for (const ArrivalsRow& row : rows) {
+    Means& means = lines[row.arrivals][row.policy][row.load];
+    ++means.n;
+    means.worth += Share(row.service.worth_done, row.service.worth_all);
+    if (std::find(policies.begin(), policies.end(), row.policy) == policies.end()) {
+      policies.push_back(row.policy);
     }
-    text += "\n";
+  }
+  std::string text = fmt::format(
+      "set terminal svg size 900,400 noenhanced background 'white'\nset output '{}'\n"
+      "set multiplot layout 1,2\nset xlabel 'tasks, times those of Random_1'\n"
+      "set ylabel 'share of the worth'\nset yrange [0:1]\nset key top right\n",
+      svg_file);
+  for (const auto& [arrivals, by_policy] : lines) {
+    std::string plot;
+    for (std::size_t i = 0; i < policies.size(); ++i) {
+      text += fmt::format("${}_{} << EOD\n", arrivals, i);
+      for (const auto& [load, means] : by_policy.at(policies[i])) {
+        text += fmt::format("{} {:.4f}\n", load, means.worth / means.n);
+      }
+      text += "EOD\n";
+      plot += fmt::format("{}${}_{} with linespoints title '{}'", i == 0 ? "" : ", ", arrivals, i,
+                          policies[i]);
+    }
+    text += fmt::format("set title '{}'\nplot {}\n", arrivals, plot);
   }
   return text + "unset multiplot\n";
 }

@@ -36,8 +36,7 @@ std::string ToCsv(const ArrivalsRow& row);
 /// Means over the seeds by arrivals, load and policy, as a Markdown table.
 std::string SummaryOf(const std::vector<ArrivalsRow>& rows);
 
-/// A gnuplot script that draws the share of the worth by load out of the CSV file, as SVG.
-std::string ArrivalsPlot(const std::string& csv_file, const std::string& svg_file,
-                         const std::vector<std::string>& policies);
+/// A gnuplot script that draws the share of the worth, mean over the seeds, by load, as SVG.
+std::string ArrivalsPlot(const std::vector<ArrivalsRow>& rows, const std::string& svg_file);
 
 }  // namespace muster::tools

@@ -160,7 +160,7 @@ int ArrivalsCommand(const Arguments& arguments) {
     const auto file = arguments.Get("out");
     WriteWhole(file, csv);
     if (arguments.Has("plot")) {
-      WriteWhole(arguments.Get("plot"), ArrivalsPlot(file, file + ".svg", options.policies));
+      WriteWhole(arguments.Get("plot"), ArrivalsPlot(rows, file + ".svg"));
     }
   }
   fmt::print("{}", SummaryOf(rows));
