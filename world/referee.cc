@@ -246,7 +246,8 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
 
 void Referee::ExpireUntil(TimeUs t) {
   for (; !to_expire_.empty() && to_expire_.back().first <= t; to_expire_.pop_back()) {
-    const auto [expires_us, x] = to_expire_.back();
+    const TimeUs expires_us = to_expire_.back().first;
+    const std::size_t x = to_expire_.back().second;
     if (task_status_[x] == TaskStatus::kDone) continue;
     const bool begun = std::any_of(activities_.begin(), activities_.end(), [&](const Known& known) {
       return !known.is_aborted && known.activity.kind == Activity::Kind::kSensing &&

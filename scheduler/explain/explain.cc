@@ -36,7 +36,8 @@ double Lack(const PlaceLook& look) {
 }  // namespace
 
 std::string_view ToString(TaskVerdict verdict) {
-  constexpr std::string_view kNames[] = {"done", "under way", "chosen", "lost", "infeasible"};
+  constexpr std::string_view kNames[] = {"done",       "under way",  "chosen", "lost",
+                                         "infeasible", "unreported", "expired"};
   return kNames[static_cast<int>(verdict)];
 }
 
@@ -170,6 +171,11 @@ TaskAnswer Explainer::AboutTask(TaskId task) const {
   const TaskStatus status = situation_.task_status[task.index()];
   if (status == TaskStatus::kDone) {
     answer.verdict = TaskVerdict::kDone;
+    return answer;
+  }
+  if (!IsToDo(status)) {
+    answer.verdict =
+        status == TaskStatus::kExpired ? TaskVerdict::kExpired : TaskVerdict::kUnreported;
     return answer;
   }
   if (status != TaskStatus::kOpen) {

@@ -40,8 +40,8 @@ struct DecisionQuality {
   bool own_weights = false;
 };
 
-enum class TaskVerdict { kDone, kUnderWay, kChosen, kLost, kInfeasible };
-/// "done", "under way", "chosen", "lost", "infeasible"
+enum class TaskVerdict { kDone, kUnderWay, kChosen, kLost, kInfeasible, kUnreported, kExpired };
+/// "done", "under way", "chosen", "lost", "infeasible", "unreported", "expired"
 std::string_view ToString(TaskVerdict verdict);
 
 /// One task at one decision.

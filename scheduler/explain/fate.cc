@@ -46,6 +46,7 @@ class Page {
     if (IsUnderWay()) return true;
     if (MemberIsGone(AgentKind::kUav, pair_.uav.value)) return true;
     if (MemberIsGone(pair_.partner_kind(), pair_.partner)) return true;
+    if (HasExpired()) return IsImpossible();
     if (fate_->taken_by) {
       const Action& action = *fate_->taken_by;
       if (SamePair(pair_, action.uav, MemberOf(action, pair_.partner_kind()))) {
@@ -64,14 +65,7 @@ class Page {
           IsPending(pair_.partner_kind(), pair_.partner)) {
         return false;
       }
-      const HorizonLook look(situation_, decision_.deciding.settings);
-      PlaceLook place =
-          pair_.charging ? look.AtCharge(ChargeId(pair_.site), pair_.uav, VehicleId(pair_.partner))
-                         : look.AtTask(TaskId(pair_.site), pair_.uav, WorkerId(pair_.partner));
-      if (place.obstacle != Obstacle::kNone) {
-        fate_->look = std::move(place);
-        return Settle(FateKind::kImpossible);
-      }
+      if (IsImpossible()) return true;
     }
     return Settle(FateKind::kOutbid);
   }
@@ -82,11 +76,25 @@ class Page {
     return true;
   }
 
+  bool HasExpired() const {
+    return !pair_.charging && situation_.task_status[At(pair_.site)] == TaskStatus::kExpired;
+  }
+
+  bool IsImpossible() {
+    const HorizonLook look(situation_, decision_.deciding.settings);
+    PlaceLook place = pair_.charging
+                          ? look.AtCharge(ChargeId(pair_.site), pair_.uav, VehicleId(pair_.partner))
+                          : look.AtTask(TaskId(pair_.site), pair_.uav, WorkerId(pair_.partner));
+    if (place.obstacle == Obstacle::kNone) return false;
+    fate_->look = std::move(place);
+    return Settle(FateKind::kImpossible);
+  }
+
   /// Pairs may meet without a command (Rules::start_on_meeting).
   bool IsUnderWay() {
     if (pair_.charging) return false;
     const TaskId task(pair_.site);
-    if (situation_.task_status[task.index()] == TaskStatus::kOpen) return false;
+    if (situation_.task_status[task.index()] == TaskStatus::kOpen || HasExpired()) return false;
     const auto activity = UnderWayAt(situation_, task);
     const bool ours = activity && SamePair(pair_, activity->uav, activity->partner);
     if (activity && !ours) {

@@ -92,8 +92,9 @@ std::vector<Match> OnlyWhatFollows(const std::vector<Match>& best, const std::ve
 }  // namespace
 
 std::string_view ToString(HorizonVerdict verdict) {
-  constexpr std::string_view kNames[] = {"done",   "under way", "chosen",    "planned",
-                                         "outbid", "worthless", "impossible"};
+  constexpr std::string_view kNames[] = {"done",       "under way",  "chosen",
+                                         "planned",    "outbid",     "worthless",
+                                         "impossible", "unreported", "expired"};
   return kNames[static_cast<int>(verdict)];
 }
 
@@ -198,6 +199,11 @@ std::optional<HorizonForcing> HorizonExplainer::Force(bool charging, std::int32_
 HorizonTaskAnswer HorizonExplainer::AboutTask(TaskId task) const {
   HorizonTaskAnswer answer;
   const TaskStatus status = situation().task_status[task.index()];
+  if (!IsToDo(status) && status != TaskStatus::kDone) {
+    answer.verdict =
+        status == TaskStatus::kExpired ? HorizonVerdict::kExpired : HorizonVerdict::kUnreported;
+    return answer;
+  }
   if (status != TaskStatus::kOpen) {
     const bool done = status == TaskStatus::kDone;
     answer.verdict = done ? HorizonVerdict::kDone : HorizonVerdict::kUnderWay;

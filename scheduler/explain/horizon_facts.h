@@ -77,9 +77,12 @@ enum class HorizonVerdict {
   kPlanned,
   kOutbid,
   kWorthless,  ///< no pair that could serve it is worth more than nothing
-  kImpossible
+  kImpossible,
+  kUnreported,
+  kExpired
 };
-/// "done", "under way", "chosen", "planned", "outbid", "worthless", "impossible"
+/// "done", "under way", "chosen", "planned", "outbid", "worthless", "impossible", "unreported",
+/// "expired"
 std::string_view ToString(HorizonVerdict verdict);
 
 /// One task at one decision, in horizon's terms.

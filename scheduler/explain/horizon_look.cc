@@ -117,7 +117,15 @@ HorizonLook::Untimed HorizonLook::Build(const PlaceLook& look, std::int32_t uav,
   }
   HorizonSettings settings = settings_;
   settings.chains = false;  // a part of the worth, which is not asked for
-  untimed.pairs = FindPairs(situation_, endless, open, settings);
+  if (look.charging || situation_.site->tasks[At(look.site)].expires_us == kNever) {
+    untimed.pairs = FindPairs(situation_, endless, open, settings);
+  } else {
+    Site lasting = *situation_.site;
+    lasting.tasks[At(look.site)].expires_us = kNever;
+    Situation situation = situation_;
+    situation.site = std::make_shared<const Site>(std::move(lasting));
+    untimed.pairs = FindPairs(situation, endless, open, settings);
+  }
   return untimed;
 }
 
@@ -159,6 +167,14 @@ void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLoo
     const Match match = MatchOf(pairs, some, site, uav_arc, partner_arc);
     const PairLook pair = MakeLook(some, match);
     ++look->pairs;
+    const TimeUs there_us = std::max(uav_arc.arrive_us, partner_arc.arrive_us);
+    if (!look->charging) {
+      const Task& task_there = situation_.site->tasks[At(look->site)];
+      if (!task_there.AllowsStart(there_us)) {
+        look->OfferExpired(pair, there_us, task_there.expires_us);
+        return;
+      }
+    }
     if (pair.end_us <= pair.latest_us) return;
     const auto& partners = look->charging ? some.vehicles : some.workers;
     look->OfferLate(pair, situation_.site->rules.limit_us, *some.uavs[At(match.uav)].agent,

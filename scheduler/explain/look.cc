@@ -28,6 +28,8 @@ std::string_view ToString(Obstacle obstacle) {
       return "online window";
     case Obstacle::kLimit:
       return "time limit";
+    case Obstacle::kExpiry:
+      return "expiry";
     case Obstacle::kNoUse:
       return "no use";
   }
@@ -55,6 +57,18 @@ void PlaceLook::OfferLate(PairLook pair, TimeUs limit_us, const AgentState& uav,
     pair.latest_us = by_uav ? uav.online_until_us : partner.online_until_us;
     ++pairs_after_window;
   }
+  KeepLeastLate(pair);
+}
+
+void PlaceLook::OfferExpired(PairLook pair, TimeUs there_us, TimeUs expires_us) {
+  pair.obstacle = Obstacle::kExpiry;
+  pair.end_us = there_us;
+  pair.latest_us = expires_us;
+  ++pairs_after_expiry;
+  KeepLeastLate(pair);
+}
+
+void PlaceLook::KeepLeastLate(const PairLook& pair) {
   if (!nearest_time ||
       pair.end_us - pair.latest_us < nearest_time->end_us - nearest_time->latest_us) {
     nearest_time = pair;
@@ -90,6 +104,11 @@ PlaceLook Look::AtCharge(ChargeId charge, UavId uav, VehicleId vehicle) const {
   return AtPlace(true, charge.value, charge.value,
                  uav.valid() ? RowOf(AgentKind::kUav, uav.value) : kAny,
                  vehicle.valid() ? RowOf(AgentKind::kVehicle, vehicle.value) : kAny);
+}
+
+bool Look::InTime(int uav, int task, int worker) const {
+  return weights_.uav_task.travel_us(uav, task) != kNever &&
+         weights_.worker_task.travel_us(worker, task) != kNever;
 }
 
 PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_uav,
@@ -132,6 +151,12 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
         pair.latest_us = std::min(LatestEnd(uav, rules), LatestEnd(partner, rules));
         ++look.pairs_feasible;
         look.Offer(pair);
+      } else if (!charging && !InTime(u, column, p)) {
+        const TimeUs there_us =
+            situation_.now_us +
+            std::max(TravelUs(legs.way_m(u, column), uav.speed_m_s),
+                     TravelUs(weights_.worker_task.way_m(p, column), partner.speed_m_s));
+        look.OfferExpired(pair, there_us, situation_.site->tasks[At(site)].expires_us);
       } else if (!charging || feasible_.free_places(column) > 0) {
         look.OfferLate(pair, rules.limit_us, uav, partner);
       }
@@ -147,7 +172,9 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_u
   } else if (look.uavs_in_range == 0) {
     look.obstacle = Obstacle::kRange;
   } else {
-    look.obstacle = look.pairs_after_window > 0 ? Obstacle::kWindow : Obstacle::kLimit;
+    look.obstacle = look.pairs_after_expiry > 0   ? Obstacle::kExpiry
+                    : look.pairs_after_window > 0 ? Obstacle::kWindow
+                                                  : Obstacle::kLimit;
   }
   return look;
 }

@@ -20,10 +20,11 @@ enum class Obstacle {
   kRange,      ///< constraint (6) at a task, (5) at a charging point
   kWindow,     ///< it would end after a participant's downtime
   kLimit,      ///< it would end after the mission
+  kExpiry,     ///< they would not be there before the task expires
   kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit", "no use"
+/// "time limit", "expiry", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -43,7 +44,7 @@ struct PairLook {
   std::int32_t partner = -1;  ///< worker or vehicle
   Obstacle obstacle = Obstacle::kNone;
   double weight = 0;     ///< when nothing stands against it
-  TimeUs end_us = 0;     ///< when it would be done
+  TimeUs end_us = 0;     ///< when it would be done; of kExpiry when both would be there
   TimeUs latest_us = 0;  ///< by when it must be: of kWindow the downtime, of kLimit the limit
   std::optional<AgentKind> window_of;  ///< of kWindow: whose downtime
   /// When they can be commanded, unless they are idle; only in horizon's terms.
@@ -62,7 +63,7 @@ struct PlaceLook {
   int uavs_in_range = 0;
   int uavs_without_use = 0;  ///< in range of the charging point, of kNoUse
   int pairs = 0;             ///< of a UAV in range and a partner
-  int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0;
+  int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0, pairs_after_expiry = 0;
   std::vector<PairLook> best;  ///< feasible, heaviest first, at most kBest
   std::optional<RangeNeed>
       nearest_range;                     ///< of the UAVs that lack range, the one that lacks least
@@ -73,8 +74,13 @@ struct PlaceLook {
   void Offer(const PairLook& pair);
   /// Keeps a pair that ends too late if it is the least late. Sets its obstacle, counts it.
   void OfferLate(PairLook pair, TimeUs limit_us, const AgentState& uav, const AgentState& partner);
+  /// The same for a pair that is at the task, at `there_us`, after it has expired.
+  void OfferExpired(PairLook pair, TimeUs there_us, TimeUs expires_us);
   /// Keeps the need if it is the one that lacks least.
   void OfferShort(const RangeNeed& need);
+
+ private:
+  void KeepLeastLate(const PairLook& pair);
 };
 
 /// One decision's situation under the paper's weights, to be asked about single places and agents.
@@ -99,6 +105,8 @@ class Look {
 
  private:
   int RowOf(AgentKind kind, std::int32_t id) const;
+  /// Whether both are at the task before it expires; by rows and column.
+  bool InTime(int uav, int task, int worker) const;
   PlaceLook AtPlace(bool charging, std::int32_t site, int column, int only_uav,
                     int only_partner) const;
 

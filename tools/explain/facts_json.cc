@@ -68,6 +68,7 @@ Json FactJson(const PlaceLook& look) {
                {"pairs_feasible", look.pairs_feasible},
                {"pairs_after_online_window", look.pairs_after_window},
                {"pairs_after_time_limit", look.pairs_after_limit}};
+  if (look.pairs_after_expiry > 0) json["pairs_after_expiry"] = look.pairs_after_expiry;
   if (look.soon_decisions > 0) {
     json["soon_decisions"] = look.soon_decisions;
     json["soon_uavs"] = look.soon_uavs;

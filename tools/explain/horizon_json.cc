@@ -90,7 +90,10 @@ void AddQuality(const HorizonQuality& quality, Json* json) {
 void AddHorizon(const HorizonChapter<scheduler::TaskAnswer>& chapter, Json* json) {
   const auto& answer = chapter.answer;
   (*json)["verdict"] = ToString(answer.verdict);
-  if (answer.verdict == HorizonVerdict::kDone) return;
+  if (answer.verdict == HorizonVerdict::kDone || answer.verdict == HorizonVerdict::kUnreported ||
+      answer.verdict == HorizonVerdict::kExpired) {
+    return;
+  }
   if (answer.verdict == HorizonVerdict::kUnderWay) {
     if (answer.activity) (*json)["pair"] = FactJson(*answer.activity);
     return;

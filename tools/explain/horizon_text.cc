@@ -140,6 +140,10 @@ void AddHorizon(const Chapter<scheduler::TaskAnswer>& chapter, Lines* lines) {
     case HorizonVerdict::kDone:
       lines->Add("done");
       return;
+    case HorizonVerdict::kUnreported:
+    case HorizonVerdict::kExpired:
+      lines->Add(std::string(ToString(answer.verdict)));
+      return;
     case HorizonVerdict::kUnderWay:
       lines->Add(UnderWayWords(answer.activity));
       return;

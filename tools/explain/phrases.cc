@@ -80,6 +80,12 @@ std::string ObstacleWords(const PlaceLook& look) {
                          look.nearest_range ? RangeWords(*look.nearest_range, look.charging) : "");
     case Obstacle::kNoUse:
       return "charging would enable no further task";
+    case Obstacle::kExpiry:
+      return look.nearest_time ? fmt::format("the task expires at {}, {} would be there at {}",
+                                             ClockWords(look.nearest_time->latest_us),
+                                             PairWords(*look.nearest_time, false),
+                                             ClockWords(look.nearest_time->end_us))
+                               : "the task expires before";
     case Obstacle::kWindow:
     case Obstacle::kLimit:
       return fmt::format("{}: {}",
@@ -94,9 +100,9 @@ std::string Plural(int n, const char* what) {
 }
 
 std::string BlockedWords(int places, const PlaceLook& nearest) {
-  const bool numbers = nearest.obstacle == Obstacle::kRange ||
-                       nearest.obstacle == Obstacle::kWindow ||
-                       nearest.obstacle == Obstacle::kLimit;
+  const bool numbers =
+      nearest.obstacle == Obstacle::kRange || nearest.obstacle == Obstacle::kWindow ||
+      nearest.obstacle == Obstacle::kLimit || nearest.obstacle == Obstacle::kExpiry;
   return fmt::format("not {}: {}{}", Plural(places, nearest.charging ? "charging point" : "task"),
                      numbers ? fmt::format("at {}:{}, which comes nearest, ",
                                            nearest.charging ? "charge" : "task", nearest.site)

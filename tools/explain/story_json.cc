@@ -76,7 +76,10 @@ void AddEvents(const Chapter<Answer>& chapter, Json* json) {
 
 void Add(const TaskAnswer& answer, Json* json) {
   (*json)["verdict"] = ToString(answer.verdict);
-  if (answer.verdict == TaskVerdict::kDone) return;
+  if (answer.verdict == TaskVerdict::kDone || answer.verdict == TaskVerdict::kUnreported ||
+      answer.verdict == TaskVerdict::kExpired) {
+    return;
+  }
   if (answer.verdict == TaskVerdict::kUnderWay) {
     if (!answer.activity) return;
     (*json)["pair"] = FactJson(*answer.activity);
@@ -132,7 +135,6 @@ const char* UnitOf(Terms terms) { return terms == Terms::kHorizon ? "tasks" : "w
 }  // namespace
 
 Json ToJson(const TaskStory& story) {
-  constexpr const char* kStatus[] = {"open", "reserved", "sensing", "done"};
   return {{"version", 2},
           {"terms", NameOf(story.terms)},
           {"unit", UnitOf(story.terms)},
@@ -142,7 +144,7 @@ Json ToJson(const TaskStory& story) {
           {"y_m", story.spec.at.y_m},
           {"sensing_m", story.spec.cost_m},
           {"to_charge_m", std::isfinite(story.to_charge_m) ? Json(story.to_charge_m) : Json()},
-          {"status", kStatus[static_cast<int>(story.last_status)]},
+          {"status", ToString(story.last_status)},
           {"done_s", story.done ? Json(ToSeconds(story.done->at_us)) : Json()},
           {"decisions", ChaptersJson(story.chapters)}};
 }

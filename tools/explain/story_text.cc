@@ -107,6 +107,10 @@ void AddAnswer(const TaskAnswer& answer, double best, Lines* lines) {
   switch (answer.verdict) {
     case TaskVerdict::kDone:
       break;
+    case TaskVerdict::kUnreported:
+    case TaskVerdict::kExpired:
+      lines->Add(std::string(ToString(answer.verdict)));
+      break;
     case TaskVerdict::kUnderWay:
       lines->Add(UnderWayWords(answer.activity));
       break;

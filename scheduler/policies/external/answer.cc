@@ -74,7 +74,9 @@ Action ReadAction(const std::string& where, const JsonValue& value, const Situat
   if (value.type != Type::kObject) Refuse(where, value, "an object");
   Action action;
   bool has_x = false, has_y = false;
-  for (const auto& [name, field] : value.members) {
+  for (const auto& member : value.members) {
+    const auto& [name, value_of_it] = member;
+    const JsonValue& field = value_of_it;
     const std::string key = fmt::format("{}.{}", where, name);
     const auto id = [&] {
       return static_cast<std::int32_t>(

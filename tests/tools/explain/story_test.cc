@@ -167,6 +167,41 @@ TEST(AgentStory, TellsAFailedAgent) {
   EXPECT_TRUE(Contains(text, "* 0:00:00 agent failed uav:0\n")) << text;
 }
 
+TEST(TaskStory, TellsOfTasksThatAreReportedAndExpire) {
+  GeneratorSettings settings = PresetByName("Random_10");
+  settings.rules.limit_us = 90 * kMinuteUs;
+  settings.arrivals.share = 0.8;
+  settings.expires_min = {Always(15), Always(15), Always(15), Always(15)};
+  const Scenario scenario = Generate(settings, 2);
+  for (const char* policy : {"mpq", "certified", "horizon", "rollout-steps"}) {
+    SCOPED_TRACE(policy);
+    const DecisionLog log = Logged(SimulatedPackets(scenario, policy));
+    std::map<std::string, int> verdicts, obstacles;
+    for (std::int32_t x = 0; x < static_cast<std::int32_t>(scenario.tasks.size()); ++x) {
+      const TaskStory story = TellTask(log, "run", x, {});
+      EXPECT_FALSE(ToText(story).empty());
+      const Task& task = scenario.tasks[static_cast<std::size_t>(x)];
+      const auto json = ToJson(story);
+      for (const auto& chapter : json["decisions"]) {
+        const std::string verdict = chapter["verdict"];
+        ++verdicts[verdict];
+        const TimeUs t = chapter["decision"].get<int>() * scenario.rules.interval_us;
+        EXPECT_EQ(verdict == "unreported", t < task.reported_us) << "task " << x;
+        EXPECT_EQ(verdict == "expired" && t < task.expires_us, false) << "task " << x;
+        if (chapter.contains("pairs")) ++obstacles[chapter["pairs"]["obstacle"]];
+      }
+    }
+    EXPECT_GT(verdicts["unreported"], 20);
+    EXPECT_GT(verdicts["expired"], 20);
+    EXPECT_GT(obstacles["expiry"], 0);
+    for (const AgentKind kind : kAgentKinds) {
+      for (std::int32_t id = 0; id < 5; ++id) {
+        EXPECT_FALSE(ToText(TellAgent(log, "run", kind, id, {})).empty());
+      }
+    }
+  }
+}
+
 TEST(TaskStory, SaysOfEachTaskWhatTheLogSays) {
   GeneratorSettings settings = PresetByName("Random_10");
   settings.rules.limit_us = 90 * kMinuteUs;
@@ -209,6 +244,9 @@ TEST(TaskStory, SaysOfEachTaskWhatTheLogSays) {
           ASSERT_EQ(status, 0);
           ASSERT_FALSE(sent);
           break;
+        case TaskVerdict::kUnreported:
+        case TaskVerdict::kExpired:
+          ADD_FAILURE() << "no task of this mission has times";
       }
       if (chapter.answer.forcing) {
         ASSERT_TRUE(chapter.answer.forcing->exact);
