@@ -50,6 +50,17 @@ void WriteSchedule(const schedule_t& s, ordered_json* list) {
                    s.solve_us, s.policy, std::move(actions)});
 }
 
+/// What tasks have in version 2 of the scenario only.
+ordered_json TaskTimes(const Scenario& scenario) {
+  const auto time = [](TimeUs t) { return t == kNever ? ordered_json() : ordered_json(Ms(t)); };
+  ordered_json rows = ordered_json::array();
+  for (const Task& task : scenario.tasks) {
+    rows.push_back({Ms(task.reported_us), time(task.due_us), time(task.expires_us),
+                    static_cast<int>(task.priority), task.name});
+  }
+  return rows;
+}
+
 ordered_json Places(const Scenario& scenario) {
   ordered_json tasks = ordered_json::array();
   for (const Task& task : scenario.tasks) {
@@ -76,6 +87,7 @@ ordered_json Places(const Scenario& scenario) {
                         {"tasks", std::move(tasks)},
                         {"charging_points", std::move(charging)},
                         {"range_full_m", std::move(range)}};
+  if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);
   if (scenario.origin) {
     place["origin"] = {scenario.origin->latitude_deg, scenario.origin->longitude_deg};
   }

@@ -26,6 +26,9 @@ export const KINDS = [
 
 const minutes = (ms) => `${number(ms / 60000)} min`;
 
+/** Of tasks that need attention those of higher priority come first. */
+const weightOf = (task) => 10 * (task.priority ?? 0);
+
 /** Reports only: a task that is never done is known before the end. */
 function tasksAtRisk(run, t) {
   const found = [];
@@ -35,16 +38,16 @@ function tasksAtRisk(run, t) {
     const now = taskNow(run, task, t);
     if (now.status === UNREPORTED) continue;
     if (now.status === EXPIRED) {
-      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1, text: `task ${task.id}`, note: "expired: sensing had not begun" });
+      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1 + weightOf(task), text: `task ${task.id}`, note: "expired: sensing had not begun" });
       continue;
     }
     if (now.status === DONE || now.doneAt !== null && now.doneAt <= t) continue;
     const never = run.ended && now.doneAt === null;
     if (never) {
-      found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: now.status === OPEN ? 2 : 1,
+      found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: (now.status === OPEN ? 2 : 1) + weightOf(task),
         text: `task ${task.id}`, note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
     } else if (behind && now.status === OPEN) {
-      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: 0, text: `task ${task.id}`, note: "nobody is sent" });
+      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: weightOf(task), text: `task ${task.id}`, note: "nobody is sent" });
     }
   }
   return found;

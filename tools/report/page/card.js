@@ -11,6 +11,16 @@ import { clockText } from "./time.js";
 const km = (m) => `${number(m / 1000, 1)} km`;
 const MOST_RANGE_POINTS = 600;
 
+const PRIORITIES = ["low", "normal", "high", "emergency"];
+
+/** When a task was reported, is due and expires, and how much it matters. */
+function timeFacts(task) {
+  const facts = [["priority", PRIORITIES[task.priority]], ["reported", clockText(task.reported)]];
+  if (task.due !== null) facts.push(["due", `sensing should begin by ${clockText(task.due)}`]);
+  if (task.expires !== null) facts.push(["expires", `sensing must begin before ${clockText(task.expires)}`]);
+  return facts;
+}
+
 /** "in 6:30" */
 function within(ms) {
   const s = Math.max(0, Math.round(ms / 1000));
@@ -155,8 +165,9 @@ export class Card {
       }
     } else facts.push(["now", `${status}: nobody is sent for it`]);
     if (now.status !== DONE && run.ended) facts.push(["in the end", now.doneAt === null ? "never done" : `done at ${clockText(now.doneAt)}`]);
+    if (run.timed) facts.push(...timeFacts(task));
     facts.push(["takes", `${km(task.cost)} of range`], ["place", placeWords(run, task)]);
-    return { title: `task ${task.id}`, state: status, facts };
+    return { title: `task ${task.id}${task.name ? ` ${task.name}` : ""}`, state: status, facts };
   }
 
   #more(run, selected) {

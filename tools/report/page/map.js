@@ -168,6 +168,7 @@ export class MapView {
     const crowd = this.near.length + this.sites.length > MOST_SYMBOLS;
     this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
     byId("map-crowd").hidden = !crowd;
+    byId("legend-expired").hidden = !run.timed;
   }
 
   #drawTrails(c, x, y, t) {

@@ -99,6 +99,11 @@ export class Run {
     for (let i = 0; i < s.tasks.length; i += 3) {
       this.tasks.push({ id: i / 3, x: s.tasks[i], y: s.tasks[i + 1], cost: s.tasks[i + 2], changes: [] });
     }
+    /** Whether tasks have reports, due times, expiry and priorities: { reported, due, expires, priority, name }, null: none. */
+    this.timed = s.task_times !== undefined;
+    (s.task_times ?? []).forEach(([reported, due, expires, priority, name], id) => {
+      Object.assign(this.tasks[id], { reported, due, expires, priority, name });
+    });
     for (let i = 0; i < s.charging_points.length; i += 3) {
       this.charging.push({ id: i / 3, x: s.charging_points[i], y: s.charging_points[i + 1],
         capacity: s.charging_points[i + 2] });

@@ -2,7 +2,7 @@
 // The fifth task, an emergency added at a place, needs orders to a running mission, which there are not yet.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { json, open, scrub, soon } from "./support.mjs";
+import { file, json, muster, open, scrub, soon } from "./support.mjs";
 
 /** Counts what is clicked; opening the page and reading are no steps. */
 function hand(page) {
@@ -80,4 +80,33 @@ test("what changed between two runs at 1:20: two steps", async (t) => {
   const names = await page.locator("#differences tbody tr td:first-child").allInnerTexts();
   assert.deepEqual(names.toSorted(), differ.toSorted());
   done(t, you.steps(), 2);
+});
+
+test("a mission whose tasks are reported and expire", async (t) => {
+  muster("scenario", "--preset", "Random_1", "--seed", "4", "--arrivals", "steady:0.8", "--priorities", "0.3,0.4,0.2,0.1",
+    "--due", "25", "--expires", "50", "--out", file("timed.json"));
+  muster("simulate", file("timed.json"), "--policy", "mpq", "--log", "--out", file("timed"));
+  muster("report", file("timed"), "--out", file("timed.html"));
+  const tasks = json("timed.json").tasks;
+  const page = await open(t, "timed.html", {}, "#t=3600");
+  await soon(async () => assert.ok(await page.locator("#legend-expired").isVisible()));
+  const known = tasks.filter((task) => (task.reported_min ?? 0) <= 60);
+  const expired = known.filter((task) => task.expires_min <= 60);
+  assert.ok(expired.length > 5 && known.length < tasks.length, `${expired.length} of ${known.length}`);
+  // Those of higher priority come first.
+  const first = await page.locator("#attention-list .a-undone").first().innerText();
+  const id = Number(/task (\d+)/.exec(first)[1]);
+  assert.match(first, /expired/);
+  const most = Math.max(...json("timed/report.json").tasks.filter(({ id: x, status }) => status === "expired" && tasks[x].expires_min <= 60)
+    .map(({ id: x }) => tasks[x].priority ?? 1));
+  assert.equal(tasks[id].priority ?? 1, most);
+  await page.locator("#attention-list .a-undone").first().click();
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${id}`));
+  const told = await facts(page);
+  assert.equal(told.priority, ["low", "normal", "high", "emergency"][most]);
+  assert.match(told.expires, /must begin before \d:\d\d/);
+  // Nobody knows of the others yet.
+  const shown = await page.evaluate((at) => window.muster.state.run.tasks.filter((task) => task.reported > at).length, 3600_000);
+  assert.equal(shown, tasks.length - known.length);
+  await soon(async () => assert.ok((await page.locator("main").innerText()).includes(`${known.length} of ${tasks.length} tasks`)));
 });
