@@ -180,8 +180,8 @@ TEST_F(SealRunTest, TheFirstMessageThatWasChangedIsNamed) {
 }
 
 TEST_F(SealRunTest, DamagedPacketsAreRefused) {
-  Muster muster = Start({"--seal", "--quiet", "--fault", "corruption:*@30+60=0.2", "--fault",
-                         "loss:uav@50+30=0.2", "--fault", "process_killed:world@45"});
+  Muster muster = Start({"--seal", "--quiet", "--rate", "3600", "--fault", "corruption:*@30+60=0.2",
+                         "--fault", "loss:uav@50+30=0.2", "--fault", "process_killed:world@45"});
   ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], expected_);
   std::int64_t rejected = 0;
