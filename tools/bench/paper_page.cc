@@ -1,18 +1,17 @@
 #include "tools/bench/paper_page.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
 
 #include "base/check.h"
 #include "tools/bench/paper_tables.h"
+#include "tools/files/scratch_folder.h"
 #include "tools/record/report_json.h"
 
 namespace muster::tools {
@@ -108,12 +107,11 @@ std::string PlotScript(const PaperTable& table, Plot plot, const std::string& sv
 /// SVG texts of the scripts' plots; none when gnuplot is not there or does not manage.
 std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plot>>& plots) {
   if (std::system("command -v gnuplot > /dev/null 2>&1") != 0) return {};
-  std::string folder = (std::filesystem::temp_directory_path() / "muster_plots_XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return {};
+  const ScratchFolder folder("muster_plots");
   std::FILE* gnuplot = popen("gnuplot 2> /dev/null", "w");
   std::vector<std::string> files;
   for (std::size_t i = 0; gnuplot != nullptr && i < plots.size(); ++i) {
-    files.push_back(fmt::format("{}/{}.svg", folder, i));
+    files.push_back(folder.File(fmt::format("{}.svg", i)));
     const std::string script = PlotScript(*plots[i].first, plots[i].second, files.back());
     std::fwrite(script.data(), 1, script.size(), gnuplot);
   }
@@ -129,7 +127,6 @@ std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plo
     }
     svgs.push_back(svg.substr(start));
   }
-  std::filesystem::remove_all(folder);
   return svgs;
 }
 

@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 #include <glib.h>
-#include <stdlib.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -14,6 +11,7 @@
 
 #include "base/check.h"
 #include "tools/files/pending_file.h"
+#include "tools/files/scratch_folder.h"
 #include "tools/host/stop_signals.h"
 #include "tools/report/chromium.h"
 #include "tools/report/page.h"
@@ -29,26 +27,6 @@ constexpr int kFramesACall = 6;  ///< so that progress is told
 
 constexpr std::string_view kPng = "\x89PNG";
 constexpr std::string_view kWebm = "\x1a\x45\xdf\xa3";
-
-/// A folder below the system's for temporary files, gone with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / "muster_scene_XXXXXX") {
-    if (mkdtemp(path_.data()) == nullptr) {
-      throw SystemError(fmt::format("cannot make {}: {}", path_, std::strerror(errno)));
-    }
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 std::string Unpacked(const std::string& base64) {
   gsize size = 0;
@@ -94,7 +72,7 @@ SceneKind SceneKindOf(const std::string& file) {
 std::optional<std::string> FilmScene(const std::string& page, SceneKind kind,
                                      const std::string& link, const FilmProgress& progress) {
   const StopSignals stop;
-  const TemporaryFolder folder;
+  const ScratchFolder folder("muster_scene");
   const std::string file = folder.path() + "/page.html";
   WriteFile(file, page);
   const bool picture = kind == SceneKind::kPicture;
