@@ -47,6 +47,8 @@ inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
 inline constexpr std::string_view kEvent = "MUSTER_EVENT";
 inline constexpr std::string_view kFault = "MUSTER_FAULT";
 inline constexpr std::string_view kProcess = "MUSTER_PROCESS";
+inline constexpr std::string_view kOrder = "MUSTER_ORDER";
+inline constexpr std::string_view kOrders = "MUSTER_ORDERS";
 inline constexpr std::string_view kLog = "MUSTER_LOG";
 inline constexpr std::string_view kRequest = "MUSTER_REQUEST";
 inline constexpr std::string_view kRestore = "MUSTER_RESTORE";
@@ -82,13 +84,15 @@ inline constexpr Channel kChannels[] = {
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
     {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
      4096},
+    {channel::kOrder, "order_t", "whoever gives orders", "until answered", 64 * 1024, kWorldAlone},
+    {channel::kOrders, "orders_t", process_name::kWorld,
+     "every tick of a mission that takes orders", 4 * kMiB},
     {channel::kLog, "log_status_t", process_name::kRecorder, "when the log grew", 64 * 1024},
     {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024,
      kWorldAndAgents},
     {channel::kRestore, "restore_t", "whoever holds the message", "not any more", 64 * kMiB,
      kNobody},
-    {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB,
-     kWorldAndAgents},
+    {channel::kAnswer, "answer_t", "whoever holds the message", "when requested", 64 * kMiB},
 };
 
 /// Whether agents' processes report on that channel, whole states or changes.

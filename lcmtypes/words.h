@@ -57,6 +57,8 @@ enum class TaskStatus : std::int8_t {
   kDone = 3,
   kUnreported = 4,  ///< nobody knows of it yet
   kExpired = 5,     ///< sensing had not begun in time
+  kCancelled = 6,   ///< by an order
+  kHeld = 7,        ///< by an order, until another one: nobody is sent there
 };
 /// Whether it may still be done, as far as is known.
 constexpr bool IsToDo(TaskStatus status) {
@@ -94,6 +96,13 @@ enum class EventKind : std::int8_t {
   kTaskReported = 15,
   kTaskExpired = 16,
   kAnswerRefused = 17,  ///< an outside scheduler's; everybody stays
+  // By orders.
+  kTaskCancelled = 18,
+  kTaskHeld = 19,
+  kTaskResumed = 20,
+  kTaskChanged = 21,
+  kAgentJoined = 22,
+  kAgentLeaves = 23,
 };
 
 /// fault_t.kind
@@ -125,7 +134,7 @@ enum class ProcessState : std::int8_t {
 /// mission's digest.
 constexpr bool IsOutcome(EventKind kind) {
   return kind <= EventKind::kMatchFailed || kind == EventKind::kTaskReported ||
-         kind == EventKind::kTaskExpired;
+         kind == EventKind::kTaskExpired || kind >= EventKind::kTaskCancelled;
 }
 /// Whether a report leaves the kind out where nothing of it happened: kinds of few missions.
 constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
@@ -163,19 +172,20 @@ inline constexpr std::array<std::string_view, 10> kNames<ActionKind> = {
 template <>
 inline constexpr std::array<std::string_view, 2> kNames<ActivityKind> = {"sensing", "charging"};
 template <>
-inline constexpr std::array<std::string_view, 6> kNames<TaskStatus> = {
-    "open", "reserved", "sensing", "done", "unreported", "expired"};
+inline constexpr std::array<std::string_view, 8> kNames<TaskStatus> = {
+    "open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed", "released",
                                                                        "lost"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 18> kNames<EventKind> = {
-    "agent_online",  "agent_offline",   "agent_failed",     "agent_back",    "sensing_started",
-    "sensing_done",  "sensing_aborted", "charging_started", "charging_done", "charging_aborted",
-    "match_failed",  "process_lost",    "process_back",     "fault_applied", "fault_ended",
-    "task_reported", "task_expired",    "answer_refused"};
+inline constexpr std::array<std::string_view, 24> kNames<EventKind> = {
+    "agent_online",  "agent_offline",   "agent_failed",     "agent_back",     "sensing_started",
+    "sensing_done",  "sensing_aborted", "charging_started", "charging_done",  "charging_aborted",
+    "match_failed",  "process_lost",    "process_back",     "fault_applied",  "fault_ended",
+    "task_reported", "task_expired",    "answer_refused",   "task_cancelled", "task_held",
+    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

@@ -37,6 +37,7 @@ struct Task {
   TimeUs reported_us = 0;      ///< nobody knows of it before
   TimeUs due_us = kNever;      ///< sensing should have begun by then; later is late, not undone
   TimeUs expires_us = kNever;  ///< sensing must begin before; then it is gone
+  TimeUs revisit_us = kNever;  ///< so long after it was done it wants to be sensed again
   Priority priority = Priority::kNormal;
   std::string name = {}, external_id = {}, source = {};  ///< as people call it; "": not given
 
@@ -45,6 +46,15 @@ struct Task {
   /// Whether sensing that begins at that time counts.
   bool AllowsStart(TimeUs start_us) const { return start_us < expires_us; }
 };
+
+/// How much orders may still add to a mission: so many tasks and agents at the ends of the
+/// scenario's lists are vacant. Nobody reports a vacant task, and a vacant agent is never online.
+struct Room {
+  std::size_t tasks = 0;
+  PerKind<std::size_t> agents = {};
+  bool any() const { return tasks + agents.uavs + agents.workers + agents.vehicles > 0; }
+};
+inline constexpr std::int64_t kMostRoom = 1'000'000;  ///< of each
 
 struct ChargingPoint {
   Point at;
@@ -76,6 +86,8 @@ struct Rules {
   /// Ticks are 0 to last_tick(), whose time is the limit.
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
   TimeUs TimeOf(std::int64_t tick) const { return tick < last_tick() ? tick * tick_us : limit_us; }
+  /// The tick at that time, or the last before it.
+  std::int64_t TickOf(TimeUs t) const { return t / tick_us; }
   /// The decision of that tick; -1: none.
   std::int32_t DecisionAt(std::int64_t tick) const {
     const TimeUs t = TimeOf(tick);
@@ -123,6 +135,11 @@ struct Scenario {
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
 
+  Room room;  ///< the vacant ends of these lists
+
+  /// Those that are not vacant.
+  std::size_t n_tasks() const { return tasks.size() - room.tasks; }
+  std::size_t n_agents(AgentKind kind) const { return agents(kind).size() - room.agents[kind]; }
   const std::vector<AgentSpec>& agents(AgentKind kind) const {
     return ByKind(kind, uavs, workers, vehicles);
   }
@@ -135,5 +152,8 @@ struct Scenario {
     return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);
   }
 };
+
+/// Adds so many vacant tasks and agents.
+void AddRoom(const Room& room, Scenario* scenario);
 
 }  // namespace muster

@@ -14,117 +14,16 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <unordered_set>
+#include <utility>
 
-#include "base/check.h"
 #include "base/json_tree.h"
+#include "model/object_reader.h"
 #include "model/scenario_units.h"
 
 namespace muster {
 namespace {
 
 // Reading.
-
-/// One object of the file, with its key path for messages.
-class ObjectReader {
- public:
-  ObjectReader(const JsonValue& value, std::string path, std::string_view file)
-      : value_(value), path_(std::move(path)), file_(file) {
-    if (value.type != JsonValue::Type::kObject) Fail("", value.Shown(), "an object");
-  }
-
-  /// Throws unless every key is one of `keys`.
-  void AllowOnly(std::initializer_list<std::string_view> keys) const {
-    for (const auto& [name, value] : value_.members) {
-      if (std::find(keys.begin(), keys.end(), name) == keys.end()) {
-        // Not as a key path: the name may hold anything.
-        JsonValue shown;
-        shown.type = JsonValue::Type::kString;
-        shown.text = name;
-        Fail("", "the unknown key " + shown.Shown(), fmt::format("only {}", fmt::join(keys, ", ")));
-      }
-    }
-  }
-
-  const JsonValue* Optional(std::string_view key) const { return value_.Find(key); }
-
-  const JsonValue& Required(std::string_view key, std::string_view expected) const {
-    const JsonValue* value = Optional(key);
-    if (value == nullptr) Fail(key, "no such key", expected);
-    return *value;
-  }
-
-  double Number(std::string_view key, Unit unit) const {
-    return ReadNumber(key, Required(key, "a number"), unit);
-  }
-
-  double ReadNumber(std::string_view key, const JsonValue& value, Unit unit) const {
-    if (value.type != JsonValue::Type::kNumber) Fail(key, value.Shown(), "a number");
-    return FromText(value.text, unit);
-  }
-
-  TimeUs Time(std::string_view key, long double unit_us) const {
-    const JsonValue& value = Required(key, "a number");
-    const double amount = ReadNumber(key, value, kOne);
-    const double most = kMaxMinutes * static_cast<double>(kMinute / unit_us);
-    if (amount < 0 || amount > most) {
-      Fail(key, value.Shown(), fmt::format("a number in [0, {}]", most));
-    }
-    return TimeFromText(value.text, unit_us);
-  }
-
-  std::int64_t Integer(std::string_view key, const JsonValue& value, std::int64_t low,
-                       std::int64_t high) const {
-    const double number =
-        value.type == JsonValue::Type::kNumber ? FromText(value.text, kOne) : std::nan("");
-    const bool is_integer = number == std::floor(number) && std::abs(number) <= 0x1p53;
-    if (!is_integer || number < static_cast<double>(low) || number > static_cast<double>(high)) {
-      Fail(key, value.Shown(), fmt::format("an integer in [{}, {}]", low, high));
-    }
-    return static_cast<std::int64_t>(number);
-  }
-
-  bool Boolean(std::string_view key, bool otherwise) const {
-    const JsonValue* value = Optional(key);
-    if (value == nullptr) return otherwise;
-    if (value->type != JsonValue::Type::kBoolean) Fail(key, value->Shown(), "true or false");
-    return value->boolean;
-  }
-
-  std::string String(std::string_view key) const {
-    const JsonValue& value = Required(key, "a string");
-    if (value.type != JsonValue::Type::kString) Fail(key, value.Shown(), "a string");
-    return value.text;
-  }
-
-  const std::vector<JsonValue>& Array(std::string_view key) const {
-    const JsonValue& value = Required(key, "an array");
-    if (value.type != JsonValue::Type::kArray) Fail(key, value.Shown(), "an array");
-    return value.items;
-  }
-
-  ObjectReader Child(std::string_view key) const {
-    return ObjectReader(Required(key, "an object"), PathOf(key), file_);
-  }
-  ObjectReader Element(std::string_view list, const JsonValue& item, std::size_t index) const {
-    return ObjectReader(item, fmt::format("{}[{}]", list, index), file_);
-  }
-
-  [[noreturn]] void Fail(std::string_view key, std::string_view found,
-                         std::string_view expected) const {
-    const std::string path = PathOf(key);
-    throw InputError(file_, path.empty() ? "top level" : path, found, expected);
-  }
-
- private:
-  std::string PathOf(std::string_view key) const {
-    if (key.empty()) return path_;
-    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
-  }
-
-  const JsonValue& value_;
-  std::string path_;
-  std::string_view file_;
-};
 
 Point ReadPoint(const ObjectReader& object) {
   return {object.Number("x_km", kKm), object.Number("y_km", kKm)};
@@ -183,27 +82,6 @@ std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list
   return agents;
 }
 
-std::string OptionalString(const ObjectReader& object, std::string_view key) {
-  return object.Optional(key) == nullptr ? "" : object.String(key);
-}
-
-/// What a task has in version 2 only.
-void ReadTimes(const ObjectReader& object, Task* task) {
-  const auto time = [&](std::string_view key, TimeUs otherwise) {
-    return object.Optional(key) == nullptr ? otherwise : object.Time(key, kMinute);
-  };
-  task->reported_us = time("reported_min", 0);
-  task->due_us = time("due_min", kNever);
-  task->expires_us = time("expires_min", kNever);
-  if (const JsonValue* priority = object.Optional("priority")) {
-    task->priority = static_cast<Priority>(
-        object.Integer("priority", *priority, 0, static_cast<std::int64_t>(kPriorities) - 1));
-  }
-  task->name = OptionalString(object, "name");
-  task->external_id = OptionalString(object, "external_id");
-  task->source = OptionalString(object, "source");
-}
-
 std::vector<Task> ReadTasks(const ObjectReader& top, int version) {
   const std::vector<JsonValue>& items = top.Array("tasks");
   std::vector<Task> tasks;
@@ -215,13 +93,13 @@ std::vector<Task> ReadTasks(const ObjectReader& top, int version) {
       object.AllowOnly({"id", "x_km", "y_km", "cost_km"});
     } else {
       object.AllowOnly({"id", "x_km", "y_km", "cost_km", "reported_min", "priority", "due_min",
-                        "expires_min", "name", "external_id", "source"});
+                        "expires_min", "revisit_min", "name", "external_id", "source"});
     }
     ids.Take(object);
     Task task;
     task.at = ReadPoint(object);
     task.cost_m = object.Number("cost_km", kKm);
-    if (version > 1) ReadTimes(object, &task);
+    if (version > 1) ReadTaskTimes(object, &task);
     tasks.push_back(std::move(task));
   }
   return tasks;
@@ -290,6 +168,16 @@ void ReadRules(const ObjectReader& object, int version, Rules* rules) {
   rules->start_on_meeting = object.Boolean("start_on_meeting", rules->start_on_meeting);
 }
 
+Room ReadRoom(const ObjectReader& object) {
+  object.AllowOnly({"tasks", "uavs", "workers", "vehicles"});
+  const auto count = [&](std::string_view key) {
+    const JsonValue* value = object.Optional(key);
+    return value == nullptr ? std::size_t{0}
+                            : static_cast<std::size_t>(object.Integer(key, *value, 0, kMostRoom));
+  };
+  return {count("tasks"), {count("uavs"), count("workers"), count("vehicles")}};
+}
+
 Disturbances::Interval ReadInterval(const ObjectReader& object, std::string_view key, Unit unit) {
   if (object.Optional(key) == nullptr) return {};
   const std::vector<JsonValue>& ends = object.Array(key);
@@ -354,20 +242,28 @@ class Writer {
         "\"match_failure\": {}}},\n",
         Ends(disturbances.wind, kOne), Ends(disturbances.communication_m, kKm),
         Ends(disturbances.agent_failure, kOne), Ends(disturbances.match_failure, kOne));
+    if (scenario.room.any()) {
+      const Room& room = scenario.room;
+      Add("  \"room\": {{\"tasks\": {}, \"uavs\": {}, \"workers\": {}, \"vehicles\": {}}},\n",
+          room.tasks, room.agents.uavs, room.agents.workers, room.agents.vehicles);
+    }
     Agents("uavs", AgentKind::kUav, scenario);
     Agents("workers", AgentKind::kWorker, scenario);
     Agents("vehicles", AgentKind::kVehicle, scenario);
-    List("tasks", scenario.tasks, [&](const Task& task) {
-      Place(task.at);
-      Add(", \"cost_km\": {}", ToText(task.cost_m, kKm));
-      Times(task);
-    });
-    List("charging_points", scenario.charging_points, [&](const ChargingPoint& point) {
-      Place(point.at);
-      Add(", \"capacity\": {}", point.capacity ? fmt::to_string(*point.capacity) : "null");
-    });
+    List("tasks", scenario.tasks, scenario.n_tasks(), [&](const Task& task) { AddTask(task); });
+    List("charging_points", scenario.charging_points, scenario.charging_points.size(),
+         [&](const ChargingPoint& point) {
+           Place(point.at);
+           Add(", \"capacity\": {}", point.capacity ? fmt::to_string(*point.capacity) : "null");
+         });
     text_.replace(text_.size() - 2, 2, "\n}\n");  // the last list's comma
     return std::move(text_);
+  }
+
+  std::string Write(const Task& task) {
+    text_ = "{";
+    AddTask(task);
+    return text_ + "}";
   }
 
  private:
@@ -378,6 +274,12 @@ class Writer {
 
   static std::string Quoted(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+
+  void AddTask(const Task& task) {
+    Place(task.at);
+    Add(", \"cost_km\": {}", ToText(task.cost_m, kKm));
+    Times(task);
   }
 
   /// What a plain task has not.
@@ -391,6 +293,7 @@ class Writer {
     time("reported_min", task.reported_us, 0);
     time("due_min", task.due_us, kNever);
     time("expires_min", task.expires_us, kNever);
+    time("revisit_min", task.revisit_us, kNever);
     if (task.priority != Priority::kNormal) {
       Add(", \"priority\": {}", static_cast<int>(task.priority));
     }
@@ -408,9 +311,9 @@ class Writer {
   }
 
   template <class T, class Body>
-  void List(std::string_view name, const std::vector<T>& items, const Body& body) {
+  void List(std::string_view name, const std::vector<T>& items, std::size_t n, const Body& body) {
     Add("  \"{}\": [", name);
-    for (std::size_t i = 0; i < items.size(); ++i) {
+    for (std::size_t i = 0; i < n; ++i) {
       Add("{}\n    {{\"id\": {}, ", i == 0 ? "" : ",", i);
       body(items[i]);
       text_ += '}';
@@ -419,7 +322,7 @@ class Writer {
   }
 
   void Agents(std::string_view name, AgentKind kind, const Scenario& scenario) {
-    List(name, scenario.agents(kind), [&](const AgentSpec& agent) {
+    List(name, scenario.agents(kind), scenario.n_agents(kind), [&](const AgentSpec& agent) {
       Place(agent.at);
       Add(", \"speed_km_per_min\": {}", ToText(agent.speed_m_s, kKmPerMin));
       if (kind == AgentKind::kUav) {
@@ -449,9 +352,13 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   }
   const int version = number.text == "1" ? 1 : 2;
   top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "origin",
-                 "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
-                 "charging_points"});
+                 "rules", "disturbances", "uavs", "workers", "vehicles", "tasks", "charging_points",
+                 "room"});
+  if (version == 1 && top.Optional("room") != nullptr) {
+    top.Fail("room", "in version 1", "version 2");
+  }
   Scenario scenario;
+  if (top.Optional("room") != nullptr) scenario.room = ReadRoom(top.Child("room"));
   scenario.name = top.String("name");
   scenario.seed = ReadSeed(top);
   const std::vector<JsonValue>& area = top.Array("area_km");
@@ -477,7 +384,9 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   scenario.vehicles = ReadAgents(top, "vehicles", AgentKind::kVehicle);
   scenario.tasks = ReadTasks(top, version);
   scenario.charging_points = ReadChargingPoints(top);
-  ValidateScenario(scenario, file);
+  const Room room = std::exchange(scenario.room, {});
+  ValidateScenario(scenario, file, room.tasks > 0);
+  AddRoom(room, &scenario);
   return scenario;
 }
 
@@ -503,5 +412,7 @@ Scenario LoadScenario(const std::string& file) {
 }
 
 std::string ScenarioToJson(const Scenario& scenario) { return Writer().Write(scenario); }
+
+std::string TaskToJson(const Task& task) { return Writer().Write(task); }
 
 }  // namespace muster

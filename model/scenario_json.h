@@ -18,7 +18,11 @@ Scenario ParseScenario(std::string_view json, std::string_view file);
 /// bit (numbers are written with the digits that it takes).
 std::string ScenarioToJson(const Scenario& scenario);
 
+/// A task as the file has it, without its id: {"x_km": ...}
+std::string TaskToJson(const Task& task);
+
 /// Throws InputError when a scenario that was built or changed in memory breaks a rule of the file.
-void ValidateScenario(const Scenario& scenario, std::string_view file);
+/// `may_lack_tasks`: orders will bring them.
+void ValidateScenario(const Scenario& scenario, std::string_view file, bool may_lack_tasks = false);
 
 }  // namespace muster

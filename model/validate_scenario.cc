@@ -17,7 +17,7 @@ class Validator {
  public:
   Validator(const Scenario& scenario, std::string_view file) : scenario_(scenario), file_(file) {}
 
-  void Run() const {
+  void Run(bool may_lack_tasks) const {
     const Rules& rules = scenario_.rules;
     AboveZero("area_km[0]", scenario_.width_m, kKm);
     AboveZero("area_km[1]", scenario_.height_m, kKm);
@@ -54,7 +54,7 @@ class Validator {
              kMaxWorth);
     }
     Within("rules.late_worth", rules.late_worth, kOne, 0, 1);
-    NotEmpty("tasks", scenario_.tasks.size());
+    if (!may_lack_tasks) NotEmpty("tasks", scenario_.tasks.size());
     for (std::size_t i = 0; i < scenario_.tasks.size(); ++i) {
       const Key key{"tasks", i};
       InArea(key, scenario_.tasks[i].at);
@@ -133,6 +133,9 @@ class Validator {
     at_least("due_min", task.due_us, task.reported_us, " (reported_min)");
     at_least("expires_min", task.expires_us, task.due_us == kNever ? task.reported_us : task.due_us,
              task.due_us == kNever ? " (reported_min)" : " (due_min)");
+    if (task.revisit_us <= 0) {
+      Fail(key("revisit_min")(), MinutesText(task.revisit_us), "a number above 0");
+    }
   }
 
   void Interval(std::string_view name, const Disturbances::Interval& interval, Unit unit,
@@ -180,8 +183,8 @@ class Validator {
 
 }  // namespace
 
-void ValidateScenario(const Scenario& scenario, std::string_view file) {
-  Validator(scenario, file).Run();
+void ValidateScenario(const Scenario& scenario, std::string_view file, bool may_lack_tasks) {
+  Validator(scenario, file).Run(may_lack_tasks);
 }
 
 }  // namespace muster

@@ -2,18 +2,27 @@
 
 #include "base/check.h"
 #include "base/sha256.h"
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
 
 namespace muster {
+namespace {
+
+constexpr TimeUs kOrdersPatienceUs = 20'000;
+
+}  // namespace
 
 void Follower::OnMessage(const Message& message, const Packet& packet, const Now& now) {
-  if (scenario_) return OnMissionMessage(message, packet, now);
+  if (book_) {
+    if (!TakeOrders(message, now)) OnMissionMessage(message, packet, now);
+    return;
+  }
   const auto* const scenario = std::get_if<scenario_t>(&message);
   if (scenario == nullptr) return;
   if (Sha256(scenario->json) != scenario->sha256) return inbox().Reject();
   try {
-    scenario_ = ParseScenario(scenario->json, "scenario");
+    book_.emplace(ParseScenario(scenario->json, "scenario"));
   } catch (const InputError&) {
     return inbox().Reject();
   }
@@ -21,8 +30,42 @@ void Follower::OnMessage(const Message& message, const Packet& packet, const Now
 }
 
 void Follower::OnStep(const Now& now) {
-  if (!scenario_) return Ask(channel::kScenario, 0, now);
+  if (!book_) return Ask(channel::kScenario, 0, now);
   OnMissionStep(now);
+}
+
+bool Follower::TakeOrders(const Message& message, const Now& now) {
+  if (const auto* orders = std::get_if<orders_t>(&message)) {
+    if (!book_->Take(*orders)) inbox().Reject();
+    return true;
+  }
+  if (const auto* answer = std::get_if<answer_t>(&message);
+      answer != nullptr && answer->channel == channel::kOrders) {
+    if (!Answers(*answer)) return true;
+    const auto book = DecodeValid<order_book_t>(answer->data);
+    if (!book || book->header.run_id != identity().run_id || !book_->Take(*book)) inbox().Reject();
+    return true;
+  }
+  const auto* request = std::get_if<request_t>(&message);
+  if (request == nullptr || request->channel != channel::kOrders) return false;
+  if (book_->takes_orders()) {
+    Answer(*request, book_->tick(), BookBytes(*book_, identity()), 0, now);
+  }
+  return true;
+}
+
+bool Follower::HasOrders(std::int64_t tick, std::int64_t boot_id, const Now& now) {
+  if (book_->complete(tick, boot_id)) {
+    lacks_orders_since_us_ = kNever;
+    return true;
+  }
+  if (lacks_orders_since_us_ == kNever) lacks_orders_since_us_ = now.monotonic_us;
+  // What the world says of this tick comes with its clock; only earlier orders have to be asked
+  // for.
+  if (now.monotonic_us - lacks_orders_since_us_ > kOrdersPatienceUs) {
+    Ask(channel::kOrders, book_->scenario()->rules.TimeOf(tick), now);
+  }
+  return false;
 }
 
 void Follower::Follow(const clock_t& clock) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <muster/clock_t.hpp>
 #include <optional>
 #include <string_view>
 
 #include "model/scenario.h"
+#include "protocol/order_book.h"
 #include "protocol/process.h"
 
 namespace muster {
@@ -22,7 +24,13 @@ class Follower : public Process {
   virtual void OnMissionMessage(const Message& message, const Packet& packet, const Now& now) = 0;
   virtual void OnMissionStep(const Now& now) = 0;
 
-  const std::optional<Scenario>& scenario() const { return scenario_; }
+  /// With the orders that this process has heard of; it changes in place.
+  const std::shared_ptr<const Scenario>& scenario() const { return book_->scenario(); }
+  /// With a scenario.
+  const OrderBook& orders() const { return *book_; }
+  /// Asks for the orders up to that tick while it lacks some. Whether it has them all.
+  /// `boot_id`: of the world that speaks of that tick.
+  bool HasOrders(std::int64_t tick, std::int64_t boot_id, const Now& now);
 
   /// Goes from ready to running to ended as the clock says.
   void Follow(const clock_t& clock);
@@ -37,10 +45,13 @@ class Follower : public Process {
   TimeUs OwnWakeUs() const override { return request_.due_us(); }
 
  private:
+  /// Whether the message was about orders alone.
+  bool TakeOrders(const Message& message, const Now& now);
   void OnMessage(const Message& message, const Packet& packet, const Now& now) final;
   void OnStep(const Now& now) final;
 
-  std::optional<Scenario> scenario_;
+  std::optional<OrderBook> book_;
+  TimeUs lacks_orders_since_us_ = kNever;
   BackOff request_{5'000, 200'000};
 };
 

@@ -27,16 +27,16 @@ void MissionReader::Add(const Packet& packet, const Visit& visit) {
   if (!message) return Reject();
   const std::int64_t run_id = HeaderOf(*message).run_id;
   heard_run_id_ = run_id;
-  if (scenario_) return Take(*message, packet, visit);
+  if (book_) return Take(*message, packet, visit);
   if (run_id_ && run_id != *run_id_) {
     ++counts_.strangers;
     return;
   }
   const auto* scenario = std::get_if<scenario_t>(&*message);
   if (scenario != nullptr && row->AcceptsFrom(scenario->header.sender)) {
-    scenario_ = ScenarioOf(*scenario);
-    if (scenario_) {
-      reports_.emplace(std::make_shared<const Scenario>(*scenario_));
+    if (const std::optional<Scenario> base = ScenarioOf(*scenario)) {
+      book_.emplace(*base);
+      reports_.emplace(book_->scenario());
       run_id_ = run_id;
       Take(*message, packet, visit);
       for (const auto& [held, held_packet] : std::exchange(held_back_, {})) {
@@ -66,6 +66,9 @@ void MissionReader::Take(const Message& message, const Packet& packet, const Vis
   }
   ++counts_.messages;
   if (!FindChannel(packet.channel)->AcceptsFrom(header.sender)) return;
+  if (const auto* orders = std::get_if<orders_t>(&message); orders != nullptr) {
+    if (!book_->Take(*orders)) ++counts_.undecodable;
+  }
   const auto* clock = std::get_if<clock_t>(&message);
   if (clock != nullptr && clock->phase != ClockPhase::kReady && !epoch_us_) {
     epoch_us_ = header.wall_us == 0 ? 0 : header.wall_us - clock->tick_us;

@@ -12,6 +12,7 @@
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
 #include "protocol/inbox.h"
+#include "protocol/order_book.h"
 #include "protocol/report_reader.h"
 
 namespace muster {
@@ -46,7 +47,12 @@ class MissionReader {
   /// For whoever finds a message impossible in the light of the scenario.
   void Reject() { ++counts_.undecodable; }
 
-  const std::optional<Scenario>& scenario() const { return scenario_; }
+  /// With the orders that have been read; it changes in place. Null before there is one.
+  std::shared_ptr<const Scenario> scenario() const { return book_ ? book_->scenario() : nullptr; }
+  /// With a scenario.
+  const OrderBook& orders() const { return *book_; }
+  /// The same, to keep; afterwards nothing more can be read.
+  OrderBook TakeOrders() { return std::move(*book_); }
   std::optional<std::int64_t> run_id() const { return run_id_; }
   /// Run of the newest message of any run, the scenario known or not; none before the first.
   std::optional<std::int64_t> heard_run_id() const { return heard_run_id_; }
@@ -66,7 +72,7 @@ class MissionReader {
 
   std::optional<std::int64_t> run_id_;
   std::optional<std::int64_t> heard_run_id_;
-  std::optional<Scenario> scenario_;
+  std::optional<OrderBook> book_;  ///< with the scenario
   std::optional<std::int64_t> epoch_us_;
   std::vector<std::pair<Message, Packet>> held_back_;
   bool overflowed_ = false;

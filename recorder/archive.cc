@@ -35,10 +35,11 @@ request_t QuestionFor(std::string_view channel) {
 }  // namespace
 
 Archive::Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on)
-    : scenario_(scenario),
+    : book_(scenario),
+      scenario_(*book_.scenario()),
       run_id_(run_id),
       goes_on_(goes_on),
-      reports_(std::make_shared<const Scenario>(scenario)) {}
+      reports_(book_.scenario()) {}
 
 void Archive::Add(const Packet& packet) {
   if (IsReports(packet.channel)) return AddReport(packet);
@@ -50,6 +51,12 @@ void Archive::Add(const Packet& packet) {
     }
     newest_decision_ = schedule->decision;
     schedule_ = packet;
+    return;
+  }
+  if (packet.channel == channel::kOrders && book_.takes_orders()) {
+    const auto orders = DecodeValid<orders_t>(packet.bytes);
+    // One that cannot be is nothing to keep.
+    if (orders && orders->header.run_id == run_id_) static_cast<void>(book_.Take(*orders));
     return;
   }
   if (!IsOfWorld(packet.channel)) return;
@@ -161,7 +168,8 @@ std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
   if (request.channel == channel::kSchedule && schedule_) {
     return {AnswerTo(request, 0, schedule_->bytes)};
   }
-  if (!IsStates(request.channel) && !IsOfWorld(request.channel)) return {};
+  const bool of_orders = request.channel == channel::kOrders && book_.takes_orders();
+  if (!IsStates(request.channel) && !IsOfWorld(request.channel) && !of_orders) return {};
   Question& question = questions_[{request.header.sender, request.header.boot_id, request.channel}];
   if (question.asked_us == kNever || now_us - question.asked_us > kPatienceUs) {
     question.since_us = now_us;
@@ -176,6 +184,10 @@ std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
     return {};
   }
   question.answered_us = now_us;
+  if (of_orders) {
+    const Identity us{run_id_, process_name::kLauncher, 0};
+    return {AnswerTo(request, book_.tick(), BookBytes(book_, us))};
+  }
 
   const std::optional<std::int64_t> consistent =
       at_once ? scenario_.rules.last_tick() : Consistent();

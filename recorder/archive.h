@@ -13,6 +13,7 @@
 #include "base/interval_set.h"
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
+#include "protocol/order_book.h"
 #include "protocol/report_reader.h"
 
 namespace muster::tools {
@@ -22,7 +23,7 @@ namespace muster::tools {
 /// has listened.
 class Archive {
  public:
-  /// `scenario` must outlive this object. `goes_on`: the mission may go on without lost processes.
+  /// `goes_on`: the mission may go on without lost processes.
   Archive(const Scenario& scenario, std::int64_t run_id, bool goes_on);
 
   /// A packet of the mission, from the bus or the log.
@@ -60,7 +61,8 @@ class Archive {
   template <class Visit>
   void ForEachReport(const Told& told, std::int64_t tick, Visit visit) const;
 
-  const Scenario& scenario_;
+  OrderBook book_;
+  const Scenario& scenario_;  ///< with the orders heard so far
   const std::int64_t run_id_;
   const bool goes_on_;
   std::optional<Packet> schedule_;  ///< the newest decision

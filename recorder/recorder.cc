@@ -58,6 +58,12 @@ SentPacket Recorder::Publish(fault_t fault, const Now& now) {
   return sender_.Send(channel::kFault, std::move(fault), sim_us_, now);
 }
 
+SentPacket Recorder::Publish(order_t order, const Now& now) {
+  poke_.Start(now.monotonic_us);
+  has_news_out_ = true;
+  return sender_.Send(channel::kOrder, std::move(order), sim_us_, now);
+}
+
 void Recorder::Answer(answer_t answer, const Now& now) {
   sender_.Send(channel::kAnswer, std::move(answer), sim_us_, now);
   has_news_out_ = true;

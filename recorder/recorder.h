@@ -5,6 +5,7 @@
 #include <muster/answer_t.hpp>
 #include <muster/event_t.hpp>
 #include <muster/fault_t.hpp>
+#include <muster/order_t.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -46,6 +47,8 @@ class Recorder {
   /// Publishes a fault_t; its header is the recorder's to fill. SendAgain sends it once more.
   SentPacket Publish(fault_t fault, const Now& now);
   void SendAgain(const SentPacket& packet) { sender_.Resend(packet); }
+  /// The same for an order.
+  SentPacket Publish(order_t order, const Now& now);
   /// Publishes an answer_t; its header is the recorder's to fill.
   void Answer(answer_t answer, const Now& now);
   /// Publishes an event_t; its header is the recorder's to fill.

@@ -13,12 +13,14 @@ namespace muster::tools {
 
 void Simulate(const std::string& json, const std::string& policy,
               const std::function<void(const Packet&)>& observe,
-              const std::vector<world::Outage>& outages) {
+              const std::vector<world::Outage>& outages,
+              const std::vector<world::PlannedOrder>& orders) {
   simulation::ProcessSettings settings;
   settings.scenario_json = json;
   settings.policy = policy;
   settings.stopwatch = MonotonicUs;
   settings.world.outages = outages;
+  settings.world.orders = orders;
   std::vector<std::unique_ptr<Process>> processes;
   for (const std::string& name : simulation::ProcessNames()) {
     processes.push_back(simulation::StartProcess({1, name, 0}, settings));

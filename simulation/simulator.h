@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "world/planned_orders.h"
 #include "world/referee.h"
 
 namespace muster::tools {
@@ -13,9 +14,10 @@ namespace muster::tools {
 /// in-memory bus that loses nothing, with no clock but a counter. `json` is a scenario file's text,
 /// `policy` a policy's name. Every published packet goes to `observe`, once, in order. The same
 /// decisions and outcomes as `muster run`. Throws InputError on a scenario or policy that cannot
-/// be. `outages`: agents that fail by order.
+/// be. `outages`: agents that fail by order. `orders`: what is asked in its course.
 void Simulate(const std::string& json, const std::string& policy,
               const std::function<void(const Packet&)>& observe,
-              const std::vector<world::Outage>& outages = {});
+              const std::vector<world::Outage>& outages = {},
+              const std::vector<world::PlannedOrder>& orders = {});
 
 }  // namespace muster::tools

@@ -59,6 +59,7 @@ int Main(int argc, char** argv) {
            "Or as many messages as are together no larger: only with muster-recorder")
       .Integer(0, 1 << 30)
       .Default(0);
+  options.Add("orders", "FILE", "Orders to take in the course of the mission (docs/orders.md)");
   AddProcessOptions(&options, process_name::kWorld);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -71,6 +72,7 @@ int Main(int argc, char** argv) {
   for (const std::string& text : arguments->All("outage")) {
     world.outages.push_back(ReadOutage(text));
   }
+  if (arguments->Has("orders")) world.orders = ReadPlannedOrders(arguments->Get("orders"));
   if (world.recorded && flags.window == 0) flags.window = 10;
   const Scenario scenario = LoadScenario(arguments->Get("scenario"));
   const Window window(flags.window, arguments->Get<std::size_t>("window-bytes"));

@@ -1,7 +1,10 @@
 #include "world/referee.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include "base/check.h"
@@ -48,15 +51,131 @@ std::string FailureReason::Text() const {
 Referee::Referee(const Scenario& scenario)
     : scenario_(scenario), task_status_(scenario.tasks.size(), TaskStatus::kOpen) {
   for (std::size_t x = 0; x < scenario.tasks.size(); ++x) {
-    const Task& task = scenario.tasks[x];
-    if (task.reported_us > 0) {
-      task_status_[x] = TaskStatus::kUnreported;
-      to_report_.emplace_back(task.reported_us, x);
-    }
-    if (task.expires_us != kNever) to_expire_.emplace_back(task.expires_us, x);
+    if (scenario.tasks[x].reported_us > 0) task_status_[x] = TaskStatus::kUnreported;
+  }
+  PlanTimes(0);
+}
+
+void Referee::PlanTimes(TimeUs t) {
+  to_report_.clear();
+  to_expire_.clear();
+  for (std::size_t x = 0; x < scenario_.n_tasks(); ++x) {
+    const Task& task = scenario_.tasks[x];
+    if (task.reported_us > t) to_report_.emplace_back(task.reported_us, x);
+    if (task.expires_us > t && task.expires_us != kNever)
+      to_expire_.emplace_back(task.expires_us, x);
   }
   std::sort(to_report_.rbegin(), to_report_.rend());
   std::sort(to_expire_.rbegin(), to_expire_.rend());
+}
+
+void Referee::PlanTimesOf(std::size_t x, TimeUs t) {
+  const auto replan = [&](std::vector<std::pair<TimeUs, std::size_t>>* plan, TimeUs at_us) {
+    std::erase_if(*plan, [&](const auto& entry) { return entry.second == x; });
+    if (at_us == kNever || at_us < t) return;
+    const std::pair entry(at_us, x);
+    plan->insert(std::lower_bound(plan->begin(), plan->end(), entry, std::greater()), entry);
+  };
+  // What is known from the beginning is not reported, whoever says it.
+  const TimeUs reported_us = scenario_.tasks[x].reported_us;
+  if (reported_us == 0 && task_status_[x] == TaskStatus::kUnreported) {
+    task_status_[x] = TaskStatus::kOpen;
+  }
+  if (task_status_[x] == TaskStatus::kUnreported) replan(&to_report_, reported_us);
+  replan(&to_expire_, scenario_.tasks[x].expires_us);
+}
+
+void Referee::TakeIn(TimeUs t, Agents* agents) {
+  for (const TakenOrder& taken : orders_) {
+    const Order& order = taken.order;
+    if (order.kind == OrderKind::kTaskAdd || order.kind == OrderKind::kTaskChange) {
+      PlanTimesOf(static_cast<std::size_t>(taken.task_id), t);
+    }
+    if (order.kind == OrderKind::kAgentJoin) {
+      muster::Obey(&agents->at(order.agent_kind, taken.agent_id), taken, t, scenario_);
+    }
+  }
+}
+
+void Referee::Obey(TimeUs t, Agents* agents) {
+  for (const TakenOrder& taken : orders_) {
+    const AgentKey agent{taken.order.agent_kind, taken.agent_id};
+    switch (taken.order.kind) {
+      case OrderKind::kTaskAdd:
+        break;
+      case OrderKind::kTaskChange:
+      case OrderKind::kTaskCancel:
+      case OrderKind::kTaskHold:
+      case OrderKind::kTaskResume:
+        ObeyOfTask(taken, t);
+        break;
+      case OrderKind::kAgentJoin:
+        EmitOrder(Event::Kind::kAgentJoined, t, agent, taken.order);
+        break;
+      case OrderKind::kAgentRecall:
+        Recall(taken, t, agents);
+        [[fallthrough]];
+      case OrderKind::kAgentLeave:
+        EmitOrder(Event::Kind::kAgentLeaves, t, agent, taken.order);
+        break;
+    }
+  }
+}
+
+void Referee::ObeyOfTask(const TakenOrder& taken, TimeUs t) {
+  const auto x = static_cast<std::size_t>(taken.task_id);
+  TaskStatus& status = task_status_[x];
+  const auto emit = [&](Event::Kind kind) {
+    Emit(kind, t, TaskId(x), fmt::format("{} by {}", taken.order.id, taken.order.issuer));
+    OnceATick();
+  };
+  if (taken.order.kind == OrderKind::kTaskChange) return emit(Event::Kind::kTaskChanged);
+  if (taken.order.kind == OrderKind::kTaskResume) {
+    if (status != TaskStatus::kHeld) return;
+    status = TaskStatus::kOpen;
+    return emit(Event::Kind::kTaskResumed);
+  }
+  // What is done or begun by now is not undone.
+  const bool cancels = taken.order.kind == OrderKind::kTaskCancel;
+  const bool too_late =
+      std::any_of(activities_.begin(), activities_.end(), [&](const Known& known) {
+        const Activity& activity = known.activity;
+        return !known.is_aborted && activity.kind == Activity::Kind::kSensing &&
+               activity.site == taken.task_id &&
+               (cancels ? activity.end_us : activity.start_us) <= t;
+      });
+  if (too_late || status == TaskStatus::kDone || status == TaskStatus::kExpired ||
+      status == TaskStatus::kCancelled) {
+    return;
+  }
+  CallOff(x, t);
+  if (status == TaskStatus::kExpired) return;
+  status = cancels ? TaskStatus::kCancelled : TaskStatus::kHeld;
+  if (cancels) std::erase_if(to_report_, [&](const auto& entry) { return entry.second == x; });
+  emit(cancels ? Event::Kind::kTaskCancelled : Event::Kind::kTaskHeld);
+}
+
+void Referee::Recall(const TakenOrder& taken, TimeUs t, Agents* agents) {
+  const AgentKey key{taken.order.agent_kind, taken.agent_id};
+  const AgentState& agent = agents->at(key.first, key.second);
+  if (failed_.contains(key)) return;
+  for (Known& known : activities_) {
+    const Activity& activity = known.activity;
+    const bool takes_part =
+        key.first == AgentKind::kUav
+            ? activity.uav.value == key.second
+            : PartnerKind(activity.kind) == key.first && activity.partner == key.second;
+    if (!takes_part || known.is_aborted || activity.end_us <= t ||
+        activity.start_us < agent.depart_us) {
+      continue;
+    }
+    Abort(&known, t);
+    if (activity.kind == Activity::Kind::kSensing) {
+      ExpireIfLate(static_cast<std::size_t>(activity.site), t);
+    }
+    return;
+  }
+  released_.push_back({key.first, key.second, Ruling::Kind::kReleased, t});
 }
 
 int Referee::done() const {
@@ -73,9 +192,7 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
   for (const Ruling& ruling : verdict.rulings()) {
     if (ruling.fails()) failed_[{ruling.agent_kind, ruling.agent}] = ruling;
   }
-  const auto is_past = [t](const auto& entry) { return entry.first <= t; };
-  std::erase_if(to_report_, is_past);
-  std::erase_if(to_expire_, is_past);
+  PlanTimes(t);
   activities_.clear();
   for (const Activity& activity : verdict.activities()) {
     // One that a failure aborted is listed once more.
@@ -83,11 +200,16 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
       const auto failed = failed_.find(agent);
       return failed != failed_.end() && failed->second.at_us < activity.end_us;
     };
-    const bool is_aborted =
-        aborted_by({AgentKind::kUav, activity.uav.value}) ||
-        aborted_by({PartnerKind(activity.kind), activity.partner}) ||
-        (activity.kind == Activity::Kind::kSensing &&
-         task_status_[static_cast<std::size_t>(activity.site)] == TaskStatus::kExpired);
+    // One that an expiry, an order or a partner's failure aborted has freed its UAV.
+    const auto released_during = [&](const Activity& one) {
+      const auto rulings = verdict.rulings_of(AgentKind::kUav, one.uav.value);
+      return std::any_of(rulings.begin(), rulings.end(), [&](const Ruling& ruling) {
+        return ruling.kind == Ruling::Kind::kReleased && ruling.at_us < one.end_us;
+      });
+    };
+    const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
+                            aborted_by({PartnerKind(activity.kind), activity.partner}) ||
+                            released_during(activity);
     activities_.push_back({activity, false, is_aborted});
   }
 }
@@ -106,14 +228,20 @@ void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
   for (Known& known : activities_) known.is_new = false;
   released_.clear();
 
+  TakeIn(t, agents);
   EmitReports(t);
   PlanNewActivities(t, agents);
   Return(t);
   FindFailures(t, decision, agents);
   ExpireUntil(t);
+  Obey(t, agents);
   UpdateVerdict();
   for (const AgentKind kind : kAgentKinds) {
     for (AgentState& agent : (*agents)[kind]) Settle(&agent, verdict_, t, scenario_.tasks);
+  }
+  for (const TakenOrder& taken : std::exchange(orders_, {})) {
+    if (taken.agent_id < 0) continue;
+    muster::Obey(&agents->at(taken.order.agent_kind, taken.agent_id), taken, t, scenario_);
   }
   UpdateTasks(t);
   if (decision >= 0 && scenario_.rules.start_on_meeting) {
@@ -248,7 +376,7 @@ void Referee::ExpireUntil(TimeUs t) {
   for (; !to_expire_.empty() && to_expire_.back().first <= t; to_expire_.pop_back()) {
     const TimeUs expires_us = to_expire_.back().first;
     const std::size_t x = to_expire_.back().second;
-    if (task_status_[x] == TaskStatus::kDone) continue;
+    if (task_status_[x] == TaskStatus::kDone || task_status_[x] == TaskStatus::kCancelled) continue;
     const bool begun = std::any_of(activities_.begin(), activities_.end(), [&](const Known& known) {
       return !known.is_aborted && known.activity.kind == Activity::Kind::kSensing &&
              known.activity.site == static_cast<std::int32_t>(x) &&
@@ -261,7 +389,7 @@ void Referee::ExpireUntil(TimeUs t) {
 }
 
 void Referee::ExpireIfLate(std::size_t task, TimeUs t) {
-  if (scenario_.tasks[task].AllowsStart(t)) return;
+  if (scenario_.tasks[task].AllowsStart(t) || task_status_[task] == TaskStatus::kCancelled) return;
   task_status_[task] = TaskStatus::kExpired;
   Emit(Event::Kind::kTaskExpired, t, TaskId(task), "");
 }
@@ -273,11 +401,25 @@ void Referee::CallOff(std::size_t task, TimeUs t) {
         activity.site != static_cast<std::int32_t>(task)) {
       continue;
     }
-    known.is_aborted = true;
-    released_.push_back({AgentKind::kUav, activity.uav.value, Ruling::Kind::kReleased, t});
-    released_.push_back({AgentKind::kWorker, activity.partner, Ruling::Kind::kReleased, t});
-    Emit(Event::Kind::kSensingAborted, t, activity, "before its start");
+    if (activity.end_us > t) Abort(&known, t);
   }
+}
+
+void Referee::Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent) {
+  const Activity& activity = known->activity;
+  known->is_aborted = true;
+  for (const AgentKey& one : {AgentKey{AgentKind::kUav, activity.uav.value},
+                              AgentKey{PartnerKind(activity.kind), activity.partner}}) {
+    if (one != agent) released_.push_back({one.first, one.second, Ruling::Kind::kReleased, t});
+  }
+  const bool sensing = activity.kind == Activity::Kind::kSensing;
+  const bool began = activity.start_us <= t;
+  if (began && (known->is_new || activity.start_us > previous_us_)) {
+    Emit(sensing ? Event::Kind::kSensingStarted : Event::Kind::kChargingStarted, activity.start_us,
+         activity);
+  }
+  Emit(sensing ? Event::Kind::kSensingAborted : Event::Kind::kChargingAborted, t, activity,
+       began ? "under way" : "before its start");
 }
 
 bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
@@ -310,23 +452,9 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
         activity.start_us < agent.depart_us) {
       continue;
     }
-    known.is_aborted = true;
-    if (kind == AgentKind::kUav) {
-      released_.push_back(
-          {PartnerKind(activity.kind), activity.partner, Ruling::Kind::kReleased, failure.at_us});
-    } else {
-      released_.push_back(
-          {AgentKind::kUav, activity.uav.value, Ruling::Kind::kReleased, failure.at_us});
-    }
-    const bool sensing = activity.kind == Activity::Kind::kSensing;
-    const bool began = activity.start_us <= failure.at_us;
-    if (began && (known.is_new || activity.start_us > previous_us_)) {
-      Emit(sensing ? Event::Kind::kSensingStarted : Event::Kind::kChargingStarted,
-           activity.start_us, activity);
-    }
-    Emit(sensing ? Event::Kind::kSensingAborted : Event::Kind::kChargingAborted, failure.at_us,
-         activity, began ? "under way" : "before its start");
-    if (sensing) ExpireIfLate(static_cast<std::size_t>(activity.site), failure.at_us);
+    Abort(&known, failure.at_us, failure.agent);
+    if (activity.kind == Activity::Kind::kSensing)
+      ExpireIfLate(static_cast<std::size_t>(activity.site), failure.at_us);
   }
 }
 
@@ -389,6 +517,7 @@ void Referee::Meet(TimeUs t, Agents* agents) {
 void Referee::EmitReports(TimeUs t) {
   for (; !to_report_.empty() && to_report_.back().first <= t; to_report_.pop_back()) {
     const auto [reported_us, x] = to_report_.back();
+    if (task_status_[x] != TaskStatus::kUnreported) continue;
     task_status_[x] = TaskStatus::kOpen;
     Emit(Event::Kind::kTaskReported, reported_us, TaskId(x), "");
   }
@@ -499,10 +628,26 @@ void Referee::Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
   events_.push_back(event);
 }
 
+void Referee::OnceATick() {
+  const auto key = [](const Event& e) {
+    return std::tie(e.at_us, e.kind, e.uav, e.worker, e.vehicle, e.task);
+  };
+  const bool again =
+      std::any_of(events_.begin(), std::prev(events_.end()),
+                  [&](const Event& event) { return key(event) == key(events_.back()); });
+  if (again) events_.pop_back();
+}
+
+void Referee::EmitOrder(Event::Kind kind, TimeUs at_us, AgentKey agent, const Order& order) {
+  Emit(kind, at_us, agent);
+  events_.back().detail = fmt::format("{} by {}", order.id, order.issuer);
+  OnceATick();
+}
+
 std::vector<Event> Referee::TakeEvents() {
   std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
-    return std::tie(a.at_us, a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge) <
-           std::tie(b.at_us, b.kind, b.uav, b.worker, b.vehicle, b.task, b.charge);
+    return std::tie(a.at_us, a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge, a.detail) <
+           std::tie(b.at_us, b.kind, b.uav, b.worker, b.vehicle, b.task, b.charge, b.detail);
   });
   return std::exchange(events_, {});
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/agent.h"
+#include "model/order.h"
 #include "model/scenario.h"
 
 namespace muster::world {
@@ -69,6 +70,9 @@ class Referee {
   /// Takes a decision that was made at the last judged time: draws the match failures.
   void Take(std::int32_t decision, const std::vector<Action>& actions);
 
+  /// An order that the scenario has in it already: it is in force from the next judged time on.
+  void Take(const TakenOrder& order) { orders_.push_back(order); }
+
   void Add(const Outage& outage) { outages_.push_back(outage); }
   /// Those by that reason end at t.
   void EndOutages(const FailureReason& reason, TimeUs t);
@@ -107,8 +111,19 @@ class Referee {
   void Fail(const Failure& failure, Agents* agents);
   /// Tasks whose last time for sensing to begin is at or before `t` are gone, if it has not.
   void ExpireUntil(TimeUs t);
-  /// The sensing at that task, which has not begun at `t`, does not take place.
+  /// The sensing at that task ends at `t` without effect.
   void CallOff(std::size_t task, TimeUs t);
+  /// Does so for one, and frees the agents that are still there; `agent` needs no freeing.
+  void Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent = {});
+  /// When tasks of the scenario are reported and expire, after `t`.
+  void PlanTimes(TimeUs t);
+  void PlanTimesOf(std::size_t task, TimeUs t);
+  /// Orders' new tasks and agents, before time `t` is judged.
+  void TakeIn(TimeUs t, Agents* agents);
+  /// What orders end or allow at `t`.
+  void Obey(TimeUs t, Agents* agents);
+  void ObeyOfTask(const TakenOrder& taken, TimeUs t);
+  void Recall(const TakenOrder& taken, TimeUs t, Agents* agents);
   /// A task that nobody is sensing any more at `t` is gone if sensing may not begin then.
   void ExpireIfLate(std::size_t task, TimeUs t);
   void EmitReports(TimeUs t);
@@ -121,6 +136,9 @@ class Referee {
   void Emit(Event::Kind kind, TimeUs at_us, TaskId task, std::string detail);
   void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
             const std::optional<FailureReason>& reason = {});
+  /// Of two orders for the same the first is named.
+  void OnceATick();
+  void EmitOrder(Event::Kind kind, TimeUs at_us, AgentKey agent, const Order& order);
 
   const Scenario& scenario_;
   TimeUs previous_us_ = -1;
@@ -130,6 +148,7 @@ class Referee {
   std::map<AgentKey, Ruling> failed_;
   std::vector<Ruling> released_;  ///< by the present verdict
   std::vector<Outage> outages_;
+  std::vector<TakenOrder> orders_;  ///< for the next judged time
   std::vector<Event> events_;
   Verdict verdict_;
 };

@@ -59,6 +59,13 @@ bool Restoring::Take(const answer_t& answer) {
     }
   }
   if (answer.data.empty()) return true;
+  if (answer.channel == channel::kOrders) {
+    auto book = DecodeValid<order_book_t>(answer.data);
+    if (!book || book->header.run_id != run_id_ || (book->tick >= 0 && !IsTick(book->tick))) {
+      return false;
+    }
+    if (!book_ || book->tick > book_->tick) book_ = std::move(book);
+  }
   if (answer.channel == channel::kWorld) {
     auto world = DecodeValid<world_state_t>(answer.data);
     if (!world || world->header.run_id != run_id_ || !IsTick(world->tick)) return false;

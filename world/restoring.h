@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <muster/answer_t.hpp>
+#include <muster/order_book_t.hpp>
 #include <muster/rulings_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
@@ -49,6 +50,8 @@ class Restoring {
   /// The same for a mission that goes on without lost processes: in lockstep, whoever is awaited is
   /// at most one tick behind anybody else, and not behind a verdict.
   std::optional<State> NewestWithoutLost() const;
+  /// The longest book of orders that was told of; none: nobody has one.
+  const std::optional<order_book_t>& book() const { return book_; }
   /// The process that has reported the agent; "": none yet.
   const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
     return told_[kind][static_cast<std::size_t>(id)].owner;
@@ -73,6 +76,7 @@ class Restoring {
   std::optional<Lost> LostAgent(const Told& told, const std::optional<Ruling>& failure,
                                 std::int64_t tick, const Verdicts& verdicts) const;
 
+  std::optional<order_book_t> book_;
   const Scenario& scenario_;
   const WireLimits limits_;
   const std::int64_t run_id_;

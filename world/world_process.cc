@@ -36,8 +36,7 @@ FailureReason LossOf(const std::string& process) {
   return {FailureReason::Cause::kProcessLost, process};
 }
 
-PerKind<ToldAgents> ToldOf(const Scenario& scenario) {
-  const auto shared = std::make_shared<const Scenario>(scenario);
+PerKind<ToldAgents> ToldOf(const std::shared_ptr<const Scenario>& shared) {
   return {ToldAgents(shared, AgentKind::kUav), ToldAgents(shared, AgentKind::kWorker),
           ToldAgents(shared, AgentKind::kVehicle)};
 }
@@ -48,7 +47,8 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, std::string 
                            const WorldOptions& options)
     : Process(identity, window),
       json_(std::move(json)),
-      scenario_(ParseScenario(json_, "scenario")),
+      desk_(ParseScenario(json_, "scenario"), options.orders),
+      scenario_(desk_.scenario()),
       limits_(scenario_),
       options_(options),
       referee_(scenario_),
@@ -56,9 +56,14 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, std::string 
       attendance_(scenario_, Peers(options.lost_after_us, this->identity().boot_id == 0)),
       restoring_(scenario_, this->identity().run_id),
       recorder_ready_(!options.recorded),
-      told_(ToldOf(scenario_)),
+      told_(ToldOf(desk_.book().scenario())),
       repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs) {
-  for (const AgentKind kind : kAgentKinds) agents_[kind].resize(scenario_.agents(kind).size());
+  for (const AgentKind kind : kAgentKinds) {
+    for (const AgentSpec& spec : scenario_.agents(kind)) {
+      const auto id = static_cast<std::int32_t>(agents_[kind].size());
+      agents_[kind].push_back(StartOf(kind, id, spec));
+    }
+  }
   for (const Outage& outage : options.outages) {
     if (outage.agent < 0 || static_cast<std::size_t>(outage.agent) >= agents_[outage.kind].size()) {
       throw InputError("command line", "--outage",
@@ -80,6 +85,11 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
+      [&](const order_t& order) {
+        if (!desk_.book().takes_orders() || wait_ == Wait::kRestore || desk_.Hear(order)) return;
+        const auto answer = answers_.find(desk_.AnsweredAt(order.id));
+        if (answer != answers_.end()) sender().Resend(answer->second);
+      },
       [&](const log_status_t&) {
         recorder_ready_ = true;
         recorder_heard_us_ = now.monotonic_us;
@@ -102,7 +112,14 @@ bool WorldProcess::IsForTick(std::int64_t tick) const {
 void WorldProcess::Take(const answer_t& answer) {
   if (!Answers(answer)) return;
   if (wait_ == Wait::kRestore) {
+    // A leg may lead to what an order has added.
+    const OrderBook& book = desk_.book();
+    if (book.takes_orders() && answer.channel != channel::kOrders && book.tick() < answer.tick &&
+        !answer.data.empty()) {
+      return;
+    }
     if (!restoring_.Take(answer)) inbox().Reject();
+    if (answer.channel == channel::kOrders && restoring_.book()) desk_.Take(*restoring_.book());
     return;
   }
   // Whole states, since changes rest on what this process has not heard.
@@ -184,6 +201,10 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
     if (clock_packet_) sender().Resend(clock_packet_);
   }
   if (wait_ == Wait::kRestore) return;
+  if (request.channel == channel::kOrders && desk_.book().takes_orders()) {
+    Process::Answer(request, desk_.book().tick(), BookBytes(desk_.book(), identity()),
+                    clock_.sim_us(), now);
+  }
   for (const AgentKind kind : kAgentKinds) {
     if (request.channel != ChannelOf(kind)) continue;
     const auto answer = [&](std::vector<std::uint8_t> bytes) {
@@ -201,6 +222,7 @@ void WorldProcess::AskForState(const Now& now) {
                                       channel::kWorld, channel::kRulings, channel::kClock}) {
     Request(name, 0, now);
   }
+  if (desk_.book().takes_orders()) Request(channel::kOrders, 0, now);
 }
 
 bool WorldProcess::RestoreState(const Now& now) {
@@ -209,6 +231,10 @@ bool WorldProcess::RestoreState(const Now& now) {
   if (!state || attendance_.peers().AwaitedUs(now.monotonic_us) <
                     ListenUs(*state, options_.goes_on, options_.lost_after_us)) {
     return false;
+  }
+  if (desk_.book().takes_orders() && state->tick > 0) {
+    // Whoever has told of this tick has heard what was taken at it.
+    if (!desk_.book().complete(state->tick)) return false;
   }
   if (state->tick > 0) {
     referee_.Restore(clock_.TimeOf(state->tick - 1), state->task_status, state->verdict);
@@ -221,6 +247,7 @@ bool WorldProcess::RestoreState(const Now& now) {
       attendance_.SetOwner(kind, id, restoring_.OwnerOf(kind, id));
     }
   }
+  TakeOrders(now);
   Begin(now);
   // This tick may have been judged before, with what its reporters can no longer repeat.
   for (const Packet& packet : state->reports) {
@@ -241,6 +268,17 @@ void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
   peers.set_presence(owner,
                      lost.returns || peers.heard(owner) ? Presence::kReturning : Presence::kLost);
   referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LossOf(owner)});
+}
+
+void WorldProcess::TakeOrders(const Now& now) {
+  if (!desk_.book().takes_orders()) return;
+  const std::int64_t tick = clock_.tick();
+  orders_packet_ = sender().Send(
+      channel::kOrders, desk_.Decide(tick, referee_.task_status(), agents_), clock_.sim_us(), now);
+  const auto orders = DecodeValid<orders_t>(orders_packet_->bytes);
+  desk_.Take(*orders);
+  if (orders->n_taken + orders->n_refused > 0) answers_[tick] = orders_packet_;
+  for (const TakenOrder& order : desk_.book().TakenAt(tick)) referee_.Take(order);
 }
 
 void WorldProcess::PublishClock(const Now& now) {
@@ -272,6 +310,10 @@ void WorldProcess::Judge(const Now& now) {
 
 void WorldProcess::PublishEvents(const Now& now) {
   for (const Event& event : referee_.TakeEvents()) {
+    if (event.kind == Event::Kind::kSensingDone &&
+        scenario_.tasks[event.task.index()].revisit_us != kNever) {
+      desk_.Revisit(event.task, event.at_us);
+    }
     const bool applied = event.kind == Event::Kind::kFaultApplied;
     if (!applied) sender().Send(channel::kEvent, ToWire(event), clock_.sim_us(), now);
     const bool failed = applied || event.kind == Event::Kind::kAgentFailed;
@@ -365,6 +407,7 @@ void WorldProcess::OnStep(const Now& now) {
       WaitFor(Wait::kRestore, now);
       AskForState(now);
     } else {
+      TakeOrders(now);
       Begin(now);
     }
   }
@@ -413,6 +456,7 @@ void WorldProcess::GoOn(const Now& now) {
 void WorldProcess::StartTick(const Now& now) {
   clock_.Advance();
   attendance_.StartTick();
+  TakeOrders(now);
   PublishClock(now);
   WaitFor(Wait::kStates, now);
 }
@@ -425,6 +469,7 @@ void WorldProcess::Repeat(const Now& now) {
     if (schedule_packet_ && wait_ == Wait::kStates && schedule_lacks) {
       sender().Resend(schedule_packet_);
     }
+    if (orders_packet_) sender().Resend(orders_packet_);
     if (world_packet_) sender().Resend(world_packet_);
     if (rulings_packet_) sender().Resend(rulings_packet_);
     for (const AgentKind kind : kAgentKinds) {

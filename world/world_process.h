@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "world/attendance.h"
 #include "world/handover.h"
 #include "world/mission_clock.h"
+#include "world/order_desk.h"
 #include "world/referee.h"
 #include "world/restoring.h"
 
@@ -26,6 +28,8 @@ struct WorldOptions {
   TimeUs lost_after_us = 5 * kSecondUs;
   /// Agents that fail by faults.
   std::vector<Outage> outages = {};
+  /// Orders that are known before the mission begins.
+  std::vector<PlannedOrder> orders = {};
 };
 
 /// The world: clock and referee of a mission in lockstep (docs/mission.md). It alone asks again:
@@ -64,6 +68,8 @@ class WorldProcess : public Process {
   void GoOn(const Now& now);
   void StartTick(const Now& now);
   void PublishClock(const Now& now);
+  /// Takes what orders there are, in a mission that takes any, and says so.
+  void TakeOrders(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
   void Repeat(const Now& now);
@@ -79,7 +85,8 @@ class WorldProcess : public Process {
   void StopWaiting();
 
   const std::string json_;
-  const Scenario scenario_;
+  OrderDesk desk_;
+  const Scenario& scenario_;  ///< with the orders taken so far
   const WireLimits limits_;
   const WorldOptions options_;
   Referee referee_;
@@ -96,7 +103,9 @@ class WorldProcess : public Process {
   bool has_news_ = false;       ///< somebody has reported since the last step
   PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
-  SentPacket schedule_packet_;  ///< the decision in force, as the scheduler sent it
+  SentPacket orders_packet_;                    ///< of the tick
+  std::map<std::int64_t, SentPacket> answers_;  ///< to orders, by tick
+  SentPacket schedule_packet_;                  ///< the decision in force, as the scheduler sent it
   BackOff repeat_;
   AnswerTime states_time_, schedule_time_;
   TimeUs asked_us_ = 0;              ///< since when it waits for the present answer

@@ -63,7 +63,7 @@ void AgentProcess::OnScenario() {
     agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)]));
   }
   if (specs.size() > most_whole_) {
-    told_.emplace(std::make_shared<const Scenario>(*scenario()), kind_);
+    told_.emplace(scenario(), kind_);
   }
   restored_ = identity().boot_id == 0;
   if (restored_) set_state(ProcessState::kReady);
@@ -88,6 +88,10 @@ void AgentProcess::Take(const answer_t& answer) {
     return;
   }
   if (states->tick < std::max(tick_, restore_from_)) return;
+  if (!orders().complete(states->tick)) {  // a leg may lead to what an order has added
+    lacks_orders_of_ = states->tick;
+    return;
+  }
   if (states->tick > tick_) {
     tick_ = states->tick;
     restored_states_.clear();
@@ -202,6 +206,7 @@ void AgentProcess::Take(const world_state_t& world) {
   std::vector<Activity> activities;
   if (FromWireAll(world.activities, WireLimits(*scenario()), &activities)) {
     activities_ = std::move(activities);
+    verdict_boot_ = world.header.boot_id;
   } else {
     inbox().Reject();
   }
@@ -258,15 +263,24 @@ void AgentProcess::OnMissionStep(const Now& now) {
     goalless_.clear();
     GoOn();
   }
-  if (!restored_) return Ask(ChannelOf(kind_), tick_us_, now);
-  StopAsking();
+  if (!restored_) {
+    const bool lacks_orders = !orders().complete(lacks_orders_of_);
+    return Ask(lacks_orders ? channel::kOrders : ChannelOf(kind_), tick_us_, now);
+  }
   if (!restored_states_.empty()) {
     // As they were: what these agents know beyond the wire only comes with the next verdict.
     Publish(std::exchange(restored_states_, {}), true, now);
   }
   if (CanAdvance()) {
+    if (tick_ >= 0 && !HasOrders(tick_, verdict_boot_, now)) return;
+    if (!HasOrders(clock_->tick, clock_->header.boot_id, now)) return;
+    StopAsking();
     Advance(now);
-  } else if (repeat_tick_ >= 0 && !sender().holds_back()) {
+    repeat_tick_ = -1;
+    return;
+  }
+  StopAsking();
+  if (repeat_tick_ >= 0 && !sender().holds_back()) {
     const Published& asked = repeat_tick_ == published_.tick ? published_ : published_before_;
     for (const SentPacket& packet : asked.packets) sender().Resend(packet);
   }
@@ -278,6 +292,9 @@ void AgentProcess::Advance(const Now& now) {
     consumed_ = {tick_, std::move(world_packet_), std::move(rulings_packet_)};
     const Verdict verdict(std::move(*activities_), std::move(*rulings_));
     for (AgentState& agent : agents_) Settle(&agent, verdict, tick_us_, scenario()->tasks);
+    for (const TakenOrder& order : orders().TakenAt(tick_)) {
+      for (AgentState& agent : agents_) Obey(&agent, order, tick_us_, *scenario());
+    }
     if (clock_->required_decision > applied_decision_) {
       Apply(*schedule_, schedule_decision_, tick_us_);
       applied_decision_ = schedule_decision_;

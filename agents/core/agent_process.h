@@ -60,6 +60,7 @@ class AgentProcess : public Follower {
   TimeUs tick_us_ = 0;
   std::int32_t applied_decision_ = -1;
   bool restored_ = false;                 ///< has a state to go on from
+  std::int64_t lacks_orders_of_ = -1;     ///< tick of a state that it may not read yet
   std::int64_t restore_from_ = 0;         ///< an older tick's state is not enough
   std::set<std::int32_t> still_unknown_;  ///< ids not restored yet
   std::vector<agent_t> restored_states_;  ///< to be published again
@@ -89,6 +90,7 @@ class AgentProcess : public Follower {
   std::optional<clock_t> clock_;                     ///< newest
   std::int64_t repeat_tick_ = -1;                    ///< of a clock heard again; -1: none
   std::optional<std::vector<Activity>> activities_;  ///< of the verdict on tick_
+  std::int64_t verdict_boot_ = 0;                    ///< of the world that gave it
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
   std::optional<std::vector<Action>> schedule_;      ///< of the decision made at tick_
   std::int32_t schedule_decision_ = -1;

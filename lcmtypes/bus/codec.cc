@@ -23,6 +23,8 @@ constexpr std::size_t kFingerprintBytes = 8;
 /// Names, hosts, policies, fault ids.
 constexpr std::size_t kMaxName = 256;
 constexpr std::size_t kMaxDetail = 2048;
+/// An order's JSON.
+constexpr std::size_t kMaxOrder = 16 * 1024;
 
 /// Walks over an encoded message without decoding it. Every step says whether the bytes were there.
 class Scanner {
@@ -99,6 +101,31 @@ bool Scan(Scanner& in, const log_status_t*) {
   }
   return true;
 }
+bool Scan(Scanner& in, const order_t*) {
+  return ScanHeader(in) && in.SkipString() && in.SkipString() && in.SkipString();
+}
+bool Scan(Scanner& in, const orders_t*) {
+  std::int32_t n = 0;
+  if (!ScanHeader(in) || !in.Skip(8 + 8) || !in.ReadInt32(&n) || n < 0) return false;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (!in.SkipString() || !in.SkipString() || !in.SkipString() || !in.Skip(4 + 1 + 4)) {
+      return false;
+    }
+  }
+  if (!in.ReadInt32(&n) || n < 0) return false;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (!in.SkipString() || !in.SkipString() || !in.SkipString()) return false;
+  }
+  return true;
+}
+bool Scan(Scanner& in, const order_book_t*) {
+  std::int32_t n = 0;
+  if (!ScanHeader(in) || !in.Skip(8) || !in.ReadInt32(&n) || n < 0) return false;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (!Scan(in, static_cast<const orders_t*>(nullptr))) return false;
+  }
+  return true;
+}
 bool Scan(Scanner& in, const process_status_t*) {
   return ScanHeader(in) && in.SkipString() && in.SkipString() && in.Skip(4 + 1 + 8 + 4 * 8 + 8 + 8);
 }
@@ -161,7 +188,8 @@ const TypeRow* FindType(std::string_view name) {
       RowOf<fault_t>(),        RowOf<log_status_t>(),    RowOf<process_status_t>(),
       RowOf<request_t>(),      RowOf<restore_t>(),       RowOf<rulings_t>(),
       RowOf<scenario_t>(),     RowOf<schedule_t>(),      RowOf<world_state_t>(),
-      RowOf<answer_t>(),       RowOf<agent_changes_t>(),
+      RowOf<answer_t>(),       RowOf<agent_changes_t>(), RowOf<order_t>(),
+      RowOf<orders_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -183,6 +211,14 @@ bool CountsHold(const agent_states_t& m) { return HasCount(m.n, m.agents.size())
 bool CountsHold(const log_status_t& m) { return HasCount(m.n, m.marks.size()); }
 bool CountsHold(const restore_t& m) { return HasCount(m.n, m.data.size()); }
 bool CountsHold(const answer_t& m) { return HasCount(m.n, m.data.size()); }
+bool CountsHold(const orders_t& m) {
+  return HasCount(m.n_taken, m.taken.size()) && HasCount(m.n_refused, m.refused.size());
+}
+bool CountsHold(const order_book_t& m) {
+  return HasCount(m.n, m.ticks.size()) &&
+         std::all_of(m.ticks.begin(), m.ticks.end(),
+                     [](const orders_t& orders) { return CountsHold(orders); });
+}
 bool CountsHold(const rulings_t& m) { return HasCount(m.n, m.rulings.size()); }
 bool CountsHold(const schedule_t& m) { return HasCount(m.n, m.actions.size()); }
 bool CountsHold(const world_state_t& m) {
@@ -313,6 +349,32 @@ bool Valid(const process_status_t& m) {
          NotNegative(m.received, m.lost, m.rejected, m.resent, m.cpu_s, m.rss_bytes) &&
          Finite(m.cpu_s);
 }
+bool Valid(const order_t& m) {
+  return Valid(m.header) && !m.id.empty() && IsName(m.id) && IsName(m.issuer) &&
+         IsText(m.json, kMaxOrder);
+}
+bool Valid(const orders_t& m) {
+  const auto can_be_taken = [](const taken_order_t& order) {
+    return !order.id.empty() && IsName(order.id) && IsName(order.issuer) &&
+           IsText(order.json, kMaxOrder) && IsWord<AgentKind>(order.agent_kind) &&
+           AreIds(order.task_id, order.agent_id);
+  };
+  const auto can_be_refused = [](const refused_order_t& order) {
+    return !order.id.empty() && IsName(order.id) && IsName(order.issuer) &&
+           IsText(order.reason, kMaxDetail);
+  };
+  return Valid(m.header) && NotNegative(m.tick, m.before) &&
+         std::all_of(m.taken.begin(), m.taken.end(), can_be_taken) &&
+         std::all_of(m.refused.begin(), m.refused.end(), can_be_refused);
+}
+bool Valid(const order_book_t& m) {
+  const auto in_order = [](const orders_t& a, const orders_t& b) { return a.tick >= b.tick; };
+  return Valid(m.header) && m.tick >= -1 &&
+         std::all_of(m.ticks.begin(), m.ticks.end(),
+                     [](const orders_t& orders) { return Valid(orders); }) &&
+         std::adjacent_find(m.ticks.begin(), m.ticks.end(), in_order) == m.ticks.end() &&
+         (m.ticks.empty() || m.ticks.back().tick <= m.tick);
+}
 bool Valid(const request_t& m) { return Valid(m.header) && FindChannel(m.channel) != nullptr; }
 bool Valid(const restore_t& m) {
   return Valid(m.header) && FindChannel(m.channel) != nullptr && m.tick >= -1;
@@ -380,6 +442,9 @@ MUSTER_CODEC(clock_t);
 MUSTER_CODEC(event_t);
 MUSTER_CODEC(fault_t);
 MUSTER_CODEC(log_status_t);
+MUSTER_CODEC(order_book_t);
+MUSTER_CODEC(order_t);
+MUSTER_CODEC(orders_t);
 MUSTER_CODEC(process_status_t);
 MUSTER_CODEC(request_t);
 MUSTER_CODEC(restore_t);

@@ -14,6 +14,9 @@
 #include "muster/event_t.hpp"
 #include "muster/fault_t.hpp"
 #include "muster/log_status_t.hpp"
+#include "muster/order_book_t.hpp"
+#include "muster/order_t.hpp"
+#include "muster/orders_t.hpp"
 #include "muster/process_status_t.hpp"
 #include "muster/request_t.hpp"
 #include "muster/restore_t.hpp"
@@ -48,6 +51,9 @@ bool Valid(const clock_t& message);
 bool Valid(const event_t& message);
 bool Valid(const fault_t& message);
 bool Valid(const log_status_t& message);
+bool Valid(const order_book_t& message);
+bool Valid(const order_t& message);
+bool Valid(const orders_t& message);
 bool Valid(const process_status_t& message);
 bool Valid(const request_t& message);
 bool Valid(const restore_t& message);

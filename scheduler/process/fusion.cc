@@ -6,8 +6,11 @@
 
 namespace muster::scheduler {
 
-Fusion::Fusion(const Scenario& scenario)
-    : scenario_(scenario), limits_(scenario), site_(std::make_shared<const Site>(scenario)) {}
+Fusion::Fusion(const std::shared_ptr<const Scenario>& scenario)
+    : held_(scenario),
+      scenario_(*scenario),
+      limits_(scenario_),
+      site_(std::make_shared<const Site>(scenario_)) {}
 
 void Fusion::Start(std::int64_t tick, TimeUs t, std::int32_t decision) {
   tick_ = tick;
@@ -79,8 +82,12 @@ std::size_t Fusion::silent() const {
       }));
 }
 
-Situation Fusion::Fuse() const {
+Situation Fusion::Fuse(const OrderBook& orders) {
   MUSTER_CHECK(complete(), "tick={}", tick_);
+  if (site_version_ != orders.version()) {
+    site_version_ = orders.version();
+    site_ = std::make_shared<const Site>(*orders.scenario());
+  }
   const Verdict verdict(*activities_, *rulings_);
   Situation situation;
   situation.site = site_;
@@ -93,6 +100,9 @@ Situation Fusion::Fuse() const {
       if (!reported) continue;
       AgentState agent = *reported;
       Settle(&agent, verdict, now_us_, site_->tasks);
+      for (const TakenOrder& order : orders.TakenAt(tick_)) {
+        Obey(&agent, order, now_us_, *orders.scenario());
+      }
       if (agent.failed || (!agent.online(now_us_) && agent.busy_until_us <= now_us_)) continue;
       out->push_back(agent);
     }

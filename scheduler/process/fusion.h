@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/convert.h"
+#include "protocol/order_book.h"
 #include "scheduler/situation.h"
 
 namespace muster::scheduler {
@@ -17,7 +18,7 @@ namespace muster::scheduler {
 /// may come in any order and repeatedly.
 class Fusion {
  public:
-  explicit Fusion(const Scenario& scenario);
+  explicit Fusion(const std::shared_ptr<const Scenario>& scenario);
 
   /// Forgets everything and collects for a decision at `tick`, time t.
   void Start(std::int64_t tick, TimeUs t, std::int32_t decision);
@@ -28,16 +29,18 @@ class Fusion {
   bool Take(const rulings_t& rulings);
 
   bool complete() const { return activities_ && rulings_ && missing_ <= silent(); }
-  /// The situation; only when complete.
-  Situation Fuse() const;
+  /// The situation with the orders up to that tick; only when complete.
+  Situation Fuse(const OrderBook& orders);
 
  private:
   /// Agents without a state that have failed.
   std::size_t silent() const;
 
+  const std::shared_ptr<const Scenario> held_;
   const Scenario& scenario_;
   const WireLimits limits_;
-  const std::shared_ptr<const Site> site_;
+  std::shared_ptr<const Site> site_;
+  std::int64_t site_version_ = 0;  ///< of the orders
   std::int64_t tick_ = -1;
   TimeUs now_us_ = 0;
   std::int32_t decision_ = -1;

@@ -23,13 +23,15 @@ SchedulerProcess::SchedulerProcess(const Identity& identity, int window, const s
     : SchedulerProcess(identity, window, policy, MakePolicy(policy, deadline_ms), stopwatch) {}
 
 void SchedulerProcess::OnScenario() {
-  fusion_.emplace(*scenario());
+  fusion_.emplace(scenario());
   set_state(ProcessState::kReady);
 }
 
 void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, const Now&) {
   const auto take = [&](const auto& m) {
-    if (due_ >= 0 && !fusion_->Take(m)) inbox().Reject();
+    // Before it knows of earlier orders, a leg may lead to a task that is none yet.
+    if (due_ < 0 || !orders().complete(tick_ - 1)) return;
+    if (!fusion_->Take(m)) inbox().Reject();
   };
   Handle(
       message, [&](const clock_t& clock) { Take(clock); },
@@ -57,10 +59,15 @@ void SchedulerProcess::Take(const clock_t& clock) {
 }
 
 void SchedulerProcess::OnMissionStep(const Now& now) {
-  StopAsking();
+  if (due_ >= 0 && !HasOrders(tick_, world_boot_, now)) return;
   if (due_ >= 0 && fusion_->complete()) {
+    StopAsking();
     Decide(now);
-  } else if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
+    repeat_tick_ = -1;
+    return;
+  }
+  StopAsking();
+  if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
     sender().Resend(schedule_packet_);
   }
   repeat_tick_ = -1;
@@ -68,7 +75,7 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
 
 void SchedulerProcess::Decide(const Now& now) {
   const TimeUs begin = stopwatch_();
-  const Decision decision = policy_->Decide(fusion_->Fuse());
+  const Decision decision = policy_->Decide(fusion_->Fuse(orders()));
   schedule_t schedule{};
   schedule.decision = due_;
   schedule.tick = tick_;

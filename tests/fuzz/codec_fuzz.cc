@@ -40,6 +40,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Check<event_t>(bytes, "MUSTER_EVENT");
   Check<fault_t>(bytes, "MUSTER_FAULT");
   Check<log_status_t>(bytes, "MUSTER_LOG");
+  Check<order_t>(bytes, "MUSTER_ORDER");
+  Check<orders_t>(bytes, "MUSTER_ORDERS");
   Check<process_status_t>(bytes, "MUSTER_PROCESS");
   Check<request_t>(bytes, "MUSTER_REQUEST");
   Check<restore_t>(bytes, "MUSTER_RESTORE");

@@ -316,7 +316,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 18; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 24; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));
@@ -339,6 +339,12 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<restore_t>([](restore_t& m) { m.tick = -2; }));
   EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.channel = ""; }));
   EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.tick = -2; }));
+  EXPECT_FALSE(ValidAfter<order_t>([](order_t& m) { m.id = ""; }));
+  EXPECT_FALSE(ValidAfter<order_t>([](order_t& m) { m.json = std::string(20'000, ' '); }));
+  EXPECT_FALSE(ValidAfter<order_t>([](order_t& m) { m.issuer = "\x1b[2J"; }));
+  EXPECT_FALSE(ValidAfter<orders_t>([](orders_t& m) { m.tick = -1; }));
+  EXPECT_FALSE(ValidAfter<orders_t>([](orders_t& m) { m.taken[1].agent_kind = 3; }));
+  EXPECT_FALSE(ValidAfter<orders_t>([](orders_t& m) { m.refused[0].id = ""; }));
   EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.asker_boot_id = -1; }));
   EXPECT_FALSE(ValidAfter<answer_t>([](answer_t& m) { m.asker_seq = -1; }));
   EXPECT_FALSE(ValidAfter<rulings_t>([](rulings_t& m) { m.rulings[0].agent_kind = 3; }));
@@ -407,7 +413,7 @@ TEST(Valid, LooksAtEveryElement) {
   using W = world_state_t;
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.done = 5; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.done = -1; }));
-  EXPECT_FALSE(ValidAfter<W>([](W& m) { m.task_status[3] = 6; }));
+  EXPECT_FALSE(ValidAfter<W>([](W& m) { m.task_status[3] = 8; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].kind = 2; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].end_us = 9; }));
   EXPECT_FALSE(ValidAfter<W>([](W& m) { m.activities[1].partner_id = -1; }));

@@ -154,6 +154,29 @@ answer_t SampleAnswer() {
   return answer;
 }
 
+order_t SampleOrder() {
+  order_t order{};
+  order.header = Header(14);
+  order.id = "o1";
+  order.issuer = "hotline";
+  order.json = "{\"order\": \"task_cancel\", \"task\": 3}";
+  return order;
+}
+
+orders_t SampleOrders() {
+  orders_t orders{};
+  orders.header = Header(15);
+  orders.tick = 7;
+  orders.before = 2;
+  orders.taken = {
+      {"o1", "hotline", "{\"order\": \"task_cancel\", \"task\": 3}", 3, 0, -1},
+      {"o2", "page", "{\"order\": \"agent_leave\", \"agent\": \"worker:1\"}", -1, 1, 1}};
+  orders.n_taken = 2;
+  orders.refused = {{"o3", "page", "there is no task 9: there are 4"}};
+  orders.n_refused = 1;
+  return orders;
+}
+
 rulings_t SampleRulings() {
   rulings_t rulings{};
   rulings.header = Header(8);
@@ -222,10 +245,10 @@ world_state_t SampleWorldState() {
 }  // namespace
 
 AllMessages SampleMessages() {
-  return {SampleAgentChanges(), SampleAgentStates(), SampleAnswer(),    SampleClock(),
-          SampleEvent(),        SampleFault(),       SampleLogStatus(), SampleProcessStatus(),
-          SampleRequest(),      SampleRestore(),     SampleRulings(),   SampleScenario(),
-          SampleSchedule(),     SampleWorldState()};
+  return {SampleAgentChanges(), SampleAgentStates(),   SampleAnswer(),    SampleClock(),
+          SampleEvent(),        SampleFault(),         SampleLogStatus(), SampleOrder(),
+          SampleOrders(),       SampleProcessStatus(), SampleRequest(),   SampleRestore(),
+          SampleRulings(),      SampleScenario(),      SampleSchedule(),  SampleWorldState()};
 }
 
 }  // namespace muster

@@ -19,10 +19,10 @@ void ForEachWord(Visit visit) {
   visit(AgentStatus::kFailed, "`agent_t.status`");
   visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
   visit(ActivityKind::kCharging, "`activity_t.kind`");
-  visit(TaskStatus::kExpired, "`world_state_t.task_status`");
+  visit(TaskStatus::kHeld, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kAnswerRefused, "`event_t.kind`");
+  visit(EventKind::kAgentLeaves, "`event_t.kind`");
   visit(FaultKind::kForeign, "`fault_t.kind`");
   visit(ProcessState::kEnded, "`process_status_t.state`");
 }

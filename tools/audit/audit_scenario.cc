@@ -32,19 +32,24 @@ Interval IntervalOf(const json& disturbances, const char* key, double unit) {
   return {ends.at(0).get<double>() * unit, ends.at(1).get<double>() * unit};
 }
 
+Scenario::Agent AgentOf(const json& item, int kind) {
+  Scenario::Agent agent;
+  agent.at = PlaceOf(item);
+  agent.speed_m_s = item.at("speed_km_per_min").get<double>() * kKmPerMin;
+  if (kind == kUav) {
+    agent.range_full_m = item.at("full_range_km").get<double>() * kKm;
+    agent.range_m = item.value("range_km", item.at("full_range_km").get<double>()) * kKm;
+  }
+  if (kind == kVehicle) {
+    agent.charge_rate_m_s = item.at("charge_km_per_min").get<double>() * kKmPerMin;
+  }
+  return agent;
+}
+
 std::vector<Scenario::Agent> AgentsOf(const json& list, Class kind) {
   std::vector<Scenario::Agent> agents;
   for (const json& item : list) {
-    Scenario::Agent agent;
-    agent.at = PlaceOf(item);
-    agent.speed_m_s = item.at("speed_km_per_min").get<double>() * kKmPerMin;
-    if (kind == kUav) {
-      agent.range_full_m = item.at("full_range_km").get<double>() * kKm;
-      agent.range_m = item.at("range_km").get<double>() * kKm;
-    }
-    if (kind == kVehicle) {
-      agent.charge_rate_m_s = item.at("charge_km_per_min").get<double>() * kKmPerMin;
-    }
+    Scenario::Agent agent = AgentOf(item, kind);
     agent.online_from_us = Minutes(item.at("online_from_min"));
     agent.online_until_us = Minutes(item.at("online_until_min"));
     agents.push_back(agent);
@@ -135,7 +140,61 @@ Scenario ParseScenario(const std::string& text) {
     if (item.contains("expires_min")) task.expires_us = Minutes(item.at("expires_min"));
     s.tasks.push_back(task);
   }
+  if (top.contains("room")) {
+    const json& room = top.at("room");
+    s.room_tasks = room.value("tasks", 0);
+    s.room_agents[kUav] = room.value("uavs", 0);
+    s.room_agents[kWorker] = room.value("workers", 0);
+    s.room_agents[kVehicle] = room.value("vehicles", 0);
+    Scenario::Task vacant;
+    vacant.reported_us = kForever;
+    s.tasks.resize(s.tasks.size() + static_cast<std::size_t>(s.room_tasks), vacant);
+    for (const int kind : {kUav, kWorker, kVehicle}) {
+      Scenario::Agent never_online;
+      never_online.speed_m_s = 1;
+      never_online.range_full_m = kind == kUav ? 1 : 0;
+      never_online.charge_rate_m_s = kind == kVehicle ? 1 : 0;
+      auto& agents = s.agents[kind];
+      agents.resize(agents.size() + static_cast<std::size_t>(s.room_agents[kind]), never_online);
+    }
+  }
   return s;
+}
+
+AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const Scenario& scenario) {
+  const json top = json::parse(text);
+  AuditOrder order;
+  order.what = top.at("order").get<std::string>();
+  const auto time = [&](const json& item, const char* at, const char* in) {
+    if (item.contains(in)) return now_us + Minutes(item.at(in));
+    return item.contains(at) ? Minutes(item.at(at)) : kForever;
+  };
+  if (order.is_add()) {
+    const json& item = top.at("task");
+    Scenario::Task& task = order.new_task;
+    task.at = PlaceOf(item);
+    task.cost_m = item.value("cost_km", 3.0) * kKm;
+    task.to_charge_m = Nearest(scenario.charges).WayFrom(task.at);
+    if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
+    task.reported_us = std::max(task.reported_us, now_us);
+    task.expires_us = time(item, "expires_min", "expires_in_min");
+  }
+  if (order.what == "task_change" &&
+      (top.contains("expires_min") || top.contains("expires_in_min"))) {
+    order.expires_us = time(top, "expires_min", "expires_in_min");
+  }
+  if (order.is_join()) {
+    const json& item = top.at("agent");
+    const std::string of = top.at("class").get<std::string>();
+    order.new_agent = AgentOf(item, of == "uav" ? kUav : of == "worker" ? kWorker : kVehicle);
+    const std::int64_t from =
+        item.contains("online_from_min") ? Minutes(item.at("online_from_min")) : 0;
+    order.new_agent.online_from_us = std::max(from, now_us);
+    order.new_agent.online_until_us = item.contains("online_until_min")
+                                          ? Minutes(item.at("online_until_min"))
+                                          : scenario.limit_us;
+  }
+  return order;
 }
 
 std::string Sha256Of(const std::string& bytes) {

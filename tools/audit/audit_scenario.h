@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,11 @@ struct Scenario {
   std::vector<Agent> agents[3];  ///< by class
   std::vector<Task> tasks;
   std::vector<Charge> charges;
+  /// How many of each list are vacant, for orders to fill.
+  int room_tasks = 0, room_agents[3] = {};
+  bool takes_orders() const {
+    return room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
+  }
 
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
   std::int64_t TimeOf(std::int64_t tick) const;
@@ -71,6 +77,23 @@ struct Scenario {
 
 /// Throws std::exception when the text is no scenario of version 1 or 2.
 Scenario ParseScenario(const std::string& json);
+
+/// An order that was taken, as far as the audit looks at it.
+struct AuditOrder {
+  std::string what;  ///< "task_add", ...
+  Scenario::Task new_task;
+  Scenario::Agent new_agent;
+  std::optional<std::int64_t> expires_us;  ///< of a change
+  int task = -1, kind = kUav, agent = -1;
+
+  bool is_add() const { return what == "task_add"; }
+  bool is_join() const { return what == "agent_join"; }
+  bool is_agents() const { return what == "agent_leave" || what == "agent_recall" || is_join(); }
+};
+
+/// Of what was taken at `now_us`; which task or agent it is about, the message says. Throws
+/// std::exception when the text is no order.
+AuditOrder ParseAuditOrder(const std::string& json, std::int64_t now_us, const Scenario& scenario);
 
 /// SHA-256 as 64 lower-case hexadecimal digits.
 std::string Sha256Of(const std::string& bytes);

@@ -130,6 +130,10 @@ void Auditor::Take(const Packet& packet) {
     auto m = Admit<rulings_t>(packet);
     TickData* data = m ? DataOf(m->tick) : nullptr;
     if (data != nullptr && !data->rulings) data->rulings = std::move(*m);
+  } else if (name == channel::kOrders) {
+    if (auto m = Admit<orders_t>(packet)) TakeOrders(std::move(*m));
+  } else if (name == channel::kOrder) {
+    Admit<order_t>(packet);
   } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
     if (const auto m = Admit<agent_states_t>(packet)) TakeStates(*m, ClassOf(name));
   } else if (IsReports(name)) {
@@ -181,23 +185,30 @@ void Auditor::TakeScenario(const scenario_t& message) {
       model.from = model.to = spec.at;
       model.range_at_departure_m = spec.range_m;
       models_[kind].push_back(model);
-      if (spec.online_from_us >= spec.online_until_us) continue;
-      if (spec.online_from_us <= scenario_->limit_us) {
-        Expect(spec.online_from_us, EventKind::kAgentOnline, AgentKey{kind, model.id});
-      }
-      if (spec.online_until_us <= scenario_->limit_us) {
-        Expect(spec.online_until_us, EventKind::kAgentOffline, AgentKey{kind, model.id});
-      }
+      ExpectPresence(model);
     }
+    n_agents_[kind] = static_cast<int>(models_[kind].size()) - scenario_->room_agents[kind];
     last_seen_[kind].resize(models_[kind].size());
     told_[kind].resize(models_[kind].size());
     for (const AgentModel& model : models_[kind]) was_[kind].emplace_back(model.from, 0);
   }
+  n_tasks_ = static_cast<int>(scenario_->tasks.size()) - scenario_->room_tasks;
   task_status_.assign(scenario_->tasks.size(), 0);
   flown_m_.assign(models_[kUav].size(), 0);
   final_range_m_.assign(models_[kUav].size(), 0);
   final_range_tick_.assign(models_[kUav].size(), -1);
   for (const Packet& packet : std::exchange(held_back_, {})) Take(packet);
+}
+
+void Auditor::ExpectPresence(const AgentModel& model) {
+  const Scenario::Agent& spec = *model.spec;
+  if (spec.online_from_us >= spec.online_until_us) return;
+  if (spec.online_from_us <= scenario_->limit_us) {
+    Expect(spec.online_from_us, EventKind::kAgentOnline, AgentKey{model.kind, model.id});
+  }
+  if (spec.online_until_us <= scenario_->limit_us) {
+    Expect(spec.online_until_us, EventKind::kAgentOffline, AgentKey{model.kind, model.id});
+  }
 }
 
 Auditor::TickData* Auditor::DataOf(std::int64_t tick) {
@@ -235,6 +246,10 @@ void Auditor::TakeSchedule(const schedule_t& message) {
 
 bool Auditor::Complete(std::int64_t tick, const TickData& data) const {
   if (!data.clock || !data.world || !data.rulings) return false;
+  if (scenario_->takes_orders() &&
+      (!data.orders || data.orders->header.boot_id < data.world->header.boot_id)) {
+    return false;
+  }
   if (const std::int32_t due = scenario_->DecisionAt(tick); due >= 0) {
     const std::optional<bool> in_force = InForce(tick);
     if (!in_force || (*in_force && !schedules_.contains(due))) return false;
@@ -287,6 +302,7 @@ std::string Auditor::WhatIsMissing(std::int64_t tick) const {
   if (!data.clock) add("clock_t");
   if (!data.world) add("world_state_t");
   if (!data.rulings) add("rulings_t");
+  if (scenario_->takes_orders() && !data.orders) add("orders_t");
   const std::int32_t due = scenario_->DecisionAt(tick);
   if (due >= 0 && !schedules_.contains(due)) add(fmt::format("schedule_t of decision {}", due));
   if (due >= 0 && !InForce(tick)) add(fmt::format("clock_t of tick {}", tick + 1));
@@ -327,6 +343,7 @@ void Auditor::CheckTick(std::int64_t tick, const TickData& data) {
   due_ = scenario_->DecisionAt(tick);
   CheckClock(*data.clock);
   CheckReports(data);
+  if (data.orders) CheckOrders(*data.orders);
   if (!TickHolds()) return;
   ReadRulings(*data.rulings);
   CheckActivities(*data.world);
@@ -399,8 +416,11 @@ const std::vector<Violation>& Auditor::Finish() {
     for (const std::int32_t decision : skipped_) facts.schedules.erase(decision);
     facts.events = events_;
     facts.task_status = task_status_;
+    facts.task_status.resize(static_cast<std::size_t>(n_tasks_));
     facts.flown_m = flown_m_;
+    facts.flown_m.resize(static_cast<std::size_t>(n_agents_[kUav]));
     facts.final_range_m = final_range_m_;
+    facts.final_range_m.resize(static_cast<std::size_t>(n_agents_[kUav]));
     facts.messages = messages_;
     facts.interval_us = scenario_->interval_us;
     facts_ = std::move(facts);

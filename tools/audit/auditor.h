@@ -83,6 +83,7 @@ class Auditor {
     std::optional<clock_t> clock;
     std::optional<world_state_t> world;
     std::optional<rulings_t> rulings;
+    std::optional<orders_t> orders;  ///< of the latest start of the world
     std::vector<std::optional<Report>> reports[3];
     bool repeated = false;
     std::string repeated_text;
@@ -132,6 +133,9 @@ class Auditor {
   std::string WhatIsMissing(std::int64_t tick) const;
   void Advance();
 
+  void TakeOrders(orders_t orders);
+  void ExpectPresence(const AgentModel& model);
+
   // One tick, in this order.
   void CheckTick(std::int64_t tick, const TickData& data);
   void CheckClock(const clock_t& clock);
@@ -144,6 +148,9 @@ class Auditor {
   void CheckMotion(const AgentModel& model, const agent_t& report);
   void ResolveCommand(AgentModel* model, const agent_t& report);
   void SeeWay(AgentModel* model, const agent_t& report);
+  void CheckOrders(const orders_t& orders);
+  bool CheckOrder(const taken_order_t& taken, const AuditOrder& order);
+  void TakeOrder(const AuditOrder& order);
   void ReadRulings(const rulings_t& rulings);
   void CheckActivities(const world_state_t& world);
   /// Whether it begins without a command.
@@ -154,6 +161,11 @@ class Auditor {
   void CheckRangeLeft(const AgentModel& model);
   void CheckTasks(const world_state_t& world);
   void ExpireTasks();
+  /// When an order of this tick ends that activity; kForever: none does.
+  std::int64_t OrderedEnd(const Activity& activity) const;
+  bool IsRecalled(int kind, int id) const;
+  /// What the tick's orders do to tasks and agents, once these are settled.
+  void FollowOrders();
   void CheckDecision(const schedule_t& schedule);
   bool CheckShape(const action_t& action, const std::string& name);
   void CheckAction(const action_t& action, const std::string& name);
@@ -178,6 +190,10 @@ class Auditor {
   std::map<std::pair<std::string, std::int64_t>, Sender> senders_;
   std::map<std::tuple<std::string, std::int64_t, std::int64_t>, std::size_t> recent_;
   std::deque<std::tuple<std::string, std::int64_t, std::int64_t>> recent_order_;
+
+  int n_tasks_ = 0, n_agents_[3] = {};  // that are not vacant
+  std::set<std::string> order_ids_;     // answered so far
+  std::vector<AuditOrder> taken_;       // at the tick that is checked
 
   std::map<std::int64_t, TickData> pending_;
   std::int64_t next_tick_ = 0;

@@ -188,6 +188,7 @@ void Auditor::AbortActivities() {
       const std::int64_t expires_us = scenario_->tasks[static_cast<std::size_t>(a.site)].expires_us;
       if (a.start_us >= expires_us && expires_us <= now_us_) at = std::min(at, expires_us);
     }
+    at = std::min(at, OrderedEnd(a));
     if (at == kForever) continue;
     tracked.aborted = true;
     tracked.aborted_us = at;

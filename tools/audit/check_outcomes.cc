@@ -75,7 +75,7 @@ void Auditor::SettleAgents() {
                      (kind == kUav ? a.uav == model.id
                                    : a.partner_class() == kind && a.partner == model.id);
             });
-        if (!cause && !(model.pair() && !model.activity)) {
+        if (!cause && !(model.pair() && !model.activity) && !IsRecalled(kind, model.id)) {
           Violate(now_us_, "rulings",
                   fmt::format("{} is released at {} us without its partner "
                               "having failed",
@@ -114,7 +114,10 @@ void Auditor::CheckTasks(const world_state_t& world) {
   }
   for (std::size_t x = 0; x < task_status_.size(); ++x) {
     std::int8_t& status = task_status_[x];
-    if (status == TaskStatus::kDone || status == TaskStatus::kExpired) continue;
+    if (status == TaskStatus::kDone || status == TaskStatus::kExpired ||
+        status == TaskStatus::kCancelled || status == TaskStatus::kHeld) {
+      continue;
+    }
     status = NumberOf(scenario_->tasks[x].reported_us > now_us_ ? TaskStatus::kUnreported
                                                                 : TaskStatus::kOpen);
   }
@@ -131,6 +134,7 @@ void Auditor::CheckTasks(const world_state_t& world) {
                                               : TaskStatus::kReserved);
   }
   ExpireTasks();
+  FollowOrders();
   std::int32_t done = 0;
   for (std::size_t x = 0; x < task_status_.size(); ++x) {
     done += task_status_[x] == TaskStatus::kDone ? 1 : 0;
@@ -152,10 +156,13 @@ void Auditor::ExpireTasks() {
     const auto expect = [&](std::int64_t at_us, EventKind kind) {
       expected_.insert({at_us, NumberOf(kind), -1, -1, -1, static_cast<std::int32_t>(x), -1});
     };
-    if (task.reported_us > 0 && before_us_ < task.reported_us && task.reported_us <= now_us_) {
+    if (task_status_[x] != TaskStatus::kCancelled && task.reported_us > 0 &&
+        before_us_ < task.reported_us && task.reported_us <= now_us_) {
       expect(task.reported_us, EventKind::kTaskReported);
     }
-    if (task.expires_us > now_us_ || task_status_[x] != TaskStatus::kOpen) continue;
+    const bool may_expire =
+        task_status_[x] == TaskStatus::kOpen || task_status_[x] == TaskStatus::kHeld;
+    if (task.expires_us > now_us_ || !may_expire) continue;
     // Sensing that had begun in time may have been aborted since.
     std::int64_t at_us = task.expires_us;
     for (const Tracked& tracked : activities_) {

@@ -11,6 +11,8 @@
 #include "tools/launch/run_command.h"
 #include "tools/live/live_command.h"
 #include "tools/log/log_command.h"
+#include "tools/orders/feed_command.h"
+#include "tools/orders/order_commands.h"
 #include "tools/replay/replay_command.h"
 #include "tools/report/report_command.h"
 #include "tools/scenario/import_command.h"
@@ -26,6 +28,7 @@ namespace {
 /// One row a subcommand; its body lives in tools/<folder>/<name>_command.cc.
 const std::vector<Command> kCommands = {
     {"doctor", "looks whether this host can run missions", DoctorCommand},
+    {"agent", "has an agent join or leave a running mission", AgentCommand},
     {"audit", "checks a run's log against every rule of the mission", AuditCommand},
     {"bench", "compares policies, times decisions", BenchCommand},
     {"bound", "tells how many tasks any policy could do at most", BoundCommand},
@@ -33,6 +36,7 @@ const std::vector<Command> kCommands = {
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"faults", "runs missions under fault plans and scores them, draws plans", FaultsCommand},
+    {"feed", "gives a running mission tasks and orders as they come", FeedCommand},
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"live", "shows a mission in a browser while it goes on", LiveCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
@@ -43,6 +47,7 @@ const std::vector<Command> kCommands = {
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},
+    {"task", "adds, changes, cancels or holds a task of a running mission", TaskCommand},
     {"top", "shows a mission in the terminal while it goes on", TopCommand},
 };
 

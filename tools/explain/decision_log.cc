@@ -74,6 +74,8 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
   while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
   if (!reader.scenario()) throw InputError(source->name() + ": the log has no scenario");
   log.run_id = *reader.run_id();
+  log.orders = std::make_shared<const OrderBook>(reader.TakeOrders());
+  log.scenario = *log.orders->scenario();
   std::stable_sort(log.events.begin(), log.events.end(),
                    [](const event_t& a, const event_t& b) { return KeyOf(a) < KeyOf(b); });
   log.events.erase(
@@ -83,7 +85,8 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
   return log;
 }
 
-std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenario) {
+std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log) {
+  const Scenario& scenario = log.scenario;
   PerKind<std::vector<bool>> heard;
   for (const AgentKind kind : kAgentKinds) {
     heard[kind].resize(scenario.agents(kind).size());
@@ -114,6 +117,7 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
   if (!decision.clock) lacks.push_back("clock_t");
   if (!world) lacks.push_back("world_state_t");
   if (!rulings) lacks.push_back("rulings_t");
+  if (!log.orders->complete(scenario.rules.TickOf(decision.at_us))) lacks.push_back("orders_t");
   for (const AgentKind kind : kAgentKinds) {
     const auto& of_kind = heard[kind];
     const auto n = std::count(of_kind.begin(), of_kind.end(), false);
@@ -127,9 +131,10 @@ std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenar
 }
 
 std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
-                                                const Scenario& scenario) {
-  scheduler::Fusion fusion(scenario);
-  fusion.Start(decision.at_us / scenario.rules.tick_us, decision.at_us, decision.decision);
+                                                const DecisionLog& log) {
+  const std::int64_t tick = log.scenario.rules.TickOf(decision.at_us);
+  scheduler::Fusion fusion(log.orders->scenario());
+  fusion.Start(tick, decision.at_us, decision.decision);
   for (const Packet& packet : decision.told) {
     if (fusion.complete()) break;  // as the scheduler, which then decides
     if (packet.channel == channel::kWorld) {
@@ -140,8 +145,9 @@ std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
       static_cast<void>(fusion.Take(*DecodeValid<agent_states_t>(packet.bytes)));
     }
   }
-  if (!fusion.complete()) return {};
-  return fusion.Fuse();
+  if (!fusion.complete() || !log.orders->complete(tick)) return {};
+  return log.orders->takes_orders() ? fusion.Fuse(log.orders->UpTo(tick))
+                                    : fusion.Fuse(*log.orders);
 }
 
 }  // namespace muster::tools

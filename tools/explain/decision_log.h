@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <muster/event_t.hpp>
 #include <muster/schedule_t.hpp>
 #include <muster/world_state_t.hpp>
@@ -10,6 +11,7 @@
 
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
+#include "protocol/order_book.h"
 #include "scheduler/situation.h"
 #include "tools/log/log_source.h"
 
@@ -33,7 +35,8 @@ struct LoggedDecision {
 /// A mission's log as far as decisions and their outcomes go.
 struct DecisionLog {
   std::int64_t run_id = 0;
-  Scenario scenario;
+  Scenario scenario;  ///< with all orders
+  std::shared_ptr<const OrderBook> orders;
   Packet scenario_packet;
   std::map<std::int32_t, LoggedDecision> decisions;  ///< those that the log holds anything of
   std::vector<event_t> events;                       ///< each once, by time
@@ -47,11 +50,11 @@ DecisionLog ReadDecisionLog(MessageSource* source);
 
 /// What a decision's messages lack, in words: "clock_t, states of worker:3 and 2 more workers";
 /// empty when they are whole.
-std::string WhatIsMissing(const LoggedDecision& decision, const Scenario& scenario);
+std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log);
 
 /// The situation that the decision rests on, as the scheduler fuses it; none when its messages are
-/// not whole. `scenario` must outlive nothing.
+/// not whole.
 std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
-                                                const Scenario& scenario);
+                                                const DecisionLog& log);
 
 }  // namespace muster::tools

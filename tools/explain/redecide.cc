@@ -22,14 +22,21 @@ namespace {
 class Scheduler {
  public:
   Scheduler(const DecisionLog& log, const std::string& policy)
-      : process_({log.run_id, "muster-redecide", 0}, 0, policy, [] { return TimeUs{0}; }) {
+      : process_({log.run_id, "muster-redecide", 0}, 0, policy, [] { return TimeUs{0}; }),
+        orders_(*log.orders),
+        next_orders_(orders_.said().begin()) {
     Feed({log.scenario_packet});
   }
 
   /// None when it does not decide.
   std::optional<schedule_t> Decide(const LoggedDecision& decision) {
     if (!decision.clock) return {};
-    std::vector<Packet> arrived = {*decision.clock};
+    const std::int64_t tick = orders_.scenario()->rules.TickOf(decision.at_us);
+    std::vector<Packet> arrived;
+    for (; next_orders_ != orders_.said().end() && next_orders_->first <= tick; ++next_orders_) {
+      arrived.push_back({std::string(channel::kOrders), Encode(next_orders_->second)});
+    }
+    arrived.push_back(*decision.clock);
     arrived.insert(arrived.end(), decision.told.begin(), decision.told.end());
     for (const Packet& packet : Feed(arrived)) {
       if (packet.channel != channel::kSchedule) continue;
@@ -48,6 +55,8 @@ class Scheduler {
   }
 
   scheduler::SchedulerProcess process_;
+  const OrderBook& orders_;
+  std::map<std::int64_t, orders_t>::const_iterator next_orders_;
 };
 
 /// The first field that differs, in the order of the calls.
@@ -99,7 +108,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
   std::size_t made = 0;
   for (const auto& [d, logged] : log.decisions) {
     if (progress) progress(made++, log.decisions.size());
-    std::string missing = WhatIsMissing(logged, log.scenario);
+    std::string missing = WhatIsMissing(logged, log);
     if (logged.schedules.empty() && !missing.empty()) continue;
     Redecided result{d, logged.at_us, {}, logged.schedules, {}};
     std::string name = policy;

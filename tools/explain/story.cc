@@ -46,7 +46,7 @@ class HorizonDecisions {
     const auto [entry, is_new] = decisions_.try_emplace(decision);
     const auto logged = log_.decisions.find(decision);
     if (!is_new || logged == log_.decisions.end()) return entry->second.get();
-    if (auto situation = SituationOf(logged->second, log_.scenario)) {
+    if (auto situation = SituationOf(logged->second, log_)) {
       entry->second = std::make_unique<scheduler::HorizonDecision>(
           std::move(*situation), CommandsOf(logged->second, log_.scenario), policy_);
     }
@@ -147,13 +147,13 @@ class Teller {
         chapter.horizon = InHorizonTerms(*decision);
         return chapter;
       }
-    } else if (const auto situation = SituationOf(logged, log_.scenario)) {
+    } else if (const auto situation = SituationOf(logged, log_)) {
       const Explainer explainer(*situation, CommandsOf(logged, log_.scenario));
       chapter.quality = explainer.Quality();
       chapter.answer = question_.ask(explainer);
       return chapter;
     }
-    chapter.missing = WhatIsMissing(logged, log_.scenario);
+    chapter.missing = WhatIsMissing(logged, log_);
     if (chapter.missing.empty()) chapter.missing = "a message that can be";
     return chapter;
   }

@@ -33,20 +33,25 @@ void SituationRecorder::Add(const Packet& packet) {
 }
 
 void SituationRecorder::Begin() {
-  scenario_ = std::make_unique<Scenario>(*reader_.scenario());
+  scenario_ = reader_.scenario();
   for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
     const TimeUs t = d * scenario_->rules.interval_us;
-    fusions_.emplace_back(*scenario_);
+    fusions_.emplace_back(scenario_);
     fusions_.back().Start(t / scenario_->rules.tick_us, t, d);
   }
 }
 
-std::vector<scheduler::Situation> SituationRecorder::Situations(std::vector<double>* fuse_s) const {
+std::vector<scheduler::Situation> SituationRecorder::Situations(std::vector<double>* fuse_s) {
   std::vector<scheduler::Situation> situations;
-  for (const scheduler::Fusion& fusion : fusions_) {
-    if (!fusion.complete()) continue;
+  for (std::size_t d = 0; d < fusions_.size(); ++d) {
+    scheduler::Fusion& fusion = fusions_[d];
+    const OrderBook& orders = reader_.orders();
+    const Rules& rules = orders.scenario()->rules;
+    const std::int64_t tick = rules.TickOf(static_cast<TimeUs>(d) * rules.interval_us);
+    if (!fusion.complete() || !orders.complete(tick)) continue;
     const auto start = std::chrono::steady_clock::now();
-    situations.push_back(fusion.Fuse());
+    situations.push_back(orders.takes_orders() ? fusion.Fuse(orders.UpTo(tick))
+                                               : fusion.Fuse(orders));
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (fuse_s != nullptr) fuse_s->push_back(took.count());
   }

@@ -19,7 +19,7 @@ class SituationRecorder {
 
   /// Those whose messages are complete, ascending by decision. `fuse_s`, when given, gets the wall
   /// time that fusing each took.
-  std::vector<scheduler::Situation> Situations(std::vector<double>* fuse_s = nullptr) const;
+  std::vector<scheduler::Situation> Situations(std::vector<double>* fuse_s = nullptr);
   /// Decisions of the mission, complete or not; 0 before the scenario is known.
   std::int32_t n_decisions() const { return static_cast<std::int32_t>(fusions_.size()); }
 
@@ -27,7 +27,7 @@ class SituationRecorder {
   void Begin();
 
   MissionReader reader_;
-  std::unique_ptr<Scenario> scenario_;  ///< the fusions refer to it
+  std::shared_ptr<const Scenario> scenario_;
   std::vector<scheduler::Fusion> fusions_;
 };
 

@@ -95,6 +95,14 @@ void AddLaunchOptions(Options* options) {
             "processors (docs/running.md)")
       .OneOf({"lcm", "muster"})
       .Default("muster");
+  options->Flag("take-orders",
+                "Take orders while it goes on (muster task, muster agent, muster feed; "
+                "docs/orders.md)");
+  options
+      ->Add("room", "WHAT=N,...",
+            "How many tasks and agents orders may add, e.g. task=500,uav=2 (default with "
+            "--take-orders: task=1000,uav=20,worker=20,vehicle=20)")
+      .List();
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
@@ -109,6 +117,24 @@ void AddLaunchOptions(Options* options) {
             "Ctrl-C; PORT 0: any free one")
       .Integer(0, 65535)
       .Implied(fmt::to_string(kDefaultLivePort));
+  options->Flag("control",
+                "With --live: whoever opens the printed address may give orders there, too");
+}
+
+Room ReadRoom(const std::vector<std::string>& entries) {
+  Room room = {1000, {20, 20, 20}};
+  for (const std::string& entry : entries) {
+    const std::vector<std::string> parts = Split(entry, '=');
+    const auto count = ToInteger(parts.back(), 0, kMostRoom);
+    const auto kind = FromString<AgentKind>(parts[0]);
+    if (!count || parts.size() != 2 || (!kind && parts[0] != "task")) {
+      throw InputError(
+          kCommandLine, "--room", entry,
+          fmt::format("task=N, uav=N, worker=N or vehicle=N with N from 0 to {}", kMostRoom));
+    }
+    (kind ? room.agents[*kind] : room.tasks) = static_cast<std::size_t>(*count);
+  }
+  return room;
 }
 
 }  // namespace
@@ -158,6 +184,15 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     }
     options.sealed = false;
   }
+  options.control = arguments->Has("control");
+  if (options.control && !arguments->Has("live")) {
+    throw InputError(kCommandLine, "--control", "no --live", "--live with it: the page that may");
+  }
+  options.takes_orders = arguments->Has("take-orders") || options.control;
+  if (arguments->Has("room") && !options.takes_orders) {
+    throw InputError(kCommandLine, "--room", "no --take-orders", "--take-orders with it");
+  }
+  if (options.takes_orders) options.room = ReadRoom(arguments->All("room"));
   arguments->Read("live", &options.live_port);
   if (options.live_port) RequirePage();
   for (const auto& [kind, count] : options.processes) {
@@ -200,6 +235,9 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   }
   for (const std::string& outage : OutagesOf(options.faults)) {
     world.insert(world.end(), {"--outage", outage});
+  }
+  if (!mission.orders_file.empty()) {
+    world.insert(world.end(), {"--orders", mission.orders_file});
   }
   add(process_name::kWorld, process_name::kWorld, std::move(world));
   for (const AgentKind kind : kAgentKinds) {

@@ -24,6 +24,8 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::map<std::string, std::string> programs;
   Logger logger = Logger::kMuster;
   bool recorded = true;          ///< false: nobody waits for a log, and none is written
+  bool takes_orders = false;     ///< while it goes on
+  bool control = false;          ///< the live page may give them
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
@@ -58,6 +60,7 @@ struct MissionIdentity {
   std::string lcm_url;
   std::int64_t run_id = 0;
   std::optional<SealKey> key = {};  ///< none: not sealed
+  std::string orders_file = {};     ///< "": none are given with the mission
 };
 
 /// The processes to start, in that order. An agent class in k > 1 processes is named uav-1 ...

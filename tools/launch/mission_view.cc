@@ -24,7 +24,9 @@ void MissionView::Add(const Packet& packet) {
     if (!world || world->tick < world_tick_) return;
     world_tick_ = world->tick;
     done_ = world->done;
-    tasks_ = world->n_tasks;
+    tasks_ =
+        static_cast<int>(std::count_if(world->task_status.begin(), world->task_status.end(),
+                                       [](std::int8_t s) { return s != TaskStatus::kUnreported; }));
   } else if (packet.channel == channel::kSchedule) {
     const auto schedule = DecodeValid<schedule_t>(packet.bytes);
     if (schedule) decisions_ = std::max(decisions_, schedule->decision + 1);

@@ -33,13 +33,17 @@
 #include "tools/launch/manifest.h"
 #include "tools/launch/mission.h"
 #include "tools/live/live_server.h"
+#include "tools/orders/order_socket.h"
 #include "tools/record/report_json.h"
 #include "tools/record/summary.h"
+#include "tools/scenario/order_text.h"
 
 namespace muster::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kOrdersFile = "orders.jsonl";
 
 /// A UDP port that nobody has bound now.
 std::uint16_t FreePort() {
@@ -157,7 +161,8 @@ int RunCommand(int argc, const char* const* argv) {
   if (!options) return kExitOk;
 
   // All that can be wrong with the request or the host comes before the first file.
-  const Scenario scenario = ResolveScenario(*options);
+  std::vector<world::PlannedOrder> orders;
+  const Scenario scenario = ResolveScenario(*options, &orders);
   const std::string lcm_logger = options->logger == Logger::kLcm ? FindLogger() : "";
   std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
@@ -197,6 +202,10 @@ int RunCommand(int argc, const char* const* argv) {
   mission.scenario_file = directory.File("scenario.json");
   directory.Write("scenario.json", json);
   if (mission.key) directory.WriteSecret(kSealKeyFile, mission.key->Text());
+  if (!orders.empty()) {
+    mission.orders_file = directory.File(kOrdersFile);
+    directory.Write(kOrdersFile, OrderLines(orders));
+  }
   ManifestInput manifest;
   manifest.command_line = {argv, argv + argc};
   manifest.policy = options->policy;
@@ -217,11 +226,18 @@ int RunCommand(int argc, const char* const* argv) {
   MissionPlan plan = PlanMission(*options, processes, mission, scenario);
   const MissionPrograms programs =
       FindPrograms(*options, processes, lcm_logger, mission, directory);
+  std::optional<OrderGate> gate;
+  std::optional<OrderSocket> orders_socket;
+  if (options->takes_orders) {
+    gate.emplace(scenario.origin);
+    orders_socket.emplace(directory.path(), &*gate);
+    plan.orders = &*gate;
+  }
   std::optional<LiveFeed> feed;
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());
     plan.on_logged = [&feed](const Packet& packet) { feed->Add({packet}); };
-    server->Start(&*feed);
+    server->Start(&*feed, options->control ? &*gate : nullptr);
     Say("live at {}\n", server->url());
   }
 
@@ -236,6 +252,8 @@ int RunCommand(int argc, const char* const* argv) {
   ProgressPrinter progress(stderr, StyleFor(stderr, options->quiet));
   const MissionResult result = RunMission(plan, programs, bus.get(), stop, &progress);
 
+  if (gate) gate->Close();
+  orders_socket.reset();
   PrintProblems(result);
   int code = ExitCodeOf(result);
   try {

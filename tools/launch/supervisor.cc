@@ -55,6 +55,7 @@ Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
       injector_(plan.faults, Confirming(plan)),
       own_faults_(plan.run_id, std::string(LauncherNameWith(plan.logger)), &host->bus(),
                   [this] { return recorder_.log().strangers(); }),
+      orders_(plan.orders),
       record_(plan.run_id) {
   members_.push_back({std::string(NameOf(plan.logger))});
   for (const std::string& name : plan.processes) members_.push_back({name});
@@ -83,6 +84,9 @@ void Supervisor::ReadLog(const Now& now) {
     if (!recorder_.OnLogged(packet, now)) continue;
     archive_.Add(packet);
     logged_.Add(packet);
+    if (packet.channel == channel::kOrders) {
+      if (const auto orders = DecodeValid<orders_t>(packet.bytes)) orders_.OnLogged(*orders);
+    }
     if (packet.channel == channel::kEvent) {
       if (const auto happened = DecodeValid<event_t>(packet.bytes)) injector_.OnEvent(*happened);
     }
@@ -113,6 +117,7 @@ void Supervisor::Turn() {
     foreign_us_ = now.monotonic_us + kForeignUs;
     host_->bus().Publish(ForeignPacket(plan_.run_id, foreign_sent_++));
   }
+  orders_.Step(now, &recorder_);
   if (!stopping_) injector_.Step(logged_.started() ? heard_us_ : -1, now.monotonic_us, this);
   recorder_.Step(now, &out_);
   for (const Packet& packet : out_) host_->bus().Publish(packet);

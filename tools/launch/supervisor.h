@@ -9,6 +9,7 @@
 #include "model/scenario.h"
 #include "tools/faults/fault_plan.h"
 #include "tools/launch/mission_host.h"
+#include "tools/orders/order_gate.h"
 #include "tools/record/run_record.h"
 
 namespace muster::tools {
@@ -42,6 +43,7 @@ struct MissionPlan {
   std::function<void(const Packet&)> on_logged = {};
   bool goes_on = false;  ///< without agent processes and scheduler when they are lost
   TimeUs lost_after_us = 5 * kSecondUs;  ///< so long silent after the end, one is left behind
+  OrderGate* orders = nullptr;           ///< where orders come in; null: nowhere
   double rate = 0;                       ///< mission seconds per wall second; 0: as fast as it goes
 };
 

@@ -16,6 +16,7 @@
 #include "tools/launch/member.h"
 #include "tools/launch/mission_view.h"
 #include "tools/launch/namesakes.h"
+#include "tools/launch/order_relay.h"
 #include "tools/launch/stall_watch.h"
 #include "tools/launch/supervisor.h"
 
@@ -95,6 +96,7 @@ class Supervisor : private FaultActions {
   FaultSwitch own_faults_;
   OutageWatch network_;
   RefusalWatch refusals_;
+  OrderRelay orders_;
   EndWatch end_watch_;
   RunRecord record_;
   MissionView logged_;

@@ -12,12 +12,15 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "tools/report/page.h"
+#include "tools/scenario/order_text.h"
 
 namespace muster::tools {
 namespace {
@@ -30,6 +33,9 @@ constexpr milliseconds kPace{250};  // between chunks to one page
 constexpr milliseconds kLook{50};   // for what is new
 constexpr milliseconds kSilence{1000};
 constexpr milliseconds kGoodbye{1000};
+constexpr std::size_t kMostBodyBytes = 64 * 1024;
+constexpr milliseconds kAnswer{4500};  // within kPatience
+constexpr milliseconds kLookForAnswer{10};
 
 std::string_view Trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -42,9 +48,10 @@ bool SameLetters(std::string_view a, std::string_view b) {
   });
 }
 
-/// The first line and the Host header of an HTTP request.
+/// Of an HTTP request, its first line and the headers that matter here.
 struct Request {
-  std::string_view method, path, host;
+  std::string_view method, path, host, authorization;
+  std::size_t length = 0;  ///< of the body
 };
 
 std::optional<Request> ParseRequest(std::string_view text) {
@@ -66,6 +73,14 @@ std::optional<Request> ParseRequest(std::string_view text) {
     if (colon != line.npos && SameLetters(line.substr(0, colon), "Host")) {
       request.host = Trimmed(line.substr(colon + 1));
     }
+    if (colon != line.npos && SameLetters(line.substr(0, colon), "Authorization")) {
+      request.authorization = Trimmed(line.substr(colon + 1));
+    }
+    if (colon != line.npos && SameLetters(line.substr(0, colon), "Content-Length")) {
+      const auto length = ToInteger(std::string(Trimmed(line.substr(colon + 1))), 0, INT32_MAX);
+      if (!length) return {};
+      request.length = static_cast<std::size_t>(*length);
+    }
   }
   if (request.method.empty()) return {};
   return request;
@@ -75,6 +90,17 @@ std::optional<Request> ParseRequest(std::string_view text) {
 bool IsOurs(std::string_view host) {
   const std::string_view name = host.substr(0, host.find(':'));
   return name == kHost || name == "localhost";
+}
+
+/// "Bearer TOKEN"; how long that takes to see says nothing of the token.
+bool MayOrder(std::string_view authorization, const std::string& token) {
+  const std::string expected = "Bearer " + token;
+  unsigned difference = authorization.size() == expected.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(authorization.size(), expected.size()); ++i) {
+    difference |=
+        static_cast<unsigned char>(authorization[i]) ^ static_cast<unsigned char>(expected[i]);
+  }
+  return difference == 0;
 }
 
 /// `length`: of the body; none: until the connection ends.
@@ -121,10 +147,14 @@ LiveServer::~LiveServer() {
   close(socket_);
 }
 
-std::string LiveServer::url() const { return fmt::format("http://{}:{}/", kHost, port_); }
+std::string LiveServer::url() const {
+  return fmt::format("http://{}:{}/{}{}", kHost, port_, token_.empty() ? "" : "#token=", token_);
+}
 
-void LiveServer::Start(LiveFeed* feed) {
+void LiveServer::Start(LiveFeed* feed, OrderGate* gate) {
   feed_ = feed;
+  gate_ = gate;
+  if (gate_ != nullptr) token_ = FreshOrderId() + FreshOrderId();
   page_ = LivePage("Live mission");
   thread_ = StartQuietThread([this] { Work(); });
 }
@@ -138,9 +168,10 @@ void LiveServer::Work() {
     if (!end) Accept(now);
     for (Client& client : clients_) {
       Read(&client, now);
+      if (!client.order.empty()) AnswerOrder(&client, now);
       if (client.listens && !client.last) Tell(&client, now);
       // Whoever has no question yet gets no answer any more.
-      if (end && !client.listens && !client.last) Close(&client);
+      if (end && !client.listens && !client.last && client.order.empty()) Close(&client);
       Send(&client, now);
       if (now >= client.until || (end && now >= *end)) Close(&client);
     }
@@ -161,6 +192,7 @@ void LiveServer::Wait(Time now) {
     const int events = client.out.empty() ? POLLIN : POLLOUT;
     all.push_back({client.fd, static_cast<short>(events), 0});
     if (client.listens) wait = std::min(wait, kLook);
+    if (!client.order.empty()) wait = std::min(wait, kLookForAnswer);
     wait = std::min(wait, std::chrono::ceil<milliseconds>(client.until - now));
   }
   poll(all.data(), all.size(), static_cast<int>(std::max<std::int64_t>(wait.count(), 0)));
@@ -189,23 +221,75 @@ void LiveServer::Read(Client* client, Time now) {
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) return;
     if (got <= 0) return Close(client);
-    if (client->listens || client->last) continue;
+    if (client->listens || client->last || !client->order.empty()) continue;
     client->in.append(buffer, static_cast<std::size_t>(got));
-    if (client->in.find("\r\n\r\n") != std::string::npos) return Answer(client, now);
+    const std::size_t head = client->in.find("\r\n\r\n");
+    if (head != std::string::npos) {
+      const auto request = ParseRequest(std::string_view(client->in).substr(0, head));
+      const std::size_t length = request ? request->length : 0;
+      if (length > kMostBodyBytes) {
+        client->out = Head("413 Content Too Large", "", 0);
+        client->last = true;
+        return;
+      }
+      if (client->in.size() < head + 4 + length) continue;
+      return Answer(client, now);
+    }
     if (client->in.size() <= kMostRequestBytes) continue;
     client->out = Head("431 Request Header Fields Too Large", "", 0);
     client->last = true;
   }
 }
 
-void LiveServer::Answer(Client* client, Time now) {
-  const auto request =
-      ParseRequest(std::string_view(client->in).substr(0, client->in.find("\r\n\r\n")));
+void LiveServer::TakeOrder(Client* client, const std::string& path, const std::string& body,
+                           Time now) {
+  try {
+    client->order =
+        body.empty() ? path.substr(std::string_view("/orders/").size()) : gate_->Give(body, "page");
+    client->last = false;
+    client->answer_by = now + kAnswer;
+    client->until = now + kPatience;
+  } catch (const InputError& error) {
+    const std::string text = nlohmann::ordered_json{{"error", error.what()}}.dump(
+        -1, ' ', false, nlohmann::json::error_handler_t::replace);
+    client->out = Head("400 Bad Request", "application/json", text.size()) + text;
+  }
+}
+
+void LiveServer::AnswerOrder(Client* client, Time now) {
+  const auto answer = gate_->Await(client->order, milliseconds(0));
+  if (!answer && gate_->knows(client->order) && now < client->answer_by) return;
+  const std::string text =
+      answer ? *answer : nlohmann::ordered_json{{"id", client->order}, {"pending", true}}.dump();
+  const bool taken = answer && answer->find("\"taken\":") != std::string::npos;
+  const char* const status = taken                         ? "200 OK"
+                             : answer                      ? "409 Conflict"
+                             : gate_->knows(client->order) ? "202 Accepted"
+                                                           : "404 Not Found";
+  client->out = Head(status, "application/json", text.size()) + text;
+  client->order.clear();
   client->last = true;
+}
+
+void LiveServer::Answer(Client* client, Time now) {
+  const std::size_t head = client->in.find("\r\n\r\n");
+  const auto request = ParseRequest(std::string_view(client->in).substr(0, head));
+  client->last = true;
+  const bool is_order =
+      request && (request->path == "/orders" || request->path.starts_with("/orders/"));
   if (!request) {
     client->out = Head("400 Bad Request", "", 0);
   } else if (!IsOurs(request->host)) {
     client->out = Head("403 Forbidden", "", 0);
+  } else if (is_order && gate_ == nullptr) {
+    client->out = Head("403 Forbidden", "", 0);
+  } else if (is_order && !MayOrder(request->authorization, token_)) {
+    client->out = Head("401 Unauthorized", "", 0);
+  } else if (is_order &&
+             (request->method == "POST" ? request->path == "/orders" && request->length > 0
+                                        : request->method == "GET" && request->path.size() > 8)) {
+    TakeOrder(client, std::string(request->path), client->in.substr(head + 4, request->length),
+              now);
   } else if (request->method != "GET") {
     client->out = Head("405 Method Not Allowed", "", 0);
   } else if (request->path == "/") {

@@ -137,7 +137,7 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
   lines.End();
 
   Collection sites(&folder.Add("sites.geojson"));
-  for (std::size_t x = 0; x < scenario.tasks.size(); ++x) {
+  for (std::size_t x = 0; x < scenario.n_tasks(); ++x) {
     const Task& task = scenario.tasks[x];
     ordered_json properties = {
         {"site", fmt::format("task:{}", x)}, {"kind", "task"}, {"cost_m", task.cost_m}};

@@ -9,10 +9,13 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "base/text.h"
+#include "tools/files/pending_file.h"
 #include "tools/log/export.h"
 #include "tools/log/log_edit.h"
 #include "tools/log/log_info.h"
+#include "tools/log/log_orders.h"
 
 namespace muster::tools {
 namespace {
@@ -112,6 +115,34 @@ int Export(int argc, const char* const* argv) {
   return kExitOk;
 }
 
+int Orders(int argc, const char* const* argv) {
+  Options options = MakeOptions(
+      argv[0],
+      "Prints the orders that a mission took, a line of JSON each: muster run --orders gives them "
+      "again.");
+  options.Add("scenario", "FILE", "Write the scenario as it was before any order");
+  options.Add(
+      "with-orders", "FILE",
+      "Write a scenario with the tasks and agents that orders added, as if the file had had "
+      "them");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  LogSource source(arguments->Get("run"));
+  source.ShowProgress("orders");
+  const CapturedOrders captured = CaptureOrders(&source);
+  fmt::print("{}", captured.lines);
+  if (arguments->Has("scenario")) WriteFile(arguments->Get("scenario"), captured.scenario_json);
+  if (arguments->Has("with-orders")) {
+    WriteFile(arguments->Get("with-orders"), captured.scenario_with_json);
+    if (captured.left_out > 0) {
+      Say("muster: {} of {} orders have no place in a scenario: those that cancel, hold, resume or "
+          "end an agent's stay\n",
+          captured.left_out, captured.taken);
+    }
+  }
+  return kExitOk;
+}
+
 }  // namespace
 
 int LogCommand(int argc, const char* const* argv) {
@@ -119,6 +150,7 @@ int LogCommand(int argc, const char* const* argv) {
       {"info", "sums a log up by channel and sender", Info},
       {"repair", "writes one clean log of a damaged, doubled or split one", Repair},
       {"cut", "copies the part between two mission times", Cut},
+      {"orders", "prints the orders that a mission took", Orders},
       {"export", "to CSV, GeoJSON or MCAP", Export},
   };
   return RunCommandOf(argv[0], "Sums up, repairs, cuts and exports the logs of runs", commands,

@@ -52,7 +52,10 @@ EditResult CutLog(LogSource* source, std::int64_t from_us, std::int64_t to_us,
   std::int64_t at_us = 0;
   return Copy(source, out, [&](const LoggedMessage& message) {
     if (message.header) at_us = message.header->sim_us;
-    return message.packet.channel == channel::kScenario || (from_us <= at_us && at_us <= to_us);
+    // Without the orders before it nobody knew what it is about.
+    return message.packet.channel == channel::kScenario ||
+           (message.packet.channel == channel::kOrders && at_us <= to_us) ||
+           (from_us <= at_us && at_us <= to_us);
   });
 }
 

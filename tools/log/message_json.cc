@@ -181,6 +181,36 @@ void Visit(const log_status_t& m, V&& v) {
   v("marks", m.marks);
 }
 template <class V>
+void Visit(const order_t& m, V&& v) {
+  v("header", m.header);
+  v("id", m.id);
+  v("issuer", m.issuer);
+  v("json", m.json);
+}
+template <class V>
+void Visit(const taken_order_t& m, V&& v) {
+  v("id", m.id);
+  v("issuer", m.issuer);
+  v("json", m.json);
+  v("task_id", m.task_id);
+  v("agent_kind", m.agent_kind);
+  v("agent_id", m.agent_id);
+}
+template <class V>
+void Visit(const refused_order_t& m, V&& v) {
+  v("id", m.id);
+  v("issuer", m.issuer);
+  v("reason", m.reason);
+}
+template <class V>
+void Visit(const orders_t& m, V&& v) {
+  v("header", m.header);
+  v("tick", m.tick);
+  v("before", m.before);
+  v("taken", m.taken);
+  v("refused", m.refused);
+}
+template <class V>
 void Visit(const request_t& m, V&& v) {
   v("header", m.header);
   v("channel", m.channel);

@@ -66,7 +66,7 @@ std::string Digest(const RunRecord& record) {
     }
   }
 
-  const std::size_t n_tasks = record.scenario() ? record.scenario()->tasks.size() : 0;
+  const std::size_t n_tasks = record.scenario() ? record.scenario()->n_tasks() : 0;
   std::vector<std::int64_t> done_us(n_tasks, -1);
   const event_t* previous = nullptr;
   for (const event_t& event : record.events()) {

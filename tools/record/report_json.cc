@@ -217,12 +217,12 @@ nlohmann::ordered_json Report(const RunRecord& record) {
       {"limit_s", ToSeconds(rules.limit_us)},
       {"tick_s", ToSeconds(rules.tick_us)},
       {"availability", rules.availability == Availability::kStrict ? "strict" : "overrun"},
-      {"uavs", scenario.uavs.size()},
-      {"workers", scenario.workers.size()},
-      {"vehicles", scenario.vehicles.size()},
+      {"uavs", scenario.n_agents(AgentKind::kUav)},
+      {"workers", scenario.n_agents(AgentKind::kWorker)},
+      {"vehicles", scenario.n_agents(AgentKind::kVehicle)},
       {"charging_points", scenario.charging_points.size()}};
 
-  const std::size_t total = scenario.tasks.size();
+  const std::size_t total = scenario.n_tasks();
   std::size_t done = 0;
   if (record.final_world()) {
     const auto& status = record.final_world()->task_status;

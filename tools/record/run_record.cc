@@ -185,7 +185,9 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
   if (cover != nullptr) cover->agents.resize(said_.size());
   for (const agent_t& agent : message.agents) {
     const std::size_t i = *row_.Find(kind, agent.id);
-    if (kind == AgentKind::kUav)
+    // Who has not joined yet is nowhere.
+    const bool is_vacant = agent.online_until_us == 0 && reader_.orders().takes_orders();
+    if (kind == AgentKind::kUav && !is_vacant)
       tracks_[i].Add(message.tick, {agent.x_m, agent.y_m}, agent.range_left_m);
     const bool heard = cover == nullptr ? covered_ticks_.Contains(message.tick) : cover->agents[i];
     // Another start of the same sender may say a tick again that an earlier start said.

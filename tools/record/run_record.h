@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -69,7 +71,7 @@ class RunRecord {
   const MissionReader::Counts& counts() const { return reader_.counts(); }
 
   /// Nothing below is filled before the scenario has come.
-  const std::optional<Scenario>& scenario() const { return reader_.scenario(); }
+  std::shared_ptr<const Scenario> scenario() const { return reader_.scenario(); }
   const std::string& scenario_sha256() const { return scenario_sha256_; }
   std::int64_t run_id() const { return reader_.run_id().value_or(-1); }
 
@@ -85,7 +87,10 @@ class RunRecord {
   /// Of the highest tick; none before the first.
   const std::optional<world_state_t>& final_world() const { return final_world_; }
   /// [n_uavs]
-  const std::vector<Track>& tracks() const { return tracks_; }
+  /// Of the UAVs that are or have been there.
+  std::span<const Track> tracks() const {
+    return std::span(tracks_).first(scenario() ? scenario()->n_agents(AgentKind::kUav) : 0);
+  }
   /// Newest status per (name, boot).
   const std::map<std::pair<std::string, std::int64_t>, process_status_t>& processes() const {
     return processes_;

@@ -48,7 +48,7 @@ Service ServiceOf(const RunRecord& record, const Scenario& scenario) {
     if (event.kind == EventKind::kSensingDone && start_us[x] < 0) start_us[x] = began_us[x];
     if (event.kind == EventKind::kTaskExpired) ++service.expired;
   }
-  for (std::size_t x = 0; x < scenario.tasks.size(); ++x) {
+  for (std::size_t x = 0; x < scenario.n_tasks(); ++x) {
     const Task& task = scenario.tasks[x];
     if (task.reported_us >= scenario.rules.limit_us) continue;
     Service::Of& row = service.by_priority[static_cast<std::size_t>(task.priority)];

@@ -78,7 +78,7 @@ std::string Summary(const RunRecord& record) {
     return text;
   }
   const Scenario& scenario = *record.scenario();
-  const std::size_t total = scenario.tasks.size();
+  const std::size_t total = scenario.n_tasks();
   std::size_t done = 0;
   if (record.final_world()) {
     const auto& status = record.final_world()->task_status;
@@ -99,8 +99,8 @@ std::string Summary(const RunRecord& record) {
 
   row("scenario",
       fmt::format("{}, {} UAVs, {} workers, {} vehicles, {:.0f} min", Printable(scenario.name),
-                  scenario.uavs.size(), scenario.workers.size(), scenario.vehicles.size(),
-                  ToMinutes(scenario.rules.limit_us)));
+                  scenario.n_agents(AgentKind::kUav), scenario.n_agents(AgentKind::kWorker),
+                  scenario.n_agents(AgentKind::kVehicle), ToMinutes(scenario.rules.limit_us)));
   row("tasks done",
       total == 0 ? fmt::format("{} of {}", done, total)
                  : fmt::format("{} of {} ({:.1f} %)", done, total,

@@ -4,7 +4,7 @@ namespace muster::tools {
 
 void MissionFeed::Add(const Packet& packet) {
   record_.Add(packet, [&](const Message& message, const Packet&) {
-    if (!timeline_) timeline_.emplace(*record_.scenario());
+    if (!timeline_) timeline_.emplace(record_.scenario());
     timeline_->Add(message);
   });
 }

@@ -63,7 +63,8 @@ bool Active(AgentStatus status) {
 
 }  // namespace
 
-Timeline::Timeline(const Scenario& scenario) : scenario_(scenario), row_(scenario.row()) {
+Timeline::Timeline(std::shared_ptr<const Scenario> scenario)
+    : shared_(std::move(scenario)), scenario_(*shared_), row_(scenario_.row()) {
   agents_.resize(row_.size());
   agent_order_.resize(row_.size());
   tasks_.resize(scenario_.tasks.size());
@@ -131,6 +132,7 @@ void Timeline::TakeAgents(const agent_states_t& message) {
 
 void Timeline::TakeAgent(AgentKind kind, std::size_t index, const agent_t& now,
                          std::int64_t now_us) {
+  if (now.online_until_us == 0) return;  // never online: nobody, or nobody yet
   Agent& agent = agents_[index];
   Move(&agent, now, now_us);
   Change(kind, &agent, now, now_us);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -108,7 +109,10 @@ class Timeline {
     std::int64_t last_us = -1;
   };
 
-  explicit Timeline(const Scenario& scenario);
+  /// Orders may change it in place while messages come.
+  explicit Timeline(std::shared_ptr<const Scenario> scenario);
+  explicit Timeline(const Scenario& scenario)
+      : Timeline(std::make_shared<const Scenario>(scenario)) {}
 
   /// Takes a message of the mission; each once, in the log's order. Messages whose numbers do not
   /// fit the scenario are left out.
@@ -116,7 +120,7 @@ class Timeline {
   /// Nothing more comes.
   void Finish();
 
-  const Scenario& scenario() const { return scenario_; }
+  const Scenario& scenario() const { return *shared_; }
   /// UAVs, then workers, then vehicles, by id.
   const std::vector<Agent>& agents() const { return agents_; }
   /// [n_tasks]; open before the first.
@@ -150,7 +154,8 @@ class Timeline {
   /// The activity of that agent that is under way or was last; none before the first.
   const activity_t* ActivityOf(AgentKind kind, std::int32_t id) const;
 
-  Scenario scenario_;
+  std::shared_ptr<const Scenario> shared_;
+  const Scenario& scenario_;
   AgentRow row_;
   std::vector<Agent> agents_;
   std::vector<TickOrder<agent_t>> agent_order_;

@@ -1,12 +1,17 @@
 #include "tools/scenario/mission_options.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "model/scenario_json.h"
 #include "scheduler/policies/registry.h"
+#include "tools/scenario/order_text.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr NumberRange kMinutes = Above0(1e6);
+constexpr std::size_t kMostRevisits = 100'000;
 
 TimeUs MinutesToUs(double minutes) { return ToUs(minutes * 60); }
 
@@ -39,6 +44,9 @@ MissionOptions ReadRuleOptions(const Arguments& arguments) {
 void AddMissionOptions(Options* options) {
   AddRuleOptions(options);
   scheduler::AddPolicyOption(options);
+  options->Add("orders", "FILE",
+               "Orders to give in the course of the mission, a line of JSON each (docs/orders.md); "
+               "-: from stdin");
   options->Add("seed", "N", "Seed of the mission's chances (default: the scenario's)").Seed();
   options->Out("DIR", "Run directory, new or empty");
   options->Quiet();
@@ -49,19 +57,44 @@ MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy) {
   options.policy = arguments.Get("policy");
   // An unknown name is an error before the first file.
   if (!own_policy) scheduler::MakePolicy(options.policy);
+  arguments.Read("orders", &options.orders_file);
   arguments.Read("seed", &options.seed);
   arguments.Read("out", &options.out);
   options.quiet = arguments.Has("quiet");
   return options;
 }
 
-Scenario ResolveScenario(const MissionOptions& options) {
+namespace {
+
+/// For what is done and wants to be done again.
+std::size_t RoomToRevisit(const Scenario& scenario) {
+  std::size_t room = 0;
+  for (const Task& task : scenario.tasks) {
+    if (task.revisit_us == kNever || task.reported_us >= scenario.rules.limit_us) continue;
+    room += static_cast<std::size_t>((scenario.rules.limit_us - task.reported_us) /
+                                     std::max(task.revisit_us, kSecondUs));
+  }
+  return std::min(room, kMostRevisits);
+}
+
+}  // namespace
+
+Scenario ResolveScenario(const MissionOptions& options, std::vector<world::PlannedOrder>* orders) {
   Scenario scenario = LoadScenario(options.scenario_file);
   if (options.interval_min) scenario.rules.interval_us = MinutesToUs(*options.interval_min);
   if (options.limit_min) scenario.rules.limit_us = MinutesToUs(*options.limit_min);
   if (options.seed) scenario.seed = *options.seed;
   if (options.availability) scenario.rules.availability = *options.availability;
-  ValidateScenario(scenario, options.scenario_file);
+  std::vector<world::PlannedOrder> given;
+  if (!options.orders_file.empty()) given = ReadOrderFile(options.orders_file, scenario.origin);
+  Room room = RoomFor(given);
+  room.tasks += options.room.tasks + RoomToRevisit(scenario);
+  for (const AgentKind kind : kAgentKinds) room.agents[kind] += options.room.agents[kind];
+  // Orders that add nothing need a mission that takes any, too.
+  if (!given.empty() && !room.any()) room.tasks = 1;
+  ValidateScenario(scenario, options.scenario_file, room.tasks + scenario.room.tasks > 0);
+  AddRoom(room, &scenario);
+  if (orders != nullptr) *orders = std::move(given);
   return scenario;
 }
 

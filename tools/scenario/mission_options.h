@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/options.h"
 #include "model/scenario.h"
+#include "world/planned_orders.h"
 
 namespace muster::tools {
 
@@ -17,10 +19,13 @@ struct MissionOptions {
   std::optional<double> limit_min;
   std::optional<std::uint64_t> seed;
   std::optional<Availability> availability;
-  std::string out;  ///< "": the command's default
+  std::string orders_file;  ///< "": no orders are given with the mission
+  Room room = {};           ///< for more of them
+  std::string out;          ///< "": the command's default
   bool quiet = false;
 };
 
+/// Where orders come from a file, the scenario of them is to be read first: ResolveScenario.
 void AddMissionOptions(Options* options);
 /// The scenario file and the overrides of its rules alone.
 void AddRuleOptions(Options* options);
@@ -29,6 +34,9 @@ MissionOptions ReadRuleOptions(const Arguments& arguments);
 MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy = false);
 
 /// Loads the scenario and puts the options' overrides into it. Throws InputError, SystemError.
-Scenario ResolveScenario(const MissionOptions& options);
+/// There is room for the orders of its file, which go to `orders`, for what is revisited and for
+/// `room`.
+Scenario ResolveScenario(const MissionOptions& options,
+                         std::vector<world::PlannedOrder>* orders = nullptr);
 
 }  // namespace muster::tools

@@ -50,23 +50,29 @@ class LogFiles {
 };
 
 /// At once, without a fault. There is no clock: a message is logged at its mission time.
-MissionResult SimulateFast(const Scenario& scenario, const std::string& policy, LogFiles* log) {
+MissionResult SimulateFast(const Scenario& scenario, const std::string& policy,
+                           const std::vector<world::PlannedOrder>& orders, LogFiles* log) {
   MissionResult result;
-  Simulate(ScenarioToJson(scenario), policy, [&](const Packet& packet) {
-    result.record.Add(packet);
-    if (log) log->Write(0, DecodeHeader(packet).value_or(header_t{}).sim_us, packet);
-  });
+  Simulate(
+      ScenarioToJson(scenario), policy,
+      [&](const Packet& packet) {
+        result.record.Add(packet);
+        if (log) log->Write(0, DecodeHeader(packet).value_or(header_t{}).sim_us, packet);
+      },
+      {}, orders);
   result.end = MissionEnd::kComplete;
   return result;
 }
 
 /// In virtual time.
 MissionResult SimulateFaults(const Scenario& scenario, const std::string& policy,
+                             const std::vector<world::PlannedOrder>& orders,
                              const FaultOptions& faults, std::uint64_t fault_seed, LogFiles* log) {
   const StopSignals stop;
   VirtualMission mission;
   mission.scenario = scenario;
   mission.policy = policy;
+  mission.orders = orders;
   mission.faults = faults.faults;
   mission.goes_on = faults.goes_on();
   mission.lost_after_us = ToUs(faults.lost_after_s);
@@ -105,7 +111,8 @@ int SimulateCommand(int argc, const char* const* argv) {
   if (arguments->Has("log") && options.out.empty()) {
     throw InputError("command line", "--log", "no --out", "--out DIR, where the log goes");
   }
-  const Scenario scenario = ResolveScenario(options);
+  std::vector<world::PlannedOrder> orders;
+  const Scenario scenario = ResolveScenario(options, &orders);
   std::vector<std::string> names = {process_name::kRecorder};
   for (const std::string& name : simulation::ProcessNames()) names.push_back(name);
   CheckFaultPlan(&faults.faults, names, scenario, faults.goes_on());
@@ -119,9 +126,9 @@ int SimulateCommand(int argc, const char* const* argv) {
   arguments->Read("fault-seed", &fault_seed);
   const bool is_virtual =
       fault_seed || faults.drop > 0 || !faults.faults.empty() || faults.goes_on();
-  const MissionResult result = is_virtual ? SimulateFaults(scenario, options.policy, faults,
+  const MissionResult result = is_virtual ? SimulateFaults(scenario, options.policy, orders, faults,
                                                            fault_seed.value_or(scenario.seed), to)
-                                          : SimulateFast(scenario, options.policy, to);
+                                          : SimulateFast(scenario, options.policy, orders, to);
   if (log) log->Flush();
   PrintProblems(result);
   if (directory) {

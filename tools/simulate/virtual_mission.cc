@@ -110,6 +110,7 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.world.goes_on = mission.goes_on;
   settings_.world.lost_after_us = mission.lost_after_us;
   settings_.world.outages = OutagesIn(mission.faults);
+  settings_.world.orders = mission.orders;
   settings_.world_window = kWorldWindow;
   settings_.window = kProcessWindow;
   bus_ = std::make_unique<LossyBus>(std::make_unique<VirtualBus>(&network_), mission.fault_seed,
@@ -214,7 +215,7 @@ std::string UndisturbedDigest(const VirtualMission& mission) {
   RunRecord record;
   Simulate(
       ScenarioToJson(mission.scenario), mission.policy,
-      [&](const Packet& packet) { record.Add(packet); }, OutagesIn(mission.faults));
+      [&](const Packet& packet) { record.Add(packet); }, OutagesIn(mission.faults), mission.orders);
   return Digest(record);
 }
 

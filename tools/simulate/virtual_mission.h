@@ -14,7 +14,8 @@ struct VirtualMission {
   Scenario scenario;
   std::string policy;
   FaultPlan faults = {};  ///< checked
-  bool goes_on = false;   ///< without agent processes and scheduler when they are lost
+  std::vector<world::PlannedOrder> orders = {};
+  bool goes_on = false;  ///< without agent processes and scheduler when they are lost
   TimeUs lost_after_us = 5 * kSecondUs;
   RestartPolicy restarts = {};
   double drop = 0;               ///< share of received packets that each process drops

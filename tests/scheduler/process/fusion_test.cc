@@ -75,7 +75,8 @@ class FusionTest : public ::testing::Test {
   }
 
   Scenario scenario_ = TwoOfEach();
-  Fusion fusion_{scenario_};
+  OrderBook book_{scenario_};
+  Fusion fusion_{book_.scenario()};
 };
 
 TEST_F(FusionTest, IsCompleteWhenEveryAgentAndTheWorldHaveSpoken) {
@@ -85,7 +86,7 @@ TEST_F(FusionTest, IsCompleteWhenEveryAgentAndTheWorldHaveSpoken) {
   EXPECT_FALSE(fusion_.complete());
   EXPECT_TRUE(fusion_.Take(Rulings()));
   EXPECT_TRUE(fusion_.complete());
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   EXPECT_EQ(situation.decision, 1);
   EXPECT_EQ(situation.now_us, kNow);
   for (const AgentKind kind : kAgentKinds) {
@@ -138,7 +139,7 @@ TEST_F(FusionTest, OnlyAnAgentThatHasFailedMayBeSilent) {
   EXPECT_TRUE(fusion_.Take(World()));
   EXPECT_TRUE(fusion_.Take(Rulings({Failed(AgentKind::kUav, 1)})));
   ASSERT_TRUE(fusion_.complete());
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   ASSERT_EQ(situation.uavs.size(), 1u);
   EXPECT_EQ(situation.uavs[0].id, 0);
 }
@@ -148,7 +149,7 @@ TEST_F(FusionTest, WhoHasFailedIsNotOffered) {
   EXPECT_TRUE(fusion_.Take(World()));
   EXPECT_TRUE(fusion_.Take(Rulings({Failed(AgentKind::kUav, 0), Failed(AgentKind::kWorker, 1),
                                     Failed(AgentKind::kVehicle, 0)})));
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   const auto only = [](const std::vector<AgentState>& agents) {
     return agents.size() == 1 ? agents[0].id : -1;
   };
@@ -171,7 +172,7 @@ TEST_F(FusionTest, WhoIsOfflineIsOfferedOnlyWhileItIsBusy) {
   TakeAgents(AgentKind::kVehicle);
   EXPECT_TRUE(fusion_.Take(World()));
   EXPECT_TRUE(fusion_.Take(Rulings()));
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   ASSERT_EQ(situation.uavs.size(), 1u);
   EXPECT_EQ(situation.uavs[0].id, 1);
   EXPECT_FALSE(situation.uavs[0].idle(kNow));
@@ -201,7 +202,7 @@ TEST_F(FusionTest, AUavThatChargesTakesAPlaceUntilItsChargingHasEnded) {
   TakeAgents(AgentKind::kWorker);
   EXPECT_TRUE(fusion_.Take(World(activities)));
   EXPECT_TRUE(fusion_.Take(Rulings()));
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   EXPECT_TRUE(situation.uavs[0].idle(kNow));
   EXPECT_EQ(situation.range_m(situation.uavs[0]), 20'000);
   EXPECT_FALSE(situation.uavs[1].idle(kNow));
@@ -239,7 +240,7 @@ TEST_F(FusionTest, TheFirstWordOfTheWorldStands) {
   world_state_t other = World();
   other.task_status = {3, 3};
   EXPECT_TRUE(fusion_.Take(other));
-  const Situation situation = fusion_.Fuse();
+  const Situation situation = fusion_.Fuse(book_);
   EXPECT_EQ(situation.uavs.size(), 2u);
   EXPECT_EQ(situation.task_status[0], TaskStatus::kOpen);
 }

@@ -147,7 +147,7 @@ TEST(Redecide, AnotherPolicyDecidesInTheSameSituations) {
   for (const Redecided& d : decisions) {
     EXPECT_EQ(d.missing, "");
     EXPECT_EQ(d.again.policy, "certified");
-    const auto situation = SituationOf(log.decisions.at(d.decision), log.scenario);
+    const auto situation = SituationOf(log.decisions.at(d.decision), log);
     ASSERT_TRUE(situation);
     const auto expected = scheduler::MakePolicy("certified")->Decide(*situation);
     EXPECT_EQ(d.again.weight, expected.weight);

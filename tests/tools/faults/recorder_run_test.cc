@@ -125,7 +125,7 @@ TEST_F(RecorderRunTest, KilledStoppedAndWithoutRoomByAPlan) {
                                "--fault", "disk_full:recorder@70+0.3s",          //
                                "--fault", "partition:recorder|world@90+0.2s",    //
                                "--fault", "process_killed:lcm-logger@110+0.2s",  //
-                               "--fault", "loss:recorder@120+20=0.5"});
+                               "--fault", "loss:recorder@120+60=0.5"});
   EXPECT_EQ(report["events"]["process_lost"], 3);
   EXPECT_EQ(report["events"]["process_back"], 3);
   EXPECT_TRUE(fs::exists(Run() + "/mission.lcm.3"));

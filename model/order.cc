@@ -1,0 +1,147 @@
+#include "model/order.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "model/scenario_json.h"
+#include "model/scenario_units.h"
+
+namespace muster {
+namespace {
+
+constexpr std::string_view kOrderNames[] = {"task_add",    "task_change", "task_cancel",
+                                            "task_hold",   "task_resume", "agent_join",
+                                            "agent_leave", "agent_recall"};
+
+/// As the one item of a scenario, so that the file's rules are the order's.
+template <class Item>
+void CheckItem(const Scenario& scenario, std::vector<Item> Scenario::*list, Item item) {
+  Scenario one;
+  one.name = scenario.name;
+  one.width_m = scenario.width_m;
+  one.height_m = scenario.height_m;
+  one.rules = scenario.rules;
+  one.uavs = {scenario.uavs.front()};
+  one.workers = {scenario.workers.front()};
+  one.vehicles = {scenario.vehicles.front()};
+  one.charging_points = {scenario.charging_points.front()};
+  one.*list = {std::move(item)};
+  ValidateScenario(one, "order", true);
+}
+
+[[noreturn]] void NoRoom(std::string_view what) {
+  throw InputError(
+      fmt::format("no room for another {}: the mission was started without more", what));
+}
+
+void CheckTimes(const Task& task, TimeUs t) {
+  if (task.expires_us <= t) {
+    throw InputError("order", "expires_min", TimeToText(task.expires_us, kMinute),
+                     fmt::format("later than now ({})", TimeToText(t, kMinute)));
+  }
+}
+
+/// Counts from when it is taken.
+void FixTimes(const Order& order, TimeUs t, Task* task) {
+  if (order.due_us) task->due_us = *order.due_us;
+  if (order.expires_us) task->expires_us = *order.expires_us;
+  if (order.due_in_us) task->due_us = t + *order.due_in_us;
+  if (order.expires_in_us) task->expires_us = t + *order.expires_in_us;
+}
+
+std::int32_t AddTask(const Order& order, TimeUs t, Scenario* scenario) {
+  if (scenario->room.tasks == 0) NoRoom("task");
+  Task task = order.task;
+  task.reported_us = std::max(task.reported_us, t);
+  FixTimes(order, t, &task);
+  // A report that comes late of what was due already.
+  if (task.due_us != kNever) task.due_us = std::max(task.due_us, task.reported_us);
+  CheckItem(*scenario, &Scenario::tasks, task);
+  CheckTimes(task, t);
+  const std::size_t id = scenario->n_tasks();
+  scenario->tasks[id] = std::move(task);
+  --scenario->room.tasks;
+  return static_cast<std::int32_t>(id);
+}
+
+void ChangeTask(const Order& order, TimeUs t, Task* task, const Scenario& scenario) {
+  Task changed = *task;
+  FixTimes(order, t, &changed);
+  if (order.priority) changed.priority = *order.priority;
+  if (order.name) changed.name = *order.name;
+  CheckItem(scenario, &Scenario::tasks, changed);
+  CheckTimes(changed, t);
+  *task = std::move(changed);
+}
+
+std::int32_t AddAgent(const Order& order, TimeUs t, Scenario* scenario) {
+  const AgentKind kind = order.agent_kind;
+  std::size_t& room = scenario->room.agents[kind];
+  if (room == 0) NoRoom(ToString(kind));
+  constexpr PerKind<std::vector<AgentSpec> Scenario::*> kLists = {
+      &Scenario::uavs, &Scenario::workers, &Scenario::vehicles};
+  const auto list = kLists[kind];
+  AgentSpec agent = order.agent;
+  agent.online_from_us = std::max(agent.online_from_us, t);
+  if (agent.online_until_us == kNever) agent.online_until_us = scenario->rules.limit_us;
+  CheckItem(*scenario, list, agent);
+  const std::size_t id = scenario->n_agents(kind);
+  (scenario->*list)[id] = agent;
+  --room;
+  return static_cast<std::int32_t>(id);
+}
+
+}  // namespace
+
+std::string_view ToString(OrderKind kind) { return kOrderNames[static_cast<std::size_t>(kind)]; }
+
+TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
+  TakenOrder taken{order, order.task_id, order.agent_id};
+  switch (order.kind) {
+    case OrderKind::kTaskAdd:
+      taken.task_id = AddTask(order, t, scenario);
+      return taken;
+    case OrderKind::kAgentJoin:
+      taken.agent_id = AddAgent(order, t, scenario);
+      return taken;
+    case OrderKind::kAgentLeave:
+    case OrderKind::kAgentRecall:
+      if (order.agent_id < 0 ||
+          static_cast<std::size_t>(order.agent_id) >= scenario->n_agents(order.agent_kind)) {
+        throw InputError(fmt::format("there is no {}:{}: the last is {}",
+                                     ToString(order.agent_kind), order.agent_id,
+                                     scenario->n_agents(order.agent_kind) - 1));
+      }
+      return taken;
+    case OrderKind::kTaskChange:
+    case OrderKind::kTaskCancel:
+    case OrderKind::kTaskHold:
+    case OrderKind::kTaskResume:
+      break;
+  }
+  if (order.task_id < 0 || static_cast<std::size_t>(order.task_id) >= scenario->n_tasks()) {
+    throw InputError(
+        fmt::format("there is no task {}: there are {}", order.task_id, scenario->n_tasks()));
+  }
+  if (order.kind == OrderKind::kTaskChange) {
+    ChangeTask(order, t, &scenario->tasks[static_cast<std::size_t>(order.task_id)], *scenario);
+  }
+  return taken;
+}
+
+void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario) {
+  const Order& order = taken.order;
+  if (agent->kind != order.agent_kind || agent->id != taken.agent_id) return;
+  if (order.kind == OrderKind::kAgentJoin) {
+    *agent = StartOf(agent->kind, agent->id,
+                     scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)]);
+  }
+  if (order.kind == OrderKind::kAgentLeave || order.kind == OrderKind::kAgentRecall) {
+    const bool busy = agent->busy_until_us != kNever && agent->busy_until_us > t;
+    agent->online_until_us = std::min(agent->online_until_us, busy ? agent->busy_until_us : t);
+  }
+}
+
+}  // namespace muster

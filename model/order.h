@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "model/agent.h"
+#include "model/scenario.h"
+
+namespace muster {
+
+enum class OrderKind : std::int8_t {
+  kTaskAdd,
+  kTaskChange,
+  kTaskCancel,
+  kTaskHold,
+  kTaskResume,
+  kAgentJoin,
+  kAgentLeave,
+  kAgentRecall,
+};
+/// "task_add"
+std::string_view ToString(OrderKind kind);
+
+/// What somebody asks of a running mission (docs/orders.md).
+struct Order {
+  std::string id, issuer;
+  TimeUs not_before_us = 0;
+  OrderKind kind = OrderKind::kTaskAdd;
+
+  Task task;  ///< to be added
+  std::int32_t task_id = -1;
+  /// Of the task, from when the order is taken on; none: as it is.
+  std::optional<Priority> priority;
+  std::optional<TimeUs> due_us, expires_us;
+  /// The same, counted from when the order is taken.
+  std::optional<TimeUs> due_in_us, expires_in_us;
+  std::optional<std::string> name;
+
+  AgentKind agent_kind = AgentKind::kUav;
+  AgentSpec agent;  ///< that joins
+  std::int32_t agent_id = -1;
+};
+
+/// An order that the world has taken, with the task or the agent that it adds or is about.
+struct TakenOrder {
+  Order order;
+  std::int32_t task_id = -1;
+  std::int32_t agent_id = -1;
+  bool joins(AgentKind kind, std::int32_t id) const {
+    return order.kind == OrderKind::kAgentJoin && order.agent_kind == kind && agent_id == id;
+  }
+};
+
+/// The one place where an order meets a scenario, at time t: what it adds fills the first vacant
+/// place, what it changes is changed. Throws InputError where that cannot be (no room, no such
+/// task, a place outside the area, times that contradict each other); then nothing is changed.
+TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t);
+
+/// What of an order that was taken at t concerns an agent itself, once it is settled by that tick's
+/// verdict: whoever joins is there, whoever leaves goes when what is under way is done.
+void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario);
+
+/// Reads an order, one JSON object. Throws InputError naming `where`, key, value and what was
+/// expected.
+Order ParseOrder(std::string_view json, const std::string& where);
+
+}  // namespace muster

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include "model/object_reader.h"
+#include "model/order.h"
+
+namespace muster {
+namespace {
+
+constexpr OrderKind kKinds[] = {OrderKind::kTaskAdd,    OrderKind::kTaskChange,
+                                OrderKind::kTaskCancel, OrderKind::kTaskHold,
+                                OrderKind::kTaskResume, OrderKind::kAgentJoin,
+                                OrderKind::kAgentLeave, OrderKind::kAgentRecall};
+
+/// What a task takes whose cost nobody gave: the usual one of the paper's Table 1.
+constexpr double kUsualCost_m = 3000;
+
+OrderKind ReadKind(const ObjectReader& top) {
+  const std::string name = top.String("order");
+  for (const OrderKind kind : kKinds) {
+    if (name == ToString(kind)) return kind;
+  }
+  top.Fail("order", top.Required("order", "").Shown(),
+           "task_add, task_change, task_cancel, task_hold, task_resume, agent_join, agent_leave "
+           "or agent_recall");
+}
+
+std::optional<TimeUs> OptionalTime(const ObjectReader& object, std::string_view key) {
+  if (object.Optional(key) == nullptr) return {};
+  return object.Time(key, kMinute);
+}
+
+Point ReadPlace(const ObjectReader& object) {
+  return {object.Number("x_km", kKm), object.Number("y_km", kKm)};
+}
+
+void ReadTask(const ObjectReader& object, Order* order) {
+  object.AllowOnly({"x_km", "y_km", "cost_km", "reported_min", "due_min", "due_in_min",
+                    "expires_min", "expires_in_min", "revisit_min", "priority", "name",
+                    "external_id", "source"});
+  order->task.at = ReadPlace(object);
+  order->task.cost_m =
+      object.Optional("cost_km") == nullptr ? kUsualCost_m : object.Number("cost_km", kKm);
+  ReadTaskTimes(object, &order->task);
+  order->due_in_us = OptionalTime(object, "due_in_min");
+  order->expires_in_us = OptionalTime(object, "expires_in_min");
+}
+
+void ReadChange(const ObjectReader& top, Order* order) {
+  Task task;
+  ReadTaskTimes(top, &task);
+  if (top.Optional("priority") != nullptr) order->priority = task.priority;
+  if (top.Optional("name") != nullptr) order->name = task.name;
+  order->due_us = OptionalTime(top, "due_min");
+  order->expires_us = OptionalTime(top, "expires_min");
+  order->due_in_us = OptionalTime(top, "due_in_min");
+  order->expires_in_us = OptionalTime(top, "expires_in_min");
+}
+
+void ReadAgent(const ObjectReader& object, Order* order) {
+  AgentSpec& agent = order->agent;
+  switch (order->agent_kind) {
+    case AgentKind::kUav:
+      object.AllowOnly({"x_km", "y_km", "speed_km_per_min", "full_range_km", "range_km",
+                        "online_from_min", "online_until_min"});
+      agent.range_full_m = object.Number("full_range_km", kKm);
+      agent.range_m = object.Optional("range_km") == nullptr ? agent.range_full_m
+                                                             : object.Number("range_km", kKm);
+      break;
+    case AgentKind::kWorker:
+      object.AllowOnly({"x_km", "y_km", "speed_km_per_min", "online_from_min", "online_until_min"});
+      break;
+    case AgentKind::kVehicle:
+      object.AllowOnly({"x_km", "y_km", "speed_km_per_min", "charge_km_per_min", "online_from_min",
+                        "online_until_min"});
+      agent.charge_rate_m_s = object.Number("charge_km_per_min", kKmPerMin);
+      break;
+  }
+  agent.at = ReadPlace(object);
+  agent.speed_m_s = object.Number("speed_km_per_min", kKmPerMin);
+  agent.online_from_us = OptionalTime(object, "online_from_min").value_or(0);
+  agent.online_until_us = OptionalTime(object, "online_until_min").value_or(kNever);
+}
+
+/// "uav:3"
+void ReadAgentName(const ObjectReader& top, Order* order) {
+  const std::string name = top.String("agent");
+  const std::size_t colon = name.find(':');
+  const auto kind = FromString<AgentKind>(std::string_view(name).substr(0, colon));
+  const std::string digits = colon == std::string::npos ? "" : name.substr(colon + 1);
+  const bool is_id = !digits.empty() && digits.size() < 10 &&
+                     digits.find_first_not_of("0123456789") == std::string::npos;
+  if (!kind || !is_id) {
+    top.Fail("agent", top.Required("agent", "").Shown(), "an agent, as \"uav:3\"");
+  }
+  order->agent_kind = *kind;
+  order->agent_id = std::stoi(digits);
+}
+
+}  // namespace
+
+Order ParseOrder(std::string_view json, const std::string& where) {
+  const JsonValue tree = ParseJson(json, where);
+  const ObjectReader top(tree, "", where);
+  Order order;
+  order.kind = ReadKind(top);
+  if (top.Optional("id") != nullptr) order.id = top.String("id");
+  if (top.Optional("issuer") != nullptr) order.issuer = top.String("issuer");
+  order.not_before_us = OptionalTime(top, "at_min").value_or(0);
+  switch (order.kind) {
+    case OrderKind::kTaskAdd:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
+      ReadTask(top.Child("task"), &order);
+      return order;
+    case OrderKind::kAgentJoin: {
+      top.AllowOnly({"id", "issuer", "at_min", "order", "class", "agent"});
+      const auto kind = FromString<AgentKind>(top.String("class"));
+      if (!kind) top.Fail("class", top.Required("class", "").Shown(), "uav, worker or vehicle");
+      order.agent_kind = *kind;
+      ReadAgent(top.Child("agent"), &order);
+      return order;
+    }
+    case OrderKind::kAgentLeave:
+    case OrderKind::kAgentRecall:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "agent"});
+      ReadAgentName(top, &order);
+      return order;
+    case OrderKind::kTaskChange:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "task", "priority", "due_min", "due_in_min",
+                     "expires_min", "expires_in_min", "name"});
+      ReadChange(top, &order);
+      break;
+    case OrderKind::kTaskCancel:
+    case OrderKind::kTaskHold:
+    case OrderKind::kTaskResume:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
+      break;
+  }
+  order.task_id = static_cast<std::int32_t>(
+      top.Integer("task", top.Required("task", "a task's id"), 0, INT32_MAX));
+  return order;
+}
+
+}  // namespace muster

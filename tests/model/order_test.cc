@@ -1,0 +1,156 @@
+#include "model/order.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/check.h"
+#include "base/random.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+
+namespace muster {
+namespace {
+
+constexpr TimeUs kNow = 30 * kMinuteUs;
+
+Scenario Roomy() {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  AddRoom({2, {1, 1, 1}}, &scenario);
+  return scenario;
+}
+
+std::string Refusal(Scenario* scenario, const std::string& json) {
+  const std::string before = ScenarioToJson(*scenario);
+  try {
+    TakeInto(scenario, ParseOrder(json, "order"), kNow);
+  } catch (const InputError& error) {
+    EXPECT_EQ(ScenarioToJson(*scenario), before) << json;
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Order, AddsTasksInTheVacantPlaces) {
+  Scenario scenario = Roomy();
+  const std::size_t n = scenario.n_tasks();
+  const std::string add =
+      R"({"order": "task_add", "task": {"x_km": 3, "y_km": 4, "priority": 3, "due_in_min": 20,
+          "expires_min": 90, "name": "School"}})";
+  const TakenOrder first = TakeInto(&scenario, ParseOrder(add, "order"), kNow);
+  EXPECT_EQ(first.task_id, static_cast<std::int32_t>(n));
+  const Task& task = scenario.tasks[n];
+  EXPECT_EQ(task.at, (Point{3000, 4000}));
+  EXPECT_EQ(task.cost_m, 3000);
+  EXPECT_EQ(task.reported_us, kNow);
+  EXPECT_EQ(task.due_us, 50 * kMinuteUs);
+  EXPECT_EQ(task.expires_us, 90 * kMinuteUs);
+  EXPECT_EQ(task.priority, Priority::kEmergency);
+  EXPECT_EQ(task.name, "School");
+  EXPECT_EQ(scenario.n_tasks(), n + 1);
+  EXPECT_EQ(Refusal(&scenario, add), "");
+  EXPECT_EQ(Refusal(&scenario, add),
+            "no room for another task: the mission was started without more");
+}
+
+TEST(Order, RefusesWhatTheScenarioFileWouldRefuse) {
+  Scenario scenario = Roomy();
+  EXPECT_EQ(Refusal(&scenario, R"({"order": "task_add", "task": {"x_km": 99, "y_km": 4}})"),
+            "order: tasks[0].x_km: found 99, expected a number in [0, 30]");
+  EXPECT_EQ(Refusal(&scenario,
+                    R"({"order": "task_add", "task": {"x_km": 9, "y_km": 4, "expires_min": 30}})"),
+            "order: expires_min: found 30, expected later than now (30)");
+  EXPECT_EQ(Refusal(&scenario, R"({"order": "task_cancel", "task": 120})"),
+            "there is no task 120: there are 120");
+  EXPECT_EQ(Refusal(&scenario, R"({"order": "agent_leave", "agent": "uav:30"})"),
+            "there is no uav:30: the last is 29");
+  EXPECT_EQ(Refusal(&scenario, R"({"order": "agent_join", "class": "worker",
+                                   "agent": {"x_km": 1, "y_km": 1, "speed_km_per_min": 0}})"),
+            "order: workers[0].speed_km_per_min: found 0, expected a finite number above 0");
+}
+
+TEST(Order, ChangesWhatItNames) {
+  Scenario scenario = Roomy();
+  const Task before = scenario.tasks[7];
+  TakeInto(
+      &scenario,
+      ParseOrder(R"({"order": "task_change", "task": 7, "priority": 2, "due_in_min": 5})", "o"),
+      kNow);
+  EXPECT_EQ(scenario.tasks[7].priority, Priority::kHigh);
+  EXPECT_EQ(scenario.tasks[7].due_us, 35 * kMinuteUs);
+  EXPECT_EQ(scenario.tasks[7].expires_us, before.expires_us);
+  EXPECT_EQ(scenario.tasks[7].at, before.at);
+}
+
+TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
+  Scenario scenario = Roomy();
+  const TakenOrder joins = TakeInto(&scenario,
+                                    ParseOrder(R"({"order": "agent_join", "class": "uav",
+                     "agent": {"x_km": 5, "y_km": 6, "speed_km_per_min": 1, "full_range_km": 20}})",
+                                               "order"),
+                                    kNow);
+  EXPECT_EQ(joins.agent_id, 30);
+  AgentState agent = StartOf(AgentKind::kUav, 30, AgentSpec());
+  Obey(&agent, joins, kNow, scenario);
+  EXPECT_TRUE(agent.idle(kNow));
+  EXPECT_EQ(PositionAt(agent, kNow), (Point{5000, 6000}));
+  EXPECT_EQ(RangeAt(agent, kNow, scenario.tasks), 20'000);
+  EXPECT_EQ(agent.online_until_us, scenario.rules.limit_us);
+
+  const TakenOrder leaves =
+      TakeInto(&scenario, ParseOrder(R"({"order": "agent_leave", "agent": "uav:30"})", "o"), kNow);
+  agent.busy_until_us = kNow + 5;
+  Obey(&agent, leaves, kNow, scenario);
+  EXPECT_EQ(agent.online_until_us, kNow + 5);
+  agent.busy_until_us = kNow - 5;
+  Obey(&agent, leaves, kNow, scenario);
+  EXPECT_EQ(agent.online_until_us, kNow);
+}
+
+/// Ten thousand orders that are none, or that cannot be: each is refused with a reason, and changes
+/// nothing.
+TEST(Order, TenThousandMalformedOnesChangeNothing) {
+  Scenario scenario = Roomy();
+  const std::string good[] = {
+      R"({"order": "task_add", "task": {"x_km": 3, "y_km": 4, "priority": 3, "name": "a"}})",
+      R"({"order": "task_change", "task": 7, "priority": 2, "due_in_min": 5})",
+      R"({"order": "agent_join", "class": "vehicle", "agent": {"x_km": 5, "y_km": 6,
+          "speed_km_per_min": 1, "charge_km_per_min": 5}})",
+      R"({"order": "agent_recall", "agent": "worker:3"})"};
+  int refused = 0;
+  for (std::uint64_t seed = 0; refused < 10'000; ++seed) {
+    Random random(seed, Stream::kTest);
+    std::string text = good[random.Below(4)];
+    const int changes = 1 + static_cast<int>(random.Below(4));
+    for (int i = 0; i < changes && !text.empty(); ++i) {
+      const std::size_t at = random.Below(static_cast<std::uint32_t>(text.size()));
+      switch (random.Below(4)) {
+        case 0:
+          text.erase(at, 1 + random.Below(5));
+          break;
+        case 1:
+          text[at] = static_cast<char>(random.Below(256));
+          break;
+        case 2:
+          text.insert(at, std::to_string(random.Below(1u << 31)));
+          break;
+        default:
+          text.insert(at, text.substr(random.Below(static_cast<std::uint32_t>(text.size())), 9));
+      }
+    }
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + text);
+    Scenario copy = scenario;
+    try {
+      TakeInto(&copy, ParseOrder(text, "order"), kNow);
+    } catch (const InputError& error) {
+      ASSERT_FALSE(std::string(error.what()).empty());
+      ++refused;
+      if (refused % 100 == 0) {
+        ASSERT_EQ(ScenarioToJson(copy), ScenarioToJson(scenario));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace muster

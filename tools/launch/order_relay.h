@@ -1,0 +1,32 @@
+#pragma once
+
+#include <map>
+#include <muster/orders_t.hpp>
+#include <string>
+
+#include "protocol/sender.h"
+#include "recorder/recorder.h"
+#include "tools/orders/order_gate.h"
+
+namespace muster::tools {
+
+/// Says in the mission what comes through the gate, again and again until the log has the world's
+/// answer.
+class OrderRelay {
+ public:
+  /// `gate` may be null: nobody gives orders.
+  explicit OrderRelay(OrderGate* gate) : gate_(gate) {}
+
+  void Step(const Now& now, Recorder* speaker);
+  /// In the log.
+  void OnLogged(const orders_t& orders);
+  /// When to step again at the latest.
+  TimeUs due_us() const { return open_.empty() ? kNever : again_us_; }
+
+ private:
+  OrderGate* const gate_;
+  std::map<std::string, SentPacket> open_;  ///< by id
+  TimeUs again_us_ = 0;
+};
+
+}  // namespace muster::tools

@@ -1,0 +1,225 @@
+#include "tools/orders/order_commands.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "base/check.h"
+#include "base/options.h"
+#include "base/program.h"
+#include "base/say.h"
+#include "base/text.h"
+#include "model/order.h"
+#include "tools/orders/order_socket.h"
+#include "tools/scenario/fields.h"
+
+namespace muster::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Where a task or an agent is to be: "X,Y" in km, or "LAT,LON" in degrees.
+void ReadPlace(const Arguments& arguments, Json* item) {
+  const auto read = [&](const char* flag, const char* first, const char* second,
+                        const char* expected) {
+    if (!arguments.Has(flag)) return;
+    const std::string text = arguments.Get(flag);
+    const std::vector<std::string> parts = Split(text, ',');
+    const auto a = ToNumber(parts.front()), b = ToNumber(parts.back());
+    if (parts.size() != 2 || !a || !b) {
+      throw InputError("command line", fmt::format("--{}", flag), text, expected);
+    }
+    (*item)[first] = *a;
+    (*item)[second] = *b;
+  };
+  if (arguments.Has("at") == arguments.Has("place")) {
+    throw InputError("command line", "--at", arguments.Has("at") ? "--place too" : "nothing",
+                     "--at X,Y or --place LAT,LON");
+  }
+  read("at", "x_km", "y_km", "X,Y in km from the area's south-west corner");
+  read("place", "latitude_deg", "longitude_deg", "LAT,LON in degrees");
+}
+
+void AddPlaceOptions(Options* options) {
+  options->Add("at", "X,Y", "Where: km to the east and north of the area's south-west corner");
+  options->Add("place", "LAT,LON", "Where: degrees, if the scenario has an origin");
+}
+
+/// Sends the order and tells what became of it.
+int Give(Json order, const Arguments& arguments) {
+  arguments.Has("id") ? void(order["id"] = arguments.Get("id")) : void();
+  if (arguments.Has("issuer")) order["issuer"] = arguments.Get("issuer");
+  // What is wrong with it in itself is an error of the command line.
+  ParseOrder(
+      [&] {
+        Json bare = order;
+        for (const char* item : {"task", "agent"}) {
+          if (!bare.contains(item) || !bare[item].is_object()) continue;
+          if (!bare[item].contains("latitude_deg")) continue;
+          bare[item].erase("latitude_deg");
+          bare[item].erase("longitude_deg");
+          bare[item]["x_km"] = bare[item]["y_km"] = 0;
+        }
+        return bare.dump();
+      }(),
+      "order");
+  OrderClient client(arguments.Get("run"));
+  client.Send(order.dump());
+  const double wait_s = arguments.Get<double>("wait");
+  const std::string text =
+      client.Receive(std::chrono::milliseconds(static_cast<std::int64_t>(wait_s * 1000)));
+  if (text.empty()) {
+    throw SystemError(client.gone() ? std::string("the mission has ended without an answer")
+                                    : fmt::format("no answer within {} s: the order stays given, "
+                                                  "and is taken when the mission goes on",
+                                                  wait_s));
+  }
+  const Json answer = Json::parse(text);
+  if (arguments.Has("json")) fmt::print("{}\n", text);
+  if (answer.contains("error")) throw InputError(answer["error"].get<std::string>());
+  if (answer.contains("refused")) {
+    Say("muster: refused: {}\n", answer["refused"].get<std::string>());
+    return kExitCheckFailed;
+  }
+  if (arguments.Has("json")) return kExitOk;
+  const Json& taken = answer["taken"];
+  const auto s = static_cast<std::int64_t>(taken["sim_s"].get<double>());
+  std::string what = taken.contains("agent")  ? taken["agent"].get<std::string>()
+                     : taken.contains("task") ? fmt::format("task {}", taken["task"].dump())
+                                              : "";
+  fmt::print("taken at {}:{:02}:{:02}: {} {}\n", s / 3600, s / 60 % 60, s % 60,
+             order["order"].get<std::string>(), what);
+  return kExitOk;
+}
+
+void AddCommonOptions(Options* options) {
+  options->Add("id", "TEXT",
+               "The order's own id: given twice, it is taken once (default: a new one)");
+  options->Add("issuer", "TEXT", "Who gives it").Default("command line");
+  options->Add("wait", "S", "Seconds to wait for the mission's answer")
+      .Number(Above0(86'400))
+      .Default(30);
+  options->Json();
+}
+
+int ToTaskId(const Arguments& arguments) {
+  if (!arguments.Has("task")) {
+    throw InputError("command line", "TASK", "nothing", "the id of a task");
+  }
+  return arguments.Get<int>("task");
+}
+
+}  // namespace
+
+int TaskCommand(int argc, const char* const* argv) {
+  Options options(
+      "muster task",
+      "Adds a task to a running mission, changes it, cancels it, holds it or lets it go "
+      "on (docs/orders.md). The mission was started with muster run --take-orders.");
+  options.Positional("what", "add|change|cancel|hold|resume")
+      .OneOf({"add", "change", "cancel", "hold", "resume"})
+      .Required("add, change, cancel, hold or resume");
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  options.Positional("task", "[TASK]").Integer(0, INT32_MAX);
+  AddPlaceOptions(&options);
+  options.Add("cost", "KM", "Range that sensing takes (default: 3)").Number({0, 1e6});
+  options.Add("priority", "0-3", "low, normal, high or emergency");
+  options.Add("due-in", "MIN", "Sensing should begin within so many minutes").Number({0, 1e6});
+  options.Add("expires-in", "MIN", "Sensing must begin within so many minutes").Number(Above0(1e6));
+  options.Add("revisit", "MIN", "To be done again so many minutes after it was done")
+      .Number(Above0(1e6));
+  options.Add("name", "TEXT", "What people call it");
+  options.Add("external-id", "TEXT", "What another system calls it");
+  options.Add("source", "TEXT", "Who reported it");
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::string what = arguments->Get("what");
+  Json order = {{"order", "task_" + what}};
+  Json task = Json::object();
+  const auto number = [&](const char* flag, const char* key) {
+    if (arguments->Has(flag)) task[key] = arguments->Get<double>(flag);
+  };
+  const auto text = [&](const char* flag, const char* key) {
+    if (arguments->Has(flag)) task[key] = arguments->Get(flag);
+  };
+  if (arguments->Has("priority")) {
+    const auto priority = PriorityOf(arguments->Get("priority"));
+    if (!priority) {
+      throw InputError("command line", "--priority", arguments->Get("priority"),
+                       "0 to 3, or low, normal, high or emergency");
+    }
+    task["priority"] = static_cast<int>(*priority);
+  }
+  number("cost", "cost_km");
+  number("due-in", "due_in_min");
+  number("expires-in", "expires_in_min");
+  number("revisit", "revisit_min");
+  text("name", "name");
+  text("external-id", "external_id");
+  text("source", "source");
+  if (what == "add") {
+    if (arguments->Has("task")) {
+      throw InputError("command line", "TASK", arguments->Get("task"),
+                       "none: the mission gives the new task its id");
+    }
+    ReadPlace(*arguments, &task);
+    order["task"] = task;
+  } else {
+    order["task"] = ToTaskId(*arguments);
+    if (arguments->Has("at") || arguments->Has("place")) {
+      throw InputError("command line", arguments->Has("at") ? "--at" : "--place", what,
+                       "only with add: cancel the task and add another");
+    }
+    if (what == "change" && task.empty()) {
+      throw InputError("command line", "change", "nothing to change",
+                       "--priority, --due-in, --expires-in or --name");
+    }
+    order.update(task);
+  }
+  return Give(std::move(order), *arguments);
+}
+
+int AgentCommand(int argc, const char* const* argv) {
+  Options options(
+      "muster agent",
+      "Has an agent join a running mission, leave it when what is under way is done, or "
+      "hand that back and leave at once (recall; docs/orders.md).");
+  options.Positional("what", "join|leave|recall")
+      .OneOf({"join", "leave", "recall"})
+      .Required("join, leave or recall");
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  options.Positional("agent", "CLASS|AGENT")
+      .Required("uav, worker or vehicle to join; an agent as uav:3 to leave");
+  AddPlaceOptions(&options);
+  options.Add("speed", "KM/MIN", "Its speed").Number(Above0(1e6));
+  options.Add("range", "KM", "A UAV's full range").Number(Above0(1e6));
+  options.Add("range-left", "KM", "What is left of it (default: all)").Number({0, 1e6});
+  options.Add("charge", "KM/MIN", "Range that a vehicle gives").Number(Above0(1e6));
+  options.Add("until", "MIN", "Minute of the mission at which it leaves (default: the end)")
+      .Number(Above0(1e9));
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::string what = arguments->Get("what");
+  if (what != "join") {
+    return Give({{"order", "agent_" + what}, {"agent", arguments->Get("agent")}}, *arguments);
+  }
+  Json agent = Json::object();
+  ReadPlace(*arguments, &agent);
+  const auto number = [&](const char* flag, const char* key) {
+    if (arguments->Has(flag)) agent[key] = arguments->Get<double>(flag);
+  };
+  number("speed", "speed_km_per_min");
+  number("range", "full_range_km");
+  number("range-left", "range_km");
+  number("charge", "charge_km_per_min");
+  number("until", "online_until_min");
+  return Give({{"order", "agent_join"}, {"class", arguments->Get("agent")}, {"agent", agent}},
+              *arguments);
+}
+
+}  // namespace muster::tools

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace muster::tools {
+
+/// `muster task`: adds, changes, cancels, holds or resumes a task of a running mission.
+int TaskCommand(int argc, const char* const* argv);
+/// `muster agent`: has an agent join or leave a running mission.
+int AgentCommand(int argc, const char* const* argv);
+
+}  // namespace muster::tools

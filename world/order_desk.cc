@@ -1,0 +1,152 @@
+#include "world/order_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/check.h"
+#include "model/scenario_json.h"
+#include "model/scenario_units.h"
+
+namespace muster::world {
+namespace {
+
+/// As messages carry it.
+constexpr std::size_t kMostReason = 1024;
+
+bool IsOver(TaskStatus status) {
+  return status == TaskStatus::kDone || status == TaskStatus::kExpired ||
+         status == TaskStatus::kCancelled;
+}
+
+/// Throws InputError where the task's status does not allow it.
+void CheckTask(const Order& order, TaskStatus status) {
+  const auto refuse = [&](std::string_view why) {
+    throw InputError(fmt::format("task {} is {}{}", order.task_id, ToString(status), why));
+  };
+  if (IsOver(status)) refuse("");
+  if (order.kind == OrderKind::kTaskResume && status != TaskStatus::kHeld) refuse(", not held");
+  if (order.kind != OrderKind::kTaskHold) return;
+  if (status == TaskStatus::kHeld) refuse(" already");
+  if (status == TaskStatus::kSensing) refuse(" under way: cancel ends it");
+  if (status == TaskStatus::kUnreported) refuse(": nobody is sent there yet");
+}
+
+void CheckAgent(const Order& order, TimeUs t, const AgentState& agent) {
+  const auto refuse = [&](std::string_view why) {
+    throw InputError(fmt::format("{}:{} {}", ToString(order.agent_kind), order.agent_id, why));
+  };
+  if (agent.failed) refuse("has failed");
+  if (agent.online_until_us <= t && agent.busy_until_us <= t) refuse("has left");
+}
+
+}  // namespace
+
+OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned)
+    : book_(scenario), planned_(std::move(planned)) {
+  std::stable_sort(planned_.begin(), planned_.end(), [](const auto& a, const auto& b) {
+    return a.order.not_before_us < b.order.not_before_us;
+  });
+  std::reverse(planned_.begin(), planned_.end());
+}
+
+std::int64_t OrderDesk::AnsweredAt(const std::string& id) const {
+  const auto answered = answered_.find(id);
+  return answered == answered_.end() ? -1 : answered->second;
+}
+
+bool OrderDesk::Hear(const order_t& order) {
+  if (answered_.contains(order.id)) return false;
+  if (waiting_.size() >= kMostWaiting || waiting_ids_.contains(order.id)) return true;
+  waiting_ids_.insert(order.id);
+  waiting_.push_back({order.id, order.issuer, order.json});
+  return true;
+}
+
+void OrderDesk::Revisit(TaskId id, TimeUs done_us) {
+  Task task = scenario().tasks[id.index()];
+  const TimeUs late_us = task.due_us == kNever ? kNever : task.due_us - task.reported_us;
+  const TimeUs gone_us = task.expires_us == kNever ? kNever : task.expires_us - task.reported_us;
+  task.reported_us = done_us + task.revisit_us;
+  if (late_us != kNever) task.due_us = task.reported_us + late_us;
+  if (gone_us != kNever) task.expires_us = task.reported_us + gone_us;
+  order_t order{};
+  order.id = fmt::format("revisit:{}", id.value);
+  order.issuer = process_name::kWorld;
+  order.json = fmt::format("{{\"order\": \"task_add\", \"task\": {}}}", TaskToJson(task));
+  Hear(order);
+}
+
+orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status,
+                           const Agents& agents) {
+  if (book_.complete(tick)) return book_.SaidAt(tick);  // by an earlier start of the world
+  orders_t said{};
+  said.tick = tick;
+  said.before = book_.size();
+  Scenario scenario = this->scenario();
+  const TimeUs t = scenario.rules.TimeOf(tick);
+  std::size_t bytes = 0;
+  for (; !planned_.empty() && planned_.back().order.not_before_us <= t && bytes < kMostBytes;
+       planned_.pop_back()) {
+    const PlannedOrder& next = planned_.back();
+    if (answered_.contains(next.order.id)) continue;
+    DecideOn({next.order.id, next.order.issuer, next.json}, t, status, agents, &scenario, &said);
+    bytes += next.json.size();
+  }
+  std::vector<Waiting> later;
+  for (Waiting& waiting : waiting_) {
+    if (bytes < kMostBytes) {
+      bytes += waiting.json.size();
+      DecideOn(waiting, t, status, agents, &scenario, &said);
+    } else {
+      later.push_back(std::move(waiting));
+    }
+  }
+  waiting_ = std::move(later);
+  said.n_taken = static_cast<std::int32_t>(said.taken.size());
+  said.n_refused = static_cast<std::int32_t>(said.refused.size());
+  return said;
+}
+
+void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
+                         const Agents& agents, Scenario* scenario, orders_t* said) {
+  waiting_ids_.erase(waiting.id);
+  try {
+    Order order = ParseOrder(waiting.json, "order");
+    order.id = waiting.id;
+    order.issuer = waiting.issuer;
+    if (order.not_before_us > t) {
+      throw InputError("order", "at_min", TimeToText(order.not_before_us, kMinute),
+                       fmt::format("a time that has come: it is {} now", TimeToText(t, kMinute)));
+    }
+    const TakenOrder taken = TakeInto(scenario, order, t);
+    if (order.task_id >= 0 && static_cast<std::size_t>(order.task_id) < status.size()) {
+      CheckTask(order, status[static_cast<std::size_t>(order.task_id)]);
+    }
+    if (order.agent_id >= 0) {
+      CheckAgent(order, t, agents[order.agent_kind][static_cast<std::size_t>(order.agent_id)]);
+    }
+    said->taken.push_back(ToWire(taken, waiting.json));
+  } catch (const InputError& error) {
+    said->refused.push_back(
+        {waiting.id, waiting.issuer, std::string(error.what()).substr(0, kMostReason)});
+  }
+}
+
+void OrderDesk::Take(const orders_t& orders) {
+  MUSTER_CHECK(book_.Take(orders), "orders of tick {}", orders.tick);
+  for (const taken_order_t& order : orders.taken) answered_[order.id] = orders.tick;
+  for (const refused_order_t& order : orders.refused) answered_[order.id] = orders.tick;
+}
+
+bool OrderDesk::Take(const order_book_t& book) {
+  if (!book_.Take(book)) return false;
+  for (const auto& [tick, orders] : book_.said()) {
+    for (const taken_order_t& order : orders.taken) answered_[order.id] = tick;
+    for (const refused_order_t& order : orders.refused) answered_[order.id] = tick;
+  }
+  return true;
+}
+
+}  // namespace muster::world
