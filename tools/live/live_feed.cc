@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lcmtypes/channels.h"
+#include "tools/report/gshhg.h"
 
 namespace muster::tools {
 namespace {
@@ -94,8 +95,16 @@ std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseco
   if (reader->mission != mission_) *reader = {{}, mission_, -1};
   reader->version = version_;
   const std::string& name = name_.empty() ? feed_->timeline().scenario().name : name_;
-  const auto chunk = PageChunk(*feed_, name, &reader->cursor, feed_->timeline().ended());
+  auto chunk = PageChunk(*feed_, name, &reader->cursor, feed_->timeline().ended());
+  const bool first = chunk.contains("scenario");
+  const Scenario scenario = first ? feed_->timeline().scenario() : Scenario();
   lock.unlock();
+  if (first) {
+    std::string missing;  // a live page has no place for that
+    if (auto coast = CoastOf("auto", scenario, &missing); !coast.is_null()) {
+      chunk["coast"] = std::move(coast);
+    }
+  }
   return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -20,6 +20,7 @@
 #include "tools/host/progress.h"
 #include "tools/record/report_json.h"
 #include "tools/report/background.h"
+#include "tools/report/gshhg.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page.h"
 #include "tools/report/page_chunk.h"
@@ -60,7 +61,14 @@ std::string Read(const std::string& file) {
   return text.str();
 }
 
-std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::string& background) {
+/// What a page shows beside the run itself.
+struct Shown {
+  std::size_t reasons = 0;
+  std::string background;  ///< a file; "": none
+  std::string coast;       ///< as CoastOf takes it
+};
+
+std::string ReadRun(const std::string& run, const Shown& shown) {
   const std::vector<std::string> files = LogFilesOf(run);
   MissionFeed feed;
   LogProgress progress(run, files);
@@ -84,10 +92,16 @@ std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::st
   feed.Finish();
   PageCursor cursor;
   nlohmann::ordered_json chunk = PageChunk(feed, NameOf(run), &cursor, true);
-  if (!background.empty()) {
-    chunk["background"] = Background(Read(background), background, feed.timeline().scenario());
+  const Scenario& scenario = feed.timeline().scenario();
+  if (!shown.background.empty()) {
+    chunk["background"] = Background(Read(shown.background), shown.background, scenario);
   }
-  if (n_reasons > 0) {
+  std::string missing;
+  if (auto coast = CoastOf(shown.coast, scenario, &missing); !coast.is_null()) {
+    chunk["coast"] = std::move(coast);
+  }
+  if (!missing.empty()) fmt::print(stderr, "{}\n", missing);
+  if (shown.reasons > 0) {
     ProgressPrinter printer(stderr, StyleFor(stderr, false));
     const auto telling = [&](std::size_t told, std::size_t of) {
       const TimeUs now_us = MonotonicUs();
@@ -95,7 +109,7 @@ std::string ReadRun(const std::string& run, std::size_t n_reasons, const std::st
       printer.Show(fmt::format("{}: {} of {} tasks explained", run, told, of), now_us);
     };
     try {
-      chunk["reasons"] = Reasons(run, feed.timeline(), n_reasons, telling);
+      chunk["reasons"] = Reasons(run, feed.timeline(), shown.reasons, telling);
     } catch (const InputError& error) {  // the page is worth having without them
       fmt::print(stderr, "no reasons: {}\n", error.what());
     }
@@ -135,6 +149,11 @@ int ReportCommand(int argc, const char* const* argv) {
       .Integer(0, kMostReasons)
       .Default(kReasons);
   options.Add("background", "FILE", "GeoJSON in WGS84 degrees, drawn below the map");
+  options
+      .Add("coast", "WHICH",
+           "Coast and water below a map with an origin: auto (what Debian's gmt-gshhg-full, -high "
+           "or -low has), none, or a binned file of GSHHG")
+      .Default("auto");
   options.Out("FILE.html", "Page to write");
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",
@@ -153,13 +172,13 @@ int ReportCommand(int argc, const char* const* argv) {
   }
   if (!out.empty()) RequirePageOrNothing(out);
   const SceneKind kind = scene.empty() ? SceneKind::kPicture : SceneKindOf(scene);
-  const auto n_reasons =
-      static_cast<std::size_t>(out.empty() ? 0 : arguments->Get<std::int64_t>("reasons"));
-  const std::string background = arguments->Has("background") ? arguments->Get("background") : "";
+  const Shown shown = {
+      static_cast<std::size_t>(out.empty() ? 0 : arguments->Get<std::int64_t>("reasons")),
+      arguments->Has("background") ? arguments->Get("background") : "", arguments->Get("coast")};
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {
-    chunks.push_back(ReadRun(run, n_reasons, background));
+    chunks.push_back(ReadRun(run, shown));
     title += (title.empty() ? "" : ", ") + NameOf(run);
   }
   const std::string page = StaticPage(title, chunks);

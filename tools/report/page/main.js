@@ -20,6 +20,7 @@ import { Transport } from "./transport.js";
 
 const state = new State();
 const clock = new Clock();
+const parts = {};
 watchTheme(() => state.emit("theme"));
 
 function bindChoices(map, scene, gantt) {
@@ -61,6 +62,7 @@ function build() {
   new Card(state, clock);
   new Differences(state, clock);
   new Attention(state, clock, (filter) => panels.showTasks(filter));
+  parts.map = map;
   bindChoices(map, scene, gantt);
   bindKeys({ state, clock, transport, map, scene, panels });
 }
@@ -118,7 +120,7 @@ async function start() {
 }
 
 // For tests and for the console.
-window.muster = { state, clock };
+window.muster = { state, clock, parts };
 start().catch((error) => {
   byId("problem").hidden = false;
   byId("problem").textContent = `This page cannot be shown: ${error.message}. It needs a browser of 2023 or later.`;

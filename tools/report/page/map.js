@@ -1,4 +1,5 @@
 import { agentShape, cross, fit, oncePerFrame } from "./canvas.js";
+import { coastOf } from "./coast.js";
 import { differencesAt } from "./differences.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
@@ -169,6 +170,8 @@ export class MapView {
     this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
     byId("map-crowd").hidden = !crowd;
     byId("legend-expired").hidden = !run.timed;
+    byId("legend-water").hidden = !coastOf(run)?.water;
+    byId("coast-source").textContent = `water (${run.coast?.source})`;
   }
 
   #drawTrails(c, x, y, t) {

@@ -1,3 +1,4 @@
+import { drawCoast } from "./coast.js";
 import { degreesOf, latitudeWords, longitudeWords, planeOf } from "./place.js";
 import { roundTicks } from "./scale.js";
 import { theme } from "./theme.js";
@@ -43,12 +44,13 @@ export function drawGrid(c, run, { x, y, width, height }) {
   c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
 }
 
-/** The ground of the area, and what a file says is there (`muster report --background`). */
+/** The ground of the area, its water, and what a file says is there (`muster report --background`). */
 export function drawGround(c, run, scales) {
   const { x, y } = scales;
   const { width_m: w, height_m: h } = run.scenario;
   c.fillStyle = theme.bg;
   c.fillRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
+  drawCoast(c, run, scales);
   for (const shape of backgroundOf(run)) drawShape(c, shape, scales);
 }
 

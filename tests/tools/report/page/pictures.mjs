@@ -1,17 +1,20 @@
-// node pictures.mjs MUSTER WORK IMAGES: takes the pictures of docs/report.md. WORK holds playwright-core.
+// node pictures.mjs MUSTER WORK IMAGES [NAME]: takes the pictures of docs/report.md, or that one. WORK holds playwright-core.
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
 
-const [program, work, images] = process.argv.slice(2).map((path) => resolve(path));
+const [program, work, images] = process.argv.slice(2, 5).map((path) => resolve(path));
+const only = process.argv[5];
 const { chromium } = createRequire(join(work, "package.json"))("playwright-core");
 const folder = mkdtempSync(join(tmpdir(), "muster-pictures-"));
 const at = (name) => join(folder, name);
 const muster = (...args) => execFileSync(program, args, { stdio: ["ignore", "ignore", "inherit"] });
 
 async function take(browser, name, page, { width, height, scheme = "light", hash = "" }, then = async () => {}) {
+  if (only && name !== only) return;
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, deviceScaleFactor: width < 500 ? 2 : 1 });
   const tab = await context.newPage();
   await tab.goto(`file://${at(page)}${hash}`);
@@ -33,6 +36,8 @@ try {
   for (const policy of ["rollout-steps", "certified", "mpq"]) muster("simulate", at("r1.json"), "--policy", policy, "--log", "--out", at(policy));
   muster("report", at("rollout-steps"), at("certified"), at("mpq"), "--out", at("three.html"));
   muster("report", at("mpq"), "--out", at("mpq.html"));
+  muster("simulate", fileURLToPath(new URL("../../../../scenarios/haiti.json", import.meta.url)), "--policy", "horizon", "--log", "--out", at("haiti"));
+  muster("report", at("haiti"), "--reasons", "0", "--out", at("haiti.html"));
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => {
     try { execFileSync(path, ["--version"], { stdio: "ignore" }); return true; } catch { return false; }
   });
@@ -42,6 +47,7 @@ try {
   await take(browser, "report-phone.webp", "a.html", { width: 390, height: 844, scheme: "dark", hash: "#t=6600" });
   await take(browser, "report-comparison.webp", "three.html", { width: 1440, height: 1200, hash: "#t=6000" },
     (tab) => tab.locator("#comparison").evaluate((part) => part.scrollIntoView({ block: "end" })));
+  await take(browser, "report-coast.webp", "haiti.html", { width: 1440, height: 900, hash: "#t=3600&sel=uav:11" });
   const drawn = (tab) => tab.waitForFunction(() => document.getElementById("scene").dataset.drawn);
   await take(browser, "report-scene.webp", "mpq.html", { width: 1440, height: 900, hash: "#t=4860&sel=uav:25&look=scene" }, drawn);
   await take(browser, "report-space-time.webp", "mpq.html", { width: 1440, height: 900, scheme: "dark", hash: "#t=6000&sel=uav:25&look=time" }, drawn);

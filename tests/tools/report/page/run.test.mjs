@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
+import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { cellWords, countCells } from "../../../../tools/report/page/map_crowd.js";
@@ -318,6 +319,19 @@ test("degrees and metres of the map's plane agree", () => {
   const back = planeOf(run, latitude, longitude);
   // The plane leaves the ground by d²/2R: 55 m at 26 km, and 0.2 m sideways.
   assert.ok(Math.hypot(back.x - 12345, back.y - 23456) < 0.5, JSON.stringify(back));
+});
+
+test("a coast is rings of differences, and its shore is not the box around it", () => {
+  const run = begun({ scenario: { ...SCENARIO, origin: [18.4, -72.4] },
+    coast: { source: "made up", box: [1830000, -7250000, 1850000, -7230000], rings: [[1830000, -7250000, 0, 10000, 20000, 0, 0, -10000]] } });
+  const { edges, water } = coastOf(run);
+  assert.equal(coastOf(run), coastOf(run), "it is found once");
+  assert.ok(water && edges.length === 1 && edges[0].length === 4, "one line, upwards along 72.4 W");
+  assert.deepEqual([isWater(run, -5000, 100), isWater(run, 5000, 100)], [false, true]);
+  const land = begun({ scenario: { ...SCENARIO, origin: [18.4, -72.4] },
+    coast: { source: "made up", box: [1830000, -7250000, 1850000, -7230000], rings: [[1830000, -7250000, 0, 20000, 20000, 0, 0, -20000]] } });
+  assert.ok(!coastOf(land).water && !isWater(land, 5000, 100));
+  assert.ok(!isWater(begun(), 5000, 100) && coastOf(begun()) === null);
 });
 
 const STORY = `task:1 at (0.90, 0.90) km takes 0.06 km of range to sense, 0.40 km from there to charge: not done

@@ -1,4 +1,5 @@
 import { BufferAttribute, BufferGeometry, Mesh, MeshLambertMaterial, VertexColors } from "three";
+import { isWater } from "../coast.js";
 import { theme } from "../theme.js";
 import { mixed } from "./crowd.js";
 import { blockShape } from "./shapes.js";
@@ -20,7 +21,7 @@ export function randomOf(seed) {
 
 /**
  * Blocks of a ruined city: { x, z, wide, high, deep, turn, broken }. Scenery: the mission knows nothing of them.
- * Source: ours; dense around a few centres, and none where a task or a charging point is.
+ * Source: ours; dense around a few centres, and none in water or where a task or a charging point is.
  */
 export function blocksOf(run, plane) {
   const random = randomOf(run.scenario.seed);
@@ -32,6 +33,7 @@ export function blocksOf(run, plane) {
       const [stands, tall, broken, side, across, lean] = [random(), random(), random(), random(), random(), random()];
       const density = Math.max(...centres.map((c) => Math.exp(-((x - c.x) ** 2 + (z - c.z) ** 2) / (2 * c.reach ** 2))));
       if (stands > density * 0.9 + 0.04 || sites.some(([sx, sz]) => (sx - x) ** 2 + (sz - z) ** 2 < CLEAR ** 2)) continue;
+      if (isWater(run, plane.east(x), plane.north(z))) continue;
       const ruin = broken < 0.45;
       blocks.push({ x, z, wide: 0.9 + 0.9 * side, deep: 0.9 + 0.9 * across, turn: ruin ? (lean - 0.5) * 0.5 : 0, broken: ruin,
         high: (0.3 + 1.9 * density * tall) * (ruin ? 0.4 : 1) });

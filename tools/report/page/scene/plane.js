@@ -13,6 +13,15 @@ export class Plane {
     return east * this.unit - this.width / 2;
   }
 
+  /** Metres east of a place of the scene. */
+  east(x) {
+    return (x + this.width / 2) / this.unit;
+  }
+
+  north(z) {
+    return (this.height / 2 - z) / this.unit;
+  }
+
   z(north) {
     return this.height / 2 - north * this.unit;
   }
