@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -75,6 +77,83 @@ void AddRange(const Scenario& scenario, const std::string& name, const agent_t& 
   }
 }
 
+/// The newest sensing of each task, by task.
+std::map<std::int32_t, const activity_t*> LatestSensing(const Timeline& timeline) {
+  std::map<std::int32_t, const activity_t*> latest;
+  for (const activity_t& activity : timeline.activities().rows) {
+    if (activity.kind == ActivityKind::kSensing) latest[activity.site_id] = &activity;
+  }
+  return latest;
+}
+
+/// Why a task will be late or lost, with how near that is; none when nothing speaks for it.
+/// `start_us`: planned, of a pair on its way; kNever: nobody is.
+std::optional<std::pair<double, std::string>> RiskOf(const Task& task, TimeUs start_us,
+                                                     TimeUs now_us, TimeUs soon_us) {
+  const auto minutes = [](TimeUs us) { return fmt::format("{:.0f} min", ToSeconds(us) / 60); };
+  const bool on_way = start_us != kNever;
+  if (on_way && !task.AllowsStart(start_us)) {
+    return {{7, fmt::format("starts at {}, expires at {}", ClockText(start_us),
+                            ClockText(task.expires_us))}};
+  }
+  if (on_way && start_us > task.due_us) {
+    return {{3, fmt::format("starts at {}, {} too late", ClockText(start_us),
+                            minutes(start_us - task.due_us))}};
+  }
+  if (on_way) return {};
+  // Sooner is worse, by less than what tells the kinds apart.
+  const auto nearness = [&](TimeUs left_us) {
+    return 1 - ToSeconds(left_us) / std::max(1.0, ToSeconds(soon_us));
+  };
+  if (task.expires_us != kNever && task.expires_us - now_us <= soon_us) {
+    const TimeUs left_us = std::max<TimeUs>(0, task.expires_us - now_us);
+    return {{6 + nearness(left_us), fmt::format("expires in {}", minutes(left_us))}};
+  }
+  if (task.due_us <= now_us) {
+    return {{5, fmt::format("was due {} ago", minutes(now_us - task.due_us))}};
+  }
+  if (task.due_us != kNever && task.due_us - now_us <= soon_us) {
+    return {{4 + nearness(task.due_us - now_us),
+             fmt::format("due in {}", minutes(task.due_us - now_us))}};
+  }
+  return {};
+}
+
+/// Adds the tasks that will be late or lost, and those that nobody is sent to or that were not
+/// done.
+void AddTasks(const Timeline& timeline, Kind* at_risk, Kind* undone) {
+  constexpr std::array<const char*, kPriorities> kWords = {"low, ", "", "high, ", "emergency, "};
+  const Scenario& scenario = timeline.scenario();
+  const TimeUs now_us = timeline.now_ms() * 1000;
+  const auto latest = LatestSensing(timeline);
+  const bool late = timeline.ended() || 2 * now_us >= scenario.rules.limit_us;
+  for (std::size_t i = 0; i < timeline.tasks().size(); ++i) {
+    const Task& task = scenario.tasks[i];
+    const auto& rows = timeline.tasks()[i].rows;
+    const auto status =
+        rows.empty() ? TaskStatus::kOpen : static_cast<TaskStatus>(rows.back().status);
+    const std::string who = fmt::format("task {}", i);
+    const auto priority = static_cast<std::size_t>(task.priority);
+    const double matters = 10 * static_cast<double>(priority);
+    if (timeline.ended()) {
+      if (status == TaskStatus::kExpired) undone->Add(who, "expired", matters);
+      if (IsToDo(status)) undone->Add(who, "", matters);
+      continue;
+    }
+    const auto sensing = latest.find(static_cast<std::int32_t>(i));
+    const bool on_way = status == TaskStatus::kReserved && sensing != latest.end();
+    const auto risk = status == TaskStatus::kOpen || on_way
+                          ? RiskOf(task, on_way ? sensing->second->start_us : kNever, now_us,
+                                   2 * scenario.rules.interval_us)
+                          : std::nullopt;
+    if (risk) {
+      at_risk->Add(who, kWords[priority] + risk->second, matters + risk->first);
+    } else if (late && status == TaskStatus::kOpen) {
+      undone->Add(who, "", matters);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent) {
@@ -82,6 +161,7 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
   const std::int64_t now_ms = timeline.now_ms();
   Kind processes("processes silent", true), faults("faults in force", true),
       failed("agents failed", true), stranded("cannot reach a charging point", true),
+      at_risk("tasks at risk", true),
       tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
       waiting("waiting for a partner", false), low("low range", false);
   for (const std::string& name : silent) processes.Add(name, "", 0);
@@ -114,16 +194,9 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
       }
     }
   }
-  const bool late = timeline.ended() || 2 * now_ms >= Ms(scenario.rules.limit_us);
-  for (std::size_t i = 0; late && i < timeline.tasks().size(); ++i) {
-    const auto& rows = timeline.tasks()[i].rows;
-    const int status = rows.empty() ? NumberOf(TaskStatus::kOpen) : rows.back().status;
-    if (timeline.ended() ? status != TaskStatus::kDone : status == TaskStatus::kOpen) {
-      tasks.Add(fmt::format("task {}", i), "", 0);
-    }
-  }
+  AddTasks(timeline, &at_risk, &tasks);
   std::vector<Concern> all;
-  for (Kind* kind : {&processes, &faults, &failed, &stranded, &tasks, &waiting, &low}) {
+  for (Kind* kind : {&processes, &faults, &failed, &stranded, &at_risk, &tasks, &waiting, &low}) {
     kind->MoveTo(&all);
   }
   return all;

@@ -16,9 +16,11 @@ struct Concern {
 };
 
 /// What needs attention at the newest time that `timeline` knows: kinds in the page's order, the
-/// most harmful first, each by harm. `silent`: processes that have said nothing for long. Tasks
-/// that nobody is sent to count from half of the mission's time on. Time grows with agents and
-/// tasks, and with charging points for each UAV that is low.
+/// most harmful first, each by harm. `silent`: processes that have said nothing for long. A task is
+/// at risk when it is due or expires within two intervals and nobody is on the way, or when the
+/// pair that is on the way starts too late; priority weighs most. Others that nobody is sent to
+/// count from half of the mission's time on. Time grows with agents and tasks, and with charging
+/// points for each UAV that is low.
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent);
 
 }  // namespace muster::tools

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "base/sha256.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/report/mission_feed.h"
 #include "tools/top/top_view.h"
@@ -57,6 +61,68 @@ TEST(Attention, PutsTheMostHarmfulFirst) {
   EXPECT_EQ(told[4], "tasks not done: task 1 ");
   EXPECT_TRUE(told[5].starts_with("waiting for a partner: worker:1 for ")) << told[5];
   EXPECT_TRUE(told[6].starts_with("low range: uav:1 ")) << told[6];
+}
+
+/// The fake mission until a minute, its tasks as `edit` makes them.
+FakeLog Timed(const std::function<void(nlohmann::json&)>& edit, std::int64_t until_min) {
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [&](scenario_t& scenario) {
+    nlohmann::json json = nlohmann::json::parse(scenario.json);
+    json["version"] = 2;
+    edit(json["tasks"]);
+    scenario.json = json.dump();
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  std::erase_if(
+      log, [&](FakeMessage& message) { return message.header().sim_us > until_min * 60'000'000; });
+  Renumber(&log);
+  return log;
+}
+
+TEST(Attention, ATaskIsAtRiskWhenItsStartIsTooLateOrNobodyIsOnTheWay) {
+  // Task 0 is reserved and begins after 7.2 minutes; nobody is sent to task 1 before minute 10.
+  const auto told = [](double due0, double due1, int priority1, std::int64_t until_min) {
+    return Told(Timed(
+        [&](nlohmann::json& tasks) {
+          if (due0 > 0) tasks[0]["due_min"] = due0;
+          if (due1 > 0) tasks[1]["due_min"] = due1;
+          tasks[1]["priority"] = priority1;
+        },
+        until_min));
+  };
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(told(8, 25, 1, 4), Lines()) << "in time, and not soon";
+  EXPECT_EQ(told(5, 0, 1, 4), Lines({"tasks at risk: task 0 starts at 0:07:12, 2 min too late"}));
+  EXPECT_EQ(told(5, 6, 1, 4), Lines({"tasks at risk: task 1 due in 2 min",
+                                     "tasks at risk: task 0 starts at 0:07:12, 2 min too late"}));
+  EXPECT_EQ(told(5, 6, 0, 4), Lines({"tasks at risk: task 0 starts at 0:07:12, 2 min too late",
+                                     "tasks at risk: task 1 low, due in 2 min"}))
+      << "priority weighs most";
+  EXPECT_EQ(told(0, 2, 3, 4), Lines({"tasks at risk: task 1 emergency, was due 2 min ago"}));
+}
+
+TEST(Attention, ATaskThatExpiresIsWorseThanOneThatIsLate) {
+  const auto told = [](double expires0, double expires1) {
+    return Told(Timed(
+        [&](nlohmann::json& tasks) {
+          tasks[0]["expires_min"] = expires0;
+          tasks[1]["expires_min"] = expires1;
+          tasks[1]["due_min"] = 1;
+        },
+        4));
+  };
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(told(7, 100), Lines({"tasks at risk: task 0 starts at 0:07:12, expires at 0:07:00",
+                                 "tasks at risk: task 1 was due 3 min ago"}));
+  EXPECT_EQ(told(8, 14), Lines({"tasks at risk: task 1 expires in 10 min"}));
+}
+
+TEST(Attention, TasksThatNobodyReportedAreNotMissed) {
+  FakeLog log = MakeFakeMission();
+  ForEach<world_state_t>(&log, [](world_state_t& world) {
+    world.task_status = {NumberOf(TaskStatus::kUnreported), NumberOf(TaskStatus::kExpired)};
+  });
+  EXPECT_EQ(Told(log), std::vector<std::string>({"tasks not done: task 1 expired"}));
 }
 
 TEST(Attention, IsInTheDisplayAndInJson) {

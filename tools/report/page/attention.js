@@ -1,8 +1,8 @@
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
-import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt } from "./run.js";
-import { DONE, EXPIRED, OPEN, UNREPORTED, spanAt, taskNow, undoneTasks } from "./story.js";
+import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { CANCELLED, DONE, EXPIRED, HELD, OPEN, PRIORITIES, RESERVED, UNREPORTED, spanAt, taskNow, undoneTasks } from "./story.js";
 import { clockText } from "./time.js";
 
 const CHARGING = 5;
@@ -19,7 +19,7 @@ export const KINDS = [
   { id: "failed", title: "Agents failed", mark: "×" },
   { id: "stranded", title: "Cannot reach a charging point", mark: "×" },
   { id: "undone", title: "Not done", mark: "◇", more: "never" },
-  { id: "risk", title: "At risk: nobody is on the way", mark: "◇", more: "open" },
+  { id: "risk", title: "At risk", mark: "◇", more: "open" },
   { id: "wait", title: "Waiting for a partner", mark: "…" },
   { id: "range", title: "Low range", mark: "▾" },
 ];
@@ -29,25 +29,52 @@ const minutes = (ms) => `${number(ms / 60000)} min`;
 /** Of tasks that need attention those of higher priority come first. */
 const weightOf = (task) => 10 * (task.priority ?? 0);
 
-/** Reports only: a task that is never done is known before the end. */
+/** "task 17, emergency" */
+const taskText = ({ id, priority }) => `task ${id}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}`;
+
+/**
+ * Why a task will be late or lost, from its due time and expiry: { harm, note }; null when nothing speaks for it. Soon is
+ * within two intervals.
+ */
+export function timeRisk(run, task, now, t) {
+  if (now.status !== OPEN && now.status !== RESERVED && now.status !== HELD) return null;
+  const { due = null, expires = null } = task;
+  const soon = 2 * run.intervalMs;
+  const start = now.status === RESERVED ? now.activity?.start ?? null : null;
+  if (start !== null) {
+    if (expires !== null && start >= expires) return { harm: 7, note: `starts at ${clockText(start)}, expires at ${clockText(expires)}` };
+    return due !== null && start > due ? { harm: 3, note: `starts at ${clockText(start)}, ${minutes(start - due)} too late` } : null;
+  }
+  if (now.status === RESERVED) return null; // a live page may not have heard when it starts
+  const nobody = now.status === HELD ? "held by an order" : "nobody is on the way";
+  const nearness = (left) => 1 - left / soon;
+  if (expires !== null && expires - t <= soon) return { harm: 6 + nearness(Math.max(0, expires - t)), note: `expires in ${minutes(Math.max(0, expires - t))}, ${nobody}` };
+  if (due === null || due - t > soon) return null;
+  return due <= t ? { harm: 5, note: `was due ${minutes(t - due)} ago, ${nobody}` } : { harm: 4 + nearness(due - t), note: `due in ${minutes(due - t)}, ${nobody}` };
+}
+
+/** Tasks that are or will be late or lost. Reports: one that is never done is known before the end. */
 function tasksAtRisk(run, t) {
   const found = [];
   const last = run.ended && t >= run.nowMs;
   const behind = !run.ended && t >= 3 * run.intervalMs && late(run, t);
-  for (const task of run.ended ? undoneTasks(run) : behind ? run.tasks : []) {
+  for (const task of run.timed || behind ? run.tasks : run.ended ? undoneTasks(run) : []) {
+    if ([DONE, UNREPORTED, CANCELLED].includes(taskStatusAt(task, t))) continue;
     const now = taskNow(run, task, t);
-    if (now.status === UNREPORTED) continue;
     if (now.status === EXPIRED) {
-      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1 + weightOf(task), text: `task ${task.id}`, note: "expired: sensing had not begun" });
+      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1 + weightOf(task), text: taskText(task), note: "expired: sensing had not begun" });
       continue;
     }
-    if (now.status === DONE || now.doneAt !== null && now.doneAt <= t) continue;
+    if (now.doneAt !== null && now.doneAt <= t) continue;
     const never = run.ended && now.doneAt === null;
-    if (never) {
+    const risk = last ? null : timeRisk(run, task, now, t);
+    if (risk) {
+      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: risk.harm + weightOf(task), text: taskText(task), note: risk.note });
+    } else if (never) {
       found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: (now.status === OPEN ? 2 : 1) + weightOf(task),
-        text: `task ${task.id}`, note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
+        text: taskText(task), note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
     } else if (behind && now.status === OPEN) {
-      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: weightOf(task), text: `task ${task.id}`, note: "nobody is sent" });
+      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: weightOf(task), text: taskText(task), note: "nobody is sent" });
     }
   }
   return found;

@@ -5,13 +5,11 @@ import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
 import { reasonAt, storyOf } from "./reasons.js";
 import { FAILED, OFFLINE, decisionAt, placeAt } from "./run.js";
-import { DONE, OPEN, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
+import { DONE, OPEN, PRIORITIES, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const km = (m) => `${number(m / 1000, 1)} km`;
 const MOST_RANGE_POINTS = 600;
-
-const PRIORITIES = ["low", "normal", "high", "emergency"];
 
 /** When a task was reported, is due and expires, and how much it matters. */
 function timeFacts(task) {

@@ -13,6 +13,10 @@ export const SENSING = 2;
 export const DONE = 3;
 export const UNREPORTED = 4;
 export const EXPIRED = 5;
+export const CANCELLED = 6;
+export const HELD = 7;
+
+export const PRIORITIES = ["low", "normal", "high", "emergency"];
 
 /** Every sensing and charging, by agent and by task: { charging, uav, partner, site, start, end, aborted }. */
 export function activities(run) {

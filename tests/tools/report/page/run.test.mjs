@@ -289,6 +289,25 @@ test("attention: failures, then tasks, then waiting, then range, each by its har
   assert.equal(attentionAt(sensing({ ended: false }), 3600000, 9000)[0].kind, "log");
 });
 
+test("a task is at risk by its due time, its expiry and its priority, and no longer once it begins", () => {
+  // [reported, due, expires, priority, name] of the two tasks; task 1 is reserved from minute 10 and begins at minute 12.
+  const timed = (first, second, more = {}) => sensing({ ended: false, ...more,
+    scenario: { ...SCENARIO, task_times: [[0, null, null, 1, ""], [0, null, null, 1, ""]].map((row, i) => Object.assign([...row], [first, second][i])) } });
+  const risks = (run, t) => attentionAt(run, t).filter(({ kind }) => kind === "risk").map(({ text, note }) => `${text}: ${note}`);
+  const due = (ms, priority = 1) => [0, ms, null, priority, ""];
+  const expires = (ms) => [0, null, ms, 1, ""];
+  assert.deepEqual(risks(timed(due(2400000), due(720000)), 660000), [], "in time, and not soon");
+  assert.deepEqual(risks(timed(due(null), due(600000)), 660000), ["task 1: starts at 0:12:00, 2 min too late"]);
+  assert.deepEqual(risks(timed(due(1800000), due(600000)), 660000), ["task 0: due in 19 min, nobody is on the way", "task 1: starts at 0:12:00, 2 min too late"]);
+  assert.deepEqual(risks(timed(due(1800000), due(600000, 3)), 660000), ["task 1, emergency: starts at 0:12:00, 2 min too late", "task 0: due in 19 min, nobody is on the way"]);
+  assert.deepEqual(risks(timed(due(600000, 2), due(600000)), 800000), ["task 0, high: was due 3 min ago, nobody is on the way"], "task 1 has begun");
+  assert.deepEqual(risks(timed(expires(1500000), expires(710000)), 660000), ["task 1: starts at 0:12:00, expires at 0:11:50", "task 0: expires in 14 min, nobody is on the way"]);
+  const held = timed(due(1500000), due(null), { tasks: [[0, 0, [600000, 7]]] });
+  assert.deepEqual(risks(held, 900000), ["task 0: due in 10 min, held by an order"]);
+  const cancelled = timed(due(1500000), due(null), { tasks: [[0, 0, [600000, 6]], [1, 0, [900000, 3]]], ended: true });
+  assert.deepEqual(attentionAt(cancelled, 3600000).filter(({ item }) => item?.type === "task"), []);
+});
+
 test("the forecast goes on at the rate so far, and is exact at the end", () => {
   const run = begun({ now_ms: 3600000, done: [0, [0, 0, 1800000, 1]] });
   assert.deepEqual(forecastAt(run, 1800000), { done: 2, total: 2 }); // half of the open one, rounded
