@@ -1,6 +1,7 @@
 #include "tools/report/page_chunk.h"
 
 #include <cmath>
+#include <tuple>
 
 #include "tools/record/report_json.h"
 
@@ -50,15 +51,82 @@ void WriteSchedule(const schedule_t& s, ordered_json* list) {
                    s.solve_us, s.policy, std::move(actions)});
 }
 
-/// What tasks have in version 2 of the scenario only.
-ordered_json TaskTimes(const Scenario& scenario) {
+/// What a task has in version 2 of the scenario only. One that is never reported is vacant: an
+/// order may fill its place.
+ordered_json TaskTime(const Task& task) {
   const auto time = [](TimeUs t) { return t == kNever ? ordered_json() : ordered_json(Ms(t)); };
+  return {time(task.reported_us), time(task.due_us), time(task.expires_us),
+          static_cast<int>(task.priority), task.name};
+}
+
+ordered_json TaskTimes(const Scenario& scenario) {
   ordered_json rows = ordered_json::array();
-  for (const Task& task : scenario.tasks) {
-    rows.push_back({Ms(task.reported_us), time(task.due_us), time(task.expires_us),
-                    static_cast<int>(task.priority), task.name});
-  }
+  for (const Task& task : scenario.tasks) rows.push_back(TaskTime(task));
   return rows;
+}
+
+/// Of each class how many agents at the list's end are never online: orders may fill their places.
+ordered_json VacantAgents(const Scenario& scenario) {
+  ordered_json counts = ordered_json::array();
+  for (const AgentKind kind : kAgentKinds) {
+    const auto& agents = scenario.agents(kind);
+    std::size_t n = 0;
+    while (n < agents.size()) {
+      const AgentSpec& agent = agents[agents.size() - 1 - n];
+      if (agent.online_until_us > agent.online_from_us) break;
+      ++n;
+    }
+    counts.push_back(n);
+  }
+  return counts;
+}
+
+/// Whether the page shows them alike.
+bool SameTask(const Task& a, const Task& b) {
+  const auto of = [](const Task& task) {
+    return std::tie(task.at.x_m, task.at.y_m, task.cost_m, task.reported_us, task.due_us,
+                    task.expires_us, task.priority, task.name);
+  };
+  return of(a) == of(b);
+}
+
+bool SameAgent(const AgentSpec& a, const AgentSpec& b) {
+  const auto of = [](const AgentSpec& agent) {
+    return std::tie(agent.online_from_us, agent.online_until_us, agent.range_full_m);
+  };
+  return of(a) == of(b);
+}
+
+/// What orders have made of the scenario since the cursor was here. They fill places of its lists,
+/// whose lengths stay.
+void WriteChanges(const Timeline& timeline, PageCursor* cursor, ordered_json* chunk) {
+  const Scenario& scenario = timeline.scenario();
+  if (!scenario.IsOpen()) return;
+  ordered_json task_rows = ordered_json::array(), agent_rows = ordered_json::array();
+  auto& tasks = cursor->told_tasks;
+  for (std::size_t x = 0; x < tasks.size() && x < scenario.tasks.size(); ++x) {
+    const Task& task = scenario.tasks[x];
+    if (SameTask(tasks[x], task)) continue;
+    ordered_json row = {x, Whole(task.at.x_m), Whole(task.at.y_m), Whole(task.cost_m)};
+    for (ordered_json& value : TaskTime(task)) row.push_back(std::move(value));
+    task_rows.push_back(std::move(row));
+  }
+  for (const AgentKind kind : kAgentKinds) {
+    const auto& agents = scenario.agents(kind);
+    const auto& told = cursor->told_agents[kind];
+    for (std::size_t id = 0; id < told.size() && id < agents.size(); ++id) {
+      if (SameAgent(told[id], agents[id])) continue;
+      agent_rows.push_back({timeline.IndexOf(kind, id), Whole(agents[id].range_full_m)});
+    }
+  }
+  if (tasks.empty() || !task_rows.empty()) tasks = scenario.tasks;
+  for (const AgentKind kind : kAgentKinds) {
+    if (cursor->told_agents[kind].empty() || !agent_rows.empty()) {
+      cursor->told_agents[kind] = scenario.agents(kind);
+    }
+  }
+  if (!task_rows.empty()) (*chunk)["task_rows"] = std::move(task_rows);
+  if (!agent_rows.empty()) (*chunk)["agent_rows"] = std::move(agent_rows);
 }
 
 ordered_json Places(const Scenario& scenario) {
@@ -87,6 +155,7 @@ ordered_json Places(const Scenario& scenario) {
                         {"tasks", std::move(tasks)},
                         {"charging_points", std::move(charging)},
                         {"range_full_m", std::move(range)}};
+  if (scenario.IsOpen()) place["vacant"] = VacantAgents(scenario);
   if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);
   if (scenario.origin) {
     place["origin"] = {scenario.origin->latitude_deg, scenario.origin->longitude_deg};
@@ -135,6 +204,7 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
     chunk["scenario"] = Places(timeline.scenario());
     cursor->begun = true;
   }
+  WriteChanges(timeline, cursor, &chunk);
   chunk["now_ms"] = timeline.now_ms();
   chunk["epoch_ms"] = Ms(feed.epoch_us());
   chunk["ended"] = timeline.ended();

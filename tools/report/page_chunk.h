@@ -22,6 +22,8 @@ struct PageCursor {
   Place done, schedules, activities, events;
   std::map<std::string, Place> processes;
   std::size_t faults = 0;
+  std::vector<Task> told_tasks;  ///< of missions that are open, which orders may change
+  PerKind<std::vector<AgentSpec>> told_agents;
 };
 
 /// What the page is to learn: everything at first, later what is new or changed (docs/report.md

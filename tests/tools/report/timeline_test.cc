@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <random>
 
+#include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tests/tools/fake_mission.h"
@@ -232,6 +235,61 @@ TEST(PageChunk, NamesTheNumbersOfItsRows) {
   EXPECT_EQ(chunk["words"]["statuses"][6], "failed");
   EXPECT_EQ(chunk["words"]["tasks"][1], "reserved");
   EXPECT_EQ(chunk["words"]["actions"][8], "UiCyVk");
+}
+
+/// The fake mission with tasks in time, its scenario as `edit` makes it.
+MissionFeed OpenFeed(const std::function<void(nlohmann::json&)>& edit) {
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [&](scenario_t& scenario) {
+    nlohmann::json json = nlohmann::json::parse(scenario.json);
+    json["version"] = 2;
+    json["tasks"][0]["due_min"] = 20;
+    edit(json);
+    scenario.json = json.dump();
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  return FeedOf(Encoded(log));
+}
+
+TEST(PageChunk, TellsWhatOrdersHaveMadeOfTheScenario) {
+  const MissionFeed before = OpenFeed([](nlohmann::json&) {});
+  const MissionFeed after = OpenFeed([](nlohmann::json& json) {
+    json["tasks"][1].update({{"x_km", 1.5}, {"y_km", 2.5}, {"priority", 3}, {"due_min", 10}});
+    json["tasks"][1]["name"] = "school";
+    json["uavs"][1]["full_range_km"] = 42;
+    json["workers"][0]["online_until_min"] = 29;
+  });
+  const auto told = [](const MissionFeed& feed, PageCursor* cursor) -> nlohmann::json {
+    return PageChunk(feed, "name", cursor, false);
+  };
+  PageCursor cursor;
+  EXPECT_FALSE(told(before, &cursor).contains("task_rows")) << "the first chunk has all";
+  nlohmann::json chunk = told(before, &cursor);
+  EXPECT_FALSE(chunk.contains("task_rows") || chunk.contains("agent_rows")) << "nothing is other";
+  chunk = told(after, &cursor);
+  EXPECT_EQ(chunk["task_rows"],
+            nlohmann::json::parse(R"([[1, 1500, 2500, 2000, 0, 600000, null, 3, "school"]])"));
+  EXPECT_EQ(chunk["agent_rows"], nlohmann::json::parse("[[1, 42000], [2, 0]]"));
+  chunk = told(after, &cursor);
+  EXPECT_FALSE(chunk.contains("task_rows") || chunk.contains("agent_rows")) << "each once";
+  PageCursor late;
+  chunk = told(after, &late);
+  EXPECT_EQ(chunk["scenario"]["tasks"][3], 1500) << "who comes late is told how it stands";
+  EXPECT_FALSE(chunk.contains("task_rows"));
+}
+
+TEST(PageChunk, SaysHowManyAgentsAreVacant) {
+  const MissionFeed feed = OpenFeed([](nlohmann::json& json) {
+    json["workers"][1]["online_from_min"] = json["workers"][1]["online_until_min"] = 0;
+  });
+  PageCursor cursor;
+  const nlohmann::json chunk = PageChunk(feed, "name", &cursor, false);
+  EXPECT_EQ(chunk["scenario"]["vacant"], nlohmann::json({0, 1, 0}));
+  EXPECT_EQ(chunk["scenario"]["task_times"][0], nlohmann::json({0, 1'200'000, nullptr, 1, ""}));
+  EXPECT_FALSE(chunk.contains("task_rows") || chunk.contains("agent_rows"));
+  PageCursor again;
+  const nlohmann::json whole = PageChunk(FeedOf(Encoded(MakeFakeMission())), "name", &again, false);
+  EXPECT_FALSE(whole["scenario"].contains("vacant")) << "of missions that are not open";
 }
 
 TEST(PageChunk, LeavesOutADecisionThatNeverWasInForce) {

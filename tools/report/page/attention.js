@@ -88,7 +88,7 @@ function why(run, task, t) {
 }
 
 /** Whether the forecast leaves tasks undone. */
-const late = (run, t) => forecastAt(run, t).done < run.tasks.length;
+const late = (run, t) => forecastAt(run, t).done < run.tasksTotal;
 
 function agentsInTrouble(run, t) {
   const found = [];
@@ -160,7 +160,7 @@ export function attentionAt(run, t, silentMs = 0) {
  * is open. Source: ours; tasks get scarce as they are done, so the rate falls with them.
  */
 export function forecastAt(run, t) {
-  const total = run.tasks.length;
+  const total = run.tasksTotal;
   const done = doneAt(run, t);
   const left = Math.max(0, run.limitMs - t);
   const window = Math.min(t, 3 * run.intervalMs);
@@ -170,6 +170,9 @@ export function forecastAt(run, t) {
   return { done: Math.round(total - open * (open / before) ** (left / window)), total };
 }
 
+/** What an alert is recognised by while it lasts. */
+const alertOf = ({ kind, text }) => `${kind} ${text}`;
+
 /** The first panel of the page: what needs attention at the clock's time. */
 export class Attention {
   constructor(state, clock, showTasks) {
@@ -177,6 +180,7 @@ export class Attention {
     this.clock = clock;
     this.showTasks = showTasks;
     this.heard = performance.now();
+    this.acknowledged = new Set(); // on a live page: what somebody has seen to, until it is over
     this.draw = oncePerFrame(() => this.#draw());
     clock.subscribe(this.draw);
     state.on("data", () => { this.heard = performance.now(); });
@@ -187,17 +191,38 @@ export class Attention {
     const { run, live, selected } = this.state;
     if (!run) return;
     const t = this.clock.t;
-    const found = attentionAt(run, t, live ? performance.now() - this.heard : 0);
+    const all = attentionAt(run, t, live ? performance.now() - this.heard : 0);
+    if (this.clock.follow) this.#forget(all);
+    const found = all.filter((f) => !this.acknowledged.has(alertOf(f)));
+    const seen = all.length - found.length;
     const groups = KINDS.map((kind) => found.filter((f) => f.kind === kind.id));
-    const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t)]);
+    const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
-    byId("attention-count").textContent = found.length === 0 ? "nothing" : number(found.length);
+    byId("attention-count").textContent = `${found.length === 0 ? "nothing" : number(found.length)}${seen ? `, ${number(seen)} acknowledged` : ""}`;
     const focused = document.activeElement?.dataset?.attention;
     byId("attention-list").replaceChildren(...KINDS.flatMap((kind, i) => this.#group(kind, groups[i])));
-    if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, "Nothing needs attention now."));
+    if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, seen ? "Nothing else needs attention now." : "Nothing needs attention now."));
+    if (seen) byId("attention-list").append(element("p", {}, element("button", { type: "button", class: "quiet", id: "attention-again", onclick: () => this.#again() }, `Show ${number(seen)} acknowledged again`)));
     if (focused) byId("attention-list").querySelector(`[data-attention="${focused}"]`)?.focus({ preventScroll: true });
     byId("forecast").replaceChildren(...this.#forecast(run, t));
+  }
+
+  /** What is over needs no acknowledgement any more: it is an alert again when it comes again. */
+  #forget(all) {
+    const now = new Set(all.map(alertOf));
+    for (const alert of this.acknowledged) if (!now.has(alert)) this.acknowledged.delete(alert);
+  }
+
+  #acknowledge(found) {
+    this.acknowledged.add(alertOf(found));
+    this.draw();
+    byId("attention-list").focus({ preventScroll: true });
+  }
+
+  #again() {
+    this.acknowledged.clear();
+    this.draw();
   }
 
   #group(kind, found) {
@@ -205,7 +230,8 @@ export class Attention {
     const more = found.length - SHOWN;
     return [
       element("h3", {}, kind.title, " ", element("b", {}, number(found.length))),
-      element("ul", {}, ...found.slice(0, SHOWN).map((f) => element("li", {}, this.#row(kind, f))),
+      element("ul", {}, ...found.slice(0, SHOWN).map((f) => element("li", { class: this.state.live ? "live" : null }, this.#row(kind, f),
+        this.state.live ? element("button", { type: "button", class: "quiet seen", title: "Acknowledge", "aria-label": `Acknowledge ${f.text}`, onclick: () => this.#acknowledge(f) }, "✓") : null)),
         more > 0 ? element("li", {}, kind.more
           ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, `${number(more)} more in the table`)
           : element("span", { class: "muted" }, `and ${number(more)} more`)) : null),

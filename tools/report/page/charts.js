@@ -10,7 +10,7 @@ import { RUN_DASHES, theme } from "./theme.js";
 function completion(run) {
   const t = [];
   const y = [];
-  const total = Math.max(1, run.tasks.length);
+  const total = Math.max(1, run.tasksTotal);
   for (let i = 0; i < run.done.length; i += 2) {
     t.push(run.done[i]);
     y.push((100 * run.done[i + 1]) / total);
@@ -32,7 +32,7 @@ const CHARTS = [
   {
     id: "completion", title: "Completion", unit: "%", names: ["% done"], digits: 1,
     curves: completion,
-    now: (run, t) => `${doneAt(run, t)} of ${run.tasks.length} (${percent(doneAt(run, t) / Math.max(1, run.tasks.length))})`,
+    now: (run, t) => `${doneAt(run, t)} of ${run.tasksTotal} (${percent(doneAt(run, t) / Math.max(1, run.tasksTotal))})`,
     range: () => [0, 100],
   },
   {

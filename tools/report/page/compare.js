@@ -14,8 +14,8 @@ export function numbersOf(run) {
   return {
     live,
     tasksDone: done,
-    tasksTotal: run.tasks.length,
-    completion: live ? done / Math.max(1, run.tasks.length) : r.completion_rate,
+    tasksTotal: run.tasksTotal,
+    completion: live ? done / Math.max(1, run.tasksTotal) : r.completion_rate,
     weight: run.decisions.reduce((total, d) => total + (d.weight ?? 0), 0),
     decisions: run.decisions.length,
     charges: live ? run.events.filter((e) => e.kind === "charging_done").length : r.charges,

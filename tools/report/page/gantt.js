@@ -82,14 +82,14 @@ export class Gantt {
   layout() {
     const { run, classes } = this.state;
     if (!run) return;
-    this.rows = run.agents.filter((agent) => classes[agent.kind] && this.state.finds(agent));
+    this.rows = run.agents.filter((agent) => !agent.vacant && classes[agent.kind] && this.state.finds(agent));
     if (this.sort === "busy") {
       const busy = new Map(this.rows.map((agent) => [agent, busyMs(agent, run.nowMs)]));
       this.rows.sort((a, b) => busy.get(b) - busy.get(a) || a.index - b.index);
     }
     this.bands = faultBands(run);
     this.spacer.style.height = `${Math.max(1, this.rows.length * this.rowHeight)}px`;
-    byId("gantt-count").textContent = `${this.rows.length} of ${run.agents.length} agents`;
+    byId("gantt-count").textContent = `${this.rows.length} of ${run.crew.reduce((sum, n) => sum + n)} agents`;
     this.draw();
     this.drawOverview();
     for (const table of this.tables) table.update();

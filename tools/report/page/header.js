@@ -28,13 +28,14 @@ export class Header {
     byId("run-name").textContent = run.name;
     byId("run-name").dataset.key = "name";
     const s = run.scenario;
+    const [uavs, workers, vehicles] = run.crew;
     byId("identity").replaceChildren(
       fact("Scenario", s.name, "scenario"),
       fact("Policy", n.policy, "policy"),
       fact("Seed", n.seed, "seed"),
       fact("Interval", `${s.interval_ms / 60000} min`, "interval"),
-      fact("Agents", `${s.uavs} + ${s.workers} + ${s.vehicles}`, "agents",
-        `${s.uavs} UAVs, ${s.workers} workers, ${s.vehicles} vehicles`),
+      fact("Agents", `${uavs} + ${workers} + ${vehicles}`, "agents",
+        `${uavs} UAVs, ${workers} workers, ${vehicles} vehicles`),
       fact("Digest", n.digest ? n.digest.slice(0, 12) : "–", "digest", n.digest));
     byId("tabs").replaceChildren(...(runs.length < 2 ? [] : runs.map((other, i) =>
       element("button", {

@@ -1,7 +1,7 @@
 import { byId } from "./dom.js";
 
 /** What the keyboard does; `?` shows it. */
-export function bindKeys({ state, clock, transport, map, scene, panels }) {
+export function bindKeys({ state, clock, transport, map, scene, panels, control }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
   const actions = {
@@ -22,18 +22,19 @@ export function bindKeys({ state, clock, transport, map, scene, panels }) {
     m: () => state.look("map"),
     s: () => state.look("scene"),
     u: () => state.look("time"),
+    a: () => control.togglePick(),
     z: () => state.setView(null),
     t: () => panels.open("tasks"),
     d: () => panels.open("decision"),
     e: () => panels.open("events"),
     p: () => panels.open("processes"),
-    Escape: () => state.select(null),
+    Escape: () => (map.picking ? control.togglePick() : state.select(null)),
     "?": () => help.showModal(),
   };
   document.addEventListener("keydown", (event) => {
     const action = actions[event.key];
     const target = event.target;
-    if (!action || event.ctrlKey || event.metaKey || event.altKey || help.open || !state.run) return;
+    if (!action || event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]") || !state.run) return;
     if (target.matches("input:not([type=range]), select, textarea")) return;
     if (event.key === " " && target.matches("button, summary, [tabindex]")) return; // it presses that
     if (target.matches("input[type=range]") && event.key.startsWith("Arrow") === false && event.key === "Home") return;

@@ -13,8 +13,8 @@ export function itemOf(run, name) {
   const id = Number(digits);
   const kind = KINDS.indexOf(type);
   const counts = [run.scenario.uavs, run.scenario.workers, run.scenario.vehicles];
-  if (kind >= 0) return id < counts[kind] ? { type: "agent", index: run.agentIndex(kind, id) } : null;
-  if (type === "task") return id < run.tasks.length ? { type, id } : null;
+  if (kind >= 0) return id < counts[kind] && !run.agents[run.agentIndex(kind, id)].vacant ? { type: "agent", index: run.agentIndex(kind, id) } : null;
+  if (type === "task") return id < run.tasks.length && !run.tasks[id].vacant ? { type, id } : null;
   if (type === "charge") return id < run.charging.length ? { type, id } : null;
   return null;
 }

@@ -2,6 +2,7 @@ import { Attention } from "./attention.js";
 import { Card } from "./card.js";
 import { Charts } from "./charts.js";
 import { Clock } from "./clock.js";
+import { Control } from "./control.js";
 import { embeddedRuns, follow, liveAddress } from "./data.js";
 import { Differences } from "./differences.js";
 import { byId } from "./dom.js";
@@ -57,14 +58,15 @@ function build() {
   const scene = new SceneTab(state, clock);
   new Charts(state, clock);
   const gantt = new Gantt(state, clock);
-  const panels = new Panels(state, clock);
+  const control = new Control(state, clock, map);
+  const panels = new Panels(state, clock, control);
   new Legend(state, clock);
   new Card(state, clock);
   new Differences(state, clock);
   new Attention(state, clock, (filter) => panels.showTasks(filter));
-  parts.map = map;
+  Object.assign(parts, { map, control });
   bindChoices(map, scene, gantt);
-  bindKeys({ state, clock, transport, map, scene, panels });
+  bindKeys({ state, clock, transport, map, scene, panels, control });
 }
 
 /** Says why the page opens where it does, until the time moves on. */
@@ -96,15 +98,15 @@ function showLive(text) {
 }
 
 async function start() {
-  build();
   const address = liveAddress();
+  state.live = address !== null;
+  build();
   if (address === null) {
     state.runs = await embeddedRuns();
     if (state.runs.length === 0) throw new Error("the page holds no run");
     state.emit("run");
     new Link(state, clock, show).start();
   } else {
-    state.live = true;
     clock.follow = true;
     showLive("connecting");
     let link = null;

@@ -3,7 +3,7 @@ import { coastOf } from "./coast.js";
 import { differencesAt } from "./differences.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
-import { EXPIRED, UNREPORTED } from "./story.js";
+import { CANCELLED, EXPIRED, HELD, UNREPORTED } from "./story.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
 import { MOST_SYMBOLS, cellWords, countCells, drawCells } from "./map_crowd.js";
@@ -44,7 +44,7 @@ export class MapView {
       this.tip.hidden = true;
       byId("map-cursor").textContent = "";
     });
-    this.canvas.addEventListener("click", (event) => this.state.select(this.#find(event)));
+    this.canvas.addEventListener("click", (event) => this.#click(event));
     this.canvas.addEventListener("dblclick", () => this.reset());
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
@@ -141,6 +141,7 @@ export class MapView {
     this.#drawDifferences(c, x, y, t, r);
     this.#drawSelected(c, x, y, t, r);
     this.#drawLabels(c, x, y, t, r);
+    this.#drawMarked(c, x, y, r);
     drawScale(c, perMetre, frame);
   }
 
@@ -170,6 +171,7 @@ export class MapView {
     this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
     byId("map-crowd").hidden = !crowd;
     byId("legend-expired").hidden = !run.timed;
+    for (const name of ["held", "cancelled"]) byId(`legend-${name}`).hidden = !run.hasOrders;
     byId("legend-water").hidden = !coastOf(run)?.water;
     byId("coast-source").textContent = `water (${run.coast?.source})`;
   }
@@ -287,7 +289,7 @@ export class MapView {
     const room = (this.shown.width * this.shown.height) / LABEL_PX;
     const named = selected?.type === "agent" ? selected.index : -1;
     const agents = this.near.length > room + 1 ? this.near : this.near.filter(({ agent }) => agent.index !== named);
-    const tasks = this.sites.filter(({ task, status }) => status !== 3 && !(selected?.type === "task" && selected.id === task.id));
+    const tasks = this.sites.filter(({ task, status }) => ![3, CANCELLED].includes(status) && !(selected?.type === "task" && selected.id === task.id));
     if (!this.cells && agents.length <= room) {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
@@ -319,6 +321,37 @@ export class MapView {
     c.stroke();
   }
 
+  /** Takes the next click as a place, told to `taken({ x, y })` in metres; null: clicks select again. */
+  pick(taken) {
+    this.picking = taken;
+    this.canvas.classList.toggle("picking", taken !== null);
+  }
+
+  /** Marks a place that is being asked about; null: none. */
+  mark(place) {
+    this.marked = place;
+    this.draw();
+  }
+
+  #click(event) {
+    if (this.picking && this.shown) this.picking({ x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
+    else this.state.select(this.#find(event));
+  }
+
+  #drawMarked(c, x, y, r) {
+    if (!this.marked) return;
+    const [px, py] = [x(this.marked.x), y(this.marked.y)];
+    c.strokeStyle = theme.accent;
+    c.lineWidth = 2;
+    c.beginPath();
+    c.arc(px, py, r * 2, 0, 2 * Math.PI);
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      c.moveTo(px + dx * r, py + dy * r);
+      c.lineTo(px + dx * r * 3, py + dy * r * 3);
+    }
+    c.stroke();
+  }
+
   /** What is nearest to the pointer, agents first; null when nothing is near. */
   #find(event) {
     if (!this.shown) return null;
@@ -343,7 +376,7 @@ export class MapView {
   #hover(event) {
     const found = this.cells ? null : this.#find(event);
     const words = found ? describe(this.state.run, found, this.clock.t) : this.cells ? cellWords(this.cells, event.offsetX, event.offsetY) : "";
-    this.canvas.style.cursor = found || words ? "pointer" : "grab";
+    this.canvas.style.cursor = this.picking ? "crosshair" : found || words ? "pointer" : "grab";
     this.tip.hidden = !words;
     if (this.shown) byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
     if (!words) return;
@@ -387,7 +420,7 @@ function agentMark(c, kind, status, turn, r) {
   c.stroke();
 }
 
-/** open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick */
+/** open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick; held: two bars; cancelled: struck through */
 function taskMark(c, status, r) {
   c.beginPath();
   if (status === 3) {
@@ -407,8 +440,16 @@ function taskMark(c, status, r) {
     c.lineTo(-size, 0);
     c.closePath();
     if (status === 1) c.rect(-1, -1, 2, 2);
+    for (const x of status === HELD ? [-r * 0.28, r * 0.28] : []) {
+      c.moveTo(x, -r * 0.45);
+      c.lineTo(x, r * 0.45);
+    }
+    if (status === CANCELLED) {
+      c.moveTo(-size * 1.3, 0);
+      c.lineTo(size * 1.3, 0);
+    }
   }
-  c.strokeStyle = status === 3 ? theme.done : status === 2 ? theme.sensing : theme.task;
+  c.strokeStyle = status === 3 || status === CANCELLED ? theme.done : status === 2 ? theme.sensing : theme.task;
   c.lineWidth = status === 3 ? 1.6 : 1.4;
   if (status === 2) {
     c.fillStyle = theme.sensing;

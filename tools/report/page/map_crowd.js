@@ -1,7 +1,7 @@
 import { agentShape, cross } from "./canvas.js";
 import { number } from "./dom.js";
 import { FAILED } from "./run.js";
-import { DONE, EXPIRED } from "./story.js";
+import { CANCELLED, DONE, EXPIRED } from "./story.js";
 import { theme } from "./theme.js";
 
 /** More symbols in view than this stand together, one for all of a kind in a square of the screen. */
@@ -25,7 +25,7 @@ export function countCells(agents, tasks, { width, height }) {
     if (column >= 0 && column < columns && row >= 0 && row < rows) ++counts[(row * columns + column) * KINDS + kind];
   };
   for (const { agent, status, px, py } of agents) add(px, py, status === FAILED ? FAILED_AGENTS : agent.kind);
-  for (const { status, px, py } of tasks) if (status !== DONE && status !== EXPIRED) add(px, py, TASKS);
+  for (const { status, px, py } of tasks) if (![DONE, EXPIRED, CANCELLED].includes(status)) add(px, py, TASKS);
   return { counts, columns, rows, most: counts.reduce((a, b) => Math.max(a, b), 1) };
 }
 

@@ -41,11 +41,12 @@ export function eventRows(run) {
   return rows;
 }
 
-/** What the tabs beside the timeline show: tasks, decision, events, processes; and the comparison. */
+/** What the tabs beside the timeline show: tasks, decision, events, processes, orders; and the comparison. */
 export class Panels {
-  constructor(state, clock) {
+  constructor(state, clock, control) {
     this.state = state;
     this.clock = clock;
+    this.control = control;
     this.body = byId("panel-body");
     this.tab = "tasks";
     this.tasks = new TaskTable(state, clock);
@@ -53,7 +54,7 @@ export class Panels {
       button.addEventListener("click", () => this.open(button.dataset.tab));
     }
     clock.subscribe(() => this.#onTime());
-    state.on("run data selection", () => this.draw());
+    state.on("run data selection orders", () => this.draw());
     state.on("run data", () => this.#drawComparison());
   }
 
@@ -100,10 +101,11 @@ export class Panels {
     const now = decisionAt(run, this.clock.t);
     // A live page learns something four times a second: what would look the same stays as it is.
     const shown = { run, tab: this.tab, now: this.tab === "decision" && now, events: this.tab === "events" && run.events.length,
+      orders: this.tab === "orders" && JSON.stringify(this.control.orders.list),
       news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
     if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
-    const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run) };
+    const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run), orders: () => this.control.table() };
     if (this.tab !== "tasks" || !this.tasks.visible) this.body.replaceChildren(...draw[this.tab]());
     if (this.tab === "tasks") this.tasks.draw();
   }
@@ -232,7 +234,7 @@ export class Legend {
       ++shown[agent.kind];
       if (this.state.finds(agent)) ++byStatus[status];
     }
-    const total = [run.scenario.uavs, run.scenario.workers, run.scenario.vehicles];
+    const total = run.crew;
     this.buttons.forEach(({ button, count }, kind) => {
       button.setAttribute("aria-pressed", String(classes[kind]));
       count.textContent = classes[kind] ? ` ${shown[kind]} of ${total[kind]}` : " hidden";

@@ -7,6 +7,9 @@ export const IDLE = 1;
 export const MOVING = 2;
 export const WAITING = 3;
 export const FAILED = 6;
+// Of a task.
+const CANCELLED = 6;
+const HELD = 7;
 
 const STOP = 4; // t_ms, x_m, y_m, range_m
 const SAMPLE = 10; // t_ms, wall_ms, start, received, lost, rejected, resent, cpu_s, rss_bytes, state
@@ -51,6 +54,8 @@ export class Run {
   apply(chunk) {
     if (chunk.scenario) this.#begin(chunk);
     this.derived.clear();
+    for (const row of chunk.task_rows ?? []) this.#takeTask(row);
+    for (const [index, fullRange] of chunk.agent_rows ?? []) Object.assign(this.agents[index], { fullRange, vacant: false });
     this.nowMs = Math.max(this.nowMs, chunk.now_ms);
     this.epochMs = chunk.epoch_ms;
     this.ended = chunk.ended;
@@ -95,7 +100,7 @@ export class Run {
       for (let id = 0; id < n; ++id) {
         const fullRange = kind === 0 ? s.range_full_m[id] : 0;
         this.agents.push({ index: this.agents.length, kind, id, label: `${this.words.agents[kind]}:${id}`,
-          fullRange, stops: [], spans: [] });
+          fullRange, stops: [], spans: [], vacant: id >= n - (s.vacant?.[kind] ?? 0) });
       }
     });
     for (let i = 0; i < s.tasks.length; i += 3) {
@@ -104,12 +109,17 @@ export class Run {
     /** Whether tasks have reports, due times, expiry and priorities: { reported, due, expires, priority, name }, null: none. */
     this.timed = s.task_times !== undefined;
     (s.task_times ?? []).forEach(([reported, due, expires, priority, name], id) => {
-      Object.assign(this.tasks[id], { reported, due, expires, priority, name });
+      Object.assign(this.tasks[id], { reported, due, expires, priority, name, vacant: reported === null });
     });
     for (let i = 0; i < s.charging_points.length; i += 3) {
       this.charging.push({ id: i / 3, x: s.charging_points[i], y: s.charging_points[i + 1],
         capacity: s.charging_points[i + 2] });
     }
+  }
+
+  /** A task that an order has added or changed. */
+  #takeTask([id, x, y, cost, reported, due, expires, priority, name]) {
+    Object.assign(this.tasks[id], { x, y, cost, reported, due, expires, priority, name, vacant: reported === null });
   }
 
   #addDecision([index, t, weight, bound, candidates, solveUs, policy, actions]) {
@@ -123,6 +133,22 @@ export class Run {
   agentIndex(kind, id) {
     const s = this.scenario;
     return kind === 0 ? id : kind === 1 ? s.uavs + id : s.uavs + s.workers + id;
+  }
+
+  /** How many tasks the mission has: as its report counts them; before, without vacant places and what was cancelled. */
+  get tasksTotal() {
+    const report = this.ended ? this.report?.tasks_total : undefined;
+    return report ?? this.once("tasks total", () => this.tasks.filter((task) => !task.vacant && task.changes.at(-1) !== CANCELLED).length);
+  }
+
+  /** Whether any task was ever held or cancelled. */
+  get hasOrders() {
+    return this.once("has orders", () => this.tasks.some(({ changes }) => changes.some((status, i) => i % 2 === 1 && (status === CANCELLED || status === HELD))));
+  }
+
+  /** Agents that the mission has, of each class. */
+  get crew() {
+    return this.once("crew", () => [0, 1, 2].map((kind) => this.agents.filter((agent) => agent.kind === kind && !agent.vacant).length));
   }
 
   get tasksDone() {

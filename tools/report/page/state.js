@@ -19,7 +19,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "differ", "theme" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "differ", "theme", "orders" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);

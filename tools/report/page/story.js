@@ -190,7 +190,7 @@ export function doneTime(run, task) {
 
 /** The tasks that were not done, as far as is known. */
 export function undoneTasks(run) {
-  return run.once("undone", () => run.tasks.filter((task) => doneTime(run, task) === null));
+  return run.once("undone", () => run.tasks.filter((task) => !task.vacant && doneTime(run, task) === null));
 }
 
 function findDoneTime(run, task) {

@@ -1,7 +1,7 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
 import { taskStatusAt } from "./run.js";
-import { DONE, EXPIRED, OPEN, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
+import { CANCELLED, DONE, HELD, OPEN, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const MOST_ROWS = 250;
@@ -19,9 +19,10 @@ const COLUMNS = [
 
 const FILTERS = [
   ["all", "all", () => true],
-  ["todo", "to do", (row) => row.status !== DONE && row.status !== EXPIRED],
+  ["todo", "to do", (row) => [OPEN, RESERVED, SENSING, HELD].includes(row.status)],
   ["open", "nobody sent", (row) => row.status === OPEN],
   ["under", "under way", (row) => row.status === RESERVED || row.status === SENSING],
+  ["held", "held or cancelled", (row) => row.status === HELD || row.status === CANCELLED],
   ["done", "done", (row) => row.status === DONE],
   ["never", "never done", (row) => row.never],
 ];
@@ -36,7 +37,7 @@ class Row {
     this.cost = task.cost;
     this.status = taskStatusAt(task, t);
     this.doneAt = doneTime(run, task);
-    this.never = run.ended && this.doneAt === null;
+    this.never = run.ended && this.doneAt === null && this.status !== CANCELLED;
   }
 
   get #activity() {
@@ -132,7 +133,7 @@ export class TaskTable {
     this.drawn = performance.now();
     const rows = this.#rows();
     COLUMNS.forEach((column, i) => this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending"));
-    this.count.textContent = `${number(rows.length)} of ${number(run.tasks.length)} tasks`;
+    this.count.textContent = `${number(rows.length)} of ${number(run.tasks.filter((task) => !task.vacant).length)} tasks`;
     const key = JSON.stringify([rows.slice(0, MOST_ROWS).map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never]), rows.length, run.name]);
     if (key !== this.key) {
       this.key = key;

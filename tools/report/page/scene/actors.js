@@ -1,5 +1,6 @@
 import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial } from "three";
 import { FAILED, IDLE, MOVING, OFFLINE, placeAt, statusAt, taskStatusAt } from "../run.js";
+import { HELD } from "../story.js";
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
 import { Crowd, mixed } from "./crowd.js";
@@ -76,7 +77,7 @@ export class Actors {
     for (const task of run.tasks) {
       const [x, z] = [plane.x(task.x), plane.z(task.y)];
       const status = taskStatusAt(task, t);
-      if (status > 3) continue; // not reported yet, or expired
+      if (status > 3 && status !== HELD) continue; // not reported yet, expired, cancelled
       if (status === 3) this.done.put(x, floor + 0.06, z, [size, size, size], 0, done);
       else {
         const s = size * (status === 2 ? 1.1 : 0.85);

@@ -53,7 +53,7 @@ export class Film {
     c.textAlign = "left";
     c.fillText(`${run.scenario.name}, ${numbersOf(run).policy}`, u, u * 1.8);
     c.font = `${u * 0.9}px system-ui, "DejaVu Sans", sans-serif`;
-    c.fillText(`${clockText(clock.t)}   ${doneAt(run, clock.t)} of ${run.tasks.length} tasks done`, u, u * 3.2);
+    c.fillText(`${clockText(clock.t)}   ${doneAt(run, clock.t)} of ${run.tasksTotal} tasks done`, u, u * 3.2);
     c.fillStyle = theme.muted;
     c.font = `${u * 0.55}px system-ui, "DejaVu Sans", sans-serif`;
     c.fillText(view.mode === "time" ? "Time goes up." : `Heights and sizes are for the eye${view.scenery ? "; blocks are scenery" : ""}.`, u, height - u * 0.8);

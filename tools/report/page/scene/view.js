@@ -212,7 +212,7 @@ export class SceneView {
     if (best) return best;
     const { run, plane } = this;
     for (const type of ["task", "charge"]) {
-      for (const site of type === "task" ? run.tasks : run.charging) look({ x: plane.x(site.x), y: this.floor, z: plane.z(site.y) }, { type, id: site.id });
+      for (const site of type === "task" ? run.tasks.filter((task) => !task.vacant) : run.charging) look({ x: plane.x(site.x), y: this.floor, z: plane.z(site.y) }, { type, id: site.id });
     }
     return best;
   }

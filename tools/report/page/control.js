@@ -1,0 +1,149 @@
+import { byId, element } from "./dom.js";
+import { isWater } from "./coast.js";
+import { OrderForm } from "./order_form.js";
+import { Orders, orderWords, tokenOf } from "./orders.js";
+import { FAILED, OFFLINE, statusAt, taskStatusAt } from "./run.js";
+import { CANCELLED, DONE, EXPIRED, HELD, OPEN, RESERVED } from "./story.js";
+import { clockText } from "./time.js";
+
+const KEPT = "muster-token";
+const MARKS = { pending: "…", taken: "✓", refused: "×", unsent: "!" };
+
+/** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
+function tokenOfPage() {
+  const token = tokenOf(location.hash);
+  // The address is passed on, the token is not.
+  if (token) history.replaceState(null, "", `#${location.hash.slice(1).split("&").filter((part) => !part.startsWith("token=")).join("&")}`);
+  try {
+    if (token) sessionStorage.setItem(KEPT, token);
+    return token ?? sessionStorage.getItem(KEPT);
+  } catch {
+    return token; // a browser that keeps nothing
+  }
+}
+
+/** Hands on a live mission: what orders can be given where, each asked back, and what became of them. */
+export class Control {
+  constructor(state, clock, map) {
+    this.state = state;
+    this.clock = clock;
+    this.map = map;
+    this.orders = new Orders(state.live ? tokenOfPage() : null, (entry) => this.#onOrder(entry));
+    this.form = new OrderForm((order) => this.#words(order), (order) => this.orders.give(order, state.run.nowMs));
+    this.form.closed = () => this.map.mark(null);
+    byId("order-add").addEventListener("click", () => this.togglePick());
+    byId("pick-stop").addEventListener("click", () => this.#stopPicking());
+    byId("pick-enter").addEventListener("click", () => this.#add({ x: state.run.scenario.width_m / 2, y: state.run.scenario.height_m / 2 }));
+    state.on("run data selection", () => this.draw());
+    clock.subscribe(() => this.#drawCard());
+  }
+
+  get allowed() {
+    const { run, live } = this.state;
+    return Boolean(live && run && !run.ended && this.orders.allowed);
+  }
+
+  draw() {
+    const { live, run } = this.state;
+    const badge = byId("control-state");
+    badge.hidden = !live || !run || run.ended;
+    badge.textContent = this.allowed ? "control" : "read-only";
+    badge.dataset.state = badge.textContent;
+    badge.title = this.allowed ? "This page gives orders to the mission" : "Orders need the address that muster run --control tells";
+    byId("order-add").hidden = !this.allowed;
+    byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
+    if (!this.allowed && this.map.picking) this.#stopPicking();
+    this.#drawCard();
+  }
+
+  /** The next click on the map is the place of a new task; or no longer. */
+  togglePick() {
+    if (!this.allowed) return;
+    if (this.map.picking) return this.#stopPicking();
+    this.state.look("map");
+    this.map.pick((place) => this.#add(place));
+    this.#showPicking(true);
+  }
+
+  #stopPicking() {
+    this.map.pick(null);
+    this.#showPicking(false);
+  }
+
+  #showPicking(on) {
+    byId("pick-hint").hidden = !on;
+    byId("order-add").setAttribute("aria-pressed", String(on));
+  }
+
+  #add(place) {
+    this.#stopPicking();
+    this.map.mark(place);
+    this.form.add(this.state.run, place);
+  }
+
+  /** What is asked back: with what speaks against it. */
+  #words(order) {
+    const { run } = this.state;
+    const words = orderWords(order);
+    if (order.order === "task_add" && isWater(run, order.task.x_km * 1000, order.task.y_km * 1000)) return `${words}. The place is in water`;
+    if (order.order === "task_cancel") return `${words}: nobody will do it, and whoever is on the way is called off`;
+    if (order.order === "task_hold") return `${words}: nobody is sent to it until it is resumed`;
+    if (order.order === "agent_recall") return `${words}: it leaves what it is at and can be sent elsewhere`;
+    return words;
+  }
+
+  /** What can be ordered of what is selected, at the newest time. */
+  #choices(run, selected) {
+    if (selected.type === "task") {
+      const task = run.tasks[selected.id];
+      const status = taskStatusAt(task, run.nowMs);
+      if ([DONE, EXPIRED, CANCELLED].includes(status)) return [];
+      const simple = (text, order) => [text, () => this.form.simple({ order, task: task.id })];
+      return [["Change …", () => this.form.change(run, task)],
+        status === HELD ? simple("Resume", "task_resume") : [OPEN, RESERVED].includes(status) ? simple("Hold", "task_hold") : null,
+        simple("Cancel task", "task_cancel")].filter(Boolean);
+    }
+    if (selected.type !== "agent") return [];
+    const agent = run.agents[selected.index];
+    const status = statusAt(agent, run.nowMs);
+    if (status === FAILED) return [];
+    return [status === OFFLINE ? null : ["Recall", () => this.form.simple({ order: "agent_recall", agent: agent.label })],
+      ["Leave …", () => this.form.leave(agent.label)]].filter(Boolean);
+  }
+
+  #drawCard() {
+    const { run, selected } = this.state;
+    const box = byId("card-orders");
+    const choices = this.allowed && selected ? this.#choices(run, selected) : [];
+    box.hidden = choices.length === 0;
+    const key = JSON.stringify([selected, choices.map(([text]) => text)]);
+    if (key === this.key) return; // what has the focus stays
+    this.key = key;
+    box.replaceChildren(...choices.map(([text, act]) => element("button", { type: "button", onclick: act }, text)));
+  }
+
+  #onOrder(entry) {
+    const latest = byId("order-latest");
+    latest.hidden = false;
+    latest.dataset.state = entry.state;
+    latest.replaceChildren(...this.#told(entry, false));
+    this.draw();
+    this.state.emit("orders");
+  }
+
+  /** The orders given here, for their tab. */
+  table() {
+    if (this.orders.list.length === 0) return [element("p", { class: "empty" }, "No orders were given on this page.")];
+    return [element("ol", { id: "order-list" }, ...this.orders.list.map((entry) => element("li", { "data-state": entry.state }, ...this.#told(entry, true))))];
+  }
+
+  #told(entry, withTime) {
+    const { run } = this.state;
+    const item = entry.task != null ? { type: "task", id: entry.task } : null;
+    const known = item && run.tasks[entry.task] && !run.tasks[entry.task].vacant;
+    return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : " Order: ", entry.words, ": ",
+      element("b", {}, entry.state === "unsent" ? "not sent" : entry.state), entry.note && entry.note !== entry.state ? `, ${entry.note.replace(/^taken /, "")}` : "",
+      ...(known && entry.order.order === "task_add" ? [" as ", element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, `task ${entry.task}`)] : []),
+      ...(entry.state === "unsent" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, "Send again")] : [])];
+  }
+}

@@ -1,0 +1,116 @@
+import { byId, element, number } from "./dom.js";
+import { PRIORITIES } from "./story.js";
+
+const DEFAULT_COST_KM = 3;
+
+function field(label, input) {
+  return element("label", { class: "field" }, element("span", {}, label), input);
+}
+
+const decimal = (name, value, more = {}) => element("input", { name, type: "number", step: "any", value: value === null ? "" : String(value), autocomplete: "off", ...more });
+
+function priorityChoice(chosen) {
+  const select = element("select", { name: "priority" }, ...PRIORITIES.map((name, i) => element("option", { value: i, selected: i === chosen }, name)));
+  return field("Priority", select);
+}
+
+const times = () => [field("Due in, minutes from now", decimal("due", null, { min: 0 })), field("Expires in, minutes from now", decimal("expires", null, { min: 0 }))];
+
+/**
+ * The dialog in which an order is written and asked back. `ask(title, parts, read)`: shows `parts`; `read(values)` gives the
+ * order, or a text that says what is wrong. Then what is ordered is asked once more, and `send(order)` called.
+ */
+export class OrderForm {
+  constructor(words, send) {
+    this.words = words;
+    this.send = send;
+    this.dialog = byId("order");
+    this.form = byId("order-form");
+    this.dialog.addEventListener("close", () => this.closed?.());
+  }
+
+  /** A new task at a place, { x, y } in metres. */
+  add(run, place) {
+    const km = (m) => Math.round(m) / 1000;
+    this.#write("Add a task", [
+      field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
+      priorityChoice(1), field("Takes, km of range", decimal("cost", DEFAULT_COST_KM, { min: 0 })),
+      ...times(), field("Name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+      const task = { x_km: values.x, y_km: values.y, cost_km: values.cost, priority: values.priority, ...timesOf(values, run) };
+      const { width_m: w, height_m: h } = run.scenario;
+      if (!(task.x_km >= 0 && task.x_km * 1000 <= w && task.y_km >= 0 && task.y_km * 1000 <= h)) return `The place is outside the area of ${number(w / 1000)} by ${number(h / 1000)} km.`;
+      if (!(task.cost_km > 0)) return "Sensing takes some range: more than 0 km.";
+      if (values.name) task.name = values.name;
+      return { order: "task_add", task };
+    });
+  }
+
+  /** Another priority, due time, expiry or name of a task. */
+  change(run, task) {
+    this.#write(`Change task ${task.id}`, [priorityChoice(task.priority ?? 1), ...times(),
+      field("Name", element("input", { name: "name", type: "text", maxlength: 80, value: task.name ?? "", autocomplete: "off" }))], (values) => {
+      const order = { order: "task_change", task: task.id, ...timesOf(values, run) };
+      if (values.priority !== (task.priority ?? 1)) order.priority = values.priority;
+      if (values.name !== (task.name ?? "")) order.name = values.name;
+      return Object.keys(order).length === 2 ? "Nothing is other than it was." : order;
+    });
+  }
+
+  /** An agent goes for good: when it is free, or at once. */
+  leave(agent) {
+    this.#write(`Take ${agent} out of the mission`, [field("When", element("select", { name: "when" },
+      element("option", { value: "free" }, "when it has done what it is at"), element("option", { value: "once" }, "at once")))],
+    (values) => ({ order: "agent_leave", agent, at_once: values.when === "once" }));
+  }
+
+  /** An order that has nothing to write. */
+  simple(order) {
+    this.#ask(order, null);
+  }
+
+  #write(title, parts, read) {
+    const problem = element("p", { class: "wrong", role: "alert" });
+    this.#show(title, [...parts, problem], [["Next", () => {
+      const order = read(this.#values());
+      if (typeof order === "string") problem.textContent = order;
+      else this.#ask(order, () => this.#write(title, parts, read));
+    }], ["Cancel", () => this.dialog.close()]]);
+  }
+
+  /** What is ordered is asked back; `back` leads to where it was written. */
+  #ask(order, back) {
+    const words = this.words(order);
+    this.#show("Give this order?", [element("p", { class: "asked" }, `${words[0].toUpperCase()}${words.slice(1)}.`)], [
+      ["Give the order", () => {
+        this.dialog.close();
+        this.send(order);
+      }], back ? ["Back", back] : null, ["Cancel", () => this.dialog.close()]]);
+  }
+
+  #values() {
+    const data = new FormData(this.form);
+    const numeric = (name) => (String(data.get(name) ?? "").trim() === "" ? null : Number(data.get(name)));
+    return { x: numeric("x"), y: numeric("y"), cost: numeric("cost"), priority: numeric("priority"), due: numeric("due"), expires: numeric("expires"),
+      name: String(data.get("name") ?? "").trim(), when: data.get("when") };
+  }
+
+  #show(title, parts, buttons) {
+    byId("order-title").textContent = title;
+    const made = buttons.filter(Boolean).map(([text, act], i) => element("button", { type: i === 0 ? "submit" : "button", class: i === 0 ? "primary" : null,
+      onclick: (event) => {
+        event.preventDefault();
+        act();
+      } }, text));
+    this.form.replaceChildren(...parts, element("div", { class: "buttons" }, ...made));
+    if (!this.dialog.open) this.dialog.showModal();
+    (this.form.querySelector("select, input") ?? made[0]).focus();
+  }
+}
+
+/** Minutes of mission time of what was written as minutes from now. */
+function timesOf({ due, expires }, run) {
+  const now = run.nowMs / 60000;
+  const at = (minutes) => Math.round(100 * (now + minutes)) / 100;
+  return { ...(due === null ? {} : { due_min: at(due) }), ...(expires === null ? {} : { expires_min: at(expires) }) };
+}
+
