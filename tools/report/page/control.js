@@ -53,6 +53,7 @@ export class Control {
     byId("order-add").hidden = !this.allowed;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
     if (!this.allowed && this.map.picking) this.#stopPicking();
+    if (run) this.#findAdded();
     this.#drawCard();
   }
 
@@ -123,11 +124,26 @@ export class Control {
   }
 
   #onOrder(entry) {
+    this.latest = entry;
+    this.#drawLatest();
+    this.draw();
+    this.state.emit("orders");
+  }
+
+  #drawLatest() {
     const latest = byId("order-latest");
     latest.hidden = false;
-    latest.dataset.state = entry.state;
-    latest.replaceChildren(...this.#told(entry, false));
-    this.draw();
+    latest.dataset.state = this.latest.state;
+    latest.replaceChildren(...this.#told(this.latest, false));
+  }
+
+  /** An order is taken before the page hears of the task that it brought. */
+  #findAdded() {
+    const { tasks } = this.state.run;
+    const found = this.orders.list.filter((entry) => entry.task != null && !entry.known && tasks[entry.task] && !tasks[entry.task].vacant);
+    if (found.length === 0) return;
+    for (const entry of found) entry.known = true;
+    this.#drawLatest();
     this.state.emit("orders");
   }
 
@@ -138,12 +154,10 @@ export class Control {
   }
 
   #told(entry, withTime) {
-    const { run } = this.state;
-    const item = entry.task != null ? { type: "task", id: entry.task } : null;
-    const known = item && run.tasks[entry.task] && !run.tasks[entry.task].vacant;
+    const item = { type: "task", id: entry.task };
     return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : " Order: ", entry.words, ": ",
       element("b", {}, entry.state === "unsent" ? "not sent" : entry.state), entry.note && entry.note !== entry.state ? `, ${entry.note.replace(/^taken /, "")}` : "",
-      ...(known && entry.order.order === "task_add" ? [" as ", element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, `task ${entry.task}`)] : []),
+      ...(entry.known && entry.order.order === "task_add" ? [" as ", element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, `task ${entry.task}`)] : []),
       ...(entry.state === "unsent" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, "Send again")] : [])];
   }
 }

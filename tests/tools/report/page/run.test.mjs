@@ -6,6 +6,7 @@ import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { cellWords, countCells } from "../../../../tools/report/page/map_crowd.js";
+import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
 import { placeLabels } from "../../../../tools/report/page/map_labels.js";
 import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
 import { tellingMoment } from "../../../../tools/report/page/moment.js";
@@ -338,6 +339,51 @@ test("degrees and metres of the map's plane agree", () => {
   const back = planeOf(run, latitude, longitude);
   // The plane leaves the ground by d²/2R: 55 m at 26 km, and 0.2 m sideways.
   assert.ok(Math.hypot(back.x - 12345, back.y - 23456) < 0.5, JSON.stringify(back));
+});
+
+test("orders are told in words, and a token is in the address or is not", () => {
+  const words = (order) => orderWords(order);
+  assert.equal(words({ order: "task_add", task: { x_km: 12.34, y_km: 4, cost_km: 3, priority: 3, due_min: 90, name: "school" } }),
+    "add a task at 12.3, 4.0 km: 3.0 km of range, priority emergency, due 1:30:00, name school");
+  assert.equal(words({ order: "task_change", task: 7, priority: 0, expires_min: 61.5 }), "change task 7: priority low, expires 1:01:30");
+  assert.deepEqual(["task_cancel", "task_hold", "task_resume"].map((order) => words({ order, task: 7 })), ["cancel task 7", "hold task 7", "resume task 7"]);
+  assert.deepEqual([true, false].map((once) => words({ order: "agent_leave", agent: "uav:3", at_once: once })), ["take uav:3 out of the mission at once", "take uav:3 out of the mission"]);
+  assert.deepEqual(["#token=ab&t=5", "#t=5&token=ab", "#t=5", "", "#token="].map(tokenOf), ["ab", "ab", null, null, null]);
+});
+
+test("an order is sent with its token and an id of its own, and what became of it is kept", async () => {
+  const answers = [[200, { taken: { tick: 3, sim_s: 90, task: 60 } }], [409, { refused: "task 1 is done" }], [400, { error: "no order" }], null, [200, { taken: { tick: 4, sim_s: 120 } }], [403, {}]];
+  const asked = [];
+  const orders = new Orders("secret", () => {}, async (address, options) => {
+    asked.push({ address, ...options, body: JSON.parse(options.body) });
+    const answer = answers.shift();
+    if (!answer) throw new TypeError("no connection");
+    return { status: answer[0], json: async () => answer[1] };
+  });
+  for (let i = 0; i < 4; ++i) await orders.give({ order: "task_cancel", task: i }, 1000 * i);
+  assert.deepEqual(orders.list.map(({ state, note }) => `${state}: ${note}`), ["unsent: no connection", "refused: no order", "refused: task 1 is done", "taken: taken at 0:01:30"]);
+  assert.equal(orders.list[3].task, 60);
+  await orders.send(orders.list[0]);
+  assert.equal(orders.list[0].state, "taken");
+  assert.equal(asked[4].body.id, asked[3].body.id, "once more it is the same order");
+  assert.equal(new Set(asked.map(({ body }) => body.id)).size, 4);
+  assert.ok(asked.every(({ address, headers }) => address === "/orders" && headers.Authorization === "Bearer secret"));
+  assert.ok(orders.allowed);
+  await orders.give({ order: "task_hold", task: 1 }, 0);
+  assert.ok(!orders.allowed, "who is refused gives no orders any more");
+  assert.ok(!new Orders(null, () => {}).allowed);
+});
+
+test("tasks and agents that orders bring are known from then on", () => {
+  const run = begun({ scenario: { ...SCENARIO, uavs: 2, range_full_m: [30000, 1], vacant: [1, 0, 0],
+    task_times: [[0, null, null, 1, ""], [null, null, null, 1, ""]] }, tasks: [[1, 0, [0, 4]]] });
+  assert.deepEqual([run.tasksTotal, run.crew, itemOf(run, "task:1"), itemOf(run, "uav:1")], [1, [1, 1, 1], null, null]);
+  run.apply({ now_ms: 90000, epoch_ms: 0, ended: false, task_rows: [[1, 300, 400, 70, 60000, 1200000, null, 3, "school"]], agent_rows: [[1, 12000]], tasks: [[1, 1, [60000, 0]]] });
+  const { id, x, y, cost, due, priority, name } = run.tasks[1];
+  assert.deepEqual([id, x, y, cost, due, priority, name], [1, 300, 400, 70, 1200000, 3, "school"]);
+  assert.deepEqual([run.tasksTotal, run.crew, run.agents[1].fullRange, itemOf(run, "uav:1").index], [2, [2, 1, 1], 12000, 1]);
+  run.apply({ now_ms: 120000, epoch_ms: 0, ended: false, tasks: [[1, 2, [120000, 6]]] });
+  assert.deepEqual([run.tasksTotal, run.hasOrders], [1, true], "what is cancelled is not to be done");
 });
 
 test("a coast is rings of differences, and its shore is not the box around it", () => {

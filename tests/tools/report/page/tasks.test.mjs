@@ -1,8 +1,9 @@
 // What a commander has to find out, by clicks and by reading alone, and in how many steps. Run by browser_tests.mjs.
-// The fifth task, an emergency added at a place, needs orders to a running mission, which there are not yet.
 import assert from "node:assert/strict";
-import { test } from "node:test";
-import { file, json, muster, open, scrub, soon } from "./support.mjs";
+import { spawn } from "node:child_process";
+import { before, test } from "node:test";
+import { MUSTER_PROGRAM, browser, file, json, muster, open, scrub, soon } from "./support.mjs";
+import { TOKEN, livePage, liveRun, serve } from "./stub_server.mjs";
 
 /** Counts what is clicked; opening the page and reading are no steps. */
 function hand(page) {
@@ -20,6 +21,11 @@ const done = (t, steps, most) => {
   t.diagnostic(`${steps} steps`);
   assert.ok(steps <= most, `${steps} steps`);
 };
+
+before(() => {
+  // More hands than tasks: somebody is free for one more.
+  muster("scenario", "--preset", "Random_1", "--seed", "2", "--tasks", "30", "--online-min", "180:", "--out", file("few.json"));
+});
 
 test("which task is most at risk, and why: one step", async (t) => {
   const page = await open(t, "a.html");
@@ -80,6 +86,58 @@ test("what changed between two runs at 1:20: two steps", async (t) => {
   const names = await page.locator("#differences tbody tr td:first-child").allInnerTexts();
   assert.deepEqual(names.toSorted(), differ.toSorted());
   done(t, you.steps(), 2);
+});
+
+/** An emergency at a place of the map, with the hands of whoever commands: until its card says who goes. */
+async function addEmergency(t, url, told) {
+  const context = await browser().newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce" });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  await page.goto(url);
+  await page.waitForFunction(() => document.getElementById("control-state").textContent === "control");
+  const you = hand(page);
+  const dialog = (name) => page.locator("#order").getByRole("button", { name, exact: true });
+  await you.click(page.locator("#order-add"));
+  const { width, height } = await page.locator("#map").boundingBox();
+  await you.click(page.locator("#map"), { x: Math.round(width / 2), y: Math.round(height / 2) });
+  await you.choose(page.locator("#order select[name=priority]"), "emergency");
+  await you.click(dialog("Next"));
+  await you.click(dialog("Give the order"));
+  await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /taken/));
+  await told?.();
+  await you.click(page.locator("#order-latest button"));
+  await soon(async () => assert.match(await page.locator("#card-title").innerText(), /^task \d+/));
+  await page.waitForFunction(() => /(reserved for|sensed by|done at .* by) uav:\d+ and worker:\d+/.test(document.getElementById("card-facts").innerText), null, { timeout: 60_000 });
+  assert.equal((await facts(page)).priority, "emergency");
+  done(t, you.steps(), 6);
+}
+
+test("add an emergency at a place and see who goes: six steps", async (t) => {
+  muster("simulate", file("few.json"), "--policy", "mpq", "--log", "--out", file("few"));
+  muster("report", file("few"), "--reasons", "0", "--out", file("few.html"));
+  const run = liveRun("few.html", 61);
+  const id = run.scenario.task_times.length - 1;
+  const { url, given, tell } = await serve(await livePage("few"), run, (order) => [200, { id: order.id, taken: { tick: 122, sim_s: 3660, task: id } }]);
+  await addEmergency(t, `${url}#token=${TOKEN}`, () => {
+    const { x_km: x, y_km: y, priority } = given[0].task;
+    tell({ task_rows: [[id, 1000 * x, 1000 * y, 3000, 3660000, null, null, priority, ""]], tasks: [[id, 1, [3660000, 0, 4200000, 1]]], now_ms: 4230000,
+      activities: [run.activities[1].length / 6, [0, 4, 7, id, 4800000, 4980000]] });
+  });
+});
+
+test("the same with a mission that runs", { skip: muster("run", "--help").includes("--control") ? false : "muster run takes no orders yet" }, async (t) => {
+  const run = spawn(MUSTER_PROGRAM, ["run", file("few.json"), "--rate", "120", "--live=0", "--control", "--out", file("ordered")], { stdio: ["ignore", "ignore", "pipe"] });
+  t.after(() => run.kill("SIGKILL"));
+  let said = "";
+  const url = await new Promise((resolve, reject) => {
+    run.stderr.on("data", (data) => {
+      said += data;
+      const found = said.match(/live at (http:\S+)/);
+      if (found) resolve(found[1]);
+    });
+    run.once("exit", (code) => reject(new Error(`muster run ended with ${code}: ${said}`)));
+  });
+  await addEmergency(t, url);
 });
 
 test("a mission whose tasks are reported and expire", async (t) => {
