@@ -96,9 +96,13 @@ std::string TopView::TaskLine() const {
   const auto n = [count = TaskCounts()](TaskStatus status) {
     return count[static_cast<std::size_t>(status)];
   };
+  const auto& tasks = feed_.timeline().scenario().tasks;
+  // A place that orders may fill is no task yet.
+  const auto total = std::count_if(tasks.begin(), tasks.end(),
+                                   [](const Task& task) { return task.reported_us != kNever; });
   return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open",
-                     n(TaskStatus::kDone), feed_.timeline().tasks().size(), n(TaskStatus::kSensing),
-                     n(TaskStatus::kReserved), n(TaskStatus::kOpen));
+                     n(TaskStatus::kDone), total, n(TaskStatus::kSensing), n(TaskStatus::kReserved),
+                     n(TaskStatus::kOpen));
 }
 
 std::string TopView::BusLine(std::int64_t now_us) const {
@@ -129,11 +133,16 @@ void TopView::AddAgents(std::vector<Line>* lines) const {
       return count[static_cast<std::size_t>(status)];
     };
     const int failed = of(AgentStatus::kFailed);
+    const auto& specs = feed_.timeline().scenario().agents(kind);
+    // Nor is a place that orders may fill an agent: never online, it counts as offline here.
+    const auto vacant = std::count_if(specs.begin(), specs.end(), [](const AgentSpec& agent) {
+      return agent.online_until_us <= agent.online_from_us;
+    });
+    const auto all = static_cast<std::ptrdiff_t>(specs.size()) - vacant;
     lines->push_back(
-        {fmt::format(kRow, std::string(ToString(kind)) + "s",
-                     feed_.timeline().scenario().agents(kind).size(), of(AgentStatus::kIdle),
+        {fmt::format(kRow, std::string(ToString(kind)) + "s", all, of(AgentStatus::kIdle),
                      of(AgentStatus::kMoving), of(AgentStatus::kWaiting), of(AgentStatus::kSensing),
-                     of(AgentStatus::kCharging), failed, of(AgentStatus::kOffline)),
+                     of(AgentStatus::kCharging), failed, of(AgentStatus::kOffline) - vacant),
          failed > 0 ? Look::kBad : Look::kPlain});
   }
 }

@@ -125,6 +125,30 @@ TEST(Attention, TasksThatNobodyReportedAreNotMissed) {
   EXPECT_EQ(Told(log), std::vector<std::string>({"tasks not done: task 1 expired"}));
 }
 
+TEST(TopView, AgentsThatAreNeverOnlineAreNotCounted) {
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [](scenario_t& scenario) {
+    nlohmann::json json = nlohmann::json::parse(scenario.json);
+    json["workers"][1]["online_from_min"] = json["workers"][1]["online_until_min"] = 0;
+    scenario.json = json.dump();
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  ForEach<agent_states_t>(&log, [](agent_states_t& states) {
+    for (agent_t& agent : states.agents) {
+      if (states.kind == NumberOf(AgentKind::kWorker) && agent.id == 1) {
+        agent.status = NumberOf(AgentStatus::kOffline);
+      }
+    }
+  });
+  TopView view;
+  for (const Packet& packet : Encoded(log)) view.Add(packet);
+  std::string text;
+  for (const TopView::Line& line : view.Lines(0, 0)) text += line.text + "\n";
+  EXPECT_NE(text.find("workers         1      1       0 "), std::string::npos) << text;
+  EXPECT_NE(text.find("       0        0\nvehicles"), std::string::npos) << "none is offline\n"
+                                                                         << text;
+}
+
 TEST(Attention, IsInTheDisplayAndInJson) {
   TopView view;
   FakeLog log = MakeFakeMission();
