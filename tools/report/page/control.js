@@ -7,7 +7,7 @@ import { CANCELLED, DONE, EXPIRED, HELD, OPEN, RESERVED } from "./story.js";
 import { clockText } from "./time.js";
 
 const KEPT = "muster-token";
-const MARKS = { pending: "…", taken: "✓", refused: "×", unsent: "!" };
+const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
 
 /** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
 function tokenOfPage() {
@@ -156,8 +156,8 @@ export class Control {
   #told(entry, withTime) {
     const item = { type: "task", id: entry.task };
     return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : " Order: ", entry.words, ": ",
-      element("b", {}, entry.state === "unsent" ? "not sent" : entry.state), entry.note && entry.note !== entry.state ? `, ${entry.note.replace(/^taken /, "")}` : "",
+      element("b", {}, entry.state === "unanswered" ? "no answer" : entry.state), entry.note && entry.note !== entry.state ? `, ${entry.note.replace(/^taken /, "")}` : "",
       ...(entry.known && entry.order.order === "task_add" ? [" as ", element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, `task ${entry.task}`)] : []),
-      ...(entry.state === "unsent" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, "Send again")] : [])];
+      ...(entry.state === "unanswered" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, "Send again")] : [])];
   }
 }

@@ -29,7 +29,7 @@ export function tokenOf(hash) {
 
 /**
  * Orders given on this page, the newest first: { id, order, words, at (mission time), state, note, task, agent }. state:
- * "pending", "taken", "refused", "unsent". Without a token nothing can be ordered. `changed` is called whenever one changes.
+ * "pending", "taken", "refused", "unanswered". Without a token nothing can be ordered. `changed` is called whenever one changes.
  */
 export class Orders {
   constructor(token, changed, ask = (...request) => fetch(...request)) {
@@ -74,7 +74,7 @@ export class Orders {
   }
 
   #take(entry, answer) {
-    if (!answer) return this.#set(entry, "unsent", "no connection");
+    if (!answer) return this.#set(entry, "unanswered", "no connection");
     const { status, body } = answer;
     if (status === 200 && body.taken) {
       entry.task = body.taken.task ?? null;

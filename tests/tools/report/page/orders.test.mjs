@@ -202,7 +202,7 @@ test("without a token a page is read-only, with a wrong one it becomes so, and w
   await select(right, `task:${task}`);
   await right.getByRole("button", { name: "Hold" }).click();
   await press(right, "Give the order");
-  await soon(async () => assert.match(await right.locator("#order-latest").innerText(), /not sent, no connection/));
+  await soon(async () => assert.match(await right.locator("#order-latest").innerText(), /no answer, no connection/));
   await right.unroute("**/orders");
   await right.locator("#order-latest").getByRole("button", { name: "Send again" }).click();
   await soon(async () => assert.match(await right.locator("#order-latest").innerText(), /taken/));

@@ -361,7 +361,7 @@ test("an order is sent with its token and an id of its own, and what became of i
     return { status: answer[0], json: async () => answer[1] };
   });
   for (let i = 0; i < 4; ++i) await orders.give({ order: "task_cancel", task: i }, 1000 * i);
-  assert.deepEqual(orders.list.map(({ state, note }) => `${state}: ${note}`), ["unsent: no connection", "refused: no order", "refused: task 1 is done", "taken: taken at 0:01:30"]);
+  assert.deepEqual(orders.list.map(({ state, note }) => `${state}: ${note}`), ["unanswered: no connection", "refused: no order", "refused: task 1 is done", "taken: taken at 0:01:30"]);
   assert.equal(orders.list[3].task, 60);
   await orders.send(orders.list[0]);
   assert.equal(orders.list[0].state, "taken");
