@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { before, test } from "node:test";
-import { MUSTER_SCENARIOS, accessible, browser, file, muster, picture, soon } from "./support.mjs";
+import { MUSTER_SCENARIOS, accessible, browser, drawn, file, muster, picture, soon } from "./support.mjs";
 import { TOKEN, livePage, liveRun, serve } from "./stub_server.mjs";
 
 const MINUTES = 61;
@@ -55,8 +55,13 @@ for (const [width, height] of [[1440, 900], [1024, 768], [390, 844]]) {
       assert.ok(!(await page.evaluate(() => location.hash)).includes(TOKEN), "the address may be passed on");
       assert.equal(await page.locator("#control-state").innerText(), "CONTROL");
       await accessible(page, "with control");
+      await page.locator("#order-add").scrollIntoViewIfNeeded();
+      await drawn(page);
+      const map = await page.locator("#map").boundingBox();
       await page.locator("#order-add").click();
       await soon(async () => assert.ok(await page.locator("#pick-hint").isVisible()));
+      await drawn(page);
+      assert.deepEqual(await page.locator("#map").boundingBox(), map, "the map stays where it is");
       const [x, y] = await page.evaluate(() => {
         const { shown } = window.muster.parts.map;
         return [shown.x(7000), shown.y(3000)];
