@@ -89,7 +89,8 @@ export class Control {
     if (order.order === "task_add" && isWater(run, order.task.x_km * 1000, order.task.y_km * 1000)) return `${words}. The place is in water`;
     if (order.order === "task_cancel") return `${words}: nobody will do it, and whoever is on the way is called off`;
     if (order.order === "task_hold") return `${words}: nobody is sent to it until it is resumed`;
-    if (order.order === "agent_recall") return `${words}: it leaves what it is at and can be sent elsewhere`;
+    if (order.order === "agent_recall") return `${words}: it hands back what it is at and leaves the mission at once, from where it is`;
+    if (order.order === "agent_leave") return `${words}: it is sent nowhere any more, and goes when what it is at is done`;
     return words;
   }
 
@@ -109,7 +110,7 @@ export class Control {
     const status = statusAt(agent, run.nowMs);
     if (status === FAILED) return [];
     return [status === OFFLINE ? null : ["Recall", () => this.form.simple({ order: "agent_recall", agent: agent.label })],
-      ["Leave …", () => this.form.leave(agent.label)]].filter(Boolean);
+      ["Let it leave", () => this.form.simple({ order: "agent_leave", agent: agent.label })]].filter(Boolean);
   }
 
   #drawCard() {

@@ -56,13 +56,6 @@ export class OrderForm {
     });
   }
 
-  /** An agent goes for good: when it is free, or at once. */
-  leave(agent) {
-    this.#write(`Take ${agent} out of the mission`, [field("When", element("select", { name: "when" },
-      element("option", { value: "free" }, "when it has done what it is at"), element("option", { value: "once" }, "at once")))],
-    (values) => ({ order: "agent_leave", agent, at_once: values.when === "once" }));
-  }
-
   /** An order that has nothing to write. */
   simple(order) {
     this.#ask(order, null);
@@ -91,7 +84,7 @@ export class OrderForm {
     const data = new FormData(this.form);
     const numeric = (name) => (String(data.get(name) ?? "").trim() === "" ? null : Number(data.get(name)));
     return { x: numeric("x"), y: numeric("y"), cost: numeric("cost"), priority: numeric("priority"), due: numeric("due"), expires: numeric("expires"),
-      name: String(data.get("name") ?? "").trim(), when: data.get("when") };
+      name: String(data.get("name") ?? "").trim() };
   }
 
   #show(title, parts, buttons) {

@@ -17,7 +17,7 @@ export function orderWords(order) {
     case "task_hold": return `hold task ${task}`;
     case "task_resume": return `resume task ${task}`;
     case "agent_recall": return `recall ${agent}`;
-    case "agent_leave": return `take ${agent} out of the mission${order.at_once ? " at once" : ""}`;
+    case "agent_leave": return `let ${agent} leave`;
     default: return order.order;
   }
 }

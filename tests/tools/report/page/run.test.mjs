@@ -347,7 +347,7 @@ test("orders are told in words, and a token is in the address or is not", () => 
     "add a task at 12.3, 4.0 km: 3.0 km of range, priority emergency, due 1:30:00, name school");
   assert.equal(words({ order: "task_change", task: 7, priority: 0, expires_min: 61.5 }), "change task 7: priority low, expires 1:01:30");
   assert.deepEqual(["task_cancel", "task_hold", "task_resume"].map((order) => words({ order, task: 7 })), ["cancel task 7", "hold task 7", "resume task 7"]);
-  assert.deepEqual([true, false].map((once) => words({ order: "agent_leave", agent: "uav:3", at_once: once })), ["take uav:3 out of the mission at once", "take uav:3 out of the mission"]);
+  assert.deepEqual(["agent_leave", "agent_recall"].map((order) => words({ order, agent: "uav:3" })), ["let uav:3 leave", "recall uav:3"]);
   assert.deepEqual(["#token=ab&t=5", "#t=5&token=ab", "#t=5", "", "#token="].map(tokenOf), ["ab", "ab", null, null, null]);
 });
 
