@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/command_text.h"
 #include "base/index.h"
 #include "base/say.h"
 #include "base/text.h"
@@ -19,20 +20,8 @@ using Json = nlohmann::ordered_json;
 
 /// A message holds no longer name of a policy.
 constexpr std::size_t kLongestName = 256;
-/// Of what a program said, in messages.
-constexpr std::size_t kLongestQuote = 500;
 /// Lines about earlier situations, or about this one again, that are passed over.
 constexpr int kMostPassedOver = 1000;
-
-/// Fit for a terminal, a message and JSON, whatever a program said.
-std::string Plain(std::string_view text) {
-  std::string plain;
-  for (const char c : text.substr(0, kLongestQuote)) {
-    const auto byte = static_cast<unsigned char>(c);
-    plain += byte < 0x20 || byte > 0x7e ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
-  }
-  return plain + (text.size() > kLongestQuote ? "..." : "");
-}
 
 double SecondsOf(LineProgram::Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -106,34 +95,8 @@ std::optional<Decision> DecisionOf(const Answer& answer, const Situation& situat
 
 }  // namespace
 
-std::optional<std::vector<std::string>> WordsOf(std::string_view command) {
-  std::vector<std::string> words;
-  bool in_word = false;
-  char quote = 0;
-  for (std::size_t i = 0; i < command.size(); ++i) {
-    char c = command[i];
-    if (quote == 0 && c == ' ') {
-      in_word = false;
-      continue;
-    }
-    if (!in_word) words.emplace_back();
-    in_word = true;
-    if (c == quote) {
-      quote = 0;
-      continue;
-    }
-    if (quote == 0 && (c == '\'' || c == '"')) {
-      quote = c;
-      continue;
-    }
-    if (c == '\\' && quote != '\'' && i + 1 < command.size()) c = command[++i];
-    words.back() += c;
-  }
-  return quote == 0 ? std::optional(words) : std::nullopt;
-}
-
 ExternalPolicy::ExternalPolicy(std::string_view name) {
-  const std::string shown = Plain(name);
+  const std::string shown = Quote(name);
   if (name.size() > kLongestName) {
     throw InputError("policy", "length", fmt::format("{} bytes", name.size()),
                      fmt::format("at most {}: put a longer command into a script", kLongestName));
@@ -152,7 +115,7 @@ ExternalPolicy::ExternalPolicy(std::string_view name) {
   argv_ = *words;
   const auto program = FindProgram(argv_.front());
   if (!program) {
-    throw InputError("policy", "external", Plain(argv_.front()),
+    throw InputError("policy", "external", Quote(argv_.front()),
                      "a program: a path, or a name in PATH (docs/external-schedulers.md)");
   }
   argv_.front() = *program;
@@ -175,11 +138,11 @@ Decision ExternalPolicy::Decide(const Situation& situation) {
     if (reply == Reply::kAnswered) return decision;
     if (reply == Reply::kUnusable) break;
     if (ask + 1 < kMostAsks) {
-      Say("external: decision {}: {}; asked again\n", situation.decision, Plain(problem));
+      Say("external: decision {}: {}; asked again\n", situation.decision, Quote(problem));
     }
   }
   Decision stay = MakeDecision({}, 0);
-  stay.refused = fmt::format("decision {}: {}", situation.decision, Plain(problem));
+  stay.refused = fmt::format("decision {}: {}", situation.decision, Quote(problem));
   Say("external: {}: everybody stays\n", stay.refused);
   return stay;
 }

@@ -8,19 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/line_program.h"
 #include "scheduler/policies/external/answer.h"
-#include "scheduler/policies/external/line_program.h"
 #include "scheduler/policy.h"
 
 namespace muster::scheduler {
 
 /// A policy of that name is a program of the user's: the rest of the name is its command.
 inline constexpr std::string_view kExternalPrefix = "external:";
-
-/// The words of a command, apart at spaces; '...' and "..." keep spaces, a backslash outside of
-/// '...' the character behind it. Nothing else is special: no shell reads it. None: a quotation
-/// mark is open.
-std::optional<std::vector<std::string>> WordsOf(std::string_view command);
 
 /// A program that decides, as docs/external-schedulers.md has it. An answer that is late, cannot be
 /// read or breaks a rule is refused: everybody stays, and Decision::refused says why. A program

@@ -78,15 +78,6 @@ class External : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST(ExternalNames, AreSplitIntoWords) {
-  using Words = std::vector<std::string>;
-  EXPECT_EQ(WordsOf("a  b"), (Words{"a", "b"}));
-  EXPECT_EQ(WordsOf(R"(a 'b c' "d 'e" f\ g '' 'h\i')"),
-            (Words{"a", "b c", "d 'e", "f g", "", R"(h\i)"}));
-  EXPECT_EQ(WordsOf("  "), Words());
-  EXPECT_EQ(WordsOf("a 'b"), std::nullopt);
-}
-
 TEST(ExternalNames, OfNoProgramAreRefused) {
   const std::string long_name = "external:sh " + std::string(300, 'x');
   for (const std::string& name :

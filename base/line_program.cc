@@ -1,4 +1,4 @@
-#include "scheduler/policies/external/line_program.h"
+#include "base/line_program.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 
 #include "base/check.h"
 
-namespace muster::scheduler {
+namespace muster {
 namespace {
 
 /// For a program whose stdin is closed, to end of itself.
@@ -33,7 +33,8 @@ int MillisecondsUntil(LineProgram::Clock::time_point deadline) {
 
 }  // namespace
 
-LineProgram::LineProgram(std::vector<std::string> argv) {
+LineProgram::LineProgram(std::vector<std::string> argv, std::size_t most_bytes)
+    : most_bytes_(most_bytes) {
   // A write to a program that has ended fails instead of ending us. Programs of ours do so anyway.
   struct sigaction now = {};
   if (sigaction(SIGPIPE, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) {
@@ -67,7 +68,7 @@ LineProgram::Outcome LineProgram::Read(Clock::time_point deadline, std::string* 
   int late_looks = 0;
   while (true) {
     if (TakeLine(line)) return Outcome::kLine;
-    if (read_.size() > kMostBytes) return Outcome::kTooLong;
+    if (read_.size() > most_bytes_) return Outcome::kTooLong;
     if (ended_) return Outcome::kEnded;
     const bool writes = written_ < to_write_.size();
     pollfd files[] = {{output_.get(), POLLIN, 0}, {input_.get(), POLLOUT, 0}};
@@ -96,7 +97,7 @@ std::string LineProgram::Kill() {
 bool LineProgram::TakeLine(std::string* line) {
   const std::size_t newline = read_.find('\n', searched_);
   searched_ = read_.size();
-  if (newline == std::string::npos || newline > kMostBytes) return false;
+  if (newline == std::string::npos || newline > most_bytes_) return false;
   *line = read_.substr(0, newline);
   read_.erase(0, newline + 1);
   searched_ = 0;
@@ -128,4 +129,4 @@ void LineProgram::AwaitEnd(Clock::time_point deadline) const {
   } while (ready < 0 && errno == EINTR);
 }
 
-}  // namespace muster::scheduler
+}  // namespace muster

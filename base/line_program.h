@@ -10,7 +10,7 @@
 
 #include "base/spawn.h"
 
-namespace muster::scheduler {
+namespace muster {
 
 /// A child process that is spoken to in lines: one goes to its stdin, one comes from its stdout.
 /// Its stderr is ours; it inherits no other open file and ends with us, however we end. Neither a
@@ -21,13 +21,13 @@ class LineProgram {
   enum class Outcome {
     kLine,     ///< a whole line came
     kLate,     ///< none came in time
-    kTooLong,  ///< more than kMostBytes came without a newline
+    kTooLong,  ///< more than most_bytes came without a newline
     kEnded,    ///< it closed its stdout, which is mostly its end
   };
   static constexpr std::size_t kMostBytes = 16 << 20;
 
-  /// Starts argv[0], a path. Throws SystemError when it cannot be executed.
-  explicit LineProgram(std::vector<std::string> argv);
+  /// Starts argv[0], a path. Throws SystemError when it cannot be executed. `most_bytes`: a line's.
+  explicit LineProgram(std::vector<std::string> argv, std::size_t most_bytes = kMostBytes);
   /// Closes its stdin, gives it a moment to end of itself, then kills it with all that it started
   /// in its process group.
   ~LineProgram();
@@ -48,6 +48,7 @@ class LineProgram {
   /// Waits until it has ended, or not longer than that.
   void AwaitEnd(Clock::time_point deadline) const;
 
+  const std::size_t most_bytes_;
   Descriptor input_, output_;  ///< our ends
   pid_t pid_ = -1;             ///< until it is waited for
   std::string to_write_;
@@ -57,4 +58,4 @@ class LineProgram {
   bool ended_ = false;
 };
 
-}  // namespace muster::scheduler
+}  // namespace muster
