@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "model/feasibility.h"
+#include "model/measured.h"
 
 namespace muster {
 namespace {
@@ -34,6 +35,30 @@ void StopAt(AgentState* agent, TimeUs t, std::span<const Task> tasks) {
   agent->action = ActionKind::kNone;
   agent->target = agent->partner = -1;
   agent->activity.reset();
+  if (agent->measured) NoteLeg(agent);
+}
+
+/// When the present leg began: that of a measured agent is told anew as it goes.
+TimeUs SetOutAt(const AgentState& agent) {
+  return agent.measured ? agent.measured->set_out_us : agent.depart_us;
+}
+
+/// Whether it is the sensing or charging that the agent was sent to.
+bool IsOf(const AgentState& agent, const Activity& activity) {
+  const std::int32_t other = agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+  return agent.action == ActionOf(activity.kind) && other == agent.partner &&
+         activity.site == agent.target;
+}
+
+/// Whether the activity is the agent's own, which was expected earlier: the verdict no longer has
+/// it end when the agent was told it would.
+bool ComesToBe(const AgentState& agent, const Activity& activity, const Verdict& verdict) {
+  if (!IsOf(agent, activity)) return false;
+  bool ends = false;
+  verdict.ForEachActivityOf(agent.kind, agent.id, [&](const Activity& listed) {
+    ends |= IsOf(agent, listed) && listed.end_us == agent.busy_until_us;
+  });
+  return !ends;
 }
 
 /// Whether the agent takes part in an activity that lists it, and not in an earlier one like it.
@@ -43,9 +68,7 @@ bool Takes(const AgentState& agent, const Activity& activity) {
     // A meeting (Rules::start_on_meeting) begins without a command.
     return activity.end_us > agent.busy_until_us;
   }
-  const std::int32_t other = agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
-  return agent.action == ActionOf(activity.kind) && other == agent.partner &&
-         activity.site == agent.target;
+  return IsOf(agent, activity);
 }
 
 }  // namespace
@@ -81,6 +104,9 @@ double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   const double on_arrival = RangeOnArrival(agent);
   if (!agent.activity || t <= agent.activity->start_us) return on_arrival;
   const Activity& activity = *agent.activity;
+  if (t >= activity.end_us && agent.measured && agent.measured->range_after_m) {
+    return *agent.measured->range_after_m;
+  }
   const double fraction = t >= activity.end_us
                               ? 1.0
                               : static_cast<double>(t - activity.start_us) /
@@ -106,7 +132,9 @@ AgentStatus StatusAt(const AgentState& agent, TimeUs t) {
 
 std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
   const double way = uav.range_per_m * Distance(uav.from, uav.to);
-  if (uav.kind != AgentKind::kUav || way <= uav.range_at_departure_m + kRangeSlack_m) return {};
+  if (uav.kind != AgentKind::kUav || uav.measured ||
+      way <= uav.range_at_departure_m + kRangeSlack_m)
+    return {};
   const double fraction = uav.range_at_departure_m / way;
   const auto duration = static_cast<double>(uav.arrive_us - uav.depart_us);
   return uav.depart_us + static_cast<TimeUs>(std::floor(duration * fraction));
@@ -117,7 +145,7 @@ std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
   MUSTER_CHECK(sensing.kind == Activity::Kind::kSensing, "uav:{}", uav.id);
   const double cost = tasks[static_cast<std::size_t>(sensing.site)].cost_m;
   const double on_arrival = RangeOnArrival(uav);
-  if (sensing.start_us == kNever || cost <= on_arrival + kRangeSlack_m) return {};
+  if (uav.measured || sensing.start_us == kNever || cost <= on_arrival + kRangeSlack_m) return {};
   const auto duration = static_cast<double>(sensing.end_us - sensing.start_us);
   return sensing.start_us + static_cast<TimeUs>(std::floor(duration * (on_arrival / cost)));
 }
@@ -192,12 +220,14 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     return;
   verdict.ForEachActivityOf(agent->kind, agent->id, [&](const Activity& activity) {
     // What ended before a meeting began is over, though the agent may learn of both at once.
-    // Its own activity may be of no length: a full UAV's charging.
+    // Its own activity may be of no length, a full UAV's charging, or come to be later.
     if (agent->action != ActionKind::kNone && agent->busy_until_us <= activity.start_us &&
-        agent->busy_until_us < activity.end_us && activity.start_us <= t) {
+        agent->busy_until_us < activity.end_us && activity.start_us <= t &&
+        !ComesToBe(*agent, activity, verdict)) {
       StopAt(agent, agent->busy_until_us, tasks);
     }
     if (!Takes(*agent, activity)) return;
+    if (agent->measured && agent->action == ActionKind::kNone) agent->measured->arrived = true;
     agent->activity = activity;
     agent->action = ActionOf(activity.kind);
     agent->target = activity.site;
@@ -209,7 +239,7 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     if (ruling.fails()) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
-    } else if (agent->action != ActionKind::kNone && ruling.at_us >= agent->depart_us) {
+    } else if (agent->action != ActionKind::kNone && ruling.at_us >= SetOutAt(*agent)) {
       StopAt(agent, ruling.at_us, tasks);
     }
   }
@@ -244,7 +274,10 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
                      : action.kind == ActionKind::kSense ? action.worker.value
                                                          : action.vehicle.value;
   }
-  if (agent->kind != AgentKind::kUav) return;
+  if (agent->kind != AgentKind::kUav) {
+    if (agent->measured) NoteLeg(agent);
+    return;
+  }
   agent->range_per_m = RangePerMetre(UavId(agent->id), decision, disturbances, seed);
   if (disturbances.communication_m.on()) {
     Random random(seed, Stream::kCommunication, static_cast<std::uint64_t>(agent->id),
@@ -253,6 +286,7 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
         0.0, agent->range_at_departure_m - random.Uniform(disturbances.communication_m.low,
                                                           disturbances.communication_m.high));
   }
+  if (agent->measured) NoteLeg(agent);
 }
 
 bool MatchFails(const Action& action, std::int32_t decision, const Disturbances& disturbances,

@@ -40,6 +40,23 @@ struct Ruling {
   bool operator==(const Ruling&) const = default;
 };
 
+/// Of an agent that is measured, not computed (measured.h): what has been told of its present leg.
+struct Measured {
+  /// Where, when and with what range it has last said to be.
+  struct Seen {
+    Point at;
+    TimeUs at_us = 0;
+    double range_m = 0;
+  };
+  Seen seen;
+  Seen anchor;            ///< the same, when the leg began
+  TimeUs set_out_us = 0;  ///< when it set out on the leg, or came to stand still
+  TimeUs planned_us = 0;  ///< arrival as planned then
+  bool arrived = false;
+  bool done = false;                         ///< with its sensing or charging
+  std::optional<double> range_after_m = {};  ///< that it has then; none: as computed
+};
+
 /// An agent as a function of time: one leg of straight travel from `from` (left at depart_us) to
 /// `to` (reached at arrive_us), then, for a pair action, an activity at `to`. All fields are exact;
 /// where the agent is at a time follows from them and never from a tick's length.
@@ -65,6 +82,7 @@ struct AgentState {
   TimeUs busy_until_us = 0;          ///< kNever while a pair's activity is not known yet
   std::optional<Activity> activity;  ///< of the action under way, once known
   bool failed = false;
+  std::optional<Measured> measured;  ///< none: it does what is computed
 
   bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
   /// May be scheduled at t: online, not failed, nothing under way.
@@ -85,7 +103,7 @@ double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
 AgentStatus StatusAt(const AgentState& agent, TimeUs t);
 
 /// Time at which the UAV's range reaches 0 on its way; none when it arrives with range left or more
-/// than -1e-6 m (a plan may use the last metre).
+/// than -1e-6 m (a plan may use the last metre), and for a measured one, which says so itself.
 std::optional<TimeUs> RunsDryAt(const AgentState& uav);
 
 /// Time at which the UAV's range reaches 0 while it senses, as wind on its way can make it; none

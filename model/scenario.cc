@@ -15,7 +15,7 @@ double WorthOf(const Task& task, TimeUs start_us, const Rules& rules) {
 bool Scenario::IsOpen() const {
   const Rules usual;
   return room.any() || rules.priority_worth != usual.priority_worth ||
-         rules.late_worth != usual.late_worth ||
+         rules.late_worth != usual.late_worth || rules.patience_us != usual.patience_us ||
          !std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.IsPlain(); });
 }
 

@@ -82,12 +82,17 @@ struct Rules {
   /// late_worth of that. Ours.
   std::array<double, kPriorities> priority_worth = {0.5, 1, 2, 4};
   double late_worth = 0.5;
+  /// A pair of which a measured agent is not there so long after they should both have been is
+  /// given up. Ours.
+  TimeUs patience_us = 10 * kMinuteUs;
 
   /// Ticks are 0 to last_tick(), whose time is the limit.
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
   TimeUs TimeOf(std::int64_t tick) const { return tick < last_tick() ? tick * tick_us : limit_us; }
   /// The tick at that time, or the last before it.
   std::int64_t TickOf(TimeUs t) const { return t / tick_us; }
+  /// Time of the tick after t; after the last one as if the mission went on.
+  TimeUs TickAfter(TimeUs t) const { return t < limit_us ? TimeOf(TickOf(t) + 1) : t + tick_us; }
   /// The decision of that tick; -1: none.
   std::int32_t DecisionAt(std::int64_t tick) const {
     const TimeUs t = TimeOf(tick);

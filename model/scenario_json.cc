@@ -133,6 +133,9 @@ void ReadOpenRules(const ObjectReader& object, Rules* rules) {
   if (object.Optional("late_worth") != nullptr) {
     rules->late_worth = object.Number("late_worth", kOne);
   }
+  if (object.Optional("patience_min") != nullptr) {
+    rules->patience_us = object.Time("patience_min", kMinute);
+  }
   if (object.Optional("priority_worth") == nullptr) return;
   const std::vector<JsonValue>& worths = object.Array("priority_worth");
   if (worths.size() != kPriorities) {
@@ -151,7 +154,7 @@ void ReadRules(const ObjectReader& object, int version, Rules* rules) {
         {"availability", "tick_s", "ceil_to_minutes", "mean_over_all", "start_on_meeting"});
   } else {
     object.AllowOnly({"availability", "tick_s", "ceil_to_minutes", "mean_over_all",
-                      "start_on_meeting", "priority_worth", "late_worth"});
+                      "start_on_meeting", "priority_worth", "late_worth", "patience_min"});
     ReadOpenRules(object, rules);
   }
   if (object.Optional("availability") != nullptr) {
@@ -235,6 +238,9 @@ class Writer {
       Add(", \"priority_worth\": [{}, {}, {}, {}], \"late_worth\": {}", ToText(worth[0], kOne),
           ToText(worth[1], kOne), ToText(worth[2], kOne), ToText(worth[3], kOne),
           ToText(rules.late_worth, kOne));
+      if (rules.patience_us != Rules().patience_us) {
+        Add(", \"patience_min\": {}", TimeToText(rules.patience_us, kMinute));
+      }
     }
     Add("}},\n");
     const Disturbances& disturbances = scenario.disturbances;

@@ -54,6 +54,10 @@ class Validator {
              kMaxWorth);
     }
     Within("rules.late_worth", rules.late_worth, kOne, 0, 1);
+    if (rules.patience_us < 0 || !TimeFits(rules.patience_us)) {
+      Fail("rules.patience_min", MinutesText(rules.patience_us),
+           fmt::format("a number in [0, {}]", kMaxMinutes));
+    }
     if (!may_lack_tasks) NotEmpty("tasks", scenario_.tasks.size());
     for (std::size_t i = 0; i < scenario_.tasks.size(); ++i) {
       const Key key{"tasks", i};

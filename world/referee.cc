@@ -44,6 +44,8 @@ std::string FailureReason::Text() const {
       return "out of range";
     case Cause::kSudden:
       return "sudden failure";
+    case Cause::kSaid:
+      return by;
   }
   MUSTER_CHECK(false, "cause={}", static_cast<int>(cause));
 }
@@ -230,9 +232,12 @@ void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
 
   TakeIn(t, agents);
   EmitReports(t);
+  MoveActivities(t, agents);
   PlanNewActivities(t, agents);
+  FindLate(t, agents);
   Return(t);
   FindFailures(t, decision, agents);
+  GiveUpUntil(t);
   ExpireUntil(t);
   Obey(t, agents);
   UpdateVerdict();
@@ -282,9 +287,7 @@ void Referee::PlanNewActivities(TimeUs t, Agents* agents) {
       release(uav);
       continue;
     }
-    Activity activity = PlanActivity(uav, partner, scenario_.tasks);
-    if (RunsDryAt(uav)) activity.start_us = activity.end_us = kNever;  // until it is seen to fail
-    activities_.push_back({activity, true, false});
+    activities_.push_back({ActivityOf(uav, partner, scenario_), true, false});
   }
   for (const AgentKind kind : {AgentKind::kWorker, AgentKind::kVehicle}) {
     for (const AgentState& partner : (*agents)[kind]) {
@@ -367,6 +370,7 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   for (const Failure& failure : failures) {
     // A UAV that was released before has not run dry.
     const bool dry = failure.reason.cause == Cause::kOutOfRange;
+    GiveUpUntil(failure.at_us);
     ExpireUntil(failure.at_us);
     if (!dry || !released_before(failure)) Fail(failure, agents);
   }

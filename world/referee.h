@@ -29,9 +29,9 @@ struct Event {
 
 /// Why an agent fails. Of two that come at the same time the first counts.
 struct FailureReason {
-  enum class Cause : std::int8_t { kFault, kProcessLost, kOutOfRange, kSudden };
+  enum class Cause : std::int8_t { kFault, kProcessLost, kOutOfRange, kSudden, kSaid };
   Cause cause = Cause::kFault;
-  std::string by = {};  ///< the fault's id, the process's name
+  std::string by = {};  ///< the fault's id, the process's name, what the agent's driver says
 
   /// As an event tells it.
   std::string Text() const;
@@ -47,6 +47,10 @@ struct Outage {
   FailureReason reason;
   bool goes_on = false;  ///< in another one, after its end
 };
+
+/// Sensing or charging of a pair as it is known now. One to which the UAV cannot come is kNever
+/// until that is seen.
+Activity ActivityOf(const AgentState& uav, const AgentState& partner, const Scenario& scenario);
 
 /// The states of all agents of a scenario; the index is the id.
 struct Agents : PerKind<std::vector<AgentState>> {
@@ -104,7 +108,13 @@ class Referee {
   };
 
   void UpdateVerdict();
+  /// Activities with measured agents begin when these have said that they are there, and end when
+  /// they have said that they are done.
+  void MoveActivities(TimeUs t, Agents* agents);
   void PlanNewActivities(TimeUs t, Agents* agents);
+  /// Which pairs are given up by t, since a measured agent is too late.
+  void FindLate(TimeUs t, Agents* agents);
+  void GiveUpUntil(TimeUs t);
   void JoinOutages(TimeUs t);
   void Return(TimeUs t);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
@@ -147,6 +157,12 @@ class Referee {
   std::vector<Known> activities_;
   std::map<AgentKey, Ruling> failed_;
   std::vector<Ruling> released_;  ///< by the present verdict
+  struct Late {
+    TimeUs at_us = 0;
+    std::size_t activity = 0;
+    std::string who = {};
+  };
+  std::vector<Late> late_;  ///< pairs to be given up by the present verdict, latest first
   std::vector<Outage> outages_;
   std::vector<TakenOrder> orders_;  ///< for the next judged time
   std::vector<Event> events_;

@@ -75,6 +75,19 @@ TEST(TimedTasks, WithoutAnyTheFileIsOfVersion1) {
   EXPECT_EQ(ScenarioToJson(ParseScenario(as_2.dump(), "f.json")), text);
 }
 
+TEST(TimedTasks, PatienceIsARuleThatFilesMayHave) {
+  json file = Small();
+  EXPECT_EQ(ParseScenario(file.dump(), "f.json").rules.patience_us, 10 * kMinuteUs);
+  file["rules"] = {{"patience_min", 2.5}};
+  const Scenario s = ParseScenario(file.dump(), "f.json");
+  EXPECT_EQ(s.rules.patience_us, 150 * kSecondUs);
+  EXPECT_EQ(ScenarioToJson(ParseScenario(ScenarioToJson(s), "again")), ScenarioToJson(s));
+  EXPECT_EQ(json::parse(ScenarioToJson(s))["rules"]["patience_min"], 2.5);
+  Scenario plain = Generate(PresetByName("Random_1"), 1);
+  plain.rules.patience_us = 0;
+  EXPECT_TRUE(plain.IsOpen());
+}
+
 TEST(TimedTasks, AreRefusedWhereTheyCannotBe) {
   struct {
     const char* at;
@@ -92,6 +105,7 @@ TEST(TimedTasks, AreRefusedWhereTheyCannotBe) {
       {"/tasks/1/name", 5, "tasks[1].name: found 5, expected a string"},
       {"/tasks/1/urgent", true, "tasks[1]: found the unknown key \"urgent\""},
       {"/rules/late_worth", 1.5, "rules.late_worth: found 1.5, expected a number in [0, 1]"},
+      {"/rules/patience_min", -1, "rules.patience_min: found -1, expected a number in [0,"},
       {"/rules/priority_worth", {1, 2}, "rules.priority_worth: found an array of 2, expected [low"},
       {"/rules/priority_worth/3", -1, "rules.priority_worth[3]: found -1, expected a number in [0"},
   };

@@ -1,0 +1,245 @@
+#include "model/measured.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/feasibility.h"
+
+namespace muster {
+namespace {
+
+using Kind = MeasuredReport::Kind;
+
+/// No mission lasts so long; sums of such times do not overflow.
+constexpr TimeUs kLatestUs = TimeUs{100} * 366 * 24 * 60 * kMinuteUs;
+
+double SlackM(const AgentState& agent) { return agent.speed_m_s * ToSeconds(kMeasuredSlackUs); }
+
+/// The way that it can have made in that time at most.
+double MostWayM(const AgentState& agent, TimeUs duration_us) {
+  return agent.speed_m_s * ToSeconds(std::max<TimeUs>(duration_us, 0)) + SlackM(agent);
+}
+
+bool IsOnItsWay(const AgentState& agent) {
+  return agent.action != ActionKind::kNone && !agent.measured->arrived;
+}
+
+/// Whether it can be there then, from where it has said to be last and when its leg began: small
+/// errors of many reports do not add up. Where it was computed to be tells nothing.
+std::string CheckSpeed(const AgentState& agent, Point at, TimeUs at_us) {
+  for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
+    const double way = Distance(seen.at, at);
+    if (way <= MostWayM(agent, at_us - seen.at_us)) continue;
+    return fmt::format("{:.0f} m in {:.0f} s are faster than its {:g} m/s", way,
+                       ToSeconds(at_us - seen.at_us), agent.speed_m_s);
+  }
+  return {};
+}
+
+/// Range cannot have come from nowhere: at most what it had less the way, or full while it charges.
+std::string CheckRange(const AgentState& agent, double range_m, Point at, bool charges) {
+  if (agent.kind != AgentKind::kUav) return "only a UAV has a range";
+  if (!std::isfinite(range_m) || range_m < 0) return fmt::format("a range of {:g} m", range_m);
+  double most = agent.range_full_m;
+  if (!charges) {
+    for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
+      most = std::min(most, std::max(0.0, seen.range_m - Distance(seen.at, at)));
+    }
+  }
+  if (range_m <= most + SlackM(agent)) return {};
+  return fmt::format("a range of {:.0f} m, at most {:.0f} m can be left", range_m, most);
+}
+
+std::string CheckTime(const AgentState& agent, const MeasuredReport& report, TimeUs t) {
+  if (report.at_us > t) {
+    return fmt::format("told of {:.1f} s, at {:.1f} s", ToSeconds(report.at_us), ToSeconds(t));
+  }
+  if (IsOld(agent, report)) {
+    return fmt::format("told of {:.1f} s, older than what is known", ToSeconds(report.at_us));
+  }
+  return {};
+}
+
+/// A place on the way: the rest of the leg begins there and then.
+std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
+                     std::span<const Task> tasks) {
+  const TimeUs soonest = report.at_us + TravelUs(Distance(report.at, agent->to), agent->speed_m_s);
+  const double slack = SlackM(*agent);
+  // Where it was to be by then: it may have been there for long.
+  const bool is_there = agent->arrive_us <= report.at_us && Distance(report.at, agent->to) <= slack;
+  const TimeUs expected = report.expected_us.value_or(is_there ? agent->arrive_us : soonest);
+  if (!is_there && expected < soonest - kMeasuredSlackUs) {
+    return fmt::format("expects to arrive at {:.0f} s, at {:g} m/s not before {:.0f} s",
+                       ToSeconds(expected), agent->speed_m_s, ToSeconds(soonest));
+  }
+  if (expected > kLatestUs) return "expects to arrive in more than a hundred years";
+  const bool as_expected =
+      std::abs(expected - agent->arrive_us) <= kMeasuredSlackUs &&
+      Distance(report.at, PositionAt(*agent, report.at_us)) <= slack &&
+      (!report.range_m ||
+       std::abs(*report.range_m - RangeAt(*agent, report.at_us, tasks)) <= slack);
+  if (as_expected) return {};
+  const double spent = agent->range_per_m * Distance(agent->from, report.at);
+  const double computed = std::max(0.0, agent->range_at_departure_m - spent);
+  agent->range_at_departure_m = report.range_m.value_or(computed);
+  agent->from = report.at;
+  agent->depart_us = report.at_us;
+  agent->arrive_us = std::max(expected, t);  // it would have said so
+  if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
+  return {};
+}
+
+/// A place of one who is free: it stands there.
+void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
+  const double slack = SlackM(*agent), range = RangeAt(*agent, report.at_us, tasks);
+  const double way = Distance(agent->to, report.at);
+  if (way <= slack && (!report.range_m || std::abs(*report.range_m - range) <= slack)) return;
+  if (agent->kind == AgentKind::kUav) {
+    agent->range_at_departure_m = report.range_m.value_or(std::max(0.0, range - way));
+  }
+  agent->from = agent->to = report.at;
+  agent->depart_us = agent->arrive_us = agent->busy_until_us = report.at_us;
+}
+
+/// Of one who is where it was sent only the range counts, until sensing or charging begins.
+void Waits(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
+  if (!report.range_m || !IsPair(agent->action)) return;
+  if (agent->activity && agent->activity->start_us <= report.at_us) return;
+  const double range = RangeAt(*agent, agent->arrive_us, tasks);
+  if (std::abs(*report.range_m - range) <= SlackM(*agent)) return;
+  agent->from = agent->to;
+  agent->depart_us = agent->arrive_us;
+  agent->range_at_departure_m = *report.range_m;
+}
+
+std::string ApplyPlace(AgentState* agent, const MeasuredReport& report, TimeUs t,
+                       std::span<const Task> tasks) {
+  if (!std::isfinite(report.at.x_m) || !std::isfinite(report.at.y_m)) return "no place";
+  const bool is_there = agent->action != ActionKind::kNone && agent->measured->arrived;
+  const bool is_busy = is_there && agent->activity && agent->activity->start_us <= report.at_us;
+  std::string problem = CheckTime(*agent, report, t);
+  if (problem.empty()) problem = CheckSpeed(*agent, report.at, report.at_us);
+  if (problem.empty() && report.range_m) {
+    // Where a UAV senses it may fly about; its place is that of its task.
+    const Point at = is_there ? agent->to : report.at;
+    problem = CheckRange(*agent, *report.range_m, at,
+                         is_busy && agent->activity->kind == Activity::Kind::kCharging);
+  }
+  if (!problem.empty()) return problem;
+  const Measured::Seen before = agent->measured->seen;
+  if (is_there) {
+    Waits(agent, report, tasks);
+  } else if (IsOnItsWay(*agent)) {
+    problem = OnTheWay(agent, report, t, tasks);
+  } else {
+    Stands(agent, report, tasks);
+  }
+  if (!problem.empty()) return problem;
+  // Without a word range falls by the way at least.
+  const double most = std::max(0.0, before.range_m - Distance(before.at, report.at));
+  agent->measured->seen = {report.at, report.at_us, report.range_m.value_or(most)};
+  return {};
+}
+
+std::string CheckCommand(const AgentState& agent, const MeasuredReport& report) {
+  if (agent.action == ActionKind::kNone) return "it has not been sent anywhere";
+  if (report.decision == agent.decision) return {};
+  return fmt::format("of the command of decision {}, under way is that of {}", report.decision,
+                     agent.decision);
+}
+
+std::string ApplyArrived(AgentState* agent, const MeasuredReport& report, TimeUs t) {
+  std::string problem = CheckCommand(*agent, report);
+  if (!problem.empty() || agent->measured->arrived) return problem;
+  problem = CheckSpeed(*agent, agent->to, t);
+  if (!problem.empty()) return problem;
+  agent->arrive_us = std::min(agent->arrive_us, t);
+  Measured::Seen& seen = agent->measured->seen;
+  seen = {agent->to, t, std::max(0.0, seen.range_m - Distance(seen.at, agent->to))};
+  agent->measured->arrived = true;
+  if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
+  return {};
+}
+
+std::string ApplyDone(AgentState* agent, const MeasuredReport& report, TimeUs t,
+                      std::span<const Task> tasks) {
+  std::string problem = CheckCommand(*agent, report);
+  if (!problem.empty() || agent->measured->done) return problem;
+  if (!agent->activity || agent->activity->start_us > t) {
+    return "neither sensing nor charging has begun";
+  }
+  const bool charges = agent->activity->kind == Activity::Kind::kCharging;
+  const TimeUs end = std::min(agent->activity->end_us, t);
+  // Sensing is done when it is said to be; charging is as full as the time allows.
+  const double computed = RangeAt(*agent, charges ? end : agent->activity->end_us, tasks);
+  if (report.range_m) {
+    problem = CheckRange(*agent, *report.range_m, agent->to, charges);
+    if (problem.empty() && charges && *report.range_m > computed + SlackM(*agent)) {
+      problem =
+          fmt::format("a range of {:.0f} m, charged can be {:.0f} m", *report.range_m, computed);
+    }
+    if (!problem.empty()) return problem;
+  }
+  agent->measured->done = true;
+  if (agent->kind != AgentKind::kUav) return {};
+  const double range = report.range_m.value_or(computed);
+  agent->measured->seen.range_m = range;
+  const bool as_expected = std::abs(range - computed) <= SlackM(*agent);
+  if (!as_expected || (charges && end < agent->activity->end_us)) {
+    agent->measured->range_after_m = range;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
+                        std::span<const Task> tasks) {
+  if (agent->failed) return "it has failed";
+  if (report.kind == Kind::kJoins) {
+    if (agent->measured) return {};
+    agent->measured.emplace();
+    agent->measured->seen = {PositionAt(*agent, t), t, RangeAt(*agent, t, tasks)};
+    NoteLeg(agent);
+    return {};
+  }
+  if (!agent->measured) return "it is computed, not measured";
+  switch (report.kind) {
+    case Kind::kPlace:
+      return ApplyPlace(agent, report, t, tasks);
+    case Kind::kArrived:
+      return ApplyArrived(agent, report, t);
+    case Kind::kDone:
+      return ApplyDone(agent, report, t, tasks);
+    default:
+      return {};
+  }
+}
+
+void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
+  if (!agent->measured || agent->failed || !IsOnItsWay(*agent) || agent->arrive_us > t) return;
+  agent->arrive_us = next_tick_us;
+  if (!IsPair(agent->action)) agent->busy_until_us = next_tick_us;
+}
+
+void KeepMeasured(const AgentState& before, AgentState* reported) {
+  reported->measured = before.measured;
+  const bool is_new =
+      reported->action != ActionKind::kNone && reported->decision != before.decision;
+  if (reported->measured && is_new) NoteLeg(reported);
+}
+
+void NoteLeg(AgentState* agent) {
+  Measured::Seen seen = agent->measured->seen;
+  seen.range_m = std::max(seen.range_m, agent->range_at_departure_m);  // it may have been charged
+  agent->measured = Measured{
+      .seen = seen, .anchor = seen, .set_out_us = agent->depart_us, .planned_us = agent->arrive_us};
+}
+
+bool IsOld(const AgentState& agent, const MeasuredReport& report) {
+  return report.at_us < std::max(agent.measured->set_out_us, agent.measured->seen.at_us);
+}
+
+}  // namespace muster

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "model/agent.h"
+#include "model/scenario.h"
+
+namespace muster {
+
+/// What a measured agent says of itself (docs/drivers.md). It is an input of the mission, like an
+/// order: the world takes it at a tick, and every process that holds the agent's state applies it
+/// at that tick, before it settles the tick's verdict.
+struct MeasuredReport {
+  enum class Kind : std::int8_t {
+    kJoins,    ///< from now on its reports count, in the place of computation
+    kPlace,    ///< where it is, and perhaps when it expects to arrive
+    kArrived,  ///< it is where it was sent
+    kDone,     ///< its part of the sensing or charging is done
+    kFailed,   ///< it cannot go on
+  };
+  AgentKind agent_kind = AgentKind::kUav;
+  std::int32_t agent = -1;
+  Kind kind = Kind::kPlace;
+  std::int32_t decision = -1;              ///< kArrived, kDone: whose command it is about
+  TimeUs at_us = 0;                        ///< kPlace: when it was there
+  Point at = {};                           ///< kPlace
+  std::optional<double> range_m = {};      ///< kPlace, kDone of a UAV; none: as computed
+  std::optional<TimeUs> expected_us = {};  ///< kPlace: arrival; none: at full speed from there
+  std::string reason = {};                 ///< kFailed
+};
+
+/// What is told, and what was expected, differ by less than so long a time, or the way of so long a
+/// time: nothing has changed. Clocks and places are no better known than that.
+inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
+
+/// Applies a report that is taken at tick time t. Returns why it is impossible ("": it is not); an
+/// impossible one changes nothing. What agrees with the state to kMeasuredSlackUs changes nothing
+/// either, so an agent that does as computed has the computed agent's outcomes, bit for bit.
+/// kFailed changes no state: its failure is the world's to judge.
+[[nodiscard]] std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
+                                      std::span<const Task> tasks);
+
+/// After the reports of tick time t: a measured agent whose arrival was expected by then, and that
+/// has not said that it arrived, is expected at the next tick.
+void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us);
+
+/// A state that came in a message knows nothing of being measured: takes that from the state of the
+/// tick before, as its receiver holds it, and notes when a new leg has begun.
+void KeepMeasured(const AgentState& before, AgentState* reported);
+
+/// Whether a place is older than what the agent has said since, or than its leg.
+bool IsOld(const AgentState& agent, const MeasuredReport& report);
+
+/// A measured agent has set out on its present leg, or has come to stand still.
+void NoteLeg(AgentState* agent);
+
+/// Whether the agent takes part in sensing or charging and every part of it that is told is told:
+/// computed agents say nothing, and need not.
+inline bool SaysDone(const AgentState& agent) { return !agent.measured || agent.measured->done; }
+inline bool SaysArrived(const AgentState& agent) {
+  return !agent.measured || agent.measured->arrived;
+}
+
+}  // namespace muster
