@@ -1,0 +1,256 @@
+#include "agents/driver/driver_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/check.h"
+#include "base/command_text.h"
+
+namespace muster::agents {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A driver's clock and ours: lines take their time, which is much where the mission runs fast.
+constexpr TimeUs kClockErrorUs = kSecondUs / 4;
+
+std::string NameOf(AgentKind kind, std::int32_t id) {
+  return fmt::format("{}:{}", ToString(kind), id);
+}
+
+}  // namespace
+
+DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, TimeUs at,
+                             TimeUs wall_us, const Rules& rules)
+    : scenario_(scenario),
+      rules_(rules),
+      places_(scenario),
+      agent_(agent),
+      at_(at),
+      started_us_(wall_us),
+      told_us_(wall_us) {
+  Json hello = {{"type", "hello"},
+                {"version", kDriverVersion},
+                {"agent", NameOf(agent.kind, agent.id)},
+                {"class", ToString(agent.kind)},
+                {"speed_m_s", agent.speed_m_s}};
+  if (agent.kind == AgentKind::kUav) {
+    hello["full_range_m"] = agent.range_full_m;
+    hello["range_m"] = RangeAt(agent, at, scenario.tasks);
+  }
+  hello["at"] = places_.ToJson(PositionAt(agent, at));
+  hello["area"] = {{"width_m", scenario.width_m}, {"height_m", scenario.height_m}};
+  hello["origin"] = nullptr;
+  if (scenario.origin) {
+    hello["origin"] = {{"latitude_deg", scenario.origin->latitude_deg},
+                       {"longitude_deg", scenario.origin->longitude_deg}};
+  }
+  hello["rate"] = rules.rate > 0 ? Json(rules.rate) : Json(nullptr);
+  hello["mission_s"] = ToSeconds(at);
+  hello["online_from_s"] = ToSeconds(agent.online_from_us);
+  hello["online_until_s"] = ToSeconds(agent.online_until_us);
+  Say(hello);
+}
+
+void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
+                           std::string_view why) {
+  if (over_) return;
+  const AgentState before = std::exchange(agent_, agent);
+  if (!agent_.measured) KeepMeasured(before, &agent_);  // it has only just greeted
+  if (agent_.action == ActionKind::kNone) {
+    if (open_) Cancel(at, why);
+    activity_told_ = false;
+    return;
+  }
+  if (agent_.decision != sent_ && !agent_.activity) GoTo(at);
+  if (agent_.activity && agent_.activity->start_us <= at && !activity_told_) BeginActivity();
+  if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
+}
+
+void DriverSession::Tick(TimeUs at, TimeUs wall_us) {
+  if (over_) return;
+  at_ = at;
+  told_us_ = wall_us;
+  answered_ = false;
+  if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
+  Say({{"type", "time"}, {"mission_s", ToSeconds(at)}});
+}
+
+void DriverSession::Bye(std::string_view reason) {
+  if (!over_) Say({{"type", "bye"}, {"reason", reason}});
+  over_ = true;
+}
+
+void DriverSession::Say(const Json& line) { lines_.push_back(line.dump()); }
+
+void DriverSession::Order(Command::Kind kind, Json line) {
+  constexpr std::string_view kNames[] = {"goto", "sense", "charge"};
+  commands_.push_back({kind, agent_.decision});
+  Json whole = {{"type", kNames[static_cast<std::size_t>(kind)]}, {"id", commands_.size()}};
+  whole.update(line);
+  Say(whole);
+  asked_ = open_ = true;
+}
+
+void DriverSession::GoTo(TimeUs at) {
+  sent_ = agent_.decision;
+  activity_told_ = false;
+  const bool to_task = agent_.action == ActionKind::kSense ||
+                       agent_.action == ActionKind::kUavToTask ||
+                       agent_.action == ActionKind::kWorkerToTask;
+  const bool to_charge = agent_.target >= 0 && !to_task;
+  Json line = {{"mission_s", ToSeconds(at)},
+               {"to", places_.ToJson(agent_.to)},
+               {"expected_s", ToSeconds(agent_.arrive_us)},
+               {"then", "wait"},
+               {"task", to_task ? Json(agent_.target) : Json(nullptr)},
+               {"charging_point", to_charge ? Json(agent_.target) : Json(nullptr)},
+               {"partner", nullptr}};
+  if (IsPair(agent_.action)) {
+    const bool senses = agent_.action == ActionKind::kSense;
+    const AgentKind other = agent_.kind != AgentKind::kUav ? AgentKind::kUav
+                            : senses                       ? AgentKind::kWorker
+                                                           : AgentKind::kVehicle;
+    line["then"] = senses ? "sense" : "charge";
+    line["partner"] = NameOf(other, agent_.partner);
+  }
+  Order(Command::Kind::kGoTo, line);
+}
+
+void DriverSession::BeginActivity() {
+  const Activity& activity = *agent_.activity;
+  activity_told_ = true;
+  Order(activity.kind == Activity::Kind::kSensing ? Command::Kind::kSense : Command::Kind::kCharge,
+        {{"mission_s", ToSeconds(activity.start_us)},
+         {"for_s", ToSeconds(activity.end_us - activity.start_us)}});
+}
+
+void DriverSession::Cancel(TimeUs at, std::string_view why) {
+  Say({{"type", "cancel"},
+       {"id", commands_.size()},
+       {"mission_s", ToSeconds(at)},
+       {"reason", why}});
+  asked_ = open_ = false;
+  owes_since_us_.reset();
+}
+
+std::vector<std::string> DriverSession::TakeLines() { return std::exchange(lines_, {}); }
+
+std::vector<MeasuredReport> DriverSession::TakeReports(TimeUs at) {
+  for (MeasuredReport& report : reports_) report.at_us = std::min(report.at_us, at);
+  return std::exchange(reports_, {});
+}
+
+TimeUs DriverSession::MissionUs(TimeUs wall_us) const {
+  if (rules_.rate <= 0) return at_;
+  return at_ + ToUs(ToSeconds(wall_us - told_us_) * rules_.rate);
+}
+
+std::string DriverSession::Hear(std::string_view line, TimeUs wall_us) {
+  if (over_) return {};
+  DriverLine said;
+  try {
+    said = ReadDriverLine(line, places_);
+  } catch (const InputError& error) {
+    return Quote(error.what());
+  }
+  std::string problem = Take(said, MissionUs(wall_us));
+  if (problem.empty()) owes_since_us_.reset();
+  return problem;
+}
+
+std::string DriverSession::Take(const DriverLine& said, TimeUs now_us) {
+  const bool greets = said.type == DriverLine::Type::kHello;
+  if (greets != !greeted_) return greets ? "a second hello" : "its first line is no hello";
+  switch (said.type) {
+    case DriverLine::Type::kHello: {
+      greeted_ = true;
+      name_ = Quote(said.name);
+      MeasuredReport joins;
+      joins.kind = MeasuredReport::Kind::kJoins;
+      joins.at_us = now_us;
+      return Report(std::move(joins), now_us);
+    }
+    case DriverLine::Type::kState:
+      return TakePlace(said, now_us);
+    default:
+      return TakeWord(said, now_us);
+  }
+}
+
+std::string DriverSession::TakePlace(const DriverLine& said, TimeUs now_us) {
+  MeasuredReport report;
+  report.at_us = said.mission_us.value_or(now_us);
+  const TimeUs error_us = kMeasuredSlackUs + ToUs(ToSeconds(kClockErrorUs) * rules_.rate);
+  if (report.at_us > now_us + error_us) {
+    return fmt::format("its state is of {:.1f} s, and it is {:.1f} s", ToSeconds(report.at_us),
+                       ToSeconds(now_us));
+  }
+  report.at = said.at;
+  report.range_m = said.range_m;
+  report.expected_us = said.expected_us;
+  answered_ = true;
+  // Said before it heard what it is to do now: it does not know better.
+  if (agent_.measured && IsOld(agent_, report)) return {};
+  return Report(std::move(report), std::max(now_us, report.at_us));
+}
+
+std::string DriverSession::TakeWord(const DriverLine& said, TimeUs now_us) {
+  const bool arrives = said.type == DriverLine::Type::kArrived;
+  const bool fails = said.type == DriverLine::Type::kFailed;
+  if (said.id && *said.id > static_cast<std::int64_t>(commands_.size())) {
+    return fmt::format("id {} was never given", *said.id);
+  }
+  MeasuredReport report;
+  report.at_us = now_us;
+  if (fails) {
+    report.kind = MeasuredReport::Kind::kFailed;
+    report.reason = Quote(said.reason);
+    const std::string problem = Report(std::move(report), now_us);
+    over_ = true;
+    return problem;
+  }
+  const Command& command = commands_[static_cast<std::size_t>(*said.id - 1)];
+  if (arrives != (command.kind == Command::Kind::kGoTo)) {
+    return fmt::format("{} of id {}, which was {}", arrives ? "arrived" : "done", *said.id,
+                       arrives ? "no goto" : "a goto");
+  }
+  // What is over or was replaced: it had not heard of that.
+  const bool is_last = *said.id == static_cast<std::int64_t>(commands_.size());
+  if (!is_last || !asked_ || agent_.decision != command.decision ||
+      agent_.action == ActionKind::kNone || (!arrives && !agent_.activity)) {
+    return {};
+  }
+  report.kind = arrives ? MeasuredReport::Kind::kArrived : MeasuredReport::Kind::kDone;
+  report.decision = command.decision;
+  report.range_m = said.range_m;
+  std::string problem = Report(std::move(report), now_us);
+  if (!problem.empty()) return problem;
+  asked_ = false;
+  if (!arrives || !IsPair(agent_.action)) open_ = false;
+  return {};
+}
+
+std::string DriverSession::Report(MeasuredReport report, TimeUs now_us) {
+  report.agent_kind = agent_.kind;
+  report.agent = agent_.id;
+  std::string problem = ApplyReport(&agent_, report, now_us, scenario_.tasks);
+  if (problem.empty()) reports_.push_back(std::move(report));
+  return problem;
+}
+
+std::string DriverSession::Silence(TimeUs wall_us) const {
+  if (over_) return {};
+  if (!greeted_ && wall_us - started_us_ > rules_.greeting_us) {
+    return fmt::format("no hello within {:g} s", ToSeconds(rules_.greeting_us));
+  }
+  if (!asked() || !owes_since_us_ || wall_us - *owes_since_us_ <= rules_.lost_after_us) return {};
+  constexpr std::string_view kWhat[] = {"on its way", "sensing", "charging"};
+  return fmt::format("silent for {:g} s while it was {}", ToSeconds(rules_.lost_after_us),
+                     kWhat[static_cast<std::size_t>(commands_.back().kind)]);
+}
+
+}  // namespace muster::agents

@@ -1,0 +1,340 @@
+#include "agents/driver/driver_session.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/random.h"
+
+namespace muster::agents {
+namespace {
+
+using nlohmann::json;
+using Report = MeasuredReport::Kind;
+
+constexpr const char* kHello = R"({"type":"hello","version":1,"name":"mine"})";
+
+/// A UAV 5 km (500 s) from a task, near Cambridge.
+Scenario Small() {
+  Scenario scenario;
+  scenario.width_m = scenario.height_m = 10'000;
+  scenario.origin = Origin{52.2, 0.1};
+  scenario.rules.limit_us = 3600 * kSecondUs;
+  AgentSpec agent;
+  agent.online_until_us = 3000 * kSecondUs;
+  agent.speed_m_s = 10;
+  agent.range_full_m = 20'000;
+  agent.range_m = 15'000;
+  scenario.uavs = scenario.workers = {agent};
+  scenario.tasks = {{{3000, 4000}, 600}};
+  scenario.charging_points = {{{0, 1000}, 1}};
+  return scenario;
+}
+
+Action Sense() {
+  Action action;
+  action.kind = ActionKind::kSense;
+  action.uav = UavId(0);
+  action.worker = WorkerId(0);
+  action.task = TaskId(0);
+  action.to = {3000, 4000};
+  return action;
+}
+
+/// A session with a mission of its own around it, in seconds; the wall's are the mission's.
+class Session {
+ public:
+  explicit Session(double rate = 0, AgentKind kind = AgentKind::kUav)
+      : agent_(StartOf(kind, 0, scenario_.agents(kind)[0])),
+        session_(scenario_, agent_, 0, 0, {.rate = rate}) {}
+
+  /// What it is told up to that time, as JSON.
+  std::vector<json> Told() {
+    std::vector<json> told;
+    for (const std::string& line : session_.TakeLines()) told.push_back(json::parse(line));
+    return told;
+  }
+  std::string Hear(const std::string& line) { return session_.Hear(line, wall_us_); }
+  std::string Hear(json line) { return Hear(line.dump()); }
+  Session& Greeted() {
+    EXPECT_EQ(Hear(std::string(kHello)), "");
+    Apply(0);
+    return *this;
+  }
+  Session& Sent(TimeUs at_s = 0, std::int32_t decision = 3) {
+    Begin(&agent_, Sense(), decision, at_s * kSecondUs, {}, 1);
+    session_.Follow(agent_, at_s * kSecondUs, wall_us_);
+    return *this;
+  }
+  Session& Time(TimeUs at_s) {
+    wall_us_ = at_s * kSecondUs;
+    session_.Tick(at_s * kSecondUs, wall_us_);
+    return *this;
+  }
+  /// The mission takes what was reported.
+  std::vector<MeasuredReport> Apply(TimeUs at_s) {
+    auto reports = session_.TakeReports(at_s * kSecondUs);
+    for (const MeasuredReport& report : reports) {
+      EXPECT_EQ(ApplyReport(&agent_, report, at_s * kSecondUs, scenario_.tasks), "");
+    }
+    return reports;
+  }
+  Session& Settled(const Verdict& verdict, TimeUs at_s) {
+    Settle(&agent_, verdict, at_s * kSecondUs, scenario_.tasks);
+    session_.Follow(agent_, at_s * kSecondUs, wall_us_, "worker:0 has failed");
+    return *this;
+  }
+  DriverSession& operator*() { return session_; }
+  DriverSession* operator->() { return &session_; }
+  TimeUs& wall_us() { return wall_us_; }
+
+ private:
+  Scenario scenario_ = Small();
+  AgentState agent_;
+  DriverSession session_;
+  TimeUs wall_us_ = 0;
+};
+
+TEST(DriverSession, GreetsWithWhatTheDriverNeedsToKnow) {
+  Session session;
+  const std::vector<json> told = session.Told();
+  ASSERT_EQ(told.size(), 1U);
+  const json& hello = told[0];
+  EXPECT_EQ(hello["type"], "hello");
+  EXPECT_EQ(hello["agent"], "uav:0");
+  EXPECT_EQ(hello["speed_m_s"], 10.0);
+  EXPECT_EQ(hello["full_range_m"], 20'000.0);
+  EXPECT_EQ(hello["at"]["x_m"], 0.0);
+  EXPECT_NEAR(hello["at"]["latitude_deg"], 52.2, 1e-9);
+  EXPECT_EQ(hello["origin"]["longitude_deg"], 0.1);
+  EXPECT_TRUE(hello["rate"].is_null());
+  EXPECT_EQ(hello["online_until_s"], 3000.0);
+  EXPECT_FALSE(json::parse(Session(2, AgentKind::kWorker)->TakeLines().at(0)).contains("range_m"));
+}
+
+TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
+  Session session;
+  session.Told();
+  session.Greeted();
+  EXPECT_EQ(session->name(), "mine");
+  EXPECT_TRUE(session->answered());
+  const json sent = session.Sent().Told().at(0);
+  EXPECT_EQ(sent["type"], "goto");
+  EXPECT_EQ(sent["id"], 1);
+  EXPECT_EQ(sent["then"], "sense");
+  EXPECT_EQ(sent["partner"], "worker:0");
+  EXPECT_EQ(sent["task"], 0);
+  EXPECT_TRUE(sent["charging_point"].is_null());
+  EXPECT_EQ(sent["expected_s"], 500.0);
+  session.Time(510);
+  EXPECT_FALSE(session->answered());
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");  // twice does no harm
+  EXPECT_FALSE(session->asked());
+  ASSERT_EQ(session.Apply(510).size(), 1U);
+  session.Told();
+  const Activity sensing{ActivityKind::kSensing, UavId(0), 0, 0, 500 * kSecondUs, 560 * kSecondUs};
+  const json sense = session.Settled(Verdict({sensing}, {}), 510).Told().at(0);
+  EXPECT_EQ(sense["type"], "sense");
+  EXPECT_EQ(sense["id"], 2);
+  EXPECT_EQ(sense["mission_s"], 500.0);
+  EXPECT_EQ(sense["for_s"], 60.0);
+  session.Time(570);
+  EXPECT_EQ(session.Hear({{"type", "done"}, {"id", 2}, {"range_m", 9000}}), "");
+  const auto reports = session.Apply(570);
+  ASSERT_EQ(reports.size(), 1U);
+  EXPECT_EQ(reports[0].kind, Report::kDone);
+  EXPECT_EQ(reports[0].decision, 3);
+  EXPECT_EQ(reports[0].range_m, 9000);
+  session.Told();
+  EXPECT_TRUE(session.Settled(Verdict({sensing}, {}), 570).Told().empty());  // nothing to cancel
+  session->Bye("the mission is over");
+  EXPECT_EQ(session.Told().at(0)["type"], "bye");
+  EXPECT_EQ(session.Hear(std::string("nonsense")), "");
+}
+
+TEST(DriverSession, CancelsWhatIsOffAndPassesOverWordsOnIt) {
+  Session session;
+  session.Greeted().Sent().Time(30);
+  session.Told();
+  const Verdict released({}, {{AgentKind::kUav, 0, RulingKind::kReleased, 20 * kSecondUs}});
+  const json cancel = session.Settled(released, 30).Told().at(0);
+  EXPECT_EQ(cancel["type"], "cancel");
+  EXPECT_EQ(cancel["id"], 1);
+  EXPECT_EQ(cancel["reason"], "worker:0 has failed");
+  EXPECT_FALSE(session->asked());
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
+  EXPECT_TRUE(session.Apply(30).empty());
+  EXPECT_EQ(session.Sent(60, 4).Told().at(0)["id"], 2);
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
+  EXPECT_TRUE(session.Apply(60).empty());
+}
+
+TEST(DriverSession, PlacesMayBeInDegrees) {
+  Session session;
+  session.Greeted().Sent().Time(100);
+  json there = DriverPlaces(Small()).ToJson({600, 800});
+  there.erase("x_m");
+  there.erase("y_m");
+  EXPECT_EQ(session.Hear({{"type", "state"}, {"at", there}, {"expected_s", 700}}), "");
+  const auto reports = session.Apply(100);
+  ASSERT_EQ(reports.size(), 1U);
+  EXPECT_NEAR(reports[0].at.x_m, 600, 1e-4);
+  EXPECT_NEAR(reports[0].at.y_m, 800, 1e-4);
+  EXPECT_EQ(reports[0].at_us, 100 * kSecondUs);
+  EXPECT_EQ(reports[0].expected_us, 700 * kSecondUs);
+}
+
+TEST(DriverSession, TheMissionsTimeGoesOnBetweenTicksAtARate) {
+  Session session(60);
+  session.Greeted().Sent().Time(30);
+  session.wall_us() += kSecondUs;  // the mission's minute
+  EXPECT_EQ(session.Hear({{"type", "state"}, {"at", {{"x_m", 480}, {"y_m", 640}}}}), "");
+  EXPECT_EQ(session->TakeReports(200 * kSecondUs).at(0).at_us, 90 * kSecondUs);
+  EXPECT_EQ(
+      session.Hear({{"type", "state"}, {"at", {{"x_m", 480}, {"y_m", 640}}}, {"mission_s", 200}}),
+      "its state is of 200.0 s, and it is 90.0 s");
+  // What it said before it heard of the present command.
+  session.Hear({{"type", "state"}, {"at", {{"x_m", 0}, {"y_m", 0}}}, {"mission_s", 10}});
+  EXPECT_TRUE(session->TakeReports(200 * kSecondUs).empty());
+}
+
+TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
+  Session session;
+  EXPECT_EQ(session->Silence(10 * kSecondUs), "");
+  EXPECT_EQ(session->Silence(10 * kSecondUs + 1), "no hello within 10 s");
+  session.Greeted().Time(60);
+  EXPECT_EQ(session->Silence(3600 * kSecondUs), "");  // nothing is asked
+  session.Sent(60).Time(90);
+  EXPECT_EQ(session->Silence(65 * kSecondUs), "");
+  EXPECT_EQ(session->Silence(66 * kSecondUs), "silent for 5 s while it was on its way");
+  session.Hear({{"type", "state"}, {"at", {{"x_m", 0}, {"y_m", 0}}}});
+  EXPECT_EQ(session->Silence(3600 * kSecondUs), "");
+  session.Time(3600);
+  EXPECT_NE(session->Silence(3606 * kSecondUs), "");
+}
+
+TEST(DriverSession, SaysItselfThatItCannotGoOn) {
+  Session session;
+  session.Greeted().Sent();
+  EXPECT_EQ(session.Hear({{"type", "failed"}, {"id", nullptr}, {"reason", "a rotor\n"}}), "");
+  EXPECT_TRUE(session->over());
+  const auto reports = session->TakeReports(0);
+  ASSERT_EQ(reports.size(), 1U);
+  EXPECT_EQ(reports[0].kind, Report::kFailed);
+  EXPECT_EQ(reports[0].reason, "a rotor\\x0a");
+}
+
+/// Its line that is fine in the situation of the test below, by kind.
+json Fine(int i) {
+  switch (i) {
+    case 0:
+      return {{"type", "state"},
+              {"at", {{"x_m", 600}, {"y_m", 800}}},
+              {"range_m", 13'990},
+              {"expected_s", 520},
+              {"mission_s", 100}};
+    case 1:
+      return {{"type", "arrived"}, {"id", 1}};
+    case 2:
+      return {{"type", "done"}, {"id", 2}, {"range_m", 9000}};
+    default:
+      return {{"type", "failed"}, {"id", 1}, {"reason", "a rotor"}};
+  }
+}
+
+/// Makes the line one that cannot be. `sensing`: it is at its task, else on its way.
+std::string Spoil(Random* random, bool sensing) {
+  const auto below = [&](int n) { return static_cast<int>(random->Uniform() * n); };
+  const int kind = below(4);
+  json line = Fine(kind);
+  if (sensing && kind == 0) line["at"] = {{"x_m", 3000}, {"y_m", 4000}};
+  const json odd[] = {nullptr, true, "text", json::array({1}), json::object(), -1, 1e300, 0.5};
+  switch (below(12)) {
+    case 0: {  // cut short
+      const std::string text = line.dump();
+      return text.substr(0, static_cast<std::size_t>(below(static_cast<int>(text.size()))));
+    }
+    case 1: {  // a byte that is no text
+      std::string text = line.dump();
+      text[static_cast<std::size_t>(below(static_cast<int>(text.size())))] =
+          static_cast<char>(128 + below(128));
+      return text;
+    }
+    case 2:
+      line["type"] = odd[below(8)];
+      return line.dump();
+    case 3: {  // a key is missing that must be there
+      const char* keys[] = {"at", "id", "id", "reason"};
+      line.erase(keys[kind]);
+      return line.dump();
+    }
+    case 4:
+      line[fmt::format("key{}", below(1000))] = below(1000);
+      return line.dump();
+    case 5: {  // a value of another kind
+      const char* keys[] = {"at", "id", "id", "reason"};
+      const json value = odd[kind == 3 ? (below(2) == 0 ? 1 : 3 + below(5)) : below(5)];
+      line[keys[kind]] = value;
+      return line.dump();
+    }
+    case 6:  // an id that was never given
+      line = Fine(1 + below(3));
+      line["id"] = 3 + below(1'000'000'000);
+      return line.dump();
+    case 7:  // outside the area
+      line = Fine(0);
+      line["at"] = {{"x_m", 10'011 + below(1'000'000)}, {"y_m", below(10'000)}};
+      return line.dump();
+    case 8:  // further than its speed allows
+      line = Fine(0);
+      line.erase("range_m");
+      line["at"] = sensing ? json{{"x_m", 9000 + below(1000)}, {"y_m", below(1000)}}
+                           : json{{"x_m", 1100 + below(8000)}, {"y_m", below(9000)}};
+      line["mission_s"] = sensing ? 570 : 100;
+      return line.dump();
+    case 9:  // range from nowhere
+      line = Fine(0);
+      if (sensing) line["at"] = {{"x_m", 3000}, {"y_m", 4000}};
+      line["mission_s"] = sensing ? 570 : 100;
+      line["range_m"] = 14'020 + below(1'000'000);
+      return line.dump();
+    case 10:  // a word on the wrong command, or a second greeting
+      if (below(2) == 0) return kHello;
+      return sensing ? R"({"type":"arrived","id":2})" : R"({"type":"done","id":1})";
+    default:  // not yet there, or a time to come
+      if (!sensing && below(2) == 0) return R"({"type":"arrived","id":1})";
+      line = Fine(0);
+      line["mission_s"] = 1000 + below(100'000);
+      return line.dump();
+  }
+}
+
+TEST(DriverSession, RefusesTenThousandLinesThatCannotBe) {
+  const Activity sensing{ActivityKind::kSensing, UavId(0), 0, 0, 500 * kSecondUs, 560 * kSecondUs};
+  for (std::uint64_t seed = 1; seed <= 10'000; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed, Stream::kPolicy);
+    const bool senses = seed % 2 == 0;
+    Session session;
+    session.Greeted().Sent().Time(senses ? 510 : 100);
+    if (senses) {
+      ASSERT_EQ(session.Hear(Fine(1)), "");
+      session.Apply(510);
+      session.Settled(Verdict({sensing}, {}), 510).Time(570);
+    }
+    ASSERT_EQ(session->TakeReports(0).size(), 0U);
+    const std::string line = Spoil(&random, senses);
+    const std::string why = session.Hear(line);
+    ASSERT_NE(why, "") << line;
+    ASSERT_LT(why.size(), 1000U);
+    ASSERT_TRUE(session->TakeReports(0).empty()) << line;
+    // As if it had not been said.
+    ASSERT_EQ(session.Hear(Fine(senses ? 2 : 0)), "") << line;
+    ASSERT_EQ(session->TakeReports(kSecondUs).size(), 1U);
+  }
+}
+
+}  // namespace
+}  // namespace muster::agents
