@@ -74,8 +74,9 @@ void DriverSession::Tick(TimeUs at, TimeUs wall_us) {
   if (over_) return;
   at_ = at;
   told_us_ = wall_us;
-  answered_ = false;
-  if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
+  const bool owes = asked_ || rules_.rate <= 0;
+  answered_ = !owes;
+  if (owes && !owes_since_us_) owes_since_us_ = wall_us;
   Say({{"type", "time"}, {"mission_s", ToSeconds(at)}});
 }
 
@@ -192,7 +193,7 @@ std::string DriverSession::TakePlace(const DriverLine& said, TimeUs now_us) {
   report.at = said.at;
   report.range_m = said.range_m;
   report.expected_us = said.expected_us;
-  answered_ = true;
+  if (!said.mission_us || *said.mission_us >= at_ - kMeasuredSlackUs) answered_ = true;
   // Said before it heard what it is to do now: it does not know better.
   if (agent_.measured && IsOld(agent_, report)) return {};
   return Report(std::move(report), std::max(now_us, report.at_us));
@@ -247,10 +248,10 @@ std::string DriverSession::Silence(TimeUs wall_us) const {
   if (!greeted_ && wall_us - started_us_ > rules_.greeting_us) {
     return fmt::format("no hello within {:g} s", ToSeconds(rules_.greeting_us));
   }
-  if (!asked() || !owes_since_us_ || wall_us - *owes_since_us_ <= rules_.lost_after_us) return {};
+  if (!owes_since_us_ || wall_us - *owes_since_us_ <= rules_.lost_after_us) return {};
   constexpr std::string_view kWhat[] = {"on its way", "sensing", "charging"};
   return fmt::format("silent for {:g} s while it was {}", ToSeconds(rules_.lost_after_us),
-                     kWhat[static_cast<std::size_t>(commands_.back().kind)]);
+                     asked_ ? kWhat[static_cast<std::size_t>(commands_.back().kind)] : "waiting");
 }
 
 }  // namespace muster::agents

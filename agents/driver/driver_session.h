@@ -22,7 +22,7 @@ class DriverSession {
   struct Rules {
     double rate = 0;  ///< mission seconds a wall second; 0: as fast as it goes
     TimeUs greeting_us = 10 * kSecondUs;
-    /// What it owes an answer, and is silent for so long, it is lost.
+    /// When it owes an answer, and is silent for so long, it is lost.
     TimeUs lost_after_us = 5 * kSecondUs;
   };
 
@@ -54,8 +54,9 @@ class DriverSession {
   const std::string& name() const { return name_; }
   /// Something is asked of it, for which it has an answer to give.
   bool asked() const { return asked_ && !over_; }
-  /// Whether it has said where it is since it was told the time, or has nothing to say.
-  bool answered() const { return !asked() || answered_; }
+  /// Whether it has said where it is at the time that it was told. At a rate it need not unless
+  /// something is asked of it; as fast as it goes the mission waits for it.
+  bool answered() const { return answered_ || over_; }
   /// It has said that it cannot go on, or was told bye.
   bool over() const { return over_; }
 

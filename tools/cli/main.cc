@@ -4,6 +4,7 @@
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
 #include "tools/bound/bound_command.h"
+#include "tools/drive/drive_command.h"
 #include "tools/explain/explain_command.h"
 #include "tools/explain/redecide_command.h"
 #include "tools/graph/graph_commands.h"
@@ -33,6 +34,7 @@ const std::vector<Command> kCommands = {
     {"bench", "compares policies, times decisions", BenchCommand},
     {"bound", "tells how many tasks any policy could do at most", BoundCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
+    {"drive", "tries out a driver, a program that takes an agent's part", DriveCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
     {"faults", "runs missions under fault plans and scores them, draws plans", FaultsCommand},

@@ -132,7 +132,13 @@ TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
   EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");  // twice does no harm
   EXPECT_FALSE(session->asked());
-  ASSERT_EQ(session.Apply(510).size(), 1U);
+  EXPECT_FALSE(session->answered());
+  const json there = {{"x_m", 3000}, {"y_m", 4000}};
+  EXPECT_EQ(session.Hear({{"type", "state"}, {"at", there}, {"mission_s", 480}}), "");
+  EXPECT_FALSE(session->answered());  // of a time before
+  EXPECT_EQ(session.Hear({{"type", "state"}, {"at", there}, {"mission_s", 510}}), "");
+  EXPECT_TRUE(session->answered());
+  ASSERT_EQ(session.Apply(510).size(), 2U);
   session.Told();
   const Activity sensing{ActivityKind::kSensing, UavId(0), 0, 0, 500 * kSecondUs, 560 * kSecondUs};
   const json sense = session.Settled(Verdict({sensing}, {}), 510).Told().at(0);
@@ -201,7 +207,7 @@ TEST(DriverSession, TheMissionsTimeGoesOnBetweenTicksAtARate) {
 }
 
 TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
-  Session session;
+  Session session(1);
   EXPECT_EQ(session->Silence(10 * kSecondUs), "");
   EXPECT_EQ(session->Silence(10 * kSecondUs + 1), "no hello within 10 s");
   session.Greeted().Time(60);
@@ -209,10 +215,20 @@ TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
   session.Sent(60).Time(90);
   EXPECT_EQ(session->Silence(65 * kSecondUs), "");
   EXPECT_EQ(session->Silence(66 * kSecondUs), "silent for 5 s while it was on its way");
-  session.Hear({{"type", "state"}, {"at", {{"x_m", 0}, {"y_m", 0}}}});
+  const json state = {{"type", "state"}, {"at", {{"x_m", 0}, {"y_m", 0}}}};
+  EXPECT_EQ(session.Hear(state), "");
   EXPECT_EQ(session->Silence(3600 * kSecondUs), "");
   session.Time(3600);
   EXPECT_NE(session->Silence(3606 * kSecondUs), "");
+
+  // As fast as it goes, the mission waits for it at each tick.
+  Session fast;
+  fast.Greeted().Time(60);
+  EXPECT_FALSE(fast->answered());
+  EXPECT_EQ(fast->Silence(66 * kSecondUs), "silent for 5 s while it was waiting");
+  EXPECT_EQ(fast.Hear(state), "");
+  EXPECT_TRUE(fast->answered());
+  EXPECT_EQ(fast->Silence(3600 * kSecondUs), "");
 }
 
 TEST(DriverSession, SaysItselfThatItCannotGoOn) {
