@@ -225,10 +225,15 @@ void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
 }
 
 void KeepMeasured(const AgentState& before, AgentState* reported) {
+  if (!before.measured) return;
   reported->measured = before.measured;
   const bool is_new =
       reported->action != ActionKind::kNone && reported->decision != before.decision;
-  if (reported->measured && is_new) NoteLeg(reported);
+  if (is_new) {
+    NoteLeg(reported);
+  } else if (reported->action == before.action) {
+    reported->activity = before.activity;
+  }
 }
 
 void NoteLeg(AgentState* agent) {

@@ -46,8 +46,9 @@ inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
 /// has not said that it arrived, is expected at the next tick.
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us);
 
-/// A state that came in a message knows nothing of being measured: takes that from the state of the
-/// tick before, as its receiver holds it, and notes when a new leg has begun.
+/// A state that came in a message knows neither of being measured nor of its sensing or charging:
+/// takes that from the state of the tick before, as its receiver holds it, and notes when a new leg
+/// has begun. Of a computed agent: nothing, the next verdict tells all.
 void KeepMeasured(const AgentState& before, AgentState* reported);
 
 /// Whether a place is older than what the agent has said since, or than its leg.

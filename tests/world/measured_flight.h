@@ -143,7 +143,6 @@ class Flight {
       auto reported = FromWire(ToWire(own, t, scenario_.tasks), own.kind, t, WireLimits(scenario_));
       ASSERT_TRUE(reported);
       KeepMeasured(known, &*reported);
-      reported->activity = known.activity;  // its verdict brings it all the same
       known = *reported;
     });
     for (const MeasuredReport& report : std::exchange(told_, {})) {
