@@ -180,6 +180,7 @@ TEST(Measured, AComputedPartnerWaitsThoughSensingIsShorterThanTheDelay) {
   EXPECT_EQ(flight.agent(kUav).activity->start_us, 810 * kSecondUs);
   EXPECT_FALSE(flight.agent(kUav).idle(810 * kSecondUs));
   flight.Done(kWorker).Judge(840);
+  EXPECT_DOUBLE_EQ(flight.agent(kUav).range_at_departure_m, 15'000 - 5000 - 100);
   EXPECT_EQ(flight.happened(), (Happened{{Kind::kSensingStarted, 810}, {Kind::kSensingDone, 820}}));
 }
 
