@@ -32,6 +32,9 @@ class Policy {
  public:
   virtual ~Policy() = default;
   virtual Decision Decide(const Situation& situation) = 0;
+  /// Throws InputError when it cannot decide for missions of that scenario, as a model that was
+  /// trained for another shape of it.
+  virtual void CheckScenario(const Scenario&) const {}
   /// For live use: Decide ends about that long after its start, with the best it has. An answer may
   /// then depend on the machine's speed. False when the policy has no such limit.
   virtual bool SetDeadline(std::chrono::steady_clock::duration) { return false; }

@@ -13,6 +13,8 @@
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/external/external_policy.h"
 #include "scheduler/policies/horizon/horizon.h"
+#include "scheduler/policies/horizon/learned_weights.h"
+#include "scheduler/policies/learned/learned_policy.h"
 #include "scheduler/policies/paper/paper_policies.h"
 #include "scheduler/policies/rollout/rollout.h"
 
@@ -64,6 +66,8 @@ std::unique_ptr<Policy> RolloutWithoutChains() {
   for (HorizonSettings& variant : settings.variants) variant.chains = false;
   return std::make_unique<RolloutPolicy>(std::move(settings));
 }
+std::unique_ptr<Policy> LearnedHorizon() { return std::make_unique<LearnedHorizonPolicy>(); }
+std::unique_ptr<Policy> LearnedRollout() { return std::make_unique<LearnedRolloutPolicy>(); }
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
 
 constexpr PolicyGroup kOurs = PolicyGroup::kOurs, kPaper = PolicyGroup::kPaper,
@@ -97,6 +101,11 @@ const Row kPolicies[] = {
     {{kAblation, "kwta-1", "kwta with K = 1"}, &Kwta<1>},
     {{kAblation, "kwta-5", "kwta with K = 5"}, &Kwta<5>},
     {{kAblation, "kwta-10", "kwta with K = 10"}, &Kwta<10>},
+    {{kAblation, "horizon-learned",
+      "horizon-steps whose weightings were learned (docs/learned.md)"},
+     &LearnedHorizon},
+    {{kAblation, "rollout-learned", "rollout-steps over the learned weightings alone"},
+     &LearnedRollout},
     {{kAblation, "rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
     {{kAblation, "rollout-without-chains", "rollout that values no next task"},
      &RolloutWithoutChains},
@@ -140,9 +149,9 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
     if (row.info.group != PolicyGroup::kAblation) names.push_back(row.info.name);
   }
   return options
-      ->Add(
-          "policy", "NAME",
-          fmt::format("{} {} external:COMMAND (see muster policies)", help, fmt::join(names, " ")))
+      ->Add("policy", "NAME",
+            fmt::format("{} {} external:COMMAND learned:MODEL (see muster policies)", help,
+                        fmt::join(names, " ")))
       .Default(kDefaultPolicy);
 }
 
@@ -158,12 +167,14 @@ bool IsExternal(std::string_view name) { return name.starts_with(kExternalPrefix
 
 std::unique_ptr<Policy> MakePolicy(std::string_view name) {
   if (IsExternal(name)) return std::make_unique<ExternalPolicy>(name);
+  if (name.starts_with(kLearnedPrefix)) return std::make_unique<LearnedPolicy>(name);
   for (const Row& row : kPolicies) {
     if (row.info.name == name) return row.make();
   }
   const std::vector<std::string> names = Names();
-  throw InputError(fmt::format("policy: found {}, expected one of {}, external:COMMAND{}", name,
-                               fmt::join(names, ", "), DidYouMean(name, names)));
+  throw InputError(
+      fmt::format("policy: found {}, expected one of {}, external:COMMAND, learned:MODEL{}", name,
+                  fmt::join(names, ", "), DidYouMean(name, names)));
 }
 
 void SetDeadline(Policy* policy, std::string_view name, std::optional<double> deadline_ms) {

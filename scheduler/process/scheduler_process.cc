@@ -23,6 +23,7 @@ SchedulerProcess::SchedulerProcess(const Identity& identity, int window, const s
     : SchedulerProcess(identity, window, policy, MakePolicy(policy, deadline_ms), stopwatch) {}
 
 void SchedulerProcess::OnScenario() {
+  policy_->CheckScenario(*scenario());
   fusion_.emplace(scenario());
   set_state(ProcessState::kReady);
 }

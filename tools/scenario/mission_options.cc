@@ -56,6 +56,7 @@ MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy) {
   MissionOptions options = ReadRuleOptions(arguments);
   options.policy = arguments.Get("policy");
   // An unknown name is an error before the first file.
+  options.own_policy = own_policy;
   if (!own_policy) scheduler::MakePolicy(options.policy);
   arguments.Read("orders", &options.orders_file);
   arguments.Read("seed", &options.seed);
@@ -95,6 +96,9 @@ Scenario ResolveScenario(const MissionOptions& options, std::vector<world::Plann
   ValidateScenario(scenario, options.scenario_file, room.tasks + scenario.room.tasks > 0);
   AddRoom(room, &scenario);
   if (orders != nullptr) *orders = std::move(given);
+  if (!options.policy.empty() && !options.own_policy) {
+    scheduler::MakePolicy(options.policy)->CheckScenario(scenario);
+  }
   return scenario;
 }
 

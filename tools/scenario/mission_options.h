@@ -15,6 +15,7 @@ namespace muster::tools {
 struct MissionOptions {
   std::string scenario_file;
   std::string policy;
+  bool own_policy = false;  ///< the user's scheduler knows it, we do not
   std::optional<double> interval_min;
   std::optional<double> limit_min;
   std::optional<std::uint64_t> seed;
@@ -33,7 +34,8 @@ MissionOptions ReadRuleOptions(const Arguments& arguments);
 /// Throws InputError on a policy that is none of ours, unless the scheduler has an `own_policy`.
 MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy = false);
 
-/// Loads the scenario and puts the options' overrides into it. Throws InputError, SystemError.
+/// Loads the scenario and puts the options' overrides into it. Throws InputError,
+/// also when the policy cannot decide for such a scenario, and SystemError.
 /// There is room for the orders of its file, which go to `orders`, for what is revisited and for
 /// `room`.
 Scenario ResolveScenario(const MissionOptions& options,

@@ -42,6 +42,8 @@ std::string_view Heading(PolicyGroup group) {
 
 constexpr std::string_view kOutside =
     "a program of yours, in any language (docs/external-schedulers.md)";
+constexpr std::string_view kLearned =
+    "a model that muster train made, in its folder (docs/learned.md)";
 
 void PrintText() {
   for (const PolicyGroup group : scheduler::kPolicyGroups) {
@@ -53,6 +55,7 @@ void PrintText() {
     }
   }
   fmt::print("your own:\n  {:<30} {}\n", "external:COMMAND", kOutside);
+  fmt::print("  {:<30} {}\n", "learned:MODEL", kLearned);
 }
 
 void PrintJson() {
@@ -64,7 +67,8 @@ void PrintJson() {
   const Json list = {{"version", 1},
                      {"default", scheduler::kDefaultPolicy},
                      {"policies", std::move(policies)},
-                     {"outside", {{"prefix", "external:"}, {"summary", kOutside}}}};
+                     {"outside", {{"prefix", "external:"}, {"summary", kOutside}}},
+                     {"learned", {{"prefix", "learned:"}, {"summary", kLearned}}}};
   fmt::print("{}\n", list.dump(2));
 }
 

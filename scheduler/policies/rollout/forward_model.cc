@@ -12,6 +12,12 @@ bool ForwardModel::anybody() const {
   return !situation_.uavs.empty() || !situation_.workers.empty() || !situation_.vehicles.empty();
 }
 
+void ForwardModel::Add(const AgentState& agent) {
+  auto& agents = ByKind(agent.kind, situation_.uavs, situation_.workers, situation_.vehicles);
+  const auto after = [](const AgentState& a, std::int32_t id) { return a.id < id; };
+  agents.insert(std::lower_bound(agents.begin(), agents.end(), agent.id, after), agent);
+}
+
 void ForwardModel::Step(const std::vector<Action>& actions) {
   for (const Action& action : actions) Start(action);
   const Rules& rules = situation_.site->rules;

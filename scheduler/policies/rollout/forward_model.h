@@ -23,6 +23,9 @@ class ForwardModel {
   /// Whether an agent can still be commanded, now or later, or is under way.
   bool anybody() const;
 
+  /// An agent that comes online now, standing where it starts.
+  void Add(const AgentState& agent);
+
   /// Carries out the actions, which must pass CheckActions, and goes on to the next decision, or to
   /// the limit.
   void Step(const std::vector<Action>& actions);
