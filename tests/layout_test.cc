@@ -126,6 +126,14 @@ TEST(Layout, OnlyTheBusKnowsLcm) {
   }
 }
 
+TEST(Layout, OnlyLearningKnowsLibtorch) {
+  for (const Include& include : Includes()) {
+    if (!include.angled || !include.target.starts_with("torch/")) continue;
+    EXPECT_TRUE(include.file.starts_with("learning/")) << include.file;
+    EXPECT_NE(include.file, "learning/trainer.h") << "what the command line knows";
+  }
+}
+
 TEST(Layout, TheSchedulerCannotSeeTheTruth) {
   for (const Include& include : Includes()) {
     if (!include.file.starts_with("scheduler/")) continue;
