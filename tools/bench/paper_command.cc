@@ -38,7 +38,9 @@ int PaperCommand(const Arguments& arguments) {
   options.filter.settings = arguments.All("instances");
   options.filter.policies = arguments.All("methods");
   for (const std::string& policy : options.filter.policies) {
-    if (policy != kUpperBound) scheduler::MakePolicy(policy);
+    const std::vector<std::string> learned = LearnedColumns();
+    const bool is_model = std::find(learned.begin(), learned.end(), policy) != learned.end();
+    if (policy != kUpperBound && !is_model) scheduler::MakePolicy(policy);
   }
   if (arguments.Has("availability")) options.filter.availability = arguments.All("availability");
   arguments.Read("seeds", &options.filter.seeds);

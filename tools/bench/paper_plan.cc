@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <set>
+
+#include "scheduler/policies/learned/model.h"
 
 namespace muster::tools {
 namespace {
@@ -219,6 +222,20 @@ bool Wanted(const std::vector<std::string>& only, std::string_view name) {
 
 }  // namespace
 
+std::vector<std::string> LearnedColumns() {
+  std::vector<std::string> columns;
+  for (const std::string& method : scheduler::learned::kMethodNames) {
+    columns.push_back("learned-" + method);
+  }
+  return columns;
+}
+
+std::string PolicyToRun(const PaperRun& run) {
+  constexpr std::string_view kColumn = "learned-";
+  if (!run.policy.starts_with(kColumn)) return run.policy;
+  return fmt::format("learned:models/{}-{}", run.what.setting, run.policy.substr(kColumn.size()));
+}
+
 std::vector<std::string> PaperPolicies() {
   std::vector<std::string> policies = kMain;
   policies.insert(policies.end(), kLonger.begin(), kLonger.end());
@@ -242,8 +259,23 @@ std::vector<PaperRun> PlanRuns(const PaperFilter& filter) {
   std::vector<std::string> policies = PaperPolicies();
   for (const std::string& policy : filter.policies) {
     // Any policy may be asked for by name.
-    if (!Wanted(policies, policy)) policies.push_back(policy);
+    if (!Wanted(policies, policy) && !policy.starts_with("learned-")) policies.push_back(policy);
   }
+  // Models are for missions as long as those that they were trained on.
+  const std::vector<std::string> learned = LearnedColumns();
+  const auto add_learned = [&](const PaperCase& what, std::uint64_t seed,
+                               std::vector<PaperRun>* to) {
+    const PaperCase usual;
+    if (what.interval_min != usual.interval_min || what.limit_min != usual.limit_min) return;
+    for (const std::string& column : learned) {
+      const PaperRun run{what, column, seed};
+      const std::string folder = PolicyToRun(run).substr(std::string_view("learned:").size());
+      if (Wanted(filter.policies, column) && !filter.longer &&
+          std::filesystem::exists(folder + "/model.json")) {
+        to->push_back(run);
+      }
+    }
+  };
   std::vector<PaperRun> runs;
   for (std::uint64_t seed = filter.first_seed;
        seed < filter.first_seed + static_cast<std::uint64_t>(filter.seeds); ++seed) {
@@ -257,6 +289,7 @@ std::vector<PaperRun> PlanRuns(const PaperFilter& filter) {
           if (filter.policies.empty() && InMain(what, policy) == filter.longer) continue;
           runs.push_back({what, policy, seed});
         }
+        add_learned(what, seed, &runs);
       }
     }
   }

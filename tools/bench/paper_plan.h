@@ -65,6 +65,12 @@ struct PaperFilter {
 /// longest: ils and rollout on the settings with 1000 agents.
 std::vector<PaperRun> PlanRuns(const PaperFilter& filter);
 
+/// "learned-qmix", ...: trained models as columns of the tables, in the paper suite where they are
+/// present: models/SETTING-METHOD of the present folder, as scripts/train-baselines makes them.
+std::vector<std::string> LearnedColumns();
+/// What decides in that run: its policy, or the model of its setting that it stands for.
+std::string PolicyToRun(const PaperRun& run);
+
 /// The policies of both suites, kUpperBound first: the order of tables.
 std::vector<std::string> PaperPolicies();
 

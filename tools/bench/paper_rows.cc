@@ -63,7 +63,8 @@ PaperRow FlyPaperRun(const PaperRun& run, const Scenario& scenario) {
     return row;
   }
   RunRecord record;
-  Simulate(ScenarioToJson(scenario), run.policy, [&](const Packet& packet) { record.Add(packet); });
+  Simulate(ScenarioToJson(scenario), PolicyToRun(run),
+           [&](const Packet& packet) { record.Add(packet); });
   const nlohmann::ordered_json report = Report(record);
   row.done = report["tasks_done"];
   row.charges = report["charges"];

@@ -48,6 +48,8 @@ Moments MomentsOf(const std::vector<double>& values) {
 const std::vector<std::string>& ColumnOrder() {
   static const std::vector<std::string> order = [] {
     std::vector<std::string> names = PaperPolicies();
+    const std::vector<std::string> learned = LearnedColumns();
+    names.insert(names.end(), learned.begin(), learned.end());
     names.insert(names.end(), {"HoCs-MADL", "HoCs-MARL"});
     return names;
   }();

@@ -21,6 +21,7 @@
 #include "tools/scenario/scenario_command.h"
 #include "tools/simulate/simulate_command.h"
 #include "tools/top/top_command.h"
+#include "tools/train/train_command.h"
 #include "tools/trials/faults_command.h"
 
 namespace muster::tools {
@@ -51,6 +52,7 @@ const std::vector<Command> kCommands = {
     {"simulate", "runs a mission in one process", SimulateCommand},
     {"task", "adds, changes, cancels or holds a task of a running mission", TaskCommand},
     {"top", "shows a mission in the terminal while it goes on", TopCommand},
+    {"train", "trains a learned policy", TrainCommand},
 };
 
 }  // namespace

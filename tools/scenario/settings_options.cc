@@ -127,10 +127,14 @@ void ReadArea(const Arguments& arguments, GeneratorSettings* settings) {
 }  // namespace
 
 void AddSettingsOptions(Options* options, bool may_be_rows) {
-  const GeneratorSettings defaults;
-  constexpr NumberRange kPositive = {1e-6, 1e6};
   options->Add("seed", "N", "Seed of all random draws").Seed().Default(1);
   options->Out("FILE", "File to write (default: standard output)");
+  AddNumberOptions(options, may_be_rows);
+}
+
+void AddNumberOptions(Options* options, bool may_be_rows) {
+  const GeneratorSettings defaults;
+  constexpr NumberRange kPositive = {1e-6, 1e6};
   options->Add("name", "TEXT", "Name of the scenario (default: the preset's)");
 
   options->Group("Number (default: the preset's; A:B is drawn per item)");

@@ -9,6 +9,8 @@ namespace muster::tools {
 /// number of GeneratorSettings, rules, disturbances and --scale. `may_be_rows`: --arrivals may
 /// also be kArrivalsOfRows, which leaves the settings as they are.
 void AddSettingsOptions(Options* options, bool may_be_rows = false);
+/// The same without --seed and --out.
+void AddNumberOptions(Options* options, bool may_be_rows = false);
 inline constexpr const char* kArrivalsOfRows = "rows";
 
 /// `base` with what the flags say: first scaled by --scale, then each number that a flag names, so

@@ -64,6 +64,7 @@ TEST_F(CommandLine, NamesWhatTheUserMayHaveMeant) {
        "muster: no option '--polcy' (did you mean '--policy'?)\n"},
       {{"simulate", scenario_, "--policy", "rolout"}, "(did you mean 'rollout'?)\n"},
       {{"run", scenario_, "--policy", "rolout"}, "(did you mean 'rollout'?)\n"},
+      {{"train", "--policy", "qmxi"}, "(did you mean 'qmix'?)\n"},
       {{"scenario", "--preset", "Radnom_3"}, "(did you mean 'Random_3'?)\n"},
       {{"run", scenario_, "--on-loss", "contniue"}, "(did you mean 'continue'?)\n"},
       {{"faults", "random", scenario_, "--kinds", "los"}, "(did you mean 'loss'?)\n"},
