@@ -15,6 +15,14 @@ void Auditor::TakeOrders(orders_t orders) {
   }
 }
 
+namespace {
+
+int NumberOfClass(std::int8_t kind) {
+  return kind == AgentKind::kUav ? kUav : kind == AgentKind::kWorker ? kWorker : kVehicle;
+}
+
+}  // namespace
+
 void Auditor::CheckOrders(const orders_t& orders) {
   const auto wrong = [&](const std::string& id, const std::string& what) {
     Violate(now_us_, "orders", fmt::format("order {}: {}", id, what));
@@ -37,7 +45,7 @@ void Auditor::CheckOrders(const orders_t& orders) {
       continue;
     }
     order.task = taken.task_id;
-    order.kind = taken.agent_kind;
+    order.kind = NumberOfClass(taken.agent_kind);
     order.agent = taken.agent_id;
     if (!CheckOrder(taken, order)) continue;
     TakeOrder(order);

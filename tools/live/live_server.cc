@@ -279,9 +279,7 @@ void LiveServer::Answer(Client* client, Time now) {
       request && (request->path == "/orders" || request->path.starts_with("/orders/"));
   if (!request) {
     client->out = Head("400 Bad Request", "", 0);
-  } else if (!IsOurs(request->host)) {
-    client->out = Head("403 Forbidden", "", 0);
-  } else if (is_order && gate_ == nullptr) {
+  } else if (!IsOurs(request->host) || (is_order && gate_ == nullptr)) {
     client->out = Head("403 Forbidden", "", 0);
   } else if (is_order && !MayOrder(request->authorization, token_)) {
     client->out = Head("401 Unauthorized", "", 0);
