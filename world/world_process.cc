@@ -218,6 +218,10 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
 }
 
 void WorldProcess::AskForState(const Now& now) {
+  // What the others say of agents can be read with the orders alone.
+  if (desk_.book().takes_orders() && !restoring_.book()) {
+    return Request(channel::kOrders, 0, now);
+  }
   for (const std::string_view name : {channel::kUavs, channel::kWorkers, channel::kVehicles,
                                       channel::kWorld, channel::kRulings, channel::kClock}) {
     Request(name, 0, now);

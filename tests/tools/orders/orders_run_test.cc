@@ -114,6 +114,8 @@ TEST_F(OrdersRunTest, AnyDeathInTheMiddleChangesNothing) {
     ASSERT_EQ(mission.Wait(), 0) << mission.output();
     EXPECT_EQ(Report()["digest"], Report("calm")["digest"]) << mission.output();
     EXPECT_EQ(Report()["tasks_total"], 180);
+    // The others know how things stand, and are heard at once.
+    EXPECT_EQ(mission.output().find("nobody told"), std::string::npos) << mission.output();
   }
 }
 
