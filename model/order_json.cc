@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "model/object_reader.h"
 #include "model/order.h"
 
@@ -13,6 +14,9 @@ constexpr OrderKind kKinds[] = {OrderKind::kTaskAdd,    OrderKind::kTaskChange,
 
 /// What a task takes whose cost nobody gave: the usual one of the paper's Table 1.
 constexpr double kUsualCost_m = 3000;
+
+constexpr std::size_t kMostBytes = 16'000;
+constexpr std::size_t kMostName = 200;
 
 OrderKind ReadKind(const ObjectReader& top) {
   const std::string name = top.String("order");
@@ -81,6 +85,16 @@ void ReadAgent(const ObjectReader& object, Order* order) {
   agent.online_until_us = OptionalTime(object, "online_until_min").value_or(kNever);
 }
 
+/// As messages carry it.
+std::string ReadName(const ObjectReader& top, std::string_view key) {
+  const std::string name = top.String(key);
+  if (name.size() > kMostName || HasControls(name)) {
+    top.Fail(key, name.size() > kMostName ? fmt::format("{} bytes", name.size()) : Printable(name),
+             fmt::format("at most {} bytes without control characters", kMostName));
+  }
+  return name;
+}
+
 /// "uav:3"
 void ReadAgentName(const ObjectReader& top, Order* order) {
   const std::string name = top.String("agent");
@@ -99,12 +113,16 @@ void ReadAgentName(const ObjectReader& top, Order* order) {
 }  // namespace
 
 Order ParseOrder(std::string_view json, const std::string& where) {
+  if (json.size() > kMostBytes) {
+    throw InputError(where, "order", fmt::format("{} bytes", json.size()),
+                     fmt::format("at most {}", kMostBytes));
+  }
   const JsonValue tree = ParseJson(json, where);
   const ObjectReader top(tree, "", where);
   Order order;
   order.kind = ReadKind(top);
-  if (top.Optional("id") != nullptr) order.id = top.String("id");
-  if (top.Optional("issuer") != nullptr) order.issuer = top.String("issuer");
+  if (top.Optional("id") != nullptr) order.id = ReadName(top, "id");
+  if (top.Optional("issuer") != nullptr) order.issuer = ReadName(top, "issuer");
   order.not_before_us = OptionalTime(top, "at_min").value_or(0);
   switch (order.kind) {
     case OrderKind::kTaskAdd:

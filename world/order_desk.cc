@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/text.h"
+#include "lcmtypes/bus/codec.h"
 #include "model/scenario_json.h"
 #include "model/scenario_units.h"
 
@@ -14,6 +16,15 @@ namespace {
 
 /// As messages carry it.
 constexpr std::size_t kMostReason = 1024;
+
+/// What a message can carry of it: an order may quote anything.
+std::string ReasonFrom(std::string_view text) {
+  std::string reason = Printable(text.substr(0, kMostReason));
+  orders_t message{};
+  message.header.sender = process_name::kWorld;
+  message.refused = {{"id", "issuer", reason}};
+  return Valid(message) ? reason : "it is no order";
+}
 
 bool IsOver(TaskStatus status) {
   return status == TaskStatus::kDone || status == TaskStatus::kExpired ||
@@ -129,8 +140,11 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
     }
     said->taken.push_back(ToWire(taken, waiting.json));
   } catch (const InputError& error) {
-    said->refused.push_back(
-        {waiting.id, waiting.issuer, std::string(error.what()).substr(0, kMostReason)});
+    refused_order_t refused{};
+    refused.id = waiting.id;
+    refused.issuer = waiting.issuer;
+    refused.reason = ReasonFrom(error.what());
+    said->refused.push_back(std::move(refused));
   }
 }
 

@@ -69,6 +69,25 @@ TEST(Order, RefusesWhatTheScenarioFileWouldRefuse) {
             "order: workers[0].speed_km_per_min: found 0, expected a finite number above 0");
 }
 
+TEST(Order, NamesAreFitForMessages) {
+  const auto refusal = [](const std::string& json) -> std::string {
+    try {
+      ParseOrder(json, "order");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(R"({"id": "a\u0007", "order": "task_cancel", "task": 1})"),
+            "order: id: found a\\x07, expected at most 200 bytes without control characters");
+  EXPECT_EQ(
+      refusal(R"({"issuer": ")" + std::string(201, 'x') +
+              R"(", "order": "task_cancel", "task": 1})"),
+      "order: issuer: found 201 bytes, expected at most 200 bytes without control characters");
+  EXPECT_EQ(refusal(std::string(17'000, ' ')),
+            "order: order: found 17000 bytes, expected at most 16000");
+}
+
 TEST(Order, ChangesWhatItNames) {
   Scenario scenario = Roomy();
   const Task before = scenario.tasks[7];
