@@ -120,7 +120,9 @@ TEST_F(RecorderRunTest, KilledFromOutsideAtRandomTicks) {
 }
 
 TEST_F(RecorderRunTest, KilledStoppedAndWithoutRoomByAPlan) {
-  const Json report = Mission({"--fault", "process_killed:recorder@30",          //
+  // At full speed the loss would be over before a packet comes.
+  const Json report = Mission({"--rate", "7200",                                 //
+                               "--fault", "process_killed:recorder@30",          //
                                "--fault", "process_stopped:recorder@50+0.3s",    //
                                "--fault", "disk_full:recorder@70+0.3s",          //
                                "--fault", "partition:recorder|world@90+0.2s",    //
