@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lcmtypes/channels.h"
+#include "tools/host/quiet_thread.h"
 #include "tools/report/gshhg.h"
 
 namespace muster::tools {
@@ -14,15 +15,6 @@ namespace {
 constexpr std::size_t kBatch = 200;
 
 }  // namespace
-
-std::thread StartQuietThread(std::function<void()> body) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::move(body));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
 
 LiveFeed::LiveFeed(std::string name) : name_(std::move(name)), feed_(std::in_place) {
   worker_ = StartQuietThread([this] { Work(); });

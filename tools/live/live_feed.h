@@ -65,7 +65,4 @@ class LiveFeed {
   std::thread worker_;
 };
 
-/// Starts a thread that takes no signals: they are the main thread's.
-std::thread StartQuietThread(std::function<void()> body);
-
 }  // namespace muster::tools

@@ -19,6 +19,7 @@
 
 #include "base/check.h"
 #include "base/text.h"
+#include "tools/host/quiet_thread.h"
 #include "tools/report/page.h"
 #include "tools/scenario/order_text.h"
 
@@ -257,7 +258,7 @@ void LiveServer::TakeOrder(Client* client, const std::string& path, const std::s
 }
 
 void LiveServer::AnswerOrder(Client* client, Time now) {
-  const auto answer = gate_->Await(client->order, milliseconds(0));
+  const auto answer = gate_->AnswerTo(client->order);
   if (!answer && gate_->knows(client->order) && now < client->answer_by) return;
   const std::string text =
       answer ? *answer : nlohmann::ordered_json{{"id", client->order}, {"pending", true}}.dump();

@@ -50,7 +50,7 @@ void AddPlaceOptions(Options* options) {
 
 /// Sends the order and tells what became of it.
 int Give(Json order, const Arguments& arguments) {
-  arguments.Has("id") ? void(order["id"] = arguments.Get("id")) : void();
+  if (arguments.Has("id")) order["id"] = arguments.Get("id");
   if (arguments.Has("issuer")) order["issuer"] = arguments.Get("issuer");
   // What is wrong with it in itself is an error of the command line.
   ParseOrder(

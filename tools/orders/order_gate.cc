@@ -37,11 +37,10 @@ bool OrderGate::knows(const std::string& id) const {
   return answers_.contains(id);
 }
 
-std::optional<std::string> OrderGate::Await(const std::string& id, std::chrono::milliseconds wait) {
-  std::unique_lock lock(mutex_);
+std::optional<std::string> OrderGate::AnswerTo(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
   const auto order = answers_.find(id);
   if (order == answers_.end()) return {};
-  answered_.wait_for(lock, wait, [&] { return closed_ || !order->second.empty(); });
   if (!order->second.empty()) return order->second;
   if (closed_) return Json{{"id", id}, {"error", kEnded}}.dump();
   return {};
@@ -70,13 +69,11 @@ void OrderGate::Answer(const orders_t& orders) {
       given->second = Json{{"id", order.id}, {"refused", order.reason}}.dump();
     }
   }
-  answered_.notify_all();
 }
 
 void OrderGate::Close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  answered_.notify_all();
 }
 
 }  // namespace muster::tools

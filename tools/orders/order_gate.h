@@ -1,7 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <muster/order_t.hpp>
@@ -28,8 +26,8 @@ class OrderGate {
 
   /// What became of it, as JSON: {"id", "taken": {"tick", "sim_s", "task" | "agent"}},
   /// {"id", "refused": reason}, or, when the mission has ended without an answer, {"id", "error"}.
-  /// None: nobody gave that, or nothing is known after `wait`.
-  std::optional<std::string> Await(const std::string& id, std::chrono::milliseconds wait);
+  /// None: nobody gave that, or nothing is known yet.
+  std::optional<std::string> AnswerTo(const std::string& id) const;
   bool knows(const std::string& id) const;
 
   /// Those that have been given since; headers are not filled.
@@ -41,7 +39,6 @@ class OrderGate {
  private:
   const std::optional<Origin> origin_;
   mutable std::mutex mutex_;
-  std::condition_variable answered_;
   std::vector<order_t> given_;
   std::map<std::string, std::string> answers_;  ///< by id; "": none yet
   bool closed_ = false;

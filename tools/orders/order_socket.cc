@@ -10,11 +10,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "tools/host/quiet_thread.h"
 
 namespace muster::tools {
 namespace {
@@ -47,15 +47,6 @@ class Address {
   sockaddr_un address_ = {};
 };
 
-std::thread StartWithoutSignals(const std::function<void()>& body) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(body);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
-
 }  // namespace
 
 OrderSocket::OrderSocket(const std::string& folder, OrderGate* gate)
@@ -72,7 +63,7 @@ OrderSocket::OrderSocket(const std::string& folder, OrderGate* gate)
     if (socket_ >= 0) close(socket_);
     throw SystemError(fmt::format("cannot listen at {}: {}", file_, why));
   }
-  thread_ = StartWithoutSignals([this] { Work(); });
+  thread_ = StartQuietThread([this] { Work(); });
 }
 
 OrderSocket::~OrderSocket() {
@@ -145,7 +136,7 @@ void OrderSocket::Read(Client* client) {
 
 void OrderSocket::Answer(Client* client) {
   std::erase_if(client->waiting, [&](const std::string& id) {
-    const auto answer = gate_->Await(id, std::chrono::milliseconds(0));
+    const auto answer = gate_->AnswerTo(id);
     if (answer) client->out += *answer + "\n";
     return answer.has_value();
   });

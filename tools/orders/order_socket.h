@@ -14,8 +14,8 @@ namespace muster::tools {
 inline constexpr const char* kOrderSocket = "orders.sock";
 
 /// The socket of a running mission in its run directory, for its owner alone: a line of JSON is an
-/// order, and for each comes a line of JSON with what became of it (OrderGate::Await), in whatever
-/// order. One thread serves all and waits for nobody.
+/// order, and for each comes a line of JSON with what became of it (OrderGate::AnswerTo), in
+/// whatever order. One thread serves all and waits for nobody.
 class OrderSocket {
  public:
   static constexpr std::size_t kMostClients = 32;

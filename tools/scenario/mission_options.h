@@ -26,7 +26,6 @@ struct MissionOptions {
   bool quiet = false;
 };
 
-/// Where orders come from a file, the scenario of them is to be read first: ResolveScenario.
 void AddMissionOptions(Options* options);
 /// The scenario file and the overrides of its rules alone.
 void AddRuleOptions(Options* options);
