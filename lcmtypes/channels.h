@@ -45,6 +45,7 @@ inline constexpr std::string_view kWorkerChanges = "MUSTER_WORKER_CHANGES";
 inline constexpr std::string_view kVehicleChanges = "MUSTER_VEHICLE_CHANGES";
 inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
 inline constexpr std::string_view kEvent = "MUSTER_EVENT";
+inline constexpr std::string_view kDriver = "MUSTER_DRIVER";
 inline constexpr std::string_view kFault = "MUSTER_FAULT";
 inline constexpr std::string_view kProcess = "MUSTER_PROCESS";
 inline constexpr std::string_view kOrder = "MUSTER_ORDER";
@@ -81,6 +82,8 @@ inline constexpr Channel kChannels[] = {
     {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB,
      kWorldAndAgents},
     {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096, kNobody},
+    {channel::kDriver, "event_t", "processes with drivers", "until the world rules", 4096,
+     kWorldAlone},
     {channel::kFault, "fault_t", "fault injector", "when it is due", 4096},
     {channel::kProcess, "process_status_t", "every process", "at start and end, every second",
      4096},

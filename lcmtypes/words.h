@@ -103,6 +103,7 @@ enum class EventKind : std::int8_t {
   kTaskChanged = 21,
   kAgentJoined = 22,
   kAgentLeaves = 23,
+  kDriverFailed = 24,  ///< what the driver of a measured agent says, or what is wrong with it
 };
 
 /// fault_t.kind
@@ -134,7 +135,8 @@ enum class ProcessState : std::int8_t {
 /// mission's digest.
 constexpr bool IsOutcome(EventKind kind) {
   return kind <= EventKind::kMatchFailed || kind == EventKind::kTaskReported ||
-         kind == EventKind::kTaskExpired || kind >= EventKind::kTaskCancelled;
+         kind == EventKind::kTaskExpired ||
+         (kind >= EventKind::kTaskCancelled && kind <= EventKind::kAgentLeaves);
 }
 /// Whether a report leaves the kind out where nothing of it happened: kinds of few missions.
 constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
@@ -180,12 +182,12 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 24> kNames<EventKind> = {
+inline constexpr std::array<std::string_view, 25> kNames<EventKind> = {
     "agent_online",  "agent_offline",   "agent_failed",     "agent_back",     "sensing_started",
     "sensing_done",  "sensing_aborted", "charging_started", "charging_done",  "charging_aborted",
     "match_failed",  "process_lost",    "process_back",     "fault_applied",  "fault_ended",
     "task_reported", "task_expired",    "answer_refused",   "task_cancelled", "task_held",
-    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves"};
+    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves",   "driver_failed"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

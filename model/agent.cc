@@ -84,6 +84,11 @@ AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec) {
   agent.online_until_us = spec.online_until_us;
   agent.from = agent.to = spec.at;
   agent.range_at_departure_m = spec.range_m;
+  if (spec.measured) {
+    agent.measured.emplace();
+    agent.measured->seen = {spec.at, 0, spec.range_m};
+    NoteLeg(&agent);
+  }
   return agent;
 }
 
@@ -104,13 +109,14 @@ double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   const double on_arrival = RangeOnArrival(agent);
   if (!agent.activity || t <= agent.activity->start_us) return on_arrival;
   const Activity& activity = *agent.activity;
-  if (t >= activity.end_us && agent.measured && agent.measured->range_after_m) {
+  // Whoever has said to be done is, though its partner may go on.
+  const bool done = t >= activity.end_us || (agent.measured && agent.measured->done);
+  if (done && agent.measured && agent.measured->range_after_m) {
     return *agent.measured->range_after_m;
   }
-  const double fraction = t >= activity.end_us
-                              ? 1.0
-                              : static_cast<double>(t - activity.start_us) /
-                                    static_cast<double>(activity.end_us - activity.start_us);
+  const double fraction = done ? 1.0
+                               : static_cast<double>(t - activity.start_us) /
+                                     static_cast<double>(activity.end_us - activity.start_us);
   if (activity.kind == Activity::Kind::kSensing) {
     const double cost = tasks[static_cast<std::size_t>(activity.site)].cost_m;
     return std::max(0.0, on_arrival - cost * fraction);

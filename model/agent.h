@@ -50,10 +50,12 @@ struct Measured {
   };
   Seen seen;
   Seen anchor;            ///< the same, when the leg began
+  Point origin;           ///< of the leg
   TimeUs set_out_us = 0;  ///< when it set out on the leg, or came to stand still
   TimeUs planned_us = 0;  ///< arrival as planned then
   bool arrived = false;
   bool done = false;                         ///< with its sensing or charging
+  bool overdue = false;                      ///< it should have been done by now
   std::optional<double> range_after_m = {};  ///< that it has then; none: as computed
 };
 

@@ -15,6 +15,21 @@ using Kind = MeasuredReport::Kind;
 /// No mission lasts so long; sums of such times do not overflow.
 constexpr TimeUs kLatestUs = TimeUs{100} * 366 * 24 * 60 * kMinuteUs;
 
+/// Places in messages differ by rounding.
+constexpr double kSamePlace_m = 1e-6;
+
+/// The rest of the leg begins there and then.
+void RestFrom(Point here, double range_m, TimeUs t, AgentState* agent) {
+  agent->from = here;
+  agent->depart_us = t;
+  if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = range_m;
+}
+
+double RangeOnItsWay(const AgentState& agent, TimeUs t) {
+  const double spent = agent.range_per_m * Distance(agent.from, PositionAt(agent, t));
+  return std::max(0.0, agent.range_at_departure_m - spent);
+}
+
 double SlackM(const AgentState& agent) { return agent.speed_m_s * ToSeconds(kMeasuredSlackUs); }
 
 /// The way that it can have made in that time at most.
@@ -83,9 +98,7 @@ std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
   if (as_expected) return {};
   const double spent = agent->range_per_m * Distance(agent->from, report.at);
   const double computed = std::max(0.0, agent->range_at_departure_m - spent);
-  agent->range_at_departure_m = report.range_m.value_or(computed);
-  agent->from = report.at;
-  agent->depart_us = report.at_us;
+  RestFrom(report.at, report.range_m.value_or(computed), report.at_us, agent);
   agent->arrive_us = std::max(expected, t);  // it would have said so
   if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
   return {};
@@ -151,6 +164,7 @@ std::string CheckCommand(const AgentState& agent, const MeasuredReport& report) 
 }
 
 std::string ApplyArrived(AgentState* agent, const MeasuredReport& report, TimeUs t) {
+  t = std::min(t, std::max(report.at_us, agent->measured->seen.at_us));
   std::string problem = CheckCommand(*agent, report);
   if (!problem.empty() || agent->measured->arrived) return problem;
   problem = CheckSpeed(*agent, agent->to, t);
@@ -167,13 +181,15 @@ std::string ApplyDone(AgentState* agent, const MeasuredReport& report, TimeUs t,
                       std::span<const Task> tasks) {
   std::string problem = CheckCommand(*agent, report);
   if (!problem.empty() || agent->measured->done) return problem;
-  if (!agent->activity || agent->activity->start_us > t) {
+  if (!agent->measured->arrived || !agent->activity || agent->activity->start_us > t) {
     return "neither sensing nor charging has begun";
   }
   const bool charges = agent->activity->kind == Activity::Kind::kCharging;
   const TimeUs end = std::min(agent->activity->end_us, t);
   // Sensing is done when it is said to be; charging is as full as the time allows.
-  const double computed = RangeAt(*agent, charges ? end : agent->activity->end_us, tasks);
+  const bool is_full = charges && agent->measured->overdue;
+  const double computed = is_full ? agent->range_full_m
+                                  : RangeAt(*agent, charges ? end : agent->activity->end_us, tasks);
   if (report.range_m) {
     problem = CheckRange(*agent, *report.range_m, agent->to, charges);
     if (problem.empty() && charges && *report.range_m > computed + SlackM(*agent)) {
@@ -187,7 +203,7 @@ std::string ApplyDone(AgentState* agent, const MeasuredReport& report, TimeUs t,
   const double range = report.range_m.value_or(computed);
   agent->measured->seen.range_m = range;
   const bool as_expected = std::abs(range - computed) <= SlackM(*agent);
-  if (!as_expected || (charges && end < agent->activity->end_us)) {
+  if (!as_expected || (charges && end < agent->activity->end_us && !is_full)) {
     agent->measured->range_after_m = range;
   }
   return {};
@@ -198,13 +214,6 @@ std::string ApplyDone(AgentState* agent, const MeasuredReport& report, TimeUs t,
 std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
                         std::span<const Task> tasks) {
   if (agent->failed) return "it has failed";
-  if (report.kind == Kind::kJoins) {
-    if (agent->measured) return {};
-    agent->measured.emplace();
-    agent->measured->seen = {PositionAt(*agent, t), t, RangeAt(*agent, t, tasks)};
-    NoteLeg(agent);
-    return {};
-  }
   if (!agent->measured) return "it is computed, not measured";
   switch (report.kind) {
     case Kind::kPlace:
@@ -219,28 +228,76 @@ std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs 
 }
 
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
-  if (!agent->measured || agent->failed || !IsOnItsWay(*agent) || agent->arrive_us > t) return;
-  agent->arrive_us = next_tick_us;
-  if (!IsPair(agent->action)) agent->busy_until_us = next_tick_us;
+  if (!agent->measured || agent->failed || agent->action == ActionKind::kNone) return;
+  if (IsOnItsWay(*agent)) {
+    if (agent->arrive_us <= t) {
+      agent->arrive_us = next_tick_us;
+      if (!IsPair(agent->action)) agent->busy_until_us = next_tick_us;
+    }
+    if (agent->depart_us != agent->measured->set_out_us ||
+        agent->arrive_us != agent->measured->planned_us) {
+      RestFrom(PositionAt(*agent, t), RangeOnItsWay(*agent, t), t, agent);
+    }
+    return;
+  }
+  if (!IsPair(agent->action) || !agent->activity) return;
+  if (agent->activity->start_us > t) {  // it has not begun after all: its partner is late
+    agent->measured->done = agent->measured->overdue = false;
+    agent->measured->range_after_m.reset();
+    return;
+  }
+  TimeUs& end = agent->activity->end_us;
+  if (agent->measured->done) {
+    end = std::min(end, t);
+  } else if (end <= t) {
+    end = next_tick_us;
+    agent->measured->overdue = true;
+  }
+  agent->busy_until_us = end;
 }
 
-void KeepMeasured(const AgentState& before, AgentState* reported) {
-  if (!before.measured) return;
-  reported->measured = before.measured;
-  const bool is_new =
-      reported->action != ActionKind::kNone && reported->decision != before.decision;
-  if (is_new) {
-    NoteLeg(reported);
-  } else if (reported->action == before.action) {
-    reported->activity = before.activity;
+void SayAsComputed(AgentState* agent, TimeUs t) {
+  if (!agent->measured || agent->action == ActionKind::kNone) return;
+  agent->measured->arrived = agent->arrive_us <= t;
+  agent->measured->done = IsPair(agent->action) && agent->activity && agent->busy_until_us <= t;
+}
+
+bool TellsWholeLeg(const AgentState& agent, TimeUs t) {
+  return agent.measured && IsPair(agent.action) && t < agent.arrive_us;
+}
+
+void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
+                  AgentState* reported) {
+  reported->measured.emplace();
+  Measured& told = *reported->measured;
+  told.seen = told.anchor = {here, t, range_left_m};
+  told.origin = reported->from;
+  told.set_out_us = reported->depart_us;
+  told.planned_us = reported->arrive_us;
+  if (reported->action == ActionKind::kNone) return;
+  if (!TellsWholeLeg(*reported, t)) {
+    told.set_out_us = std::min(reported->depart_us, reported->decision * rules.interval_us);
+    told.arrived = reported->arrive_us <= t;
+    told.done = IsPair(reported->action) && told.arrived && reported->busy_until_us <= t;
+    if (told.done) told.range_after_m = range_left_m;
+    return;
+  }
+  told.planned_us =
+      reported->depart_us + TravelUs(Distance(reported->from, reported->to), reported->speed_m_s);
+  if (reported->arrive_us != told.planned_us ||
+      Distance(PositionAt(*reported, t), here) > kSamePlace_m) {
+    RestFrom(here, range_left_m, t, reported);
   }
 }
 
 void NoteLeg(AgentState* agent) {
   Measured::Seen seen = agent->measured->seen;
   seen.range_m = std::max(seen.range_m, agent->range_at_departure_m);  // it may have been charged
-  agent->measured = Measured{
-      .seen = seen, .anchor = seen, .set_out_us = agent->depart_us, .planned_us = agent->arrive_us};
+  agent->measured = Measured{.seen = seen,
+                             .anchor = seen,
+                             .origin = agent->from,
+                             .set_out_us = agent->depart_us,
+                             .planned_us = agent->arrive_us};
 }
 
 bool IsOld(const AgentState& agent, const MeasuredReport& report) {

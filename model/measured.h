@@ -9,12 +9,10 @@
 
 namespace muster {
 
-/// What a measured agent says of itself (docs/drivers.md). It is an input of the mission, like an
-/// order: the world takes it at a tick, and every process that holds the agent's state applies it
-/// at that tick, before it settles the tick's verdict.
+/// What a measured agent says of itself (docs/drivers.md). The process that holds the agent applies
+/// it before it reports the agent's state for a tick: all others take that state as it is told.
 struct MeasuredReport {
   enum class Kind : std::int8_t {
-    kJoins,    ///< from now on its reports count, in the place of computation
     kPlace,    ///< where it is, and perhaps when it expects to arrive
     kArrived,  ///< it is where it was sent
     kDone,     ///< its part of the sensing or charging is done
@@ -24,7 +22,7 @@ struct MeasuredReport {
   std::int32_t agent = -1;
   Kind kind = Kind::kPlace;
   std::int32_t decision = -1;              ///< kArrived, kDone: whose command it is about
-  TimeUs at_us = 0;                        ///< kPlace: when it was there
+  TimeUs at_us = 0;                        ///< when it was there, or said so
   Point at = {};                           ///< kPlace
   std::optional<double> range_m = {};      ///< kPlace, kDone of a UAV; none: as computed
   std::optional<TimeUs> expected_us = {};  ///< kPlace: arrival; none: at full speed from there
@@ -42,14 +40,22 @@ inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
 [[nodiscard]] std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
                                       std::span<const Task> tasks);
 
-/// After the reports of tick time t: a measured agent whose arrival was expected by then, and that
-/// has not said that it arrived, is expected at the next tick.
+/// After the reports of tick time t: what was expected of a measured agent by then, arrival or the
+/// end of its sensing or charging, and was not said, is expected at the next tick; what is done is
+/// over by t. The rest of a leg that is not as planned begins where the agent is then.
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us);
 
-/// A state that came in a message knows neither of being measured nor of its sensing or charging:
-/// takes that from the state of the tick before, as its receiver holds it, and notes when a new leg
-/// has begun. Of a computed agent: nothing, the next verdict tells all.
-void KeepMeasured(const AgentState& before, AgentState* reported);
+/// A measured agent whom nobody drives says at time t what is computed.
+void SayAsComputed(AgentState* agent, TimeUs t);
+
+/// Whether a report tells the leg of a measured agent as it began, so that its arrival as planned
+/// can be read from it, and the place and arrival as they are now: on its way to a partner.
+bool TellsWholeLeg(const AgentState& agent, TimeUs t);
+
+/// Completes a measured agent that came in a message of time t, with its place and range then:
+/// arrived and done is who says so by the times.
+void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
+                  AgentState* reported);
 
 /// Whether a place is older than what the agent has said since, or than its leg.
 bool IsOld(const AgentState& agent, const MeasuredReport& report);

@@ -1,5 +1,8 @@
 #include "model/scenario.h"
 
+#include <algorithm>
+#include <functional>
+
 namespace muster {
 
 bool Task::IsPlain() const {
@@ -16,6 +19,11 @@ bool Scenario::IsOpen() const {
   const Rules usual;
   return room.any() || rules.priority_worth != usual.priority_worth ||
          rules.late_worth != usual.late_worth || rules.patience_us != usual.patience_us ||
+         std::any_of(std::begin(kAgentKinds), std::end(kAgentKinds),
+                     [this](AgentKind kind) {
+                       return std::any_of(agents(kind).begin(), agents(kind).end(),
+                                          std::mem_fn(&AgentSpec::measured));
+                     }) ||
          !std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.IsPlain(); });
 }
 

@@ -25,6 +25,7 @@ struct AgentSpec {
   double charge_rate_m_s = 0;
   TimeUs online_from_us = 0;
   TimeUs online_until_us = 0;
+  bool measured = false;  ///< its reports count, in the place of computation (measured.h)
 };
 
 /// How much a task matters. docs/scenario-format.md has what each is worth.

@@ -47,7 +47,8 @@ class IdCounter {
   std::unordered_set<std::int64_t> seen_;  // only asked for membership
 };
 
-std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list, AgentKind kind) {
+std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list, AgentKind kind,
+                                  int version) {
   const std::vector<JsonValue>& items = top.Array(list);
   std::vector<AgentSpec> agents;
   agents.reserve(items.size());
@@ -56,13 +57,16 @@ std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list
     const ObjectReader object = top.Element(list, items[i], i);
     if (kind == AgentKind::kUav) {
       object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "full_range_km", "range_km",
-                        "online_from_min", "online_until_min"});
+                        "online_from_min", "online_until_min", "measured"});
     } else if (kind == AgentKind::kWorker) {
-      object.AllowOnly(
-          {"id", "x_km", "y_km", "speed_km_per_min", "online_from_min", "online_until_min"});
+      object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "online_from_min",
+                        "online_until_min", "measured"});
     } else {
       object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "charge_km_per_min",
-                        "online_from_min", "online_until_min"});
+                        "online_from_min", "online_until_min", "measured"});
+    }
+    if (version == 1 && object.Optional("measured") != nullptr) {
+      object.Fail("measured", "in version 1", "version 2");
     }
     ids.Take(object);
     AgentSpec agent;
@@ -77,6 +81,7 @@ std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list
     }
     agent.online_from_us = object.Time("online_from_min", kMinute);
     agent.online_until_us = object.Time("online_until_min", kMinute);
+    agent.measured = object.Boolean("measured", false);
     agents.push_back(agent);
   }
   return agents;
@@ -340,6 +345,7 @@ class Writer {
       }
       Add(", \"online_from_min\": {}, \"online_until_min\": {}",
           TimeToText(agent.online_from_us, kMinute), TimeToText(agent.online_until_us, kMinute));
+      if (agent.measured) text_ += ", \"measured\": true";
     });
   }
 
@@ -385,9 +391,9 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   if (top.Optional("disturbances") != nullptr) {
     scenario.disturbances = ReadDisturbances(top.Child("disturbances"));
   }
-  scenario.uavs = ReadAgents(top, "uavs", AgentKind::kUav);
-  scenario.workers = ReadAgents(top, "workers", AgentKind::kWorker);
-  scenario.vehicles = ReadAgents(top, "vehicles", AgentKind::kVehicle);
+  scenario.uavs = ReadAgents(top, "uavs", AgentKind::kUav, version);
+  scenario.workers = ReadAgents(top, "workers", AgentKind::kWorker, version);
+  scenario.vehicles = ReadAgents(top, "vehicles", AgentKind::kVehicle, version);
   scenario.tasks = ReadTasks(top, version);
   scenario.charging_points = ReadChargingPoints(top);
   const Room room = std::exchange(scenario.room, {});

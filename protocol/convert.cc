@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lcmtypes/channels.h"
+#include "model/measured.h"
 
 namespace muster {
 namespace {
@@ -63,6 +64,19 @@ bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const Wi
   }
 }
 
+/// The rest of a free move begins here and now: a place and time as far behind tell its goal.
+void TellGoal(const AgentState& agent, TimeUs t, agent_t* wire) {
+  const TimeUs behind_us = std::min(agent.arrive_us - t, t - agent.measured->set_out_us);
+  const double part = static_cast<double>(behind_us) / static_cast<double>(agent.arrive_us - t);
+  const Point from = Lerp(agent.from, agent.to, -part);
+  wire->from_x_m = from.x_m;
+  wire->from_y_m = from.y_m;
+  wire->depart_us = t - behind_us;
+  if (agent.kind == AgentKind::kUav) {
+    wire->range_at_departure_m += agent.range_per_m * Distance(from, agent.from);
+  }
+}
+
 }  // namespace
 
 bool Possible(const clock_t& clock, const Rules& rules) {
@@ -116,6 +130,18 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   wire.target_id = agent.target;
   wire.partner_id = agent.partner;
   wire.decision = agent.decision;
+  if (agent.measured && agent.action == ActionKind::kGoTo && agent.depart_us == t &&
+      t < agent.arrive_us && agent.measured->set_out_us < t) {
+    TellGoal(agent, t, &wire);
+  }
+  if (TellsWholeLeg(agent, t)) {
+    const Measured& told = *agent.measured;
+    const double way = agent.range_per_m * Distance(told.origin, agent.from);
+    wire.from_x_m = told.origin.x_m;
+    wire.from_y_m = told.origin.y_m;
+    wire.depart_us = told.set_out_us;
+    if (agent.kind == AgentKind::kUav) wire.range_at_departure_m += way;
+  }
   return wire;
 }
 
@@ -178,6 +204,9 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
         RangePerMetre(UavId(wire.id), wire.decision, limits.disturbances, limits.seed);
   }
   agent.failed = wire.status == AgentStatus::kFailed;
+  if (limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured) {
+    ReadMeasured({wire.x_m, wire.y_m}, wire.range_left_m, t, limits.scenario.rules, &agent);
+  }
   return agent;
 }
 

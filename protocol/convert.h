@@ -20,20 +20,22 @@ namespace muster {
 
 /// What of a scenario a wire message must fit into. The scenario must outlive it.
 struct WireLimits {
+  const Scenario& scenario;
   const std::vector<Task>& tasks;
   const std::vector<ChargingPoint>& charging_points;
   std::size_t uavs = 0, workers = 0, vehicles = 0;
   const Disturbances& disturbances;
   std::uint64_t seed = 0;
 
-  explicit WireLimits(const Scenario& scenario)
-      : tasks(scenario.tasks),
-        charging_points(scenario.charging_points),
-        uavs(scenario.uavs.size()),
-        workers(scenario.workers.size()),
-        vehicles(scenario.vehicles.size()),
-        disturbances(scenario.disturbances),
-        seed(scenario.seed) {}
+  explicit WireLimits(const Scenario& of)
+      : scenario(of),
+        tasks(of.tasks),
+        charging_points(of.charging_points),
+        uavs(of.uavs.size()),
+        workers(of.workers.size()),
+        vehicles(of.vehicles.size()),
+        disturbances(of.disturbances),
+        seed(of.seed) {}
   std::size_t agents(AgentKind kind) const { return ByKind(kind, uavs, workers, vehicles); }
 };
 

@@ -7,20 +7,21 @@
 
 #include "base/check.h"
 #include "protocol/run_process.h"
-#include "simulation/start_process.h"
 
 namespace muster::tools {
 
 void Simulate(const std::string& json, const std::string& policy,
               const std::function<void(const Packet&)>& observe,
               const std::vector<world::Outage>& outages,
-              const std::vector<world::PlannedOrder>& orders) {
+              const std::vector<world::PlannedOrder>& orders,
+              const simulation::DriversOf& drivers) {
   simulation::ProcessSettings settings;
   settings.scenario_json = json;
   settings.policy = policy;
   settings.stopwatch = MonotonicUs;
   settings.world.outages = outages;
   settings.world.orders = orders;
+  settings.drivers = drivers;
   std::vector<std::unique_ptr<Process>> processes;
   for (const std::string& name : simulation::ProcessNames()) {
     processes.push_back(simulation::StartProcess({1, name, 0}, settings));
@@ -41,11 +42,20 @@ void Simulate(const std::string& json, const std::string& policy,
     }
     out.clear();
   };
-  for (std::size_t i = 0; i < processes.size(); ++i) {
-    processes[i]->Step({}, now, &out);
-    publish(i);
-  }
-  while (!queue.empty()) {
+  // Whether anybody wants a turn without a packet: who begins, and who waits for drivers.
+  const auto wake = [&](bool all) {
+    bool any = false;
+    for (std::size_t i = 0; i < processes.size(); ++i) {
+      if (!all && processes[i]->wake_us() > now.monotonic_us) continue;
+      processes[i]->Step({}, now, &out);
+      publish(i);
+      any = true;
+    }
+    return any;
+  };
+  wake(true);
+  while (!queue.empty() || wake(false)) {
+    if (queue.empty()) continue;
     const Sent sent = std::move(queue.front());
     queue.pop_front();
     const std::optional<Message> message = DecodeMessage(sent.packet);

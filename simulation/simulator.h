@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
+#include "simulation/start_process.h"
 #include "world/planned_orders.h"
 #include "world/referee.h"
 
@@ -14,10 +15,12 @@ namespace muster::tools {
 /// in-memory bus that loses nothing, with no clock but a counter. `json` is a scenario file's text,
 /// `policy` a policy's name. Every published packet goes to `observe`, once, in order. The same
 /// decisions and outcomes as `muster run`. Throws InputError on a scenario or policy that cannot
-/// be. `outages`: agents that fail by order. `orders`: what is asked in its course.
+/// be. `outages`: agents that fail by order. `orders`: what is asked in its course. `drivers`: of
+/// measured agents; it waits for them.
 void Simulate(const std::string& json, const std::string& policy,
               const std::function<void(const Packet&)>& observe,
               const std::vector<world::Outage>& outages = {},
-              const std::vector<world::PlannedOrder>& orders = {});
+              const std::vector<world::PlannedOrder>& orders = {},
+              const simulation::DriversOf& drivers = {});
 
 }  // namespace muster::tools

@@ -22,8 +22,9 @@ std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSet
   }
   for (const AgentKind kind : kAgentKinds) {
     if (identity.name != ToString(kind)) continue;
-    return std::make_unique<agents::AgentProcess>(identity, settings.window, kind,
-                                                  agents::IdRange(), settings.most_whole);
+    return std::make_unique<agents::AgentProcess>(
+        identity, settings.window, kind, agents::IdRange(), settings.most_whole,
+        settings.drivers ? settings.drivers(kind) : nullptr);
   }
   MUSTER_CHECK(false, "{}", identity.name);
   return nullptr;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ namespace muster::simulation {
 /// scheduler.
 const std::vector<std::string>& ProcessNames();
 
+/// Who speaks for measured agents of that class; null: nobody, they do as computed.
+using DriversOf = std::function<std::unique_ptr<agents::DriverPort>(AgentKind)>;
+
 /// What they are started with.
 struct ProcessSettings {
   std::string scenario_json;
@@ -25,6 +29,7 @@ struct ProcessSettings {
   int world_window = 0;                                       ///< see Sender
   int window = 0;                                             ///< of the others
   std::size_t most_whole = agents::AgentProcess::kMostWhole;  ///< see there
+  DriversOf drivers = {};
 };
 
 /// The core of that name of those: agent classes with all their agents.

@@ -20,8 +20,10 @@ bool AreAt(const Activity& activity, const AgentState& uav, const AgentState& pa
   return is_at(uav, partner.id) && is_at(partner, uav.id);
 }
 
+/// When it is there, or was to be.
 TimeUs PlannedArrival(const AgentState& agent) {
-  return agent.measured ? agent.measured->planned_us : agent.arrive_us;
+  const bool is_late = agent.measured && !agent.measured->arrived;
+  return is_late ? agent.measured->planned_us : agent.arrive_us;
 }
 
 std::string NameOf(const AgentState& agent) {

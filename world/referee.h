@@ -88,6 +88,8 @@ class Referee {
   /// Activities not ended before the previous judged time, rulings in force.
   const Verdict& verdict() const { return verdict_; }
   const std::vector<TaskStatus>& task_status() const { return task_status_; }
+  /// By the previous verdict.
+  bool has_failed(AgentKind kind, std::int32_t id) const { return failed_.contains({kind, id}); }
   int done() const;
   /// What has happened since the previous call, in order of time, kind, ids.
   std::vector<Event> TakeEvents();

@@ -29,6 +29,8 @@ constexpr TimeUs kNextReportUs = 10'000;
 constexpr TimeUs kWholeStateUs = 1;
 /// Whoever has not reported for so long may have started again, and want the last decision.
 constexpr TimeUs kMissedUs = 300'000;
+/// So often a report is not taken because why an agent has failed was not heard.
+constexpr int kMostAwaited = 3;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
@@ -85,6 +87,14 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
+      [&](const event_t& event) {
+        if (packet.channel != channel::kDriver || event.kind != EventKind::kDriverFailed) return;
+        for (const auto& [kind, id] : {std::pair(AgentKind::kUav, event.uav_id),
+                                       std::pair(AgentKind::kWorker, event.worker_id),
+                                       std::pair(AgentKind::kVehicle, event.vehicle_id)}) {
+          if (id >= 0) driver_failures_.try_emplace({kind, id}, event.detail);
+        }
+      },
       [&](const order_t& order) {
         if (!desk_.book().takes_orders() || wait_ == Wait::kRestore || desk_.Hear(order)) return;
         const auto answer = answers_.find(desk_.AnsweredAt(order.id));
@@ -157,10 +167,11 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
   for (const AgentState& agent : agents) {
     if (!attendance_.MayReport(kind, agent.id, states.header.sender)) return inbox().Reject();
   }
+  if (LacksReason(agents)) return;
   bool news = false;
   for (const AgentState& agent : agents) {
     if (!attendance_.Report(kind, agent.id, states.header.sender)) continue;
-    agents_.at(kind, agent.id) = agent;
+    TakeIn(agent);
     news = true;
   }
   if (!news) return;
@@ -168,6 +179,31 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
   if (packet == nullptr) return handover_.Add(kind, states);
   told_[kind].Take(states);
   handover_.Add(kind, *packet);
+}
+
+std::string WorldProcess::WhyFailed(const AgentState& agent) const {
+  const auto found = driver_failures_.find({agent.kind, agent.id});
+  return found == driver_failures_.end() ? "" : found->second;
+}
+
+bool WorldProcess::LacksReason(const std::vector<AgentState>& agents) {
+  return std::any_of(agents.begin(), agents.end(), [&](const AgentState& agent) {
+    return agent.measured && agent.failed && !referee_.has_failed(agent.kind, agent.id) &&
+           WhyFailed(agent).empty() && ++reasons_awaited_[{agent.kind, agent.id}] <= kMostAwaited;
+  });
+}
+
+void WorldProcess::TakeIn(AgentState agent) {
+  if (agent.measured && agent.failed && !referee_.has_failed(agent.kind, agent.id)) {
+    agent.failed = false;
+    const std::string why = WhyFailed(agent);
+    referee_.Add({agent.kind,
+                  agent.id,
+                  clock_.sim_us(),
+                  kNever,
+                  {FailureReason::Cause::kSaid, why.empty() ? "its driver has failed" : why}});
+  }
+  agents_.at(agent.kind, agent.id) = agent;
 }
 
 void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {

@@ -56,6 +56,12 @@ class WorldProcess : public Process {
   void Take(const agent_states_t& states, const Packet* packet);
   void Take(const agent_changes_t& changes, const Packet& packet);
   void Take(const answer_t& answer);
+  /// Of a driven agent; "": not heard.
+  std::string WhyFailed(const AgentState& agent) const;
+  /// Whether a report must be said again, since it lacks why an agent has failed.
+  bool LacksReason(const std::vector<AgentState>& agents);
+  /// Takes a report's state. A driver's word of failure is judged like any other failure.
+  void TakeIn(AgentState agent);
   bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
   void Answer(const request_t& request, const Now& now);
@@ -99,6 +105,9 @@ class WorldProcess : public Process {
   bool recorder_ready_ = false;
   TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
+  /// Why drivers' agents cannot go on, and how often that was waited for.
+  std::map<std::pair<AgentKind, std::int32_t>, std::string> driver_failures_;
+  std::map<std::pair<AgentKind, std::int32_t>, int> reasons_awaited_;
   PerKind<ToldAgents> told_;
   bool has_news_ = false;       ///< somebody has reported since the last step
   PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "agents/core/agent_process.h"
+#include "agents/driver/driver_programs.h"
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
@@ -27,17 +28,47 @@ IdRange ReadIds(const std::string& text) {
   return std::pair(static_cast<std::int32_t>(*first), static_cast<std::int32_t>(*last));
 }
 
+/// [ID=]COMMAND.
+DriverPrograms::Command ReadDriver(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign != std::string::npos) {
+    const auto id = ToInteger(text.substr(0, sign), 0, std::numeric_limits<std::int32_t>::max());
+    if (id) return {static_cast<std::int32_t>(*id), DriverCommand(text.substr(sign + 1))};
+  }
+  return {{}, DriverCommand(text)};
+}
+
+std::unique_ptr<DriverPort> DriversOf(const Arguments& arguments) {
+  std::vector<DriverPrograms::Command> commands;
+  for (const std::string& text : arguments.All("driver")) commands.push_back(ReadDriver(text));
+  if (commands.empty()) return nullptr;
+  DriverSession::Rules rules;
+  if (arguments.Get("rate") != "max") rules.rate = arguments.Get<double>("rate");
+  rules.lost_after_us = ToUs(arguments.Get<double>("lost-after"));
+  return std::make_unique<DriverPrograms>(std::move(commands), rules);
+}
+
 int Run(AgentKind kind, int argc, char** argv) {
   const std::string name(ToString(kind));
   Options options("muster-" + name, fmt::format("The {}s of a mission, or some of them", name));
   options.Add("ids", "N-M", "Ids of the agents that this process moves, 0-9; default: all");
+  options
+      .Add("driver", "[ID=]COMMAND",
+           "A program that takes the part of that agent, or of all of this process, which the "
+           "scenario has as measured (docs/drivers.md)")
+      .Repeated();
+  AddRateOption(&options);
+  options.Add("lost-after", "SECONDS", "A driver that owes an answer for so long has failed")
+      .Number(Above0(3600))
+      .Default(5);
   AddProcessOptions(&options, name);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const ProcessFlags flags = ReadProcessFlags(*arguments);
   IdRange ids;
   if (arguments->Has("ids")) ids = ReadIds(arguments->Get("ids"));
-  AgentProcess process(flags.identity, flags.window, kind, ids);
+  AgentProcess process(flags.identity, flags.window, kind, ids, AgentProcess::kMostWhole,
+                       DriversOf(*arguments));
   const auto bus = OpenBus(flags, GuardedChannels::kOfAgents);
   return RunProcess(&process, bus.get(), flags.quiet);
 }

@@ -32,8 +32,12 @@ bool FromWireAll(const std::vector<Wire>& wires, const WireLimits& limits,
 }  // namespace
 
 AgentProcess::AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
-                           std::size_t most_whole)
-    : Follower(identity, window), kind_(kind), ids_(ids), most_whole_(most_whole) {}
+                           std::size_t most_whole, std::unique_ptr<DriverPort> drivers)
+    : Follower(identity, window),
+      kind_(kind),
+      ids_(ids),
+      most_whole_(most_whole),
+      drivers_(std::move(drivers)) {}
 
 void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet, const Now& now) {
   Handle(
@@ -65,8 +69,23 @@ void AgentProcess::OnScenario() {
   if (specs.size() > most_whole_) {
     told_.emplace(scenario(), kind_);
   }
+  for (std::int32_t id = first; drivers_ && id <= last; ++id) {
+    if (!drivers_->drives(id)) continue;
+    if (!specs[static_cast<std::size_t>(id)].measured) {
+      throw InputError("command line", "--driver", fmt::format("{}:{}", ToString(kind_), id),
+                       "an agent that the scenario has as \"measured\": true");
+    }
+    driven_.push_back(id);
+  }
   restored_ = identity().boot_id == 0;
-  if (restored_) set_state(ProcessState::kReady);
+  if (restored_) {
+    set_state(ProcessState::kReady);
+    BeginDriving();
+  }
+}
+
+void AgentProcess::BeginDriving() {
+  for (const std::int32_t id : driven_) drivers_->Begin(*scenario(), Agent(id), tick_us_);
 }
 
 void AgentProcess::Take(const answer_t& answer) {
@@ -79,6 +98,7 @@ void AgentProcess::Take(const answer_t& answer) {
   if (answer.data.empty()) {  // the mission has not begun
     restored_ = true;
     set_state(ProcessState::kReady);
+    BeginDriving();
     return;
   }
   const auto states = DecodeValid<agent_states_t>(answer.data);
@@ -108,7 +128,7 @@ void AgentProcess::Take(const answer_t& answer) {
       inbox().Reject();
       continue;
     }
-    agents_[static_cast<std::size_t>(wire.id - agents_.front().id)] = *agent;
+    Agent(wire.id) = *agent;
     restored_states_.push_back(wire);
     still_unknown_.erase(wire.id);
     if (agent->action == ActionKind::kGoTo && agent->arrive_us > tick_us_)
@@ -125,7 +145,7 @@ void AgentProcess::TakeGoals(const schedule_t& schedule) {
     if (!action || action->kind != ActionKind::kGoTo) continue;
     const auto id = goalless_.find(MemberOf(*action, kind_));
     if (id == goalless_.end()) continue;
-    AgentState& agent = agents_[static_cast<std::size_t>(*id - agents_.front().id)];
+    AgentState& agent = Agent(*id);
     if (agent.decision != schedule.decision || Distance(agent.to, action->to) > kSameGoal_m) {
       continue;
     }
@@ -138,6 +158,14 @@ void AgentProcess::TakeGoals(const schedule_t& schedule) {
 void AgentProcess::GoOn() {
   restored_ = true;
   says_whole_ = true;
+  for (const std::int32_t id : driven_) {
+    AgentState& agent = Agent(id);
+    // It has said so, and may not have been ruled to have.
+    if (!agent.failed || agent.action == ActionKind::kNone) continue;
+    agent.failed = false;
+    failures_.emplace(id, "its driver had failed before its process started again");
+  }
+  BeginDriving();
   set_state(ProcessState::kRunning);
   clock_.reset();
   activities_.reset();
@@ -182,6 +210,7 @@ void AgentProcess::Answer(const request_t& request, const Published& published, 
 
 void AgentProcess::Take(const clock_t& clock) {
   if (!Possible(clock, scenario()->rules)) return inbox().Reject();
+  if (clock.phase == ClockPhase::kEnded && drivers_) drivers_->Bye("the mission is over");
   if (clock.tick < restore_from_) TrustOwnStates();
   if (!restored_) return;
   Follow(clock);
@@ -198,6 +227,7 @@ void AgentProcess::Take(const world_state_t& world) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
     // came from an earlier start of it. Go on from them.
     restored_ = false;
+    awaits_drivers_ = false;
     restore_from_ = world.tick;
     for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
     return;
@@ -271,6 +301,17 @@ void AgentProcess::OnMissionStep(const Now& now) {
     // As they were: what these agents know beyond the wire only comes with the next verdict.
     Publish(std::exchange(restored_states_, {}), true, now);
   }
+  if (awaits_drivers_ || (listen_us_ != kNever && now.monotonic_us >= listen_us_)) {
+    HearDrivers(now);
+  }
+  if (awaits_drivers_) {
+    // What is asked again is said again; the present tick is not there yet.
+    if (repeat_tick_ >= 0 && repeat_tick_ == published_.tick && !sender().holds_back()) {
+      Resend(published_);
+    }
+    repeat_tick_ = -1;
+    return;
+  }
   if (CanAdvance()) {
     if (tick_ >= 0 && !HasOrders(tick_, verdict_boot_, now)) return;
     if (!HasOrders(clock_->tick, clock_->header.boot_id, now)) return;
@@ -281,8 +322,7 @@ void AgentProcess::OnMissionStep(const Now& now) {
   }
   StopAsking();
   if (repeat_tick_ >= 0 && !sender().holds_back()) {
-    const Published& asked = repeat_tick_ == published_.tick ? published_ : published_before_;
-    for (const SentPacket& packet : asked.packets) sender().Resend(packet);
+    Resend(repeat_tick_ == published_.tick ? published_ : published_before_);
   }
   repeat_tick_ = -1;
 }
@@ -300,6 +340,7 @@ void AgentProcess::Advance(const Now& now) {
       applied_decision_ = schedule_decision_;
     }
   }
+  const TimeUs before = tick_us_;
   tick_ = clock_->tick;
   tick_us_ = clock_->tick_us;
   clock_.reset();
@@ -307,12 +348,79 @@ void AgentProcess::Advance(const Now& now) {
   rulings_.reset();
   schedule_.reset();
   set_sim_us(tick_us_);
+  if (driven_.empty()) return ReportTick(now);
+  TellDrivers(before);
+  awaits_drivers_ = true;
+  HearDrivers(now);
+}
+
+void AgentProcess::TellDrivers(TimeUs before) {
+  for (const std::int32_t id : driven_) {
+    if (!failures_.contains(id)) drivers_->Tell(Agent(id), before, tick_us_);
+  }
+}
+
+void AgentProcess::HearDrivers(const Now& now) {
+  const bool is_complete = drivers_->Listen();
+  if (awaits_drivers_ && is_complete) {
+    awaits_drivers_ = false;
+    ApplyReports();
+    ReportTick(now);
+  }
+  const TimeUs patience_us = drivers_->patience_us();
+  listen_us_ = awaits_drivers_         ? now.monotonic_us
+               : patience_us == kNever ? kNever
+                                       : now.monotonic_us + patience_us;
+}
+
+void AgentProcess::ApplyReports() {
+  for (const MeasuredReport& report : drivers_->TakeReports(tick_us_)) {
+    AgentState& agent = Agent(report.agent);
+    // Said before it knew of what it does now.
+    if (report.kind == MeasuredReport::Kind::kPlace && IsOld(agent, report)) continue;
+    const std::string problem = report.kind == MeasuredReport::Kind::kFailed
+                                    ? report.reason
+                                    : ApplyReport(&agent, report, tick_us_, scenario()->tasks);
+    if (!problem.empty() && !agent.failed)
+      failures_.emplace(report.agent, "its driver: " + problem);
+  }
+  for (const std::int32_t id : driven_) {
+    ExpectOnward(&Agent(id), tick_us_, scenario()->rules.TickAfter(tick_us_));
+  }
+}
+
+void AgentProcess::ReportTick(const Now& now) {
   std::vector<agent_t> wires;
   wires.reserve(agents_.size());
-  for (const AgentState& agent : agents_)
+  for (AgentState& agent : agents_) {
+    if (agent.measured && !std::binary_search(driven_.begin(), driven_.end(), agent.id)) {
+      SayAsComputed(&agent, tick_us_);
+    }
     wires.push_back(ToWire(agent, tick_us_, scenario()->tasks));
+    if (failures_.contains(agent.id)) wires.back().status = NumberOf(AgentStatus::kFailed);
+  }
   Publish(std::move(wires), SpeaksWhole(), now);
   says_whole_ = false;
+}
+
+void AgentProcess::SayFailures(const Now& now) {
+  for (const auto& [id, reason] : failures_) {
+    if (Agent(id).failed) continue;
+    event_t event{};
+    event.kind = NumberOf(EventKind::kDriverFailed);
+    event.at_us = tick_us_;
+    event.uav_id = kind_ == AgentKind::kUav ? id : -1;
+    event.worker_id = kind_ == AgentKind::kWorker ? id : -1;
+    event.vehicle_id = kind_ == AgentKind::kVehicle ? id : -1;
+    event.task_id = event.charge_id = -1;
+    event.detail = reason;
+    published_.failures.push_back(sender().Send(channel::kDriver, std::move(event), tick_us_, now));
+  }
+}
+
+void AgentProcess::Resend(const Published& published) {
+  for (const SentPacket& packet : published.failures) sender().Resend(packet);
+  for (const SentPacket& packet : published.packets) sender().Resend(packet);
 }
 
 bool AgentProcess::SpeaksWhole() const {
@@ -325,7 +433,7 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
   for (const Action& action : actions) {
     const std::int32_t id = MemberOf(action, kind_);
     if (id < agents_.front().id || id > agents_.back().id) continue;
-    AgentState& agent = agents_[static_cast<std::size_t>(id - agents_.front().id)];
+    AgentState& agent = Agent(id);
     if (!agent.idle(t)) continue;  // a command for a busy agent is refused: its partner is released
     if (IsPair(action.kind) &&
         MatchFails(action, decision, scenario()->disturbances, scenario()->seed)) {
@@ -337,7 +445,8 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
 
 void AgentProcess::Publish(std::vector<agent_t> wires, bool whole, const Now& now) {
   published_before_ = std::move(published_);
-  published_ = {tick_, {}, {}};
+  published_ = {tick_, {}, {}, {}};
+  SayFailures(now);
   std::vector<SentPacket>& packets = published_.packets;
   if (whole) {
     for (agent_states_t& states : StatesMessages(kind_, tick_, applied_decision_, wires)) {

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "agents/core/driver_port.h"
 #include "model/scenario.h"
 #include "protocol/agent_changes.h"
 #include "protocol/convert.h"
@@ -22,18 +25,32 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 class AgentProcess : public Follower {
  public:
   /// A class of up to `most_whole` agents always tells whole states: one message, and readable as
-  /// it is. A larger one says no more when many processes share it.
+  /// it is. A larger one says no more when many processes share it. `drivers` speak for measured
+  /// agents; null: all do as computed.
   AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
-               std::size_t most_whole = kMostWhole);
+               std::size_t most_whole = kMostWhole, std::unique_ptr<DriverPort> drivers = nullptr);
   static constexpr std::size_t kMostWhole = 256;
 
  protected:
   void OnScenario() override;
   void OnMissionMessage(const Message& message, const Packet& packet, const Now& now) override;
   void OnMissionStep(const Now& now) override;
+  TimeUs OwnWakeUs() const override { return std::min(Follower::OwnWakeUs(), listen_us_); }
   std::int64_t tick() const override { return tick_; }
 
  private:
+  AgentState& Agent(std::int32_t id) {
+    return agents_[static_cast<std::size_t>(id - agents_.front().id)];
+  }
+  void BeginDriving();
+  /// Tells drivers what has become of their agents, and the time of the present tick.
+  void TellDrivers(TimeUs before);
+  /// Hears them; reports the present tick when nobody is to be waited for any more.
+  void HearDrivers(const Now& now);
+  void ApplyReports();
+  /// Says why agents cannot go on, until the world has ruled that they have failed.
+  void SayFailures(const Now& now);
+  void ReportTick(const Now& now);
   void Take(const clock_t& clock);
   void Take(const world_state_t& world);
   void Take(const rulings_t& rulings);
@@ -54,7 +71,12 @@ class AgentProcess : public Follower {
   const AgentKind kind_;
   const IdRange ids_;
   const std::size_t most_whole_;
+  const std::unique_ptr<DriverPort> drivers_;
   std::vector<AgentState> agents_;
+  std::vector<std::int32_t> driven_;              ///< ids
+  std::map<std::int32_t, std::string> failures_;  ///< of driven ones, that they have said
+  bool awaits_drivers_ = false;                   ///< the present tick is not reported yet
+  TimeUs listen_us_ = kNever;                     ///< monotonic: when drivers are heard again
 
   std::int64_t tick_ = -1;  ///< of the published states
   TimeUs tick_us_ = 0;
@@ -71,11 +93,13 @@ class AgentProcess : public Follower {
   /// What was published for the last two ticks: a world that starts again may ask for the earlier.
   struct Published {
     std::int64_t tick = -1;
+    std::vector<SentPacket> failures;  ///< why driven agents cannot go on
     std::vector<SentPacket> packets;
     /// Said as changes: the whole states, with the header of the first of the packets.
     std::optional<agent_states_t> states;
   };
   void Answer(const request_t& request, const Published& published, const Now& now);
+  void Resend(const Published& published);
   Published published_, published_before_;
   std::optional<ToldAgents> told_;  ///< what whoever has heard this process knows
   bool says_whole_ = false;         ///< the next time: somebody has not heard it

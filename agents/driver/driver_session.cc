@@ -58,8 +58,7 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
 void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
                            std::string_view why) {
   if (over_) return;
-  const AgentState before = std::exchange(agent_, agent);
-  if (!agent_.measured) KeepMeasured(before, &agent_);  // it has only just greeted
+  agent_ = agent;
   if (agent_.action == ActionKind::kNone) {
     if (open_) Cancel(at, why);
     activity_told_ = false;
@@ -167,14 +166,10 @@ std::string DriverSession::Take(const DriverLine& said, TimeUs now_us) {
   const bool greets = said.type == DriverLine::Type::kHello;
   if (greets != !greeted_) return greets ? "a second hello" : "its first line is no hello";
   switch (said.type) {
-    case DriverLine::Type::kHello: {
+    case DriverLine::Type::kHello:
       greeted_ = true;
       name_ = Quote(said.name);
-      MeasuredReport joins;
-      joins.kind = MeasuredReport::Kind::kJoins;
-      joins.at_us = now_us;
-      return Report(std::move(joins), now_us);
-    }
+      return {};
     case DriverLine::Type::kState:
       return TakePlace(said, now_us);
     default:

@@ -84,6 +84,10 @@ TEST(TimedTasks, PatienceIsARuleThatFilesMayHave) {
   EXPECT_EQ(ScenarioToJson(ParseScenario(ScenarioToJson(s), "again")), ScenarioToJson(s));
   EXPECT_EQ(json::parse(ScenarioToJson(s))["rules"]["patience_min"], 2.5);
   Scenario plain = Generate(PresetByName("Random_1"), 1);
+  plain.uavs[0].measured = true;
+  EXPECT_TRUE(ParseScenario(ScenarioToJson(plain), "f.json").uavs[0].measured);
+  EXPECT_FALSE(ParseScenario(ScenarioToJson(plain), "f.json").workers[0].measured);
+  plain.uavs[0].measured = false;
   plain.rules.patience_us = 0;
   EXPECT_TRUE(plain.IsOpen());
 }

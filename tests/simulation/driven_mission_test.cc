@@ -1,217 +1,74 @@
-// Whole missions of which agents are measured: rule book, referee and policies without messages,
-// and the example's program for one of them. As over messages, the world knows agents by what goes
-// over the wire and by the reports that it took; it must come to the agents' own states.
+// Missions of which agents are measured: the example's program for one of them, and many that tell
+// the truth late, with orders, disturbances and faults.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <map>
+#include <cstdlib>
 
-#include "agents/driver/driver_program.h"
-#include "base/random.h"
+#include "agents/driver/driver_programs.h"
 #include "base/spawn.h"
-#include "model/generator.h"
-#include "scheduler/policies/registry.h"
-#include "tests/world/measured_flight.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tests/simulation/audited.h"
+#include "tests/simulation/order_draws.h"
+#include "tests/simulation/truthful_drivers.h"
+#include "tools/explain/redecide.h"
+#include "tools/record/digest.h"
+#include "tools/record/run_record.h"
+#include "tools/simulate/virtual_mission.h"
 
-namespace muster {
+namespace muster::tools {
 namespace {
 
-using agents::DriverProgram;
+using agents::DriverPrograms;
 using agents::DriverSession;
-using world::Agents;
-using world::Event;
-using world::FailureReason;
-using world::Referee;
-using world::testing::Shown;
-
-/// What agents say for a tick at t, given what they know of themselves.
-using Speaker = std::function<std::vector<MeasuredReport>(const Agents& agents, TimeUs t)>;
-
-struct Outcome {
-  std::vector<Event> events;
-  std::vector<std::string> actions;  ///< all that were decided
-  int reports = 0;
-  std::vector<std::string> refused;
-  int done = 0;
-
-  std::vector<std::string> Told() const {
-    std::vector<std::string> told;
-    for (const Event& e : events) {
-      told.push_back(fmt::format("{} {} uav:{} worker:{} vehicle:{} task:{} charge:{} {}",
-                                 static_cast<int>(e.kind), e.at_us, e.uav.value, e.worker.value,
-                                 e.vehicle.value, e.task.value, e.charge.value, e.detail));
-    }
-    return told;
-  }
-};
-
-class Mission {
- public:
-  Mission(Scenario scenario, std::string_view policy, Speaker speaker)
-      : scenario_(std::move(scenario)),
-        limits_(scenario_),
-        site_(std::make_shared<const scheduler::Site>(scenario_)),
-        referee_(scenario_),
-        policy_(scheduler::MakePolicy(policy)),
-        speaker_(std::move(speaker)) {
-    for (const AgentKind kind : kAgentKinds) {
-      for (std::size_t i = 0; i < scenario_.agents(kind).size(); ++i) {
-        own_[kind].push_back(
-            StartOf(kind, static_cast<std::int32_t>(i), scenario_.agents(kind)[i]));
-      }
-    }
-    world_ = own_;
-  }
-
-  Outcome Run() {
-    for (std::int64_t tick = 0; tick <= scenario_.rules.last_tick(); ++tick) Tick(tick);
-    outcome_.done = referee_.done();
-    return std::move(outcome_);
-  }
-
- private:
-  template <class Visit>
-  void ForEach(Visit visit) {
-    for (const AgentKind kind : kAgentKinds) {
-      for (std::size_t i = 0; i < own_[kind].size(); ++i) visit(own_[kind][i], world_[kind][i]);
-    }
-  }
-
-  void Tick(std::int64_t tick) {
-    const TimeUs t = scenario_.rules.TimeOf(tick);
-    const std::int32_t decision = scenario_.rules.DecisionAt(tick);
-    ForEach([&](const AgentState& own, AgentState& known) {
-      auto reported = FromWire(ToWire(own, t, scenario_.tasks), own.kind, t, limits_);
-      ASSERT_TRUE(reported);
-      KeepMeasured(known, &*reported);
-      known = *reported;
-    });
-    for (const MeasuredReport& report : speaker_(own_, t)) Take(report, t);
-    ForEach([&](AgentState& own, AgentState& known) {
-      ExpectOnward(&own, t, scenario_.rules.TickAfter(t));
-      ExpectOnward(&known, t, scenario_.rules.TickAfter(t));
-    });
-    referee_.Judge(t, decision, &world_);
-    ForEach([&](AgentState& own, const AgentState& known) {
-      Settle(&own, referee_.verdict(), t, scenario_.tasks);
-      AgentState shown =
-          known;  // a free move's goal is told but for rounding, by the schedule exactly
-      if (own.action == ActionKind::kGoTo) shown.to = own.to;
-      if (own.measured || !own.failed) {
-        ASSERT_EQ(Shown(own), Shown(shown)) << t;
-      }
-    });
-    for (Event& event : referee_.TakeEvents()) outcome_.events.push_back(std::move(event));
-    if (decision >= 0) Decide(t, decision);
-  }
-
-  void Take(const MeasuredReport& report, TimeUs t) {
-    ++outcome_.reports;
-    const std::string why =
-        ApplyReport(&world_.at(report.agent_kind, report.agent), report, t, scenario_.tasks);
-    if (!why.empty()) return outcome_.refused.push_back(why);
-    EXPECT_EQ(ApplyReport(&own_.at(report.agent_kind, report.agent), report, t, scenario_.tasks),
-              "");
-    if (report.kind != MeasuredReport::Kind::kFailed) return;
-    referee_.Add(
-        {report.agent_kind, report.agent, t, kNever, {FailureReason::Cause::kSaid, report.reason}});
-  }
-
-  void Decide(TimeUs t, std::int32_t decision) {
-    scheduler::Situation situation;
-    situation.site = site_;
-    situation.decision = decision;
-    situation.now_us = t;
-    situation.task_status = referee_.task_status();
-    situation.charging_load.assign(scenario_.charging_points.size(), 0);
-    const auto add = [&](AgentKind kind, std::vector<AgentState>* list) {
-      for (const AgentState& agent : own_[kind]) {
-        if (agent.failed || (!agent.online(t) && agent.busy_until_us <= t)) continue;
-        list->push_back(agent);
-      }
-    };
-    add(AgentKind::kUav, &situation.uavs);
-    add(AgentKind::kWorker, &situation.workers);
-    add(AgentKind::kVehicle, &situation.vehicles);
-    for (const AgentState& uav : situation.uavs) {
-      if (uav.action != ActionKind::kCharge) continue;
-      ++situation.charging_load[static_cast<std::size_t>(uav.target)];
-    }
-    const auto actions = policy_->Decide(situation).actions;
-    referee_.Take(decision, actions);
-    for (const Action& action : actions) {
-      outcome_.actions.push_back(fmt::format("{} {}", decision, ToString(action)));
-      for (const AgentKind kind : kAgentKinds) {
-        const std::int32_t id = MemberOf(action, kind);
-        if (id < 0 || !own_.at(kind, id).idle(t)) continue;
-        Begin(&own_.at(kind, id), action, decision, t, scenario_.disturbances, scenario_.seed);
-      }
-    }
-  }
-
-  const Scenario scenario_;
-  const WireLimits limits_;
-  const std::shared_ptr<const scheduler::Site> site_;
-  Referee referee_;
-  const std::unique_ptr<scheduler::Policy> policy_;
-  const Speaker speaker_;
-  Agents own_, world_;
-  Outcome outcome_;
-};
 
 constexpr std::int32_t kDriven = 3;
 
 /// Random_1 of seed 1 with UAV 3 driven by the example with those options; nullptr: computed.
-Outcome Fly(const char* arguments) {
-  const Scenario scenario = Generate(PresetByName("Random_1"), 1);
-  std::unique_ptr<DriverProgram> program;
-  bool failed = false;
-  const Speaker speaker = [&](const Agents& agents, TimeUs t) {
-    std::vector<MeasuredReport> reports;
-    if (arguments == nullptr || failed) return reports;
-    const AgentState& agent = agents.uavs[kDriven];
-    DriverSession::Rules rules;
-    rules.lost_after_us = kSecondUs;
-    if (!program) {
-      program = std::make_unique<DriverProgram>(
-          agents::DriverCommand(fmt::format("python3 {} {}", MUSTER_EXAMPLES "/uav.py", arguments)),
-          scenario, agent, t, rules);
-    }
-    // What it was commanded at the tick before.
-    program->session().Follow(agent, std::max<TimeUs>(0, t - scenario.rules.tick_us),
-                              DriverProgram::WallUs());
-    program->session().Tick(t, DriverProgram::WallUs());
-    const std::string problem =
-        program->Pump(true, DriverProgram::Clock::now() + std::chrono::minutes(1));
-    reports = program->session().TakeReports(t);
-    if (!problem.empty()) {
-      failed = true;
-      reports.push_back({.agent = kDriven,
-                         .kind = MeasuredReport::Kind::kFailed,
-                         .reason = "its driver: " + problem});
-    }
-    return reports;
-  };
-  return Mission(scenario, "horizon", speaker).Run();
+RunRecord Fly(const char* arguments, bool measured = true) {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  scenario.uavs[kDriven].measured = measured;
+  RunRecord record;
+  Audited audited;
+  DriverSession::Rules rules;
+  rules.lost_after_us = kSecondUs;
+  Simulate(
+      ScenarioToJson(scenario), "horizon",
+      [&](const Packet& packet) {
+        record.Add(packet);
+        audited.Add(packet);
+      },
+      {}, {},
+      [&](AgentKind kind) -> std::unique_ptr<agents::DriverPort> {
+        if (arguments == nullptr || kind != AgentKind::kUav) return nullptr;
+        const std::string command =
+            fmt::format("python3 {} {}", MUSTER_EXAMPLES "/uav.py", arguments);
+        return std::make_unique<DriverPrograms>(
+            std::vector<DriverPrograms::Command>{{kDriven, agents::DriverCommand(command)}}, rules);
+      });
+  EXPECT_TRUE(record.CheckComplete().complete);
+  return record;
 }
 
 /// Its failures, as events tell them.
-std::vector<std::string> FailuresOf(const Outcome& outcome) {
+std::vector<std::string> FailuresOf(const RunRecord& record) {
   std::vector<std::string> list;
-  for (const Event& event : outcome.events) {
+  for (const event_t& event : record.events()) {
     if (event.kind == EventKind::kAgentFailed) {
-      list.push_back(fmt::format("uav:{} {}", event.uav.value, event.detail));
+      list.push_back(fmt::format("uav:{} {}", event.uav_id, event.detail));
     }
   }
   return list;
 }
 
-/// When the driven one's sensing began, and with whom.
-std::vector<TimeUs> StartsOf(const Outcome& outcome) {
+/// When the driven one's sensing began.
+std::vector<TimeUs> StartsOf(const RunRecord& record) {
   std::vector<TimeUs> list;
-  for (const Event& event : outcome.events) {
-    if (event.kind == EventKind::kSensingStarted && event.uav.value == kDriven) {
+  for (const event_t& event : record.events()) {
+    if (event.kind == EventKind::kSensingStarted && event.uav_id == kDriven) {
       list.push_back(event.at_us);
     }
   }
@@ -226,26 +83,25 @@ class DrivenMission : public ::testing::Test {
 };
 
 TEST_F(DrivenMission, OnTimeItsOutcomesAreTheComputedOnes) {
-  const Outcome computed = Fly(nullptr), driven = Fly("");
-  EXPECT_GT(driven.reports, 300);
-  EXPECT_TRUE(driven.refused.empty()) << driven.refused.front();
+  const RunRecord computed = Fly(nullptr, false), driven = Fly("");
   EXPECT_GE(StartsOf(computed).size(), 2U);
-  EXPECT_EQ(driven.Told(), computed.Told());
-  EXPECT_EQ(driven.actions, computed.actions);
+  EXPECT_EQ(Digest(driven), Digest(computed));
+}
+
+TEST(MeasuredMissions, WhomNobodyDrivesDoesAsComputed) {
+  EXPECT_EQ(Digest(Fly(nullptr, true)), Digest(Fly(nullptr, false)));
 }
 
 TEST_F(DrivenMission, LateItMovesWhatItTakesPartIn) {
-  const Outcome computed = Fly(nullptr), driven = Fly("--late 20");
-  EXPECT_TRUE(driven.refused.empty()) << driven.refused.front();
+  const RunRecord computed = Fly(nullptr), driven = Fly("--late 20");
   EXPECT_TRUE(FailuresOf(driven).empty());
   EXPECT_GE(StartsOf(driven).size(), 2U);
-  EXPECT_NE(driven.Told(), computed.Told());
+  EXPECT_NE(Digest(driven), Digest(computed));
   EXPECT_GE(StartsOf(driven).front(), StartsOf(computed).front());
 }
 
 TEST_F(DrivenMission, WhenItDiesItFailsWithTheReason) {
-  const Outcome driven = Fly("--dies 25");
-  EXPECT_EQ(FailuresOf(driven),
+  EXPECT_EQ(FailuresOf(Fly("--dies 25")),
             std::vector<std::string>{"uav:3 its driver: its program exited with code 1"});
 }
 
@@ -255,113 +111,150 @@ TEST_F(DrivenMission, WhenItIsSilentTheMissionDoesNotWaitForLong) {
   EXPECT_EQ(failures[0].find("uav:3 its driver: silent for 1 s while it was "), 0U) << failures[0];
 }
 
-/// Agents that tell the truth, late and not always.
-class Truthful {
+/// Of a mission: what its log says, audited and decided again.
+class Watched {
  public:
-  explicit Truthful(std::uint64_t seed) : random_(seed, Stream::kTest) {}
-
-  std::vector<MeasuredReport> operator()(const Agents& agents, TimeUs t) {
-    std::vector<MeasuredReport> reports;
-    for (const AgentKind kind : kAgentKinds) {
-      for (const AgentState& agent : agents[kind]) {
-        if (!agent.failed) Speak(agent, t, &reports);
-      }
+  void Add(const Packet& packet) {
+    record_.Add(packet);
+    audited_.Add(packet);
+    packets_.all.push_back(packet);
+  }
+  void DecideAgain() {
+    EXPECT_TRUE(record_.CheckComplete().complete);
+    const std::vector<Redecided> again = Redecide(ReadDecisionLog(&packets_), "", {});
+    EXPECT_EQ(again.size(), 10U);
+    for (const Redecided& decision : again) {
+      EXPECT_EQ(decision.missing, "");
+      EXPECT_EQ(FirstDifference(decision.again, decision.logged.front()), "");
     }
-    previous_us_ = t;
-    return reports;
+  }
+  /// Sensing that was given up because somebody was late.
+  int late() const {
+    int n = 0;
+    for (const event_t& event : record_.events()) {
+      n += event.detail.find(" late") != std::string::npos ? 1 : 0;
+    }
+    return n;
+  }
+  int said_to_fail() const {
+    int n = 0;
+    for (const event_t& event : record_.events()) {
+      if (event.kind != EventKind::kAgentFailed) continue;
+      n += event.detail == "its driver: tired" ? 1 : 0;
+    }
+    return n;
   }
 
  private:
-  struct Body {
-    bool is_measured = false;
-    double slowness = 1;
-    Point at;
-    bool is_there = false;
-    std::int32_t decision = -1;
-  };
-
-  void Speak(const AgentState& agent, TimeUs t, std::vector<MeasuredReport>* reports) {
-    const auto say = [&](MeasuredReport report) {
-      report.agent_kind = agent.kind;
-      report.agent = agent.id;
-      report.decision = agent.decision;
-      report.at_us = t;
-      reports->push_back(std::move(report));
-    };
-    auto [entry, is_new] = bodies_.try_emplace({agent.kind, agent.id});
-    Body& body = entry->second;
-    if (is_new) {
-      body.is_measured = random_.Below(2) == 0;
-      body.slowness = random_.Below(3) == 0 ? 1 : random_.Uniform(1, 2.5);
-      body.at = agent.to;
-      if (body.is_measured) say({.kind = MeasuredReport::Kind::kJoins});
-    }
-    if (!body.is_measured || agent.action == ActionKind::kNone) return;
-    if (agent.decision != body.decision) body.is_there = false, body.decision = agent.decision;
-    if (!body.is_there) {
-      const double way = Distance(body.at, agent.to);
-      const double step = agent.speed_m_s / body.slowness * ToSeconds(t - previous_us_);
-      body.is_there = step >= way;
-      body.at = body.is_there ? agent.to : Lerp(body.at, agent.to, step / way);
-    }
-    if (random_.Below(2000) == 0) say({.kind = MeasuredReport::Kind::kFailed, .reason = "tired"});
-    if (random_.Below(4) == 0) return;  // silent
-    if (body.is_there) {
-      if (!agent.measured->arrived) say({.kind = MeasuredReport::Kind::kArrived});
-      const auto& activity = agent.activity;
-      if (!activity || activity->start_us > t || agent.measured->done) return;
-      if (t >= activity->end_us || random_.Below(20) == 0) {
-        say({.kind = MeasuredReport::Kind::kDone});
-      }
-      return;
-    }
-    const double left_s = Distance(body.at, agent.to) / agent.speed_m_s * body.slowness;
-    std::optional<TimeUs> expected_us;
-    if (random_.Below(2) == 0) expected_us = t + ToUs(left_s);
-    say({.at = body.at, .expected_us = expected_us});
-  }
-
-  Random random_;
-  std::map<std::pair<AgentKind, std::int32_t>, Body> bodies_;
-  TimeUs previous_us_ = 0;
+  RunRecord record_;
+  Audited audited_;
+  Packets packets_;
 };
 
-TEST(MeasuredMissions, WhoTellsTheTruthIsNeverRefused) {
-  int late = 0, done = 0;
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    SCOPED_TRACE(seed);
-    Scenario scenario = Generate(PresetByName("Random_1"), seed);
-    scenario.uavs.resize(6);
-    scenario.workers.resize(8);
-    scenario.vehicles.resize(4);
-    scenario.tasks.resize(30);
-    if (seed % 3 == 0) scenario.disturbances.wind = {0.1, 0.4};
-    if (seed % 4 == 0) scenario.tasks[5].expires_us = 70 * kMinuteUs;
-    const Outcome outcome = Mission(scenario, "mpq", Truthful(seed)).Run();
-    EXPECT_TRUE(outcome.refused.empty()) << outcome.refused.front();
-    std::map<std::pair<std::int32_t, std::int32_t>, int> under_way;
-    int sensed = 0;
-    for (const Event& event : outcome.events) {
-      int& open = under_way[{event.uav.value, event.task.value}];
-      if (event.kind == EventKind::kSensingStarted) {
-        EXPECT_EQ(open++, 0);
-      }
-      if (event.kind == EventKind::kSensingDone) {
-        EXPECT_EQ(open--, 1);
-        ++sensed;
-      }
-      if (event.kind == EventKind::kSensingAborted) {
-        EXPECT_EQ(open, event.detail == "under way" ? 1 : 0);
-        open = 0;
-        late += event.detail.find(" late") != std::string::npos ? 1 : 0;
-      }
+Scenario DrawMeasured(std::uint64_t seed) {
+  Scenario scenario = Draw(seed);
+  scenario.rules.patience_us = kMinuteUs * TimeUs{seed % 3 == 0 ? 10 : 3};
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentSpec& agent : ByKind(kind, scenario.uavs, scenario.workers, scenario.vehicles)) {
+      agent.measured = true;
     }
-    EXPECT_EQ(outcome.done, sensed);
-    done += sensed;
   }
-  EXPECT_GT(done, 500);
-  EXPECT_GT(late, 10);
+  return scenario;
+}
+
+int Missions(int usual) {
+  const char* const given = std::getenv("MUSTER_MEASURED_MISSIONS");
+  return given == nullptr ? usual : std::atoi(given);
+}
+
+TEST(MeasuredMissions, WhoTellsTheTruthIsBelievedWhateverElseHappens) {
+  int late = 0, failed = 0;
+  TruthfulDrivers::Counts counts;
+  const auto n = static_cast<std::uint64_t>(Missions(40));
+  for (std::uint64_t seed = 1; seed <= n; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Watched watched;
+    const Scenario scenario = DrawMeasured(seed);
+    Simulate(
+        ScenarioToJson(scenario), PolicyOf(seed),
+        [&](const Packet& packet) { watched.Add(packet); }, {}, DrawOrders(seed),
+        [&](AgentKind kind) {
+          return std::make_unique<TruthfulDrivers>(seed, scenario, kind, &counts);
+        });
+    watched.DecideAgain();
+    late += watched.late();
+    failed += watched.said_to_fail();
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(late, static_cast<int>(n) / 4);
+  EXPECT_EQ(failed, counts.failures);
+  EXPECT_GT(counts.reports, 100 * static_cast<int>(n));
+}
+
+TEST(MeasuredMissions, AreWholeUnderFaults) {
+  TruthfulDrivers::Counts counts;
+  const auto n = static_cast<std::uint64_t>(Missions(40)) / 2;
+  for (std::uint64_t seed = 1; seed <= n; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    VirtualMission mission;
+    mission.scenario = DrawMeasured(seed);
+    mission.policy = PolicyOf(seed);
+    mission.orders = DrawOrders(seed);
+    mission.fault_seed = seed;
+    mission.drop = seed % 3 == 0 ? 0.1 : 0;
+    mission.faults = DrawFaults(seed);
+    mission.drivers = [&](AgentKind kind) {
+      return std::make_unique<TruthfulDrivers>(seed, mission.scenario, kind, &counts);
+    };
+    Watched watched;
+    mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
+      watched.Add(*event.packet);
+    };
+    const MissionResult result = RunVirtualMission(mission);
+    EXPECT_EQ(result.end, MissionEnd::kComplete);
+    watched.DecideAgain();
+    if (HasFailure()) return;
+  }
+}
+
+/// What the audit finds first when reports of UAV 0, whom nobody drives, are changed at one tick.
+std::string FirstFinding(std::int64_t tick, const std::function<void(agent_t*)>& change) {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  scenario.uavs[kDriven].measured = true;
+  audit::Auditor auditor;
+  Simulate(ScenarioToJson(scenario), "horizon", [&](const Packet& packet) {
+    auto states = packet.channel == channel::kUavs ? DecodeValid<agent_states_t>(packet.bytes)
+                                                   : std::optional<agent_states_t>();
+    if (!states || states->tick != tick) return auditor.Add(packet);
+    for (agent_t& agent : states->agents) {
+      if (agent.id == kDriven) change(&agent);
+    }
+    auditor.Add({packet.channel, Encode(*states)});
+  });
+  const auto findings = auditor.Finish();
+  return findings.empty() ? "" : findings.front().invariant + ": " + findings.front().text;
+}
+
+TEST(MeasuredMissions, TheAuditSeesWhatCannotBeTold) {
+  // It is on its way at tick 22 and senses at tick 36.
+  constexpr std::int64_t kOnItsWay = 22, kSenses = 36;
+  EXPECT_EQ(FirstFinding(kOnItsWay, [](agent_t*) {}), "");
+  const auto starts_with = [](const std::string& text, std::string_view what) {
+    EXPECT_EQ(text.substr(0, what.size()), what) << text;
+  };
+  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->x_m += 20'000; }),
+              "speed: uav:3 says to make ");
+  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->arrive_us -= 60 * kSecondUs; }),
+              "speed: uav:3 says to make ");
+  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->range_left_m += 800; }),
+              "range: uav:3 says to have ");
+  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->target_id ^= 1; }), "");
+  starts_with(
+      FirstFinding(kOnItsWay, [](agent_t* a) { a->status = NumberOf(AgentStatus::kFailed); }),
+      "rulings: uav:3 says that it cannot go on, and is not ruled to have failed");
+  starts_with(FirstFinding(kSenses, [](agent_t* a) { a->busy_until_us -= kSecondUs; }),
+              "motion: uav:3 ");
 }
 
 }  // namespace
-}  // namespace muster
+}  // namespace muster::tools

@@ -22,6 +22,7 @@ double AgentModel::RangeAt(std::int64_t t) const {
   if (t < arrive_us) return range_at_departure_m - range_per_m * MovedAt(t);
   const double arrived = RangeOnArrival();
   if (!activity || t <= activity->start_us) return arrived;
+  if (range_after_m) return *range_after_m;
   const double part = t >= activity->end_us
                           ? 1.0
                           : static_cast<double>(t - activity->start_us) /
@@ -43,6 +44,7 @@ AgentStatus AgentModel::StatusAt(std::int64_t t) const {
 
 void AgentModel::StopAt(std::int64_t t) {
   const double range = std::max(0.0, RangeAt(t));
+  if (says_arrived) Anchor(At(t), t, range);
   from = to = At(t);
   depart_us = arrive_us = busy_until_us = t;
   range_at_departure_m = range;
@@ -51,6 +53,9 @@ void AgentModel::StopAt(std::int64_t t) {
   action = ActionKind::kNone;
   target = partner = -1;
   activity.reset();
+  range_after_m.reset();
+  set_out_us = planned_us = t;
+  goes_on_anew = overdue = false;
 }
 
 std::int64_t DurationUs(double amount, double rate) {

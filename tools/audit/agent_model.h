@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -39,17 +40,38 @@ struct AgentModel {
   double cost_m = 0;  ///< of the activity, when it senses
   bool failed = false;
 
+  // Of a measured one. Where it was for sure, since it has said so or stood there, when and with
+  // what range; when it set out on its leg, its arrival as planned then; what its last report says.
+  Place anchor;
+  std::int64_t anchor_us = 0;
+  double anchor_range_m = 0;
+  std::int64_t set_out_us = 0, planned_us = 0;
+  bool says_arrived = false, says_done = false;
+  bool overdue = false;         ///< what it does should be done by now
+  bool goes_on_anew = false;    ///< its leg is not as planned: its rest begins at each report
+  bool cost_is_hidden = false;  ///< what it paid to communicate is not told apart from its way
+  std::optional<double> range_after_m = {};  ///< that it has when it is done
+
   std::string name() const;
   bool pair() const { return action == ActionKind::kSense || action == ActionKind::kCharge; }
   Place At(std::int64_t t) const;
   /// Metres; below 0 when the agent flew further than it could.
   double RangeAt(std::int64_t t) const;
-  double RangeOnArrival() const { return range_at_departure_m - range_per_m * Way(from, to); }
+  double RangeOnArrival() const {
+    const double range_m = range_at_departure_m - range_per_m * Way(from, to);
+    return spec->measured ? std::max(0.0, range_m) : range_m;
+  }
   /// Metres of the present leg behind it at t.
   double MovedAt(std::int64_t t) const { return Way(from, At(t)); }
   AgentStatus StatusAt(std::int64_t t) const;
   /// Stands where it is at t, free.
   void StopAt(std::int64_t t);
+  /// Is there for sure.
+  void Anchor(Place at, std::int64_t t, double range_m) {
+    anchor = at;
+    anchor_us = t;
+    anchor_range_m = range_m;
+  }
 };
 
 /// Microseconds to cover `amount` at `rate` per second, rounded to nearest; kForever when it does

@@ -52,6 +52,7 @@ std::vector<Scenario::Agent> AgentsOf(const json& list, Class kind) {
     Scenario::Agent agent = AgentOf(item, kind);
     agent.online_from_us = Minutes(item.at("online_from_min"));
     agent.online_until_us = Minutes(item.at("online_until_min"));
+    agent.measured = item.value("measured", false);
     agents.push_back(agent);
   }
   return agents;
@@ -111,6 +112,7 @@ Scenario ParseScenario(const std::string& text) {
   s.height_m = top.at("area_km").at(1).get<double>() * kKm;
   const json rules = top.value("rules", json::object());
   s.tick_us = rules.contains("tick_s") ? Microseconds(rules.at("tick_s"), 1e6) : 30'000'000;
+  s.patience_us = rules.contains("patience_min") ? Minutes(rules.at("patience_min")) : 600'000'000;
   s.strict = rules.value("availability", "strict") == "strict";
   s.start_on_meeting = rules.value("start_on_meeting", false);
   const json disturbances = top.value("disturbances", json::object());

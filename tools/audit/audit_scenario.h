@@ -42,6 +42,7 @@ struct Scenario {
     double charge_rate_m_s = 0;
     std::int64_t online_from_us = 0;
     std::int64_t online_until_us = 0;
+    bool measured = false;  ///< what it reports is told, not computed
   };
   struct Task {
     Place at;
@@ -56,6 +57,7 @@ struct Scenario {
   };
   std::uint64_t seed = 0;
   std::int64_t interval_us = 0, limit_us = 0, tick_us = 0;
+  std::int64_t patience_us = 0;
   bool strict = true;
   bool start_on_meeting = false;
   Interval wind, communication_m, agent_failure, match_failure;

@@ -142,6 +142,8 @@ void Auditor::Take(const Packet& packet) {
     if (const auto m = Admit<schedule_t>(packet)) TakeSchedule(*m);
   } else if (name == channel::kEvent) {
     if (auto m = Admit<event_t>(packet)) events_.push_back(std::move(*m));
+  } else if (name == channel::kDriver) {
+    Admit<event_t>(packet);
   } else if (name == channel::kFault) {
     Admit<fault_t>(packet);
   } else if (name == channel::kProcess) {
@@ -184,6 +186,7 @@ void Auditor::TakeScenario(const scenario_t& message) {
       model.spec = &spec;
       model.from = model.to = spec.at;
       model.range_at_departure_m = spec.range_m;
+      model.Anchor(spec.at, 0, spec.range_m);
       models_[kind].push_back(model);
       ExpectPresence(model);
     }
@@ -346,6 +349,7 @@ void Auditor::CheckTick(std::int64_t tick, const TickData& data) {
   if (data.orders) CheckOrders(*data.orders);
   if (!TickHolds()) return;
   ReadRulings(*data.rulings);
+  CheckSaidFailed();
   CheckActivities(*data.world);
   if (!TickHolds()) return;
   AbortActivities();

@@ -148,6 +148,25 @@ class Auditor {
   void CheckMotion(const AgentModel& model, const agent_t& report);
   void ResolveCommand(AgentModel* model, const agent_t& report);
   void SeeWay(AgentModel* model, const agent_t& report);
+  /// Of a measured agent: takes what its report tells into the model, if it can be. The report as
+  /// CheckMotion is to look at it.
+  agent_t SeeTold(AgentModel* model, agent_t report);
+  void SeeStanding(AgentModel* model, const agent_t& report);
+  void SeeLeg(AgentModel* model, const agent_t& report);
+  void Arrive(AgentModel* model, const agent_t& report);
+  void SeeWind(AgentModel* model, const agent_t& report);
+  void SeeEnd(AgentModel* model, const agent_t& report);
+  void CheckWay(const AgentModel& model, Place from, Place to, double seconds);
+  /// Whether it can be there then, with that range.
+  void CheckFromAnchor(const AgentModel& model, Place at, std::int64_t at_us, double range_m);
+  void CheckRangeTold(const AgentModel& model, double range_m, double most_m);
+  void CheckSaidFailed();
+  bool IsMeasured(const Activity& activity);
+  /// Of a pair of which an agent is measured: whether it is listed as its agents say.
+  void CheckMoved(Tracked* tracked, const Activity& listed);
+  /// When such a pair is given up, because one is too late; kForever: it is not.
+  std::int64_t GivenUpAt(const Activity& activity);
+  std::int64_t NextTickUs() const;
   void CheckOrders(const orders_t& orders);
   bool CheckOrder(const taken_order_t& taken, const AuditOrder& order);
   void TakeOrder(const AuditOrder& order);
@@ -216,6 +235,7 @@ class Auditor {
   std::map<AgentKey, Failure> failed_;
   std::set<std::pair<std::int64_t, int>> failing_;  // by tick: UAVs that fail at it
   std::map<AgentKey, std::int64_t> released_;
+  std::set<AgentKey> said_failed_;  // by themselves, at this tick
   std::vector<Tracked> activities_;
   std::vector<std::int8_t> task_status_;
   std::vector<double> flown_m_;

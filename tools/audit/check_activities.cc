@@ -15,12 +15,18 @@ void Auditor::CheckActivities(const world_state_t& world) {
   for (Tracked& tracked : activities_) tracked.is_new = false;
   std::vector<Activity> listed;
   for (const activity_t& wire : world.activities) listed.push_back(FromWire(wire));
-  for (const Tracked& tracked : activities_) {
-    const auto it = std::find(listed.begin(), listed.end(), tracked.activity);
+  for (Tracked& tracked : activities_) {
+    const bool is_measured = IsMeasured(tracked.activity);
+    const auto it = std::find_if(listed.begin(), listed.end(), [&](const Activity& activity) {
+      Activity moved = tracked.activity;
+      if (is_measured) moved.start_us = activity.start_us, moved.end_us = activity.end_us;
+      return activity == moved;
+    });
     if (it == listed.end()) {
       Violate(now_us_, "activities",
               fmt::format("no longer listed or changed: {}", Name(tracked.activity)));
     } else {
+      if (is_measured) CheckMoved(&tracked, *it);
       listed.erase(it);
     }
   }
@@ -188,7 +194,7 @@ void Auditor::AbortActivities() {
       const std::int64_t expires_us = scenario_->tasks[static_cast<std::size_t>(a.site)].expires_us;
       if (a.start_us >= expires_us && expires_us <= now_us_) at = std::min(at, expires_us);
     }
-    at = std::min(at, OrderedEnd(a));
+    at = std::min({at, OrderedEnd(a), GivenUpAt(a)});
     if (at == kForever) continue;
     tracked.aborted = true;
     tracked.aborted_us = at;

@@ -66,7 +66,7 @@ void Auditor::SettleAgents() {
       }
       const auto release = released_.find(agent);
       if (release != released_.end() && model.action != ActionKind::kNone &&
-          release->second >= model.depart_us) {
+          release->second >= (model.spec->measured ? model.set_out_us : model.depart_us)) {
         const bool cause =
             model.pair() &&
             std::any_of(activities_.begin(), activities_.end(), [&](const Tracked& t) {
@@ -96,7 +96,7 @@ void Auditor::SettleAgents() {
 }
 
 void Auditor::CheckRangeLeft(const AgentModel& model) {
-  if (model.kind != kUav || model.failed) return;
+  if (model.kind != kUav || model.failed || model.spec->measured) return;
   const double range = model.RangeAt(now_us_);
   if (range < -kTolerance_m) {
     Violate(now_us_, "range",

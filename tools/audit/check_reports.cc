@@ -145,7 +145,7 @@ void Auditor::CheckReport(AgentModel* model, const agent_t& a, std::int32_t appl
   const double moved = Way(was, here);
   const double seconds = static_cast<double>(now_us_ - was_us) * 1e-6;
   const double most = model->spec->speed_m_s * seconds;
-  if (moved > most + kTolerance_m) {
+  if (moved > most + kTolerance_m && !model->spec->measured) {
     Violate(now_us_, "speed",
             fmt::format("{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",
                         model->name(), moved, seconds, model->spec->speed_m_s, most));
@@ -163,8 +163,13 @@ void Auditor::CheckReport(AgentModel* model, const agent_t& a, std::int32_t appl
   if (n_violations_ != before) return;
 
   ResolveCommand(model, a);
-  SeeWay(model, a);
-  if (n_violations_ == before) CheckMotion(*model, a);
+  if (!model->spec->measured) {
+    SeeWay(model, a);
+    if (n_violations_ == before) CheckMotion(*model, a);
+    return;
+  }
+  const agent_t told = SeeTold(model, a);
+  if (n_violations_ == before) CheckMotion(*model, told);
 }
 
 void Auditor::NoteUav(std::int64_t tick, const agent_t& a) {
@@ -206,7 +211,9 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
   commands_.erase(found);
   const action_t& action = command.action;
   const bool pair = action.kind == ActionKind::kSense || action.kind == ActionKind::kCharge;
-  const bool obeys = a.action == action.kind && a.depart_us == command.at_us;
+  const bool begins =
+      model->spec->measured ? a.decision == command.decision : a.depart_us == command.at_us;
+  const bool obeys = a.action == action.kind && begins;
   if (!obeys && pair && scenario_->match_failure.high > 0) {
     // The match failed; its event is looked for at the end.
     const bool sense = action.kind == ActionKind::kSense;
@@ -223,15 +230,18 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
     return;
   }
   double range_m = model->range_at_departure_m;
-  if (model->kind == kUav && scenario_->communication_m.high > 0) {
+  const bool tells_departure = a.depart_us == command.at_us;
+  model->cost_is_hidden = scenario_->communication_m.high > 0 && !tells_departure;
+  if (model->kind == kUav && scenario_->communication_m.high > 0 && tells_departure) {
     const double cost_m = range_m - a.range_at_departure_m;
-    if (a.range_at_departure_m > 0 && !Within(cost_m, scenario_->communication_m, kTolerance_m)) {
+    if (!model->spec->measured && a.range_at_departure_m > 0 &&
+        !Within(cost_m, scenario_->communication_m, kTolerance_m)) {
       Violate(
           now_us_, "range",
           fmt::format("{} paid {:.6g} m to communicate, expected {:.6g} to {:.6g} m", model->name(),
                       cost_m, scenario_->communication_m.low, scenario_->communication_m.high));
     }
-    range_m = a.range_at_departure_m;
+    range_m = std::min(range_m, a.range_at_departure_m);
   }
   model->from = model->to;
   model->to = {action.x_m, action.y_m};
@@ -252,6 +262,10 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
   model->decision = command.decision;
   model->activity.reset();
   model->busy_until_us = pair ? kForever : model->arrive_us;
+  model->set_out_us = model->depart_us;
+  model->planned_us = model->arrive_us;
+  model->range_after_m.reset();
+  model->goes_on_anew = false;
 }
 
 void Auditor::SeeWay(AgentModel* model, const agent_t& a) {
@@ -293,7 +307,9 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
     differs("motion", fmt::format("reports target {} and partner {}, expected {} and {}",
                                   a.target_id, a.partner_id, model.target, model.partner));
   }
-  if (!NearUs(a.depart_us, model.depart_us) || !NearUs(a.arrive_us, model.arrive_us)) {
+  // A measured agent's leg is told as it began, or as it goes on.
+  const bool departs = model.spec->measured || NearUs(a.depart_us, model.depart_us);
+  if (!departs || !NearUs(a.arrive_us, model.arrive_us)) {
     differs("speed",
             fmt::format("reports a way of {:.3f} m in [{}, {}] us, at {:.6g} m/s it is [{}, {}] us",
                         Way(model.from, model.to), a.depart_us, a.arrive_us, model.spec->speed_m_s,

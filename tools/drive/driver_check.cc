@@ -31,6 +31,7 @@ Scenario SmallArea() {
   agent.range_full_m = agent.range_m = 30'000;
   agent.charge_rate_m_s = 50;
   agent.speed_m_s = 50.0 / 3;
+  agent.measured = true;
   scenario.uavs = {agent};
   agent.speed_m_s = 5;
   scenario.workers = {agent};

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 
+#include "agents/driver/driver_program.h"
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
@@ -90,6 +92,10 @@ void AddLaunchOptions(Options* options) {
             "worker=./my-worker (docs/installing.md)")
       .List();
   options
+      ->Add("driver", "AGENT=COMMAND",
+            "A program that takes an agent's part (docs/drivers.md), e.g. uav:3='./my-driver'")
+      .Repeated();
+  options
       ->Add("logger", "lcm|muster",
             "Who writes the log: stock lcm-logger, or muster-recorder, which takes less of the "
             "processors (docs/running.md)")
@@ -121,6 +127,30 @@ void AddLaunchOptions(Options* options) {
                 "With --live: whoever opens the printed address may give orders there, too");
 }
 
+std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {
+  std::vector<DriverPlan> drivers;
+  for (const std::string& entry : entries) {
+    const std::size_t sign = std::min(entry.find('='), entry.size());
+    const std::vector<std::string> agent = Split(entry.substr(0, sign), ':');
+    const auto kind = FromString<AgentKind>(agent.front());
+    const auto id = ToInteger(agent.back(), 0, std::numeric_limits<std::int32_t>::max());
+    if (sign == entry.size() || agent.size() != 2 || !kind || !id) {
+      throw InputError(kCommandLine, "--driver", entry,
+                       "AGENT=COMMAND, e.g. uav:3='./my-driver --fast'");
+    }
+    const DriverPlan driver{*kind, static_cast<std::int32_t>(*id), entry.substr(sign + 1)};
+    agents::DriverCommand(driver.command);  // throws where there is no such program
+    const auto has_one = [&](const DriverPlan& other) {
+      return other.kind == driver.kind && other.id == driver.id;
+    };
+    if (std::any_of(drivers.begin(), drivers.end(), has_one)) {
+      throw InputError(kCommandLine, "--driver", entry, "one driver for each agent");
+    }
+    drivers.push_back(driver);
+  }
+  return drivers;
+}
+
 Room ReadRoom(const std::vector<std::string>& entries) {
   Room room = {1000, {20, 20, 20}};
   for (const std::string& entry : entries) {
@@ -135,6 +165,21 @@ Room ReadRoom(const std::vector<std::string>& entries) {
     (kind ? room.agents[*kind] : room.tasks) = static_cast<std::size_t>(*count);
   }
   return room;
+}
+
+/// Those of the agents first to last.
+void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int last,
+                std::vector<std::string>* arguments) {
+  bool any = false;
+  for (const DriverPlan& driver : options.drivers) {
+    if (driver.kind != kind || driver.id < first || driver.id > last) continue;
+    arguments->insert(arguments->end(),
+                      {"--driver", fmt::format("{}={}", driver.id, driver.command)});
+    any = true;
+  }
+  if (!any) return;
+  arguments->insert(arguments->end(),
+                    {"--rate", options.rate, "--lost-after", fmt::to_string(options.lost_after_s)});
 }
 
 }  // namespace
@@ -157,6 +202,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                      "--policy with it: the name of a policy that your scheduler has");
   }
   options.rate = arguments->Get("rate");
+  options.drivers = ReadDrivers(arguments->All("driver"));
   options.logger = arguments->Get("logger") == "lcm" ? Logger::kLcm : Logger::kMuster;
   arguments->Read("deadline", &options.deadline_ms);
   // Throws where it does not fit.
@@ -195,6 +241,13 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   if (options.takes_orders) options.room = ReadRoom(arguments->All("room"));
   arguments->Read("live", &options.live_port);
   if (options.live_port) RequirePage();
+  for (const DriverPlan& driver : options.drivers) {
+    if (options.processes.at(driver.kind) > 0) continue;
+    throw InputError(kCommandLine, "--driver",
+                     fmt::format("{}:{}", ToString(driver.kind), driver.id),
+                     fmt::format("no --processes {}=0: your own process has its drivers",
+                                 ToString(driver.kind)));
+  }
   for (const auto& [kind, count] : options.processes) {
     if (count == 0 && options.lcm_url.empty()) {
       throw InputError(kCommandLine, "--processes", fmt::format("{}=0", ToString(kind)),
@@ -203,6 +256,19 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     }
   }
   return options;
+}
+
+void MarkDriven(const std::vector<DriverPlan>& drivers, Scenario* scenario) {
+  for (const DriverPlan& driver : drivers) {
+    const std::size_t n = scenario->n_agents(driver.kind);
+    if (static_cast<std::size_t>(driver.id) >= n) {
+      throw InputError(kCommandLine, "--driver",
+                       fmt::format("{}:{}", ToString(driver.kind), driver.id),
+                       fmt::format("one of the scenario's {} {}s", n, ToString(driver.kind)));
+    }
+    auto& agents = ByKind(driver.kind, scenario->uavs, scenario->workers, scenario->vehicles);
+    agents[static_cast<std::size_t>(driver.id)].measured = true;
+  }
 }
 
 std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scenario& scenario,
@@ -250,11 +316,10 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     }
     for (int i = 0; i < k; ++i) {
       std::vector<std::string> arguments = {"--window", window};
-      if (k > 1) {
-        const int first = n * i / k;
-        const int last = n * (i + 1) / k - 1;
-        arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
-      }
+      const int first = n * i / k;
+      const int last = n * (i + 1) / k - 1;
+      if (k > 1) arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
+      AddDrivers(options, kind, first, last, &arguments);
       add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, class_name,
           std::move(arguments));
     }

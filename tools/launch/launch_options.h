@@ -15,6 +15,13 @@
 
 namespace muster::tools {
 
+/// A program that takes an agent's part.
+struct DriverPlan {
+  AgentKind kind = AgentKind::kUav;
+  std::int32_t id = -1;
+  std::string command;
+};
+
 /// What `muster run` was asked for.
 struct LaunchOptions : MissionOptions, FaultOptions {
   std::string rate;                   ///< as muster-world takes it
@@ -22,6 +29,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::map<AgentKind, int> processes;
   /// Your own in place of muster-ROLE, absolute; by role: world, uav, worker, vehicle, scheduler.
   std::map<std::string, std::string> programs;
+  std::vector<DriverPlan> drivers;
   Logger logger = Logger::kMuster;
   bool recorded = true;          ///< false: nobody waits for a log, and none is written
   bool takes_orders = false;     ///< while it goes on
@@ -36,6 +44,9 @@ struct LaunchOptions : MissionOptions, FaultOptions {
 
 /// Reads the command line. No value: --help or --version was answered. Throws InputError.
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv);
+
+/// The driven agents are measured. Throws InputError where the scenario has no such agent.
+void MarkDriven(const std::vector<DriverPlan>& drivers, Scenario* scenario);
 
 /// Messages that one process may have out and not in the log (--window). lcm-logger queues 30, so
 /// the windows of all who talk at once stay below that together, as far as they can.

@@ -63,7 +63,10 @@ std::uint16_t FreePort() {
 /// The mission's LCM URL; moves this process into a network of its own where that is possible.
 std::string FindNetwork(const LaunchOptions& options) {
   if (!options.lcm_url.empty()) return options.lcm_url;
-  const Network network = EnterPrivateNetwork();
+  // Drivers may have to reach what they drive.
+  Network network;
+  if (!options.drivers.empty()) network = HostNetwork("drivers need the host's network");
+  if (network.kind == Network::Kind::kNone) network = EnterPrivateNetwork();
   switch (network.kind) {
     case Network::Kind::kPrivate:
       return MissionUrl(7667);
@@ -162,7 +165,9 @@ int RunCommand(int argc, const char* const* argv) {
 
   // All that can be wrong with the request or the host comes before the first file.
   std::vector<world::PlannedOrder> orders;
-  const Scenario scenario = ResolveScenario(*options, &orders);
+  Scenario resolved = ResolveScenario(*options, &orders);
+  MarkDriven(options->drivers, &resolved);
+  const Scenario scenario = std::move(resolved);
   const std::string lcm_logger = options->logger == Logger::kLcm ? FindLogger() : "";
   std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {

@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/program.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tools/faults/foreign_packets.h"
@@ -86,6 +87,9 @@ void Supervisor::ReadLog(const Now& now) {
     logged_.Add(packet);
     if (packet.channel == channel::kOrders) {
       if (const auto orders = DecodeValid<orders_t>(packet.bytes)) orders_.OnLogged(*orders);
+    }
+    if (packet.channel == channel::kDriver) {
+      if (const auto said = DecodeValid<event_t>(packet.bytes)) SayOfDriver(*said);
     }
     if (packet.channel == channel::kEvent) {
       if (const auto happened = DecodeValid<event_t>(packet.bytes)) injector_.OnEvent(*happened);
@@ -224,6 +228,15 @@ SentPacket Supervisor::Publish(const fault_t& fault) {
     if (std::optional<event_t> event = own_faults_.Take(fault)) recorder_.Announce(*event, now);
   }
   return recorder_.Publish(fault, now);
+}
+
+void Supervisor::SayOfDriver(const event_t& said) {
+  const auto [kind, id] = said.uav_id >= 0      ? std::pair(AgentKind::kUav, said.uav_id)
+                          : said.worker_id >= 0 ? std::pair(AgentKind::kWorker, said.worker_id)
+                                                : std::pair(AgentKind::kVehicle, said.vehicle_id);
+  // It is said until the world has ruled.
+  if (!failed_driven_.emplace(kind, id).second) return;
+  Say(fmt::format("{}:{} cannot go on: {}", ToString(kind), id, Printable(said.detail)));
 }
 
 void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/fault_switch.h"
@@ -65,6 +67,7 @@ class Supervisor : private FaultActions {
   void NoteBack(Member* member, const Now& now);
   /// Publishes an event_t about a process.
   void Announce(EventKind kind, std::string detail, const Now& now);
+  void SayOfDriver(const event_t& said);
   void Say(const std::string& line) { host_->Say(line); }
   Member* Find(const std::string& name);
   SentPacket Publish(const fault_t& fault) override;
@@ -88,6 +91,7 @@ class Supervisor : private FaultActions {
   MissionHost* host_;
 
   Recorder recorder_;
+  std::set<std::pair<AgentKind, std::int32_t>> failed_driven_;  ///< whose drivers have failed
   Archive archive_;
   StallWatch stall_watch_;
   Patience patience_;

@@ -55,6 +55,21 @@ ordered_json Decisions(const RunRecord& record) {
 }
 
 /// What outside schedulers said and nobody obeyed.
+ordered_json FailedAgents(const RunRecord& record) {
+  ordered_json list = ordered_json::array();
+  for (const event_t& event : record.events()) {
+    if (event.kind != EventKind::kAgentFailed) continue;
+    const auto [kind, id] = event.uav_id >= 0 ? std::pair(AgentKind::kUav, event.uav_id)
+                            : event.worker_id >= 0
+                                ? std::pair(AgentKind::kWorker, event.worker_id)
+                                : std::pair(AgentKind::kVehicle, event.vehicle_id);
+    list.push_back({{"agent", fmt::format("{}:{}", ToString(kind), id)},
+                    {"at_s", Seconds(event.at_us)},
+                    {"why", event.detail}});
+  }
+  return list;
+}
+
 ordered_json RefusedAnswers(const RunRecord& record) {
   ordered_json list = ordered_json::array();
   for (const event_t& event : record.events()) {
@@ -229,7 +244,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
     done = static_cast<std::size_t>(std::count(status.begin(), status.end(), TaskStatus::kDone));
   }
   std::array<std::int64_t, kNames<EventKind>.size()> counts{};
-  for (const event_t& event : record.events()) ++counts[static_cast<std::size_t>(event.kind)];
+  for (const event_t& event : record.events()) ++counts[static_cast<std::uint8_t>(event.kind)];
   ordered_json events = ordered_json::object();
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
     if (counts[kind] == 0 && IsSpecial(static_cast<EventKind>(kind))) continue;
@@ -261,6 +276,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["uavs"] = std::move(uavs);
   report["decisions"] = Decisions(record);
   report["skipped_decisions"] = record.skipped_decisions();
+  report["failed_agents"] = FailedAgents(record);
   report["refused_answers"] = RefusedAnswers(record);
   report["faults"] = Faults(record);
   report["processes"] = Processes(record);

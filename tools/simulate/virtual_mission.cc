@@ -111,6 +111,7 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.world.lost_after_us = mission.lost_after_us;
   settings_.world.outages = OutagesIn(mission.faults);
   settings_.world.orders = mission.orders;
+  settings_.drivers = mission.drivers;
   settings_.world_window = kWorldWindow;
   settings_.window = kProcessWindow;
   bus_ = std::make_unique<LossyBus>(std::make_unique<VirtualBus>(&network_), mission.fault_seed,

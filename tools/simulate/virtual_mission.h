@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "simulation/start_process.h"
 #include "simulation/virtual_logger.h"
 #include "tools/launch/supervisor.h"
 
@@ -20,6 +21,8 @@ struct VirtualMission {
   RestartPolicy restarts = {};
   double drop = 0;               ///< share of received packets that each process drops
   std::uint64_t fault_seed = 1;  ///< of what becomes of packets, and of how long they travel
+
+  simulation::DriversOf drivers = {};  ///< of measured agents
 
   /// Every event of the log, and which start of the logger wrote it.
   std::function<void(const simulation::VirtualLogger::Event&, std::int64_t start)> on_logged = {};

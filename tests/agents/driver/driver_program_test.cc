@@ -18,6 +18,7 @@ class Drivers : public ::testing::Test {
     AgentSpec agent;
     agent.speed_m_s = 1;
     agent.online_until_us = kNever;
+    agent.measured = true;
     scenario_.workers = {agent};
     agent_ = StartOf(AgentKind::kWorker, 0, agent);
   }

@@ -26,6 +26,7 @@ Scenario Small() {
   agent.speed_m_s = 10;
   agent.range_full_m = 20'000;
   agent.range_m = 15'000;
+  agent.measured = true;
   scenario.uavs = scenario.workers = {agent};
   scenario.tasks = {{{3000, 4000}, 600}};
   scenario.charging_points = {{{0, 1000}, 1}};

@@ -190,6 +190,42 @@ TEST(PlanProcesses, OneProcessAClassByDefault) {
   EXPECT_EQ(ValueOf(plans[4], "--policy"), "ils");
 }
 
+TEST(PlanProcesses, DriversGoToWhoHasTheirAgent) {
+  const LaunchOptions options =
+      Parse({"a.json", "--processes", "uav=2", "--rate", "60", "--lost-after", "3", "--driver",
+             "uav:7=true a,b", "--driver", "vehicle:0=true"});
+  const std::vector<ProcessPlan> plans = PlanProcesses(options, ScenarioWith(10, 1, 1), {});
+  for (const ProcessPlan& plan : plans) {
+    const bool drives = plan.name == "uav-2" || plan.name == "vehicle";
+    EXPECT_EQ(ValueOf(plan, "--driver"), plan.name == "uav-2"     ? "7=true a,b"
+                                         : plan.name == "vehicle" ? "0=true"
+                                                                  : "");
+    if (drives) {
+      EXPECT_EQ(ValueOf(plan, "--rate"), "60") << plan.name;
+    }
+    EXPECT_EQ(ValueOf(plan, "--lost-after"), drives ? "3" : "") << plan.name;
+  }
+  Scenario scenario = ScenarioWith(10, 1, 1);
+  MarkDriven(options.drivers, &scenario);
+  EXPECT_TRUE(scenario.uavs[7].measured && scenario.vehicles[0].measured);
+  EXPECT_FALSE(scenario.uavs[6].measured || scenario.workers[0].measured);
+}
+
+TEST(LaunchOptions, ADriverIsAnAgentsAndAProgram) {
+  EXPECT_EQ(ErrorOf({"a.json", "--driver", "true"}),
+            "command line: --driver: found true, expected AGENT=COMMAND, e.g. "
+            "uav:3='./my-driver --fast'");
+  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:-1=true"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "--driver", "boat:1=true"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=/no/such/driver"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=true", "--driver", "uav:1=true"}), "");
+  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=true", "--processes", "uav=0", "--lcm-url",
+                     "udpm://239.255.76.67:7667?ttl=0"}),
+            "");
+  Scenario scenario = ScenarioWith(1, 1, 1);
+  EXPECT_THROW(MarkDriven({{AgentKind::kWorker, 1, "true"}}, &scenario), InputError);
+}
+
 TEST(PlanProcesses, DealsAClassOutWithoutOverlapOrHole) {
   const LaunchOptions options = Parse({"a.json", "--processes", "uav=3,vehicle=0", "--drop=0.3",
                                        "--lcm-url", "udpm://239.255.76.67:7000"});

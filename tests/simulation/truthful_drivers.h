@@ -1,0 +1,113 @@
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "agents/core/driver_port.h"
+#include "base/random.h"
+
+namespace muster {
+
+/// Speaks for a class's measured agents: each tells the truth, at a pace of its own, late or on
+/// time, not at every tick; now and then one cannot go on. In the place of programs.
+class TruthfulDrivers : public agents::DriverPort {
+ public:
+  struct Counts {
+    int reports = 0, failures = 0;
+  };
+
+  /// Of every other agent of that scenario, which are all measured.
+  TruthfulDrivers(std::uint64_t seed, const Scenario& scenario, AgentKind kind, Counts* counts)
+      : random_(seed, Stream::kTest, 20 + static_cast<std::uint64_t>(kind)),
+        seed_(seed),
+        kind_(kind),
+        n_agents_(static_cast<std::int32_t>(scenario.n_agents(kind))),
+        counts_(counts) {}
+
+  void Begin(const Scenario&, const AgentState& agent, TimeUs at) override {
+    Body& body = bodies_[agent.id];
+    body = {.slowness = random_.Below(3) == 0 ? 1 : random_.Uniform(1, 2.5),
+            .agent = agent,
+            .at = PositionAt(agent, at)};
+  }
+  bool drives(std::int32_t id) const override {
+    return id < n_agents_ && (static_cast<std::uint64_t>(id) + seed_) % 2 == 0;
+  }
+  void Tell(const AgentState& agent, TimeUs before, TimeUs at) override {
+    Body& body = bodies_.at(agent.id);
+    const bool is_new = agent.decision != body.agent.decision || agent.action != body.agent.action;
+    if (is_new) body.is_there = false;
+    body.agent = agent;
+    body.is_told = true;
+    Move(&body, at - before);
+  }
+  bool Listen() override { return true; }
+  std::vector<MeasuredReport> TakeReports(TimeUs at) override {
+    std::vector<MeasuredReport> reports;
+    for (auto& [id, body] : bodies_) {
+      if (std::exchange(body.is_told, false)) Speak(&body, at, &reports);
+    }
+    counts_->reports += static_cast<int>(reports.size());
+    return reports;
+  }
+  TimeUs patience_us() const override { return kNever; }
+  void Bye(std::string_view) override {}
+
+ private:
+  struct Body {
+    double slowness = 1;
+    AgentState agent;
+    Point at;
+    bool is_there = false, is_told = false;
+  };
+
+  void Move(Body* body, TimeUs duration_us) {
+    const AgentState& agent = body->agent;
+    if (agent.action == ActionKind::kNone || body->is_there || agent.failed) return;
+    const double way = Distance(body->at, agent.to);
+    const double step = agent.speed_m_s / body->slowness * ToSeconds(duration_us);
+    body->is_there = step >= way;
+    body->at = body->is_there ? agent.to : Lerp(body->at, agent.to, step / way);
+  }
+
+  void Speak(Body* body, TimeUs t, std::vector<MeasuredReport>* reports) {
+    const AgentState& agent = body->agent;
+    const auto say = [&](MeasuredReport report) {
+      report.agent_kind = agent.kind;
+      report.agent = agent.id;
+      report.decision = agent.decision;
+      report.at_us = t;
+      reports->push_back(std::move(report));
+    };
+    if (agent.failed || agent.action == ActionKind::kNone) return;
+    if (random_.Below(1000) == 0) {
+      say({.kind = MeasuredReport::Kind::kFailed, .reason = "tired"});
+      ++counts_->failures;
+      return;
+    }
+    if (random_.Below(4) == 0) return;  // silent
+    if (body->is_there) {
+      if (!agent.measured->arrived) say({.kind = MeasuredReport::Kind::kArrived});
+      const auto& activity = agent.activity;
+      if (!agent.measured->arrived || !activity || activity->start_us > t) return;
+      if (!agent.measured->done && (t >= activity->end_us || random_.Below(20) == 0)) {
+        say({.kind = MeasuredReport::Kind::kDone});
+      }
+      return;
+    }
+    const double left_s = Distance(body->at, agent.to) / agent.speed_m_s * body->slowness;
+    std::optional<TimeUs> expected_us;
+    if (random_.Below(2) == 0) expected_us = t + ToUs(left_s);
+    say({.at = body->at, .expected_us = expected_us});
+  }
+
+  Random random_;
+  const std::uint64_t seed_;
+  const AgentKind kind_;
+  const std::int32_t n_agents_;
+  Counts* const counts_;
+  std::map<std::int32_t, Body> bodies_;
+};
+
+}  // namespace muster
