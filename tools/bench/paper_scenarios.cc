@@ -1,37 +1,11 @@
 #include "tools/bench/paper_scenarios.h"
 
-#include <fmt/format.h>
+#include <utility>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
-#include "base/check.h"
-#include "base/sha256.h"
 #include "model/generator.h"
-#include "tools/scenario/import.h"
 
 namespace muster::tools {
 namespace {
-
-struct Imported {
-  const char* name;
-  const char* shape;
-  const char* file;
-};
-constexpr Imported kImported[] = {
-    {"newyork-bicycle", "BicycleOrder", "nyc_citibike_202409/citibike.csv"},
-    {"shenzhen-didi", "DidiOrders", "shenzhen_taxi_orders/taxi-price.csv"},
-    {"shenzhen-taxi", "TaxiTrajectories", "shenzhen_taxi_orders/taxi-price.csv"},
-    {"haiti", "Random_1", "haiti2010_ushahidi/haiti_reports.csv"},
-};
-
-const Imported* FindImported(const std::string& setting) {
-  const auto* at = std::find_if(std::begin(kImported), std::end(kImported),
-                                [&](const Imported& row) { return row.name == setting; });
-  return at == std::end(kImported) ? nullptr : at;
-}
 
 /// The rows of the paper's Table 6 that are none of its data sets.
 GeneratorSettings Table6(const std::string& setting) {
@@ -74,65 +48,32 @@ Disturbances DisturbancesOf(const std::string& name) {
 
 bool MovesByCells(std::string_view policy) { return policy.starts_with("greedy-"); }
 
-PaperScenarios::PaperScenarios(std::string data_folder) : data_folder_(std::move(data_folder)) {
-  if (!HasImports()) return;
-  for (const Imported& row : kImported) {
-    if (std::filesystem::exists(std::filesystem::path(data_folder_) / row.file)) continue;
-    throw InputError("options", "--data", data_folder_, fmt::format("a folder with {}", row.file));
-  }
-}
-
-std::vector<std::string> PaperScenarios::ImportedSettings() {
-  std::vector<std::string> names;
-  for (const Imported& row : kImported) names.emplace_back(row.name);
-  return names;
-}
-
-const PaperScenarios::Places& PaperScenarios::Load(const std::string& file) {
-  const auto known = places_.find(file);
-  if (known != places_.end()) return known->second;
-  const std::string path = (std::filesystem::path(data_folder_) / file).string();
-  Places places{ReadTable(path), ""};
-  std::ifstream in(path, std::ios::binary);
-  places.sha256 = Sha256(std::string(std::istreambuf_iterator<char>(in), {}));
-  return places_.emplace(file, std::move(places)).first->second;
-}
+PaperScenarios::PaperScenarios(std::string data_folder) : imported_(std::move(data_folder)) {}
 
 void PaperScenarios::Prepare(const std::string& setting) {
-  if (const Imported* imported = FindImported(setting)) {
-    Load(imported->file);
+  if (ImportedSettings::Has(setting)) {
+    imported_.Prepare(setting);
   } else {
     Table6(setting);
   }
 }
 
 std::string PaperScenarios::PlacesOf(const std::string& setting) {
-  const Imported* imported = FindImported(setting);
-  return imported == nullptr ? "" : Load(imported->file).sha256.substr(0, 12);
+  return ImportedSettings::Has(setting) ? imported_.Sha256Of(setting).substr(0, 12) : "";
 }
 
 Scenario PaperScenarios::Make(const PaperRun& run) {
-  const Imported* imported = FindImported(run.what.setting);
+  const bool is_imported = ImportedSettings::Has(run.what.setting);
   GeneratorSettings settings =
-      imported == nullptr ? Table6(run.what.setting) : PresetByName(imported->shape);
+      is_imported ? ImportedSettings::ShapeOf(run.what.setting) : Table6(run.what.setting);
   settings.name = run.what.setting;
   settings.rules.interval_us = run.what.interval_min * kMinuteUs;
   settings.rules.limit_us = run.what.limit_min * kMinuteUs;
   settings.rules.availability = run.what.availability;
   settings.rules.start_on_meeting = MovesByCells(run.policy);
   settings.disturbances = DisturbancesOf(run.what.disturbance);
-  if (imported == nullptr) return Generate(settings, run.seed);
-
-  ImportRequest request;
-  request.settings = settings;
-  request.seed = run.seed;
-  request.may_turn = true;
-  if (run.what.setting == "haiti") {
-    request.tasks.where = {ParseFilter("--tasks-where", "category=1*,2*,3*")};
-    request.charging.where = {ParseFilter("--charging-where", "category=7*,2d")};
-  }
-  if (run.what.setting == "shenzhen-taxi") request.agents.at = {"ELat", "ELng"};
-  return Import(Load(imported->file).table, request).scenario;
+  return is_imported ? imported_.Make(run.what.setting, settings, run.seed, false)
+                     : Generate(settings, run.seed);
 }
 
 }  // namespace muster::tools

@@ -1,28 +1,23 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "tools/bench/imported_settings.h"
 #include "tools/bench/paper_plan.h"
-#include "tools/scenario/table.h"
 
 namespace muster::tools {
 
 /// Whether the policy can only start sensing on meeting, so that its missions need that rule.
 bool MovesByCells(std::string_view policy);
 
-/// Makes the scenarios of the suite: drawn ones, and on imported places (docs/import.md) out of the
-/// tables of a data folder, each read once.
+/// Makes the scenarios of the suite: drawn ones, and on the imported places of a data folder.
 class PaperScenarios {
  public:
   /// "": no imported places. Throws InputError when the folder lacks a table.
   explicit PaperScenarios(std::string data_folder);
 
-  bool HasImports() const { return !data_folder_.empty(); }
-  /// Settings on imported places.
-  static std::vector<std::string> ImportedSettings();
+  bool HasImports() const { return imported_.HasData(); }
 
   /// Reads what Make(run) needs, so that processes forked later share it. Throws InputError,
   /// SystemError.
@@ -36,14 +31,7 @@ class PaperScenarios {
   std::string PlacesOf(const std::string& setting);
 
  private:
-  struct Places {
-    Table table;
-    std::string sha256;
-  };
-  const Places& Load(const std::string& file);
-
-  std::string data_folder_;
-  std::map<std::string, Places> places_;
+  ImportedSettings imported_;
 };
 
 }  // namespace muster::tools

@@ -69,8 +69,7 @@ std::vector<PaperRun> PlanOf(const PaperOptions& options, const PaperScenarios& 
   PaperFilter filter = options.filter;
   filter.with_imports = scenarios.HasImports();
   if (!filter.with_imports) {
-    Say("without --data: drawn places only, not {}\n",
-        fmt::join(PaperScenarios::ImportedSettings(), ", "));
+    Say("without --data: drawn places only, not {}\n", fmt::join(ImportedSettings::Names(), ", "));
   }
   const std::vector<PaperRun> plan = PlanRuns(filter);
   if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
