@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
-#include <tuple>
 
+#include "base/check.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
@@ -15,40 +14,78 @@
 namespace muster::tools {
 namespace {
 
-constexpr const char* kArrivals[] = {"steady", "bursts"};
+constexpr const char* kDrawn[] = {"steady", "bursts"};
 constexpr int kBursts = 6;
 
-/// Nine of ten tasks are reported while the mission runs. The more one matters, the sooner it is
-/// due; twice that long after its report it is gone.
-GeneratorSettings SettingsOf(const std::string& arrivals, double load) {
-  GeneratorSettings settings = PresetByName("Random_1");
-  settings.tasks = std::max(1, static_cast<int>(std::lround(settings.tasks * load)));
-  settings.arrivals = {0.9, arrivals == "bursts" ? kBursts : 0};
-  settings.priority_shares = {0.3, 0.4, 0.2, 0.1};
+/// The more a task matters, the sooner it is due; twice that long after its report it is gone.
+void AddTimes(GeneratorSettings* settings) {
+  settings->priority_shares = {0.3, 0.4, 0.2, 0.1};
   constexpr double kDue_min[] = {60, 40, 25, 15};
   for (std::size_t p = 0; p < kPriorities; ++p) {
-    settings.due_min[p] = Always(kDue_min[p]);
-    settings.expires_min[p] = Always(2 * kDue_min[p]);
+    settings->due_min[p] = Always(kDue_min[p]);
+    settings->expires_min[p] = Always(2 * kDue_min[p]);
   }
-  return settings;
 }
 
-double Share(double part, double all) { return all > 0 ? part / all : std::nan(""); }
+int TasksAt(double load, int tasks) {
+  return std::max(1, static_cast<int>(std::lround(tasks * load)));
+}
 
-struct Means {
-  int n = 0;
-  double worth = 0, done = 0, on_time = 0, expired = 0, mean_s = 0, p90_s = 0, emergency = 0;
-};
+/// Nine of ten tasks are reported while the mission runs.
+Scenario Drawn(const std::string& arrivals, double load, std::uint64_t seed) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.tasks = TasksAt(load, settings.tasks);
+  settings.arrivals = {0.9, arrivals == "bursts" ? kBursts : 0};
+  AddTimes(&settings);
+  return Generate(settings, seed);
+}
+
+/// As many rows of the data set as the load says, each reported at its own time.
+Scenario OfRows(ImportedSettings* imported, const std::string& name, double load,
+                std::uint64_t seed) {
+  GeneratorSettings settings = ImportedSettings::ShapeOf(name);
+  settings.tasks = TasksAt(load, settings.tasks);
+  AddTimes(&settings);
+  Scenario scenario = imported->Make(name, settings, seed, true);
+  if (static_cast<int>(scenario.tasks.size()) < settings.tasks) {
+    throw InputError("command line", "--loads", fmt::to_string(load),
+                     fmt::format("less: {} has {} rows in the mission's time, not {}", name,
+                                 scenario.tasks.size(), settings.tasks));
+  }
+  return scenario;
+}
 
 }  // namespace
 
+std::vector<std::string> ArrivalsInstances(bool has_data) {
+  std::vector<std::string> names(std::begin(kDrawn), std::end(kDrawn));
+  for (const std::string& name : ImportedSettings::Names()) {
+    if (has_data) names.push_back(name);
+  }
+  return names;
+}
+
+Scenario ArrivalsScenario(ImportedSettings* imported, const std::string& arrivals, double load,
+                          std::uint64_t seed) {
+  return ImportedSettings::Has(arrivals) ? OfRows(imported, arrivals, load, seed)
+                                         : Drawn(arrivals, load, seed);
+}
+
 void RunArrivals(const ArrivalsOptions& options,
                  const std::function<void(const ArrivalsRow&)>& report) {
-  for (const char* arrivals : kArrivals) {
+  ImportedSettings imported(options.data);
+  const auto first_seed = static_cast<std::uint64_t>(options.first_seed);
+  // What cannot be flown is said before the first mission.
+  for (const std::string& arrivals : options.instances) {
+    for (const double load : options.loads) {
+      ArrivalsScenario(&imported, arrivals, load, first_seed);
+    }
+  }
+  for (const std::string& arrivals : options.instances) {
     for (const double load : options.loads) {
       for (int i = 0; i < options.seeds; ++i) {
-        const auto seed = static_cast<std::uint64_t>(options.first_seed + i);
-        const std::string json = ScenarioToJson(Generate(SettingsOf(arrivals, load), seed));
+        const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+        const std::string json = ScenarioToJson(ArrivalsScenario(&imported, arrivals, load, seed));
         for (const std::string& policy : options.policies) {
           RunRecord record;
           Simulate(json, policy, [&](const Packet& packet) { record.Add(packet); });
@@ -61,84 +98,20 @@ void RunArrivals(const ArrivalsOptions& options,
 
 std::string ArrivalsCsvHeader() {
   return "arrivals,load,seed,policy,reported,done,on_time,expired,worth_done,worth_all,"
-         "mean_response_s,median_response_s,p90_response_s,emergencies,emergencies_on_time\n";
+         "mean_response_s,median_response_s,p90_response_s,low,low_on_time,normal,normal_on_time,"
+         "high,high_on_time,emergencies,emergencies_on_time\n";
 }
 
 std::string ToCsv(const ArrivalsRow& row) {
   const Service& s = row.service;
-  const Service::Of& emergency = s.by_priority[static_cast<std::size_t>(Priority::kEmergency)];
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{},{}\n", row.arrivals,
-                     row.load, row.seed, row.policy, s.reported(), s.done(), s.on_time(), s.expired,
-                     s.worth_done, s.worth_all, s.mean_response_s(), s.response_quantile_s(0.5),
-                     s.response_quantile_s(0.9), emergency.reported, emergency.on_time);
-}
-
-std::string SummaryOf(const std::vector<ArrivalsRow>& rows) {
-  std::map<std::pair<std::string, double>, std::vector<std::pair<std::string, Means>>> table;
-  for (const ArrivalsRow& row : rows) {
-    auto& group = table[{row.arrivals, row.load}];
-    auto found = std::find_if(group.begin(), group.end(),
-                              [&](const auto& entry) { return entry.first == row.policy; });
-    if (found == group.end()) found = group.insert(group.end(), {row.policy, Means()});
-    Means& means = found->second;
-    const Service& s = row.service;
-    const Service::Of& emergency = s.by_priority[static_cast<std::size_t>(Priority::kEmergency)];
-    ++means.n;
-    means.worth += Share(s.worth_done, s.worth_all);
-    means.done += Share(s.done(), s.reported());
-    means.on_time += Share(s.on_time(), s.reported());
-    means.emergency += emergency.reported == 0 ? 1 : Share(emergency.on_time, emergency.reported);
-    means.expired += Share(s.expired, s.reported());
-    means.mean_s += s.response_s.empty() ? 0 : s.mean_response_s();
-    means.p90_s += s.response_s.empty() ? 0 : s.response_quantile_s(0.9);
+  std::string line = fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f}", row.arrivals, row.load, row.seed,
+      row.policy, s.reported(), s.done(), s.on_time(), s.expired, s.worth_done, s.worth_all,
+      s.mean_response_s(), s.response_quantile_s(0.5), s.response_quantile_s(0.9));
+  for (const Service::Of& of : s.by_priority) {
+    fmt::format_to(std::back_inserter(line), ",{},{}", of.reported, of.on_time);
   }
-  std::string text =
-      "| arrivals | load | policy | worth % | done % | on time % | emergencies on time % | expired "
-      "% | response, min | p90, min |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  for (const auto& [key, group] : table) {
-    for (const auto& [policy, m] : group) {
-      fmt::format_to(std::back_inserter(text),
-                     "| {} | {} | `{}` | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | "
-                     "{:.1f} |\n",
-                     key.first, key.second, policy, 100 * m.worth / m.n, 100 * m.done / m.n,
-                     100 * m.on_time / m.n, 100 * m.emergency / m.n, 100 * m.expired / m.n,
-                     m.mean_s / m.n / 60, m.p90_s / m.n / 60);
-    }
-  }
-  return text;
-}
-
-std::string ArrivalsPlot(const std::vector<ArrivalsRow>& rows, const std::string& svg_file) {
-  std::map<std::string, std::map<std::string, std::map<double, Means>>> lines;
-  std::vector<std::string> policies;
-  for (const ArrivalsRow& row : rows) {
-    Means& means = lines[row.arrivals][row.policy][row.load];
-    ++means.n;
-    means.worth += Share(row.service.worth_done, row.service.worth_all);
-    if (std::find(policies.begin(), policies.end(), row.policy) == policies.end()) {
-      policies.push_back(row.policy);
-    }
-  }
-  std::string text = fmt::format(
-      "set terminal svg size 900,400 noenhanced background 'white'\nset output '{}'\n"
-      "set multiplot layout 1,2\nset xlabel 'tasks, times those of Random_1'\n"
-      "set ylabel 'share of the worth'\nset yrange [0:1]\nset key top right\n",
-      svg_file);
-  for (const auto& [arrivals, by_policy] : lines) {
-    std::string plot;
-    for (std::size_t i = 0; i < policies.size(); ++i) {
-      text += fmt::format("${}_{} << EOD\n", arrivals, i);
-      for (const auto& [load, means] : by_policy.at(policies[i])) {
-        text += fmt::format("{} {:.4f}\n", load, means.worth / means.n);
-      }
-      text += "EOD\n";
-      plot += fmt::format("{}${}_{} with linespoints title '{}'", i == 0 ? "" : ", ", arrivals, i,
-                          policies[i]);
-    }
-    text += fmt::format("set title '{}'\nplot {}\n", arrivals, plot);
-  }
-  return text + "unset multiplot\n";
+  return line + "\n";
 }
 
 }  // namespace muster::tools

@@ -1,6 +1,7 @@
 #include "tools/bench/bench_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -47,7 +48,8 @@ void AddBenchOptions(Options* options) {
       .List()
       .Number(Above0(1000))
       .Default("1,3,10,30,100");
-  options->Add("loads", "X,...", "arrivals: tasks, times those of Random_1")
+  options
+      ->Add("loads", "X,...", "arrivals: tasks, times those of Random_1 or of the data set's shape")
       .List()
       .Number(Above0(100))
       .Default("0.5,1,2");
@@ -136,14 +138,24 @@ int ArrivalsCommand(const Arguments& arguments) {
     options.policies = {"kwta", "mpq", "certified", "horizon", "rollout", "rollout-steps"};
   }
   for (const std::string& policy : options.policies) scheduler::MakePolicy(policy);
+  arguments.Read("data", &options.data);
+  options.instances = arguments.All("instances");
+  const auto known = ArrivalsInstances(!options.data.empty());
+  for (const std::string& name : options.instances) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw InputError("command line", "--instances", name,
+                     fmt::format("{}{}", fmt::join(known, ", "),
+                                 options.data.empty() ? "; with --data those of its tables" : ""));
+  }
+  if (options.instances.empty()) options.instances = known;
   options.loads = arguments.All<double>("loads");
   arguments.Read("seeds", &options.seeds);
   options.first_seed = arguments.Get<int>("first-seed");
   std::string csv = ArrivalsCsvHeader();
   std::vector<ArrivalsRow> rows;
   ProgressPrinter progress(stderr, StyleFor(stderr, false));
-  const std::size_t n =
-      2 * options.loads.size() * static_cast<std::size_t>(options.seeds) * options.policies.size();
+  const std::size_t n = options.instances.size() * options.loads.size() *
+                        static_cast<std::size_t>(options.seeds) * options.policies.size();
   const auto start = std::chrono::steady_clock::now();
   RunArrivals(options, [&](const ArrivalsRow& row) {
     rows.push_back(row);

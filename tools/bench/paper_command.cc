@@ -23,8 +23,8 @@ void AddPaperOptions(Options* options) {
       .OneOf({"strict", "overrun"})
       .Default("strict,overrun");
   options->Add("data", "DIR",
-               "Folder with the tables of imported places (docs/import.md); without it drawn "
-               "places only");
+               "also arrivals: folder with the tables of imported places (docs/import.md); without "
+               "it drawn places only");
   options->Flag("list-jobs",
                 "Print the runs as commands, one a line, for GNU parallel or a Slurm array");
   options->Add("merge", "DIR...", "Put the rows of such jobs' folders together").List();
