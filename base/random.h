@@ -20,6 +20,7 @@ enum class Stream : std::uint32_t {
   kAgentFailure = 12,
   kMatchFailure = 13,
   kPolicy = 20,
+  kExpectedTasks = 21,
   kPacketFault = 30,
   kLatency = 31,
   kSoak = 32,

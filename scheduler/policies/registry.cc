@@ -22,6 +22,8 @@ namespace muster::scheduler {
 namespace {
 
 constexpr int kMostDeadlineMs = 3'600'000;
+constexpr std::string_view kExpectInfix = ":expect=";
+constexpr double kMostExpectedPerHour = 100'000;
 
 /// One row a policy: its name, what users read about it, how to make it.
 struct Row {
@@ -126,6 +128,16 @@ const Row kPolicies[] = {
      &HorizonVariant<&HorizonSettings::ties>},
 };
 
+/// Whether ":expect=..." behind it would be no part of a command or a folder.
+bool TakesExpectation(std::string_view name) {
+  return !IsExternal(name) && !name.starts_with(kLearnedPrefix);
+}
+
+[[noreturn]] void FailToExpect(std::string_view name) {
+  throw InputError("options", "--expect-arrivals", fmt::format("policy {}", Printable(name)),
+                   "one that looks so far ahead: rollout, rollout-steps");
+}
+
 std::vector<std::string> Names() {
   std::vector<std::string> names;
   for (const Row& row : kPolicies) names.emplace_back(row.info.name);
@@ -148,11 +160,31 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
   for (const Row& row : kPolicies) {
     if (row.info.group != PolicyGroup::kAblation) names.push_back(row.info.name);
   }
-  return options
-      ->Add("policy", "NAME",
-            fmt::format("{} {} external:COMMAND learned:MODEL (see muster policies)", help,
-                        fmt::join(names, " ")))
-      .Default(kDefaultPolicy);
+  Option& policy =
+      options
+          ->Add("policy", "NAME",
+                fmt::format("{} {} external:COMMAND learned:MODEL (see muster policies)", help,
+                            fmt::join(names, " ")))
+          .Default(kDefaultPolicy);
+  options
+      ->Add("expect-arrivals", "RATE",
+            "rollout, rollout-steps: so many more tasks an hour will be reported, to be reckoned "
+            "with (docs/scheduling.md; default: 0)")
+      .Number({0, kMostExpectedPerHour});
+  return policy;
+}
+
+std::string PolicyFrom(const Arguments& arguments) {
+  std::string name = arguments.Get("policy");
+  if (!arguments.Has("expect-arrivals")) return name;
+  const auto per_hour = arguments.Get<double>("expect-arrivals");
+  if (BaseName(name) != name) {
+    throw InputError("command line", "--expect-arrivals", fmt::to_string(per_hour),
+                     fmt::format("nothing beside --policy {}", name));
+  }
+  if (!TakesExpectation(name)) FailToExpect(name);
+  if (per_hour > 0) name += fmt::format("{}{}", kExpectInfix, per_hour);
+  return name;
 }
 
 void AddDeadlineOption(Options* options) {
@@ -165,11 +197,32 @@ void AddDeadlineOption(Options* options) {
 
 bool IsExternal(std::string_view name) { return name.starts_with(kExternalPrefix); }
 
+std::string_view BaseName(std::string_view name) {
+  return TakesExpectation(name) ? name.substr(0, name.find(kExpectInfix)) : name;
+}
+
+void SetExpectation(Policy* policy, std::string_view name) {
+  const std::string_view base = BaseName(name);
+  if (base == name) return;
+  const std::string_view rate = name.substr(base.size() + kExpectInfix.size());
+  const auto per_hour = ToNumber(rate);
+  if (!per_hour || *per_hour < 0 || *per_hour > kMostExpectedPerHour) {
+    throw InputError("options", "--policy", Printable(name),
+                     fmt::format("{}{}RATE, tasks an hour from 0 to {}", base, kExpectInfix,
+                                 kMostExpectedPerHour));
+  }
+  if (!policy->ExpectArrivals(*per_hour)) FailToExpect(base);
+}
+
 std::unique_ptr<Policy> MakePolicy(std::string_view name) {
   if (IsExternal(name)) return std::make_unique<ExternalPolicy>(name);
   if (name.starts_with(kLearnedPrefix)) return std::make_unique<LearnedPolicy>(name);
+  const std::string_view base = BaseName(name);
   for (const Row& row : kPolicies) {
-    if (row.info.name == name) return row.make();
+    if (row.info.name != base) continue;
+    auto policy = row.make();
+    SetExpectation(policy.get(), name);
+    return policy;
   }
   const std::vector<std::string> names = Names();
   throw InputError(

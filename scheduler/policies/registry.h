@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,17 +33,27 @@ inline constexpr std::string_view kDefaultPolicy = "rollout-steps";
 /// All policies, in the order in which they are listed to users.
 const std::vector<PolicyInfo>& Policies();
 
-/// Declares --policy, whose name MakePolicy checks, and --deadline, milliseconds. Ablations are
-/// known, but not listed.
+/// Declares --policy, whose name MakePolicy checks, with --expect-arrivals, and --deadline,
+/// milliseconds. Ablations are known, but not listed.
 Option& AddPolicyOption(Options* options, std::string_view help = "How to decide:");
+/// What --policy and --expect-arrivals say together: the name that decisions are logged under and
+/// made again by. Throws InputError when both say what to expect.
+std::string PolicyFrom(const Arguments& arguments);
 void AddDeadlineOption(Options* options);
 
 /// Whether a policy of that name is a program of the user's (docs/external-schedulers.md). A log
 /// may name any: only who is told so by the user makes such a policy.
 bool IsExternal(std::string_view name);
 
+/// "rollout" of "rollout:expect=12"; the whole name where it expects nothing.
+std::string_view BaseName(std::string_view name);
+
+/// As the name says: RolloutSettings::expect_per_hour. Throws InputError when it is no number of
+/// tasks an hour, or the policy takes none.
+void SetExpectation(Policy* policy, std::string_view name);
+
 /// Throws InputError naming the known policies when `name` is none of them, nor "external:" and a
-/// program that is there.
+/// program that is there. ":expect=RATE" behind a name is what SetExpectation takes.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);
 
 /// Gives the policy of that name a deadline for each decision, in milliseconds; throws InputError

@@ -14,10 +14,12 @@ namespace {
 
 std::unique_ptr<Policy> Make(const std::string& name, std::optional<double> deadline_ms,
                              const std::vector<OwnPolicy>& own) {
-  const auto found = std::find_if(own.begin(), own.end(),
-                                  [&](const OwnPolicy& policy) { return policy.name == name; });
+  const auto found = std::find_if(own.begin(), own.end(), [&](const OwnPolicy& policy) {
+    return policy.name == BaseName(name);
+  });
   if (found == own.end()) return MakePolicy(name, deadline_ms);
   std::unique_ptr<Policy> policy = found->make();
+  SetExpectation(policy.get(), name);
   SetDeadline(policy.get(), name, deadline_ms);
   return policy;
 }
@@ -35,7 +37,7 @@ int Run(const std::string& program, int argc, char** argv, const std::vector<Own
   const ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kScheduler);
   std::optional<double> deadline_ms;
   arguments->Read("deadline", &deadline_ms);
-  const std::string policy = arguments->Get("policy");
+  const std::string policy = PolicyFrom(*arguments);
   SchedulerProcess process(flags.identity, flags.window, policy, Make(policy, deadline_ms, own),
                            MonotonicUs);
   const auto bus = OpenBus(flags, GuardedChannels::kOfScheduler);

@@ -38,6 +38,28 @@ TEST(Policy, ADeadlineIsAboveZeroAndAtMostAnHour) {
   EXPECT_THROW(MakePolicy("mpq", 10.0), InputError) << "cannot be cut short";
 }
 
+TEST(Policy, WhatIsExpectedIsPartOfItsName) {
+  for (const char* good : {"rollout:expect=0", "rollout-steps:expect=12.5", "rollout:expect=1e5"}) {
+    EXPECT_NO_THROW(MakePolicy(good)) << good;
+  }
+  for (const char* bad : {"rollout:expect=", "rollout:expect=-1", "rollout:expect=1x",
+                          "rollout:expect=nan", "rollout:expect=inf", "rollout:expect=100001",
+                          "rollout:expect=3:expect=3", "rollout:expects=3"}) {
+    EXPECT_THROW(MakePolicy(bad), InputError) << bad;
+  }
+  EXPECT_THROW(MakePolicy("mpq:expect=3"), InputError) << "does not look so far ahead";
+  EXPECT_EQ(BaseName("rollout:expect=3"), "rollout");
+  EXPECT_EQ(BaseName("external:run --with:expect=3"), "external:run --with:expect=3");
+}
+
+TEST(Policy, ExpectingNothingIsTheSamePolicy) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Situation situation = RandomSituation(seed, {6, 8, 4, 15, 3, 15, true});
+    EXPECT_EQ(MakePolicy("rollout:expect=0")->Decide(situation).actions,
+              MakePolicy("rollout")->Decide(situation).actions);
+  }
+}
+
 /// What every policy must keep.
 class EveryPolicy : public ::testing::TestWithParam<std::string> {};
 

@@ -2,6 +2,7 @@
 // policy knows of a task before it is reported.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -106,10 +107,11 @@ TEST_P(TimedMission, KnowsOfNoTaskBeforeItIsReported) {
 
 INSTANTIATE_TEST_SUITE_P(Policies, TimedMission,
                          ::testing::Values("greedy-nearest", "kwta", "mpq", "ils", "certified",
-                                           "horizon", "horizon-steps", "rollout"),
+                                           "horizon", "horizon-steps", "rollout",
+                                           "rollout:expect=20"),
                          [](const auto& policy) {
                            std::string name = policy.param;
-                           std::erase(name, '-');
+                           std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });
                            return name;
                          });
 

@@ -65,8 +65,9 @@ std::unique_ptr<scheduler::Policy> PolicyOf(const DecisionLog& log, std::string*
     if (logged.schedules.empty()) continue;
     *name = logged.schedules.front().policy;
     const auto& known = scheduler::Policies();
-    const bool ours = std::any_of(known.begin(), known.end(),
-                                  [&](const auto& policy) { return policy.name == *name; });
+    const bool ours = std::any_of(known.begin(), known.end(), [&](const auto& policy) {
+      return policy.name == scheduler::BaseName(*name);
+    });
     return ours ? scheduler::MakePolicy(*name) : nullptr;
   }
   return nullptr;

@@ -29,7 +29,7 @@ void AddDecisionOptions(Options* options) {
 }
 
 scheduler::Situation ReadSituation(const Arguments& arguments) {
-  return SituationOf(arguments.Get("mission"), arguments.Get("policy"),
+  return SituationOf(arguments.Get("mission"), scheduler::PolicyFrom(arguments),
                      arguments.Get<int>("decision"));
 }
 

@@ -54,7 +54,7 @@ void AddMissionOptions(Options* options) {
 
 MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy) {
   MissionOptions options = ReadRuleOptions(arguments);
-  options.policy = arguments.Get("policy");
+  options.policy = scheduler::PolicyFrom(arguments);
   // An unknown name is an error before the first file.
   options.own_policy = own_policy;
   if (!own_policy) scheduler::MakePolicy(options.policy);

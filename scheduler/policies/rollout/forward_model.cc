@@ -6,7 +6,8 @@
 
 namespace muster::scheduler {
 
-ForwardModel::ForwardModel(const Situation& situation) : situation_(situation) {}
+ForwardModel::ForwardModel(const Situation& situation, std::size_t expected)
+    : situation_(situation), expected_(expected) {}
 
 bool ForwardModel::anybody() const {
   return !situation_.uavs.empty() || !situation_.workers.empty() || !situation_.vehicles.empty();
@@ -74,6 +75,11 @@ void ForwardModel::AdvanceTo(TimeUs t) {
     } else {
       --situation_.charging_load[site];
     }
+  }
+  const std::vector<Task>& tasks = situation_.site->tasks;
+  for (std::size_t x = tasks.size() - expected_; x < tasks.size(); ++x) {
+    TaskStatus& status = situation_.task_status[x];
+    if (status == TaskStatus::kUnreported && tasks[x].reported_us <= t) status = TaskStatus::kOpen;
   }
   const Verdict none;
   for (auto* agents : {&situation_.uavs, &situation_.workers, &situation_.vehicles}) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "model/action.h"
@@ -14,7 +15,10 @@ namespace muster::scheduler {
 /// out.
 class ForwardModel {
  public:
-  explicit ForwardModel(const Situation& situation);
+  /// The last `expected` tasks of the situation are known once their time of report has come. Of
+  /// the others those that are not reported yet stay unknown: when they will be is not for a
+  /// decision to know.
+  explicit ForwardModel(const Situation& situation, std::size_t expected = 0);
 
   /// The situation of the decision that is due.
   const Situation& situation() const { return situation_; }
@@ -39,6 +43,7 @@ class ForwardModel {
   void AdvanceTo(TimeUs t);
 
   Situation situation_;
+  std::size_t expected_;
   std::vector<Activity> done_;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/index.h"
 #include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/rollout/forward_model.h"
 
@@ -52,12 +53,24 @@ std::size_t AllThatCanBeDone(const Situation& situation) {
 }  // namespace
 
 RolloutPolicy::RolloutPolicy(RolloutSettings settings) : settings_(std::move(settings)) {
-  MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0 && settings_.rounds > 0,
-               "work={} rounds={}", settings_.work, settings_.rounds);
+  MUSTER_CHECK(!settings_.variants.empty() && settings_.work > 0 && settings_.rounds > 0 &&
+                   settings_.futures > 0,
+               "work={} rounds={} futures={}", settings_.work, settings_.rounds, settings_.futures);
 }
 
-void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
-                           std::int64_t work, const Plan* known, std::vector<Plan>* plans) const {
+std::vector<ExpectedTasks> RolloutPolicy::FuturesOf(const Situation& situation) const {
+  std::vector<ExpectedTasks> futures;
+  const int n = settings_.expect_per_hour > 0 ? settings_.futures : 1;
+  for (int i = 0; i < n; ++i) {
+    futures.push_back(
+        ExpectTasks(situation, settings_.expect_per_hour, static_cast<std::uint32_t>(i)));
+  }
+  return futures;
+}
+
+void RolloutPolicy::Follow(const Situation& situation, const std::vector<ExpectedTasks>& futures,
+                           std::chrono::steady_clock::time_point start, std::int64_t work,
+                           const Plan* known, std::vector<Plan>* plans) const {
   const std::size_t n = plans->size();
   /// Calls body(plan) for every plan, by two threads at once.
   const auto for_each = [&](auto body) {
@@ -103,18 +116,20 @@ void RolloutPolicy::Follow(const Situation& situation, std::chrono::steady_clock
   for_each([&](Plan* plan) {
     if (skip[static_cast<std::size_t>(plan - plans->data())] || late(plan)) return;
     plan->followed = true;
-    ForwardModel model(situation);
     HorizonPolicy policy(plan->follow);
-    model.Step(plan->decision.actions);
-    for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
-      model.Step(policy.ActionsOf(model.situation()));
-    }
-    plan->done = model.done().size();
-    for (const Activity& sensing : model.done()) {
-      const double early = 1 - static_cast<double>(sensing.end_us) / limit;
-      plan->worth += WorthOf(situation.site->tasks[static_cast<std::size_t>(sensing.site)],
-                             sensing.start_us, situation.site->rules) *
-                     (1 + settings_.early * early);
+    for (const ExpectedTasks& future : futures) {
+      ForwardModel model(future.situation, future.count);
+      model.Step(plan->decision.actions);
+      for (std::size_t k = 1; k < depth && !model.over() && model.anybody(); ++k) {
+        model.Step(policy.ActionsOf(model.situation()));
+      }
+      plan->done += model.done().size();
+      for (const Activity& sensing : model.done()) {
+        const double early = 1 - static_cast<double>(sensing.end_us) / limit;
+        plan->worth += WorthOf(model.situation().site->tasks[At(sensing.site)], sensing.start_us,
+                               situation.site->rules) *
+                       (1 + settings_.early * early);
+      }
     }
   });
 }
@@ -133,7 +148,9 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
   first.decided = true;
   const std::int64_t pairs = std::max<std::int64_t>(1, first.decision.candidates);
   const std::int64_t wanted = pairs > settings_.many_pairs ? settings_.work / 2 : settings_.work;
-  const std::int64_t work = std::min(wanted, settings_.pairs / pairs);
+  const std::vector<ExpectedTasks> futures = FuturesOf(situation);
+  const std::int64_t work =
+      std::min(wanted, settings_.pairs / pairs / static_cast<std::int64_t>(futures.size()));
   /// How many plans are followed, so that they can go to the end where work is short.
   const auto at_most = [&](std::size_t n) {
     if (work == settings_.work) return n;
@@ -147,10 +164,10 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
     variants[i].settings = variants[i].follow = settings_.variants[i];
   }
   variants[0] = first;
-  Follow(situation, start, work, nullptr, &variants);
+  Follow(situation, futures, start, work, nullptr, &variants);
   const Plan* best = best_of(variants, nullptr);
 
-  const std::size_t left = AllThatCanBeDone(situation);
+  const std::size_t left = settings_.expect_per_hour > 0 ? SIZE_MAX : AllThatCanBeDone(situation);
   if (best->done >= left || best->decision.actions.empty()) return best->decision;
   const auto rounds = static_cast<std::size_t>(settings_.rounds);
   const auto all = static_cast<std::size_t>(settings_.draws);
@@ -168,7 +185,7 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
         around_draw = {settings_.later_jitter, draw};
       }
     }
-    Follow(situation, start, work / settings_.rounds, &found, &near);
+    Follow(situation, futures, start, work / settings_.rounds, &found, &near);
     found = *best_of(near, &found);
   }
   return found.decision;

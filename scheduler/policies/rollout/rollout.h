@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scheduler/policies/horizon/settings.h"
+#include "scheduler/policies/rollout/expected_tasks.h"
 #include "scheduler/policy.h"
 
 namespace muster::scheduler {
@@ -38,6 +39,11 @@ struct RolloutSettings {
   int threads = 2;  ///< 1 or 2; no answer depends on it without a deadline
   /// What a task done at mission start is worth above one done at the limit, in tasks.
   double early = 0.5;
+  /// Tasks an hour that are expected to be reported from now on (ExpectTasks); 0: none.
+  double expect_per_hour = 0;
+  /// So many futures are drawn where tasks are expected. A decision counts with what it gets done
+  /// in all of them; `work` is for each.
+  int futures = 8;
 
   static std::vector<HorizonSettings> DefaultVariants();
 };
@@ -56,6 +62,10 @@ class RolloutPolicy : public Policy {
     settings_.deadline = deadline;
     return true;
   }
+  bool ExpectArrivals(double per_hour) override {
+    settings_.expect_per_hour = per_hour;
+    return true;
+  }
 
  private:
   struct Plan {
@@ -66,10 +76,13 @@ class RolloutPolicy : public Policy {
     double worth = 0;
     std::size_t done = 0;  ///< tasks
   };
+  /// What the plans are followed into; without expected tasks the situation alone.
+  std::vector<ExpectedTasks> FuturesOf(const Situation& situation) const;
   /// Decides all plans that are not decided yet, follows those that differ from each other and from
   /// `known`, for `work` simulated decisions in all.
-  void Follow(const Situation& situation, std::chrono::steady_clock::time_point start,
-              std::int64_t work, const Plan* known, std::vector<Plan>* plans) const;
+  void Follow(const Situation& situation, const std::vector<ExpectedTasks>& futures,
+              std::chrono::steady_clock::time_point start, std::int64_t work, const Plan* known,
+              std::vector<Plan>* plans) const;
 
   RolloutSettings settings_;
 };

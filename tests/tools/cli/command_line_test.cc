@@ -91,6 +91,24 @@ TEST_F(CommandLine, HelpOfACommandIsItsHelp) {
   EXPECT_EQ(none.output, Muster({"--help"}).output);
 }
 
+TEST_F(CommandLine, WhatIsExpectedIsATaskRateOfAPolicyThatLooksAhead) {
+  const std::string out = folder_.File("out");
+  const std::vector<std::vector<std::string>> bad = {
+      {"--expect-arrivals", "-1"},
+      {"--expect-arrivals", "many"},
+      {"--expect-arrivals", "12", "--policy", "mpq"},
+      {"--policy", "rollout:expect=-1"},
+      {"--policy", "horizon:expect=1"},
+  };
+  for (std::vector<std::string> arguments : bad) {
+    arguments.insert(arguments.begin(), {"simulate", scenario_, "--out", out});
+    const ChildResult result = Muster(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  EXPECT_EQ(Muster({"bench", "--suite", "arrivals", "--instances", "haiti"}).exit_code, 2);
+}
+
 TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
   const std::string run = MakeRun();
   const std::string garbage = folder_.File("garbage.json");

@@ -41,6 +41,26 @@ std::string ValueOf(const ProcessPlan& plan, const std::string& flag) {
   return at == plan.arguments.end() ? "" : *(at + 1);
 }
 
+TEST(LaunchOptions, WhatIsExpectedIsPartOfThePolicysName) {
+  EXPECT_EQ(Parse({"s.json", "--expect-arrivals", "12"}).policy, "rollout-steps:expect=12");
+  EXPECT_EQ(Parse({"s.json", "--policy", "rollout", "--expect-arrivals", "0.5"}).policy,
+            "rollout:expect=0.5");
+  EXPECT_EQ(Parse({"s.json", "--expect-arrivals", "0"}).policy, "rollout-steps");
+  for (const char* bad : {"-1", "x", "nan", "100001"}) {
+    EXPECT_NE(ErrorOf({"s.json", "--expect-arrivals", bad}).find("--expect-arrivals"),
+              std::string::npos)
+        << bad;
+  }
+  for (const char* policy : {"mpq", "external:true", "learned:models/x"}) {
+    EXPECT_NE(ErrorOf({"s.json", "--policy", policy, "--expect-arrivals", "3"})
+                  .find(std::string("found policy ") + policy),
+              std::string::npos);
+  }
+  EXPECT_NE(ErrorOf({"s.json", "--policy", "rollout:expect=3", "--expect-arrivals", "3"})
+                .find("--expect-arrivals"),
+            std::string::npos);
+}
+
 TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   const LaunchOptions options = Parse({"a.json"});
   EXPECT_EQ(options.scenario_file, "a.json");
