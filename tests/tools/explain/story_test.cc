@@ -405,6 +405,15 @@ TEST(TaskStory, OutbidInTasksAndByTheForecast) {
   EXPECT_EQ(json["options"][0]["outbid_by"][0]["task"], 0);
 }
 
+TEST(TaskStory, ARolloutThatExpectsTasksIsToldInItsOwnTerms) {
+  const DecisionLog log = Logged(SimulatedPackets(NearAndFar(), "rollout:expect=6"));
+  const TaskStory story = TellTask(log, "run", 1, {});
+  EXPECT_EQ(story.terms, Terms::kHorizon);
+  EXPECT_EQ(story.policy, "rollout:expect=6");
+  ASSERT_TRUE(story.chapters[0].horizon);
+  EXPECT_TRUE(story.chapters[0].horizon->again);
+}
+
 TEST(AgentStory, HorizonIsToldInItsOwnTerms) {
   const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "horizon"));
   const AgentStory story = TellAgent(log, "run", AgentKind::kWorker, 0, {});
