@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "scheduler/policies/baselines/greedy.h"
 #include "scheduler/policies/baselines/kwta.h"
+#include "scheduler/policies/baselines/without_times.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/external/external_policy.h"
 #include "scheduler/policies/horizon/horizon.h"
@@ -68,6 +69,10 @@ std::unique_ptr<Policy> RolloutWithoutChains() {
   for (HorizonSettings& variant : settings.variants) variant.chains = false;
   return std::make_unique<RolloutPolicy>(std::move(settings));
 }
+template <std::unique_ptr<Policy> (*kMake)()>
+std::unique_ptr<Policy> WithoutTimes() {
+  return std::make_unique<WithoutTimesPolicy>(kMake());
+}
 std::unique_ptr<Policy> LearnedHorizon() { return std::make_unique<LearnedHorizonPolicy>(); }
 std::unique_ptr<Policy> LearnedRollout() { return std::make_unique<LearnedRolloutPolicy>(); }
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
@@ -111,6 +116,10 @@ const Row kPolicies[] = {
     {{kAblation, "rollout-without-draws", "rollout over the variants alone"}, &RolloutWithoutDraws},
     {{kAblation, "rollout-without-chains", "rollout that values no next task"},
      &RolloutWithoutChains},
+    {{kAblation, "rollout-steps-without-times",
+      "rollout-steps that is told neither priorities nor due times"},
+     &WithoutTimes<Rollout<true>>},
+    {{kAblation, "horizon-without-times", "horizon that is told neither"}, &WithoutTimes<Horizon>},
     {{kAblation, "horizon-without-true-duration", "horizon that counts ways only"},
      &HorizonVariant<&HorizonSettings::true_duration>},
     {{kAblation, "horizon-without-soon-idle", "horizon with idle agents only"},

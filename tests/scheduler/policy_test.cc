@@ -60,6 +60,26 @@ TEST(Policy, ExpectingNothingIsTheSamePolicy) {
   }
 }
 
+TEST(Policy, WithoutTimesPrioritiesAndDueTimesChangeNothing) {
+  int others = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Situation timed = RandomSituation(seed, {6, 8, 4, 15, 3, 15, true});
+    Situation plain = timed;
+    auto site = std::make_shared<Site>(*timed.site);
+    for (Task& task : site->tasks) {
+      task.priority = Priority::kNormal;
+      task.due_us = kNever;  // expiry stays
+    }
+    plain.site = site;
+    const auto decide = [](const char* policy, const Situation& situation) {
+      return MakePolicy(policy)->Decide(situation).actions;
+    };
+    EXPECT_EQ(decide("horizon-without-times", timed), decide("horizon", plain)) << seed;
+    others += decide("horizon", timed) != decide("horizon", plain);
+  }
+  EXPECT_GT(others, 2);
+}
+
 /// What every policy must keep.
 class EveryPolicy : public ::testing::TestWithParam<std::string> {};
 
