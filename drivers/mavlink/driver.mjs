@@ -1,0 +1,260 @@
+// One UAV's driver: lines of the mission (docs/drivers.md) on one side, MAVLink on the other, as a function of what it hears and
+// of the time. Sockets, clocks and files are in main.mjs.
+import { common, FrameWriter, make, minimal } from "./frames.mjs";
+import { Area } from "./area.mjs";
+import { Flight, heartbeat } from "./flight.mjs";
+import { distance_m, MissionMap } from "./places.mjs";
+import { Reporter } from "./reporter.mjs";
+import { Phase, Safety } from "./safety.mjs";
+import { Settings } from "./settings.mjs";
+import { Talk, Trouble } from "./talk.mjs";
+import { Vehicle } from "./vehicle.mjs";
+
+const HEARTBEAT_S = 1;
+/** A ground station, as MAV_COMPONENT and MAV_STATE have it. */
+const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
+
+export class Driver {
+  /**
+   * `options`: of options.mjs. `edge`: {now() in the vehicle's seconds, say(object), send(bytes), note(words), kept (settings.mjs),
+   * isChanged(): whether somebody has said, since the last call, that the battery was changed}.
+   */
+  constructor(options, edge) {
+    Object.assign(this, { options, edge });
+    const { speedup } = options;
+    // Where time runs faster nothing is given up sooner, by the wall, than it would be at life's pace, up to 3 s.
+    const patience = (seconds) => (speedup > 1 ? Math.max(seconds, speedup * Math.min(seconds, 3)) : seconds);
+    const now = edge.now;
+    this.writer = new FrameWriter(options.ownSystem, OUR_COMPONENT);
+    this.vehicle = new Vehicle(options.system);
+    this.safety = new Safety({ vehicle: this.vehicle, now, patience, reserve_percent: options.reserve });
+    this.talk = new Talk({ vehicle: this.vehicle, now, patience, send: (message) => this.#send(message), mayCommand: () => this.safety.mayCommand() });
+    this.settings = new Settings(this.talk, edge.kept, edge.note);
+    this.silence_s = speedup > 1 ? Math.max(5, 2 * speedup) : 5;
+  }
+
+  /** What it was told last; it does that, or has done it. */
+  order = null;
+  /** null: it goes on; else the code to exit with. */
+  exitCode = null;
+  hasFailed = false;
+  /** Nothing is done with it any more. */
+  isHandsOff = false;
+  /** It has not been in the air yet. */
+  isPreparing = false;
+  #work = null;
+  #heartbeat_s = -Infinity;
+
+  #send(message) {
+    this.edge.send(this.writer.write(message));
+  }
+
+  /** Puts back the settings that a driver left, and ends. */
+  restore() {
+    this.#work = this.#restore();
+  }
+
+  *#restore() {
+    const { talk, vehicle, settings, options, edge } = this;
+    try {
+      yield* heartbeat(talk, vehicle, options.speedup);
+      if (vehicle.armed) throw new Trouble("it is armed: its settings are put back on the ground only", "off");
+      this.exitCode = (yield* settings.restore()) ? 0 : 1;
+    } catch (error) {
+      if (!(error instanceof Trouble)) throw error;
+      edge.note(error.message);
+      this.exitCode = 1;
+    }
+  }
+
+  /** Takes a line of the mission. What is none is passed over. */
+  hearLine(text) {
+    let line = null;
+    try {
+      line = JSON.parse(text);
+    } catch {
+      return this.edge.note("a line of the mission is no JSON");
+    }
+    const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason) };
+    for (const type of ["goto", "sense", "charge", "cancel"]) take[type] = () => this.#take(line);
+    if (line && Object.hasOwn(take, line.type)) take[line.type]();
+  }
+
+  /** The mission is over, or gone. */
+  bye(reason) {
+    this.edge.note(`the mission is over: ${reason}`);
+    this.order = { type: "bye" };
+    if (!this.#work) this.exitCode = 0;  // it has not begun
+    if (this.isPreparing) this.#work = this.#end("off");  // it is on the ground
+    this.step();
+  }
+
+  /** Takes a frame; returns whether it is one of the autopilot. */
+  hearFrame(frame) {
+    if (!this.vehicle.hear(frame, this.edge.now())) return false;
+    if (frame.name === "GLOBAL_POSITION_INT") this.reporter?.place();
+    this.step(frame);
+    return true;
+  }
+
+  /** Goes on as far as it can. At least ten times a second. */
+  step(heard) {
+    const now = this.edge.now();
+    if (this.#work && now - this.#heartbeat_s >= HEARTBEAT_S) {
+      this.#heartbeat_s = now;
+      this.#send(make(minimal.Heartbeat, { type: minimal.MavType.GCS, autopilot: NO_AUTOPILOT, systemStatus: ACTIVE, mavlinkVersion: 3 }));
+    }
+    const trouble = this.plan && !this.isHandsOff && this.safety.check(this.plan.area, this.plan.map);
+    // On its way home or down only somebody else in command matters.
+    if (trouble && (trouble.then === "off" || !this.isEnding)) this.#fail(trouble);
+    try {
+      this.#work?.next(heard);
+    } catch (error) {
+      if (!(error instanceof Trouble)) throw error;
+      this.#fail(error);
+    }
+  }
+
+  #hello(line) {
+    if (this.#work) return;
+    this.edge.say({ type: "hello", version: 1, name: `mavlink system ${this.options.system}` });
+    this.reporter = new Reporter(this, line);
+    try {
+      this.plan = this.#planOf(line);
+    } catch (error) {
+      if (!(error instanceof Trouble)) throw error;
+      return this.#fail(error);
+    }
+    this.flight = new Flight({ ...this, note: this.edge.note, plan: this.plan });
+    this.#work = this.#life();
+    this.step();
+  }
+
+  #planOf(line) {
+    const { speedup, camera, reserve, ceiling } = this.options;
+    if (line.class !== "uav") throw new Trouble(`it drives UAVs, not a ${line.class}`, "off");
+    if (!line.origin) throw new Trouble("the mission has no origin: it is nowhere on the earth", "off");
+    if (line.rate === null || Math.abs(line.rate / speedup - 1) > 0.01) {
+      throw new Trouble(`the mission runs at ${line.rate === null ? "full speed" : `rate ${line.rate}`}, and the vehicle's time at ${speedup} (--speedup)`, "off");
+    }
+    const number = Number(String(line.agent).split(":")[1]) || 0;
+    const altitude_m = this.options.altitude + number * this.options.altitudeStep;
+    if (altitude_m > ceiling) throw new Trouble(`${line.agent} would fly at ${altitude_m} m, above ${ceiling} m: see --altitude, --altitude-step, --ceiling`, "off");
+    const map = new MissionMap(line.origin);
+    return {
+      map, altitude_m, area: new Area(map, line.area, altitude_m), launch: line.at, near_m: Math.max(5, line.speed_m_s),
+      speed_m_s: line.speed_m_s, silence_s: this.silence_s, reserve_percent: reserve, camera, speedup,
+    };
+  }
+
+  #time(line) {
+    this.reporter?.tell(line.mission_s, true);
+    this.step();  // what is over by then is said first: it counts for this tick
+    this.reporter?.answer();
+  }
+
+  #take(line) {
+    this.reporter?.tell(line.mission_s, false);
+    if (!this.isEnding) this.order = line;
+    this.step();
+  }
+
+  /** It has failed, or the mission is over. */
+  get isEnding() {
+    return this.hasFailed || this.order?.type === "bye";
+  }
+
+  #fail(trouble) {
+    if (this.isHandsOff) return;
+    const isOver = this.isEnding;
+    this.edge.note(`${trouble.message}; ${{ home: "coming home", land: "landing", off: "hands off" }[trouble.then]}`);
+    if (trouble.then === "off") this.safety.isOff = this.vehicle.armed;
+    if (!isOver) this.edge.say({ type: "failed", id: this.order?.id ?? null, reason: trouble.message.slice(0, 500) });
+    this.hasFailed = true;
+    if (isOver && trouble.then !== "off") return;  // what brings it down meets its troubles itself
+    this.isHandsOff = trouble.then === "off";
+    this.#work = this.#end(trouble.then);
+  }
+
+  *#life() {
+    this.isPreparing = true;
+    yield* this.flight.prepare(true);
+    this.isPreparing = false;
+    this.edge.note(`ready: ${this.vehicle.kind.name}, ${this.vehicle.battery_percent} %, at ${this.plan.altitude_m} m`);
+    for (let done = null; ; ) {
+      const order = this.order;
+      if (order?.type === "bye") break;
+      if (order === null || order === done) {
+        yield;
+        continue;
+      }
+      yield* this.#do(order, () => this.order !== order);
+      done = order;
+    }
+    yield* this.#end("home");
+  }
+
+  *#do(order, isReplaced) {
+    const { flight, reporter, safety, options } = this;
+    if (order.type === "goto") {
+      const to = Number.isFinite(order.to.x_m) ? order.to : this.plan.map.toMetres(order.to);
+      if (!flight.isFlying && distance_m(flight.place, to) < 3 && !this.vehicle.armed && order.then === "charge") {
+        reporter.arrived(order, to);
+        return;
+      }
+      if (this.isHandled && !(yield* this.#battery(isReplaced))) return;
+      safety.isServiced = false;
+      if (!flight.isFlying) yield* flight.takeOff();
+      reporter.goal = { order, to };
+      const isThere = !isReplaced() && (yield* flight.goTo(to, isReplaced));
+      if (isThere && order.then === "charge") yield* flight.land();
+      reporter.goal = null;
+      if (isThere) reporter.arrived(order, to);
+    } else if (order.type === "sense") {
+      yield* flight.photograph();
+      while (reporter.mission_s < order.mission_s + order.for_s && !isReplaced()) yield;
+      if (!isReplaced()) reporter.done(order);
+    } else if (order.type === "charge") {
+      if (safety.phase !== Phase.ground) yield* flight.land();
+      this.isHandled = options.confirm !== "battery";  // somebody is near: no start without a word
+      this.edge.isChanged();  // what was said before is of another change
+      if (!(yield* this.#battery(isReplaced))) return;
+      while (reporter.mission_s < order.mission_s + order.for_s && !isReplaced()) yield;
+      if (!isReplaced()) reporter.charged(order);
+    } else if (flight.isFlying) {
+      yield* flight.hold();
+    }
+  }
+
+  /** Waits for another battery, and gets ready again; returns whether it is. Without it does not take off again. */
+  *#battery(isReplaced) {
+    const { safety, vehicle, options, edge } = this;
+    safety.isServiced = true;
+    edge.note(`waiting for another battery${options.confirm === "battery" ? "" : `; when it is in: touch ${options.confirm}`}`);
+    while (!(options.confirm === "battery" || (this.isConfirmed ||= edge.isChanged())) || !(vehicle.battery_percent >= options.charged)) {
+      yield;
+      if (isReplaced()) return false;
+    }
+    vehicle.forget();
+    // The power may have been cut: it is heard anew.
+    if (!(yield* this.talk.await(() => this.talk.now() - vehicle.heartbeat_s < 2, 120))) throw new Trouble("it is not heard after its battery was changed", "off");
+    yield* this.flight.prepare(false);
+    safety.isServiced = this.isHandled = this.isConfirmed = false;
+    return true;
+  }
+
+  /** Brings it down, puts its settings back, and ends. */
+  *#end(how) {
+    const { safety, vehicle } = this;
+    if (how !== "off") yield* this.flight.bringDown(how);
+    // A pilot gets it as it was before, at once. On its way down by itself it needs what was set; and what we have not flown is
+    // left alone in the air.
+    const isPilots = () => safety.phase !== Phase.ground && !vehicle.kind.modes.home.includes(vehicle.mode);
+    const isLeft = () => safety.phase === Phase.ground && this.order?.type === "bye";
+    while (vehicle.armed && !isPilots() && !isLeft()) yield;
+    if (vehicle.kind && this.plan && !(vehicle.armed && isLeft())) yield* this.settings.restore();
+    this.edge.note(vehicle.armed ? "somebody else is in command: nothing is commanded any more" : "it is on the ground");
+    while (this.order?.type !== "bye") yield;
+    this.exitCode = this.hasFailed ? 1 : 0;
+  }
+}

@@ -1,0 +1,49 @@
+// The autopilot's fence, over MAVLink's mission protocol: read, to be put back, and written. Generators, as talk.mjs has them.
+import { common } from "./frames.mjs";
+import { Trouble } from "./talk.mjs";
+
+const FENCE = common.MavMissionType.FENCE;
+const VERTEX = 5001;  // MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+const MOST_ITEMS = 200;
+const FIELDS = ["command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z"];
+
+const isOfFence = (heard, ...names) => names.includes(heard?.name) && heard.message.missionType === FENCE;
+
+/** The items that it has, to be written again. */
+export function* readFence(talk) {
+  const count = yield* talk.ask(common.MissionRequestList, () => ({ missionType: FENCE }), (heard) => isOfFence(heard, "MISSION_COUNT"));
+  if (!count) throw new Trouble("its fence cannot be read: no answer");
+  const items = [];
+  while (items.length < Math.min(count.message.count, MOST_ITEMS)) {
+    const isNext = (heard) => isOfFence(heard, "MISSION_ITEM_INT") && heard.message.seq === items.length;
+    const heard = yield* talk.ask(common.MissionRequestInt, () => ({ seq: items.length, missionType: FENCE }), isNext);
+    if (!heard) throw new Trouble(`its fence cannot be read: item ${items.length} of ${count.message.count} is missing`);
+    items.push(Object.fromEntries(FIELDS.map((name) => [name, heard.message[name]])));
+  }
+  talk.sendTo(common.MissionAck, { type: 0, missionType: FENCE });
+  return items;
+}
+
+/** Items of a polygon that it has to stay in. */
+export function polygon(corners) {
+  return corners.map(({ latitude_deg, longitude_deg }) => ({
+    command: VERTEX, frame: 0, param1: corners.length, x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: 0,
+  }));
+}
+
+/** Writes it; it has no other then. */
+export function* writeFence(talk, items) {
+  const isAsked = (heard) => isOfFence(heard, "MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK");
+  let heard = items.length
+    ? yield* talk.ask(common.MissionCount, () => ({ count: items.length, missionType: FENCE }), isAsked)
+    : yield* talk.ask(common.MissionClearAll, () => ({ missionType: FENCE }), isAsked);
+  // It asks for one after the other, and again for what it has not got.
+  while (heard && heard.name !== "MISSION_ACK") {
+    const seq = heard.message.seq;
+    if (seq >= items.length) throw new Trouble(`its fence cannot be written: it asks for item ${seq} of ${items.length}`);
+    heard = yield* talk.ask(common.MissionItemInt, () => ({ ...items[seq], seq, missionType: FENCE, autocontinue: 1 }), isAsked);
+  }
+  if (!heard) throw new Trouble("its fence cannot be written: no answer");
+  const result = heard.message.type;
+  if (result !== 0) throw new Trouble(`its fence is refused: ${common.MavMissionResult[result] ?? `result ${result}`}`);
+}

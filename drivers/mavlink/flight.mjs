@@ -1,0 +1,185 @@
+// What a UAV does: gets ready, takes off, goes to a place, lands, comes home. Generators, as talk.mjs has them; what goes wrong
+// is a Trouble.
+import { common } from "./frames.mjs";
+import { distance_m } from "./places.mjs";
+import { Phase } from "./safety.mjs";
+import { Trouble } from "./talk.mjs";
+
+const { MavCmd } = common;
+const HEARTBEAT_S = 30, READY_S = 120, MODE_S = 3, SETTLE_S = 30, LAND_S = 600;
+/** It is there: so near, and so slow. */
+const THERE_M = 3, THERE_M_S = 1;
+/** Slower than this for so long on its way, it does not move. */
+const STUCK_M_S = 0.3, STUCK_S = 20;
+const CLIMB_M_S = 0.5;
+/** Message intervals: place, battery (twice), fix, fence. */
+const PLACE_US = 200_000, SECOND_US = 1_000_000;
+const MESSAGES = [[33, PLACE_US, true], [1, SECOND_US], [147, SECOND_US], [24, SECOND_US], [162, SECOND_US]];
+const HOME_MESSAGE = 242;
+
+/** Waits for the autopilot. It may still be starting, for which its own time does not count. */
+export function* heartbeat(talk, vehicle, speedup) {
+  if (yield* talk.await(() => vehicle.kind, HEARTBEAT_S * speedup)) return;
+  throw new Trouble(`no heartbeat of system ${vehicle.system} for ${HEARTBEAT_S} s`, "off");
+}
+
+export class Flight {
+  /** `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}. */
+  constructor({ talk, vehicle, safety, settings, note, plan }) {
+    Object.assign(this, { talk, vehicle, safety, settings, note, plan });
+  }
+
+  get place() {
+    return this.plan.map.toMetres(this.vehicle.place);
+  }
+
+  /** Waits for what a flight needs to know, and sets what it relies on. `isFirst`: here is where it comes home to. */
+  *prepare(isFirst) {
+    const { talk, vehicle, plan } = this;
+    yield* heartbeat(talk, vehicle, plan.speedup);
+    if (!vehicle.isCopter) throw new Trouble("it is no copter", "off");
+    for (const [id, interval_us, isNeeded] of [...MESSAGES, [vehicle.kind.estimateMessage, SECOND_US]]) {
+      yield* this.#ask(isNeeded, "sending its place", { command: MavCmd.SET_MESSAGE_INTERVAL, params: [id, interval_us] });
+    }
+    const isKnown = () => vehicle.place && vehicle.battery_percent !== null && vehicle.badFix_s === null && vehicle.badEstimate_s === null;
+    if (!(yield* talk.await(isKnown, READY_S))) {
+      throw new Trouble(`it has no ${vehicle.place ? (vehicle.battery_percent === null ? "word of its battery" : "good fix") : "place"} for ${READY_S} s`);
+    }
+    if (isFirst) this.#checkLaunch();
+    yield* this.#setHome();
+    yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), plan.area.corners());
+  }
+
+  *#ask(isNeeded, what, command) {
+    try {
+      yield* this.talk.command(what, command);
+    } catch (error) {
+      if (isNeeded || !(error instanceof Trouble)) throw error;
+    }
+  }
+
+  #checkLaunch() {
+    const { plan, vehicle } = this;
+    const away_m = distance_m(this.place, plan.launch);
+    if (away_m > plan.near_m) throw new Trouble(`it is ${away_m.toFixed(0)} m from where the mission has it`, "off");
+    if (!plan.area.mayBeSent(this.place)) throw new Trouble("it stands outside the area", "off");
+    plan.home = { ...vehicle.place, altitude_m: vehicle.altitude_amsl_m };
+  }
+
+  /** Autopilots take where they are armed for their home, even after a battery was changed elsewhere. */
+  *#setHome() {
+    const { talk, vehicle, plan } = this;
+    const isHome = () => vehicle.home !== null && distance_m(plan.map.toMetres(vehicle.home), plan.map.toMetres(plan.home)) < THERE_M;
+    const home = { command: MavCmd.DO_SET_HOME, params: [0, 0, 0, 0], place: plan.home, z: plan.home.altitude_m, frame: 0 };
+    for (let n = 0; n < 4; ++n) {
+      vehicle.home = null;  // it may have changed since
+      yield* this.#ask(false, "sending its home", { command: MavCmd.REQUEST_MESSAGE, params: [HOME_MESSAGE] });
+      yield* talk.await(() => vehicle.home !== null, 1);
+      if (isHome()) return;
+      yield* talk.command("setting its home", home);
+    }
+    throw new Trouble("its home is not where it was set out");
+  }
+
+  get isFlying() {
+    return this.safety.phase === Phase.fly;
+  }
+
+  *takeOff() {
+    const { talk, vehicle, safety, plan } = this;
+    if (vehicle.battery_percent <= plan.reserve_percent) {
+      throw new Trouble(`its battery is low: ${vehicle.battery_percent} %, and ${plan.reserve_percent} % are the reserve`);
+    }
+    const isReady = () => vehicle.kind.modes.fly.includes(vehicle.mode);
+    yield* talk.command("its mode", { command: MavCmd.DO_SET_MODE, params: vehicle.kind.flyMode }, isReady);
+    if (!(yield* talk.await(isReady, MODE_S))) throw new Trouble(`it stays in ${vehicle.modeName}`);
+    safety.isArming = true;
+    yield* talk.command("arming", { command: MavCmd.COMPONENT_ARM_DISARM, params: [1, 0] }, () => vehicle.armed);
+    if (!(yield* talk.await(() => vehicle.armed, MODE_S))) throw new Trouble("it does not arm");
+    safety.phase = Phase.fly;
+    safety.isArming = false;
+    yield* talk.command("taking off", vehicle.kind.takeOff(plan.altitude_m, plan.home), () => vehicle.altitude_m > 1);
+    const isUp = () => vehicle.altitude_m > plan.altitude_m - 1.5;
+    if (!(yield* talk.await(isUp, plan.altitude_m / CLIMB_M_S + SETTLE_S))) throw new Trouble(`it does not climb to ${plan.altitude_m} m`);
+    // PX4 stays in TAKEOFF for a moment, and may take the place where it was armed for its home.
+    yield* talk.await(() => vehicle.kind.modes.fly[0] === vehicle.mode, SETTLE_S);
+    yield* this.#setHome();
+  }
+
+  /** Goes there, until it is there or `isReplaced()`; returns whether it is. */
+  *goTo(to, isReplaced) {
+    const { talk, vehicle, plan } = this;
+    yield* this.#send("going there", to);
+    let moved_s = talk.now();
+    for (;;) {
+      const left_m = distance_m(this.place, to);
+      if (left_m < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M) return true;
+      if (vehicle.speed_m_s > STUCK_M_S || left_m < THERE_M) moved_s = talk.now();
+      if (talk.now() - moved_s > talk.patience(STUCK_S)) throw new Trouble(`it does not move, ${left_m.toFixed(0)} m before the place`);
+      yield;
+      if (isReplaced()) return false;
+    }
+  }
+
+  *#send(what, to) {
+    const { talk, vehicle, plan } = this;
+    if (!plan.area.mayBeSent(to)) throw new Trouble(`(${to.x_m?.toFixed(0)}, ${to.y_m?.toFixed(0)}) m is outside the area`);
+    yield* talk.command(what, vehicle.kind.goTo(plan.map.toDegrees(to), plan.altitude_m, plan.home, plan.speed_m_s));
+  }
+
+  /** Stops where it is. It may be a few metres outside by then. */
+  *hold() {
+    const { width_m, height_m } = this.plan.area;
+    const { x_m, y_m } = this.place;
+    yield* this.#send("stopping", { x_m: Math.min(Math.max(x_m, 0), width_m), y_m: Math.min(Math.max(y_m, 0), height_m) });
+  }
+
+  /** Takes a picture. */
+  *photograph() {
+    const commands = {
+      digicam: { command: MavCmd.DO_DIGICAM_CONTROL, params: [0, 0, 0, 0, 1, 0, 0] },
+      image: { command: MavCmd.IMAGE_START_CAPTURE, params: [0, 0, 1, 0, 0, 0, 0] },
+    };
+    const command = commands[this.plan.camera];
+    if (command) yield* this.talk.command("the camera", command);
+  }
+
+  /** Lands where it is, and waits until the motors are off. */
+  *land() {
+    const { talk, vehicle, safety } = this;
+    safety.phase = Phase.land;
+    const isLanding = () => !vehicle.armed || (!vehicle.kind.modes.fly.includes(vehicle.mode) && vehicle.kind.modes.land.includes(vehicle.mode));
+    yield* talk.command("landing", { command: MavCmd.NAV_LAND, params: [] }, isLanding);
+    if (!(yield* talk.await(() => !vehicle.armed, LAND_S))) throw new Trouble(`it has not landed after ${LAND_S} s`);
+    safety.phase = Phase.ground;
+  }
+
+  /**
+   * Brings it down, home or where it is, whatever happens on the way: it goes on until the motors are off or somebody else is in
+   * command. What cannot be sent now is sent when the link is back.
+   */
+  *bringDown(where) {
+    const { talk, vehicle, safety } = this;
+    if (!vehicle.armed) return;
+    safety.phase = where === "land" ? Phase.land : Phase.home;
+    const commands = [MavCmd.NAV_RETURN_TO_LAUNCH, MavCmd.NAV_LAND].slice(where === "land" ? 1 : 0);
+    const isOnItsWay = () => !vehicle.kind.modes.fly.includes(vehicle.mode);
+    while (vehicle.armed && !safety.isOff) {
+      if (isOnItsWay() || !safety.isLinked) {
+        yield;
+        continue;
+      }
+      const command = commands[0];
+      try {
+        yield* talk.command(command === MavCmd.NAV_LAND ? "landing" : "coming home", { command, params: [] }, isOnItsWay);
+        yield* talk.await(isOnItsWay, MODE_S);
+      } catch (error) {
+        if (!(error instanceof Trouble)) throw error;
+        this.note(error.message);
+        if (commands.length > 1) commands.shift();
+        yield* talk.await(() => !vehicle.armed, 1);
+      }
+    }
+    if (!vehicle.armed) safety.phase = Phase.ground;
+  }
+}

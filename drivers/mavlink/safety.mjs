@@ -1,0 +1,80 @@
+// What ends a flight, and who is in command. Checked at every message and at least ten times a second; never asks or sends.
+import { Trouble } from "./talk.mjs";
+
+/** Nothing at all from the autopilot, or no heartbeat, for so long: the link is lost. It sends five places a second, and a
+ * heartbeat each second. */
+const SILENT_S = 3;
+const NO_HEARTBEAT_S = 5;
+/** No place, or a fix of less than three dimensions, or no estimate of the place, for so long. */
+const NO_PLACE_S = 3;
+/** No word of the battery for so long. */
+const NO_BATTERY_S = 10;
+
+/** What it is doing: who may be in command, and what is watched, depend on it. */
+export const Phase = { ground: "ground", fly: "fly", land: "land", home: "home" };
+
+export class Safety {
+  phase = Phase.ground;
+  /** On the ground, for somebody to change the battery: the power may be cut. */
+  isServiced = false;
+  /** We are about to start its motors. */
+  isArming = false;
+  /** Somebody else is in command: for good. */
+  isOff = false;
+
+  constructor({ vehicle, now, patience, reserve_percent }) {
+    Object.assign(this, { vehicle, now, patience, reserve_percent });
+  }
+
+  /** Why nothing may be commanded now; null: it may. */
+  mayCommand() {
+    return this.isOff ? new Trouble("somebody else is in command", "off") : this.#otherCommand();
+  }
+
+  /** What is wrong; null: nothing. `area`, `map`: once they are known. */
+  check(area, map) {
+    return this.#otherCommand() ?? this.#link() ?? (this.phase === Phase.ground ? null : this.#flight(area, map));
+  }
+
+  get isLinked() {
+    return this.#link() === null;
+  }
+
+  #is(since_s, limit_s) {
+    return since_s !== null && this.now() - since_s > this.patience(limit_s);
+  }
+
+  /** Somebody flies it, or it flies by itself: not as we have told it. */
+  #otherCommand() {
+    const { vehicle, phase } = this;
+    if (!vehicle.armed || !vehicle.kind) return null;
+    if (phase === Phase.ground) return this.isArming ? null : new Trouble("it was armed, not by us", "off");
+    if (vehicle.kind.modes[phase].includes(vehicle.mode)) return null;
+    const words = vehicle.words(this.now());
+    const why = words ? ` (${words})` : "";
+    return vehicle.kind.modes.itself.includes(vehicle.mode)
+      ? new Trouble(`it went to ${vehicle.modeName} by itself${why}`, "off")
+      : new Trouble(`the pilot has taken over: ${vehicle.modeName}${why}`, "off");
+  }
+
+  #link() {
+    const { vehicle } = this;
+    if (!vehicle.kind || this.isServiced) return null;
+    if (this.#is(vehicle.heard_s, SILENT_S)) return new Trouble(`its link is lost: nothing heard for ${SILENT_S} s`);
+    if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return new Trouble(`its link is lost: no heartbeat for ${NO_HEARTBEAT_S} s`);
+    return null;
+  }
+
+  #flight(area, map) {
+    const { vehicle } = this;
+    if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
+    const isLost = this.#is(vehicle.place_s, NO_PLACE_S) || this.#is(vehicle.badFix_s, NO_PLACE_S) || this.#is(vehicle.badEstimate_s, NO_PLACE_S);
+    if (isLost) return new Trouble(`its position is lost for ${NO_PLACE_S} s`, "land");
+    if (vehicle.isBreached) return new Trouble("its fence is touched, it says");
+    if (area.isOut(map.toMetres(vehicle.place), vehicle.altitude_m)) return new Trouble("it is outside the area");
+    if (vehicle.battery_percent <= this.reserve_percent) {
+      return new Trouble(`its battery is low: ${vehicle.battery_percent} %, and ${this.reserve_percent} % are the reserve`);
+    }
+    return this.#is(vehicle.battery_s, NO_BATTERY_S) ? new Trouble(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
+  }
+}
