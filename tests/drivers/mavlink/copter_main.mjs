@@ -1,0 +1,81 @@
+#!/usr/bin/env node
+// The test copter as a program, over UDP, TCP or a terminal: node copter_main.mjs --at LATITUDE,LONGITUDE [OPTION...]
+//   --udp HOST:PORT      sends there, as autopilots do          --tcp PORT   waits for one who connects, on 127.0.0.1
+//   --serial PATH        a terminal                             --kind ardupilot|px4, --system N, --speedup X
+//   --battery PERCENT, --drain PERCENT_A_SECOND                 --changed-after S: of standing with the motors off it is full
+//   --loss SHARE, --delay S (of the wall), --cut FROM:UNTIL     of the link
+//   --pilot-at S, --no-fix-at S                                 the pilot takes over; its position is lost
+// Times are its own seconds since it was started. It ends when its standard input does. Prints what it does.
+import dgram from "node:dgram";
+import { openSync } from "node:fs";
+import net from "node:net";
+import tty from "node:tty";
+import { parseArgs } from "node:util";
+import { Copter } from "./copter.mjs";
+import { CopterProtocol } from "./copter_protocol.mjs";
+
+const STEP_MS = 5;
+const text = (value) => ({ type: "string", default: value });
+const { values } = parseArgs({
+  options: {
+    at: text("52.2,0.1"), udp: text(""), tcp: text(""), serial: text(""), kind: text("ardupilot"), system: text("1"), speedup: text("1"), battery: text("100"),
+    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"),
+  },
+});
+const number = (name) => Number(values[name]);
+const [latitude_deg, longitude_deg] = values.at.split(",").map(Number);
+const [cut_from, cut_until] = values.cut.split(":").map(Number);
+const started = performance.now();
+const now = () => ((performance.now() - started) / 1000) * number("speedup");
+
+const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain") });
+copter.battery_percent = number("battery");
+
+const isLost = () => Math.random() < number("loss") || (now() >= cut_from && now() < cut_until);
+const later = (act) => !isLost() && (number("delay") ? setTimeout(act, 1000 * number("delay")) : act());
+
+let put = () => {};
+const protocol = new CopterProtocol(copter, { system: number("system"), send: (bytes) => later(() => put(bytes)) });
+const hear = (bytes, isDatagram) => later(() => (copter.step(now()), protocol.hear(bytes, isDatagram), protocol.step()));
+
+if (values.udp) {
+  const [host, port] = values.udp.split(":");
+  const socket = dgram.createSocket("udp4");
+  socket.on("message", (bytes) => hear(bytes, true));
+  put = (bytes) => socket.send(bytes, Number(port), host, () => {});
+} else if (values.tcp) {
+  net.createServer((socket) => {
+    socket.setNoDelay(true);
+    socket.on("data", (bytes) => hear(bytes, false));
+    socket.on("error", () => {});
+    put = (bytes) => socket.write(bytes);
+  }).listen(Number(values.tcp), "127.0.0.1");
+} else {
+  const input = new tty.ReadStream(openSync(values.serial, "r")), output = new tty.WriteStream(openSync(values.serial, "w"));
+  input.setRawMode(true);
+  input.on("data", (bytes) => hear(bytes, false));
+  put = (bytes) => output.write(bytes);
+}
+
+let told = "", idle_s = 0, last_s = 0;
+const once = new Set();
+function at(name, act) {
+  if (once.has(name) || now() < number(name)) return;
+  once.add(name);
+  act();
+}
+
+setInterval(() => {
+  const time = now();
+  copter.step(time);
+  idle_s = copter.armed ? 0 : idle_s + time - last_s;
+  last_s = time;
+  if (idle_s > number("changed-after") && once.has("flown")) copter.battery_percent = 100;
+  if (copter.armed) once.add("flown");
+  at("pilot-at", () => copter.setMode(values.kind === "px4" ? "POSCTL" : "LOITER"));
+  at("no-fix-at", () => (copter.hasFix = false));
+  protocol.step();
+  const doing = `${copter.mode} ${copter.armed ? "armed" : "disarmed"}`;
+  if (doing !== told) process.stdout.write(`${time.toFixed(1)} ${(told = doing)}\n`);
+}, STEP_MS);
+process.stdin.on("end", () => process.exit(0)).resume();

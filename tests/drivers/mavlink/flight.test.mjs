@@ -1,0 +1,180 @@
+// What a mission asks of a UAV, flown by the test copter.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { AREA, Box, START } from "./box.mjs";
+
+for (const kind of ["ardupilot", "px4"]) {
+  test(`${kind}: flies to a place, senses, has its battery changed, comes home`, () => {
+    const box = new Box({ kind, drain_percent_s: 0.05 });
+    const factory = { ...box.copter.settings };
+    box.ready();
+    const first = box.goTo(1500, 900, "sense");
+    box.until(() => box.said("arrived", first).length, 300);
+    assert.ok(box.distanceTo({ x_m: 1500, y_m: 900 }) < 3);
+    assert.ok(Math.abs(box.copter.at.up - 55) < 2, "uav:3 flies at 40 + 3 * 5 m");
+    const expected = box.lines.filter(([, line]) => line.expected_s).map(([, line]) => line.expected_s);
+    assert.ok(expected.length > 20 && Math.abs(expected.at(-1) - box.now) < 10, "it says when it will be there");
+
+    const sense = box.order("sense", 60);
+    const took = box.until(() => box.said("done", sense).length, 100);
+    assert.ok(took > 59 && took < 62);
+    assert.equal(box.copter.photos.length, 1);
+
+    const charge_to = box.goTo(800, 900, "charge");
+    box.until(() => box.said("arrived", charge_to).length, 300);
+    assert.ok(!box.copter.armed && box.copter.isLanded, "it has landed when it has arrived");
+    const told = box.said("state").filter((line) => line.range_m !== undefined).at(-1).range_m;
+    const left = (20000 * (Math.floor(box.copter.battery_percent) - 35)) / 65;
+    assert.ok(told < 18000 && Math.abs(told - left) < 600, "as its battery says");
+    const charge = box.order("charge", 30);
+    box.run(60);
+    assert.equal(box.said("done", charge).length, 0, "nobody has changed the battery");
+    box.copter.battery_percent = 100;
+    box.until(() => box.said("done", charge).length, 60);
+    assert.equal(box.said("done", charge)[0].range_m, undefined, "full: as the mission computes it");
+
+    const last = box.goTo(900, 1500);
+    box.until(() => box.said("arrived", last).length, 300);
+    box.tell({ type: "bye", reason: "it is over" });
+    box.until(() => box.driver.exitCode !== null, 900);
+    assert.equal(box.driver.exitCode, 0);
+    assert.ok(box.distanceTo(START) < 3, "home is where it set out, not where its battery was changed");
+    assert.deepEqual(box.copter.settings, factory, "its settings are as they were");
+    assert.deepEqual(box.copter.fence, []);
+    assert.equal(box.kept, null);
+    assert.equal(box.failure, null);
+  });
+
+  test(`${kind}: stops when it is told to, goes elsewhere when it is told to`, () => {
+    const box = new Box({ kind }).flying();
+    box.tell({ type: "cancel", id: 1, mission_s: box.now, reason: "its partner is gone" });
+    box.run(20);
+    const at = { ...box.place };
+    box.run(60);
+    assert.ok(box.distanceTo(at) < 1);
+    box.goTo(1500, 400);
+    box.run(10);
+    const second = box.goTo(900, 1000);
+    box.until(() => box.said("arrived").length, 200);
+    assert.deepEqual(box.said("arrived"), [{ type: "arrived", id: second }]);
+    assert.equal(box.failure, null);
+  });
+
+  test(`${kind}: every place that it tells is one that its speed allows`, () => {
+    const box = new Box({ kind, drain_percent_s: 0.2 }).ready();
+    const there = box.goTo(3500, 2500);
+    box.until(() => box.said("arrived", there).length, 600);
+    const states = [{ at: START, mission_s: 0 }, ...box.said("state")];
+    for (let i = 1; i < states.length; ++i) {
+      const way = Math.hypot(states[i].at.x_m - states[i - 1].at.x_m, states[i].at.y_m - states[i - 1].at.y_m);
+      assert.ok(way <= 12 * (states[i].mission_s - states[i - 1].mission_s) + 1e-6);
+      assert.ok(states[i].mission_s <= box.now + 1.5);
+    }
+    const ranges = states.filter(({ range_m }) => range_m !== undefined);
+    assert.ok(ranges.length > 3);
+    for (let i = 1; i < ranges.length; ++i) {
+      const way = Math.hypot(ranges[i].at.x_m - ranges[i - 1].at.x_m, ranges[i].at.y_m - ranges[i - 1].at.y_m);
+      assert.ok(ranges[i].range_m <= ranges[i - 1].range_m - way + 2, "no range from nowhere");
+    }
+  });
+}
+
+test("sensing that ends at a tick is done before that tick is answered", () => {
+  const box = new Box().flying();
+  box.until(() => box.said("arrived", 1).length, 300);
+  const tick = { type: "time", mission_s: box.now };
+  box.tell(tick);
+  const sense = box.order("sense", 90);
+  box.run(1);
+  box.tell({ ...tick, mission_s: tick.mission_s + 89.9 });
+  assert.equal(box.said("done", sense).length, 0);
+  const from = box.lines.length;
+  box.tell({ ...tick, mission_s: tick.mission_s + 90 });
+  assert.deepEqual(box.lines.slice(from).map(([, { type }]) => type), ["done", "state"]);
+});
+
+test("sensing that has begun before it was told of ends so much earlier", () => {
+  const box = new Box().flying();
+  box.until(() => box.said("arrived", 1).length, 300);
+  box.run(25);
+  box.tell({ type: "time", mission_s: box.now });
+  box.tell({ type: "sense", id: 2, mission_s: box.now - 20, for_s: 40 });
+  box.step();
+  assert.ok(Math.abs(box.driver.reporter.mission_s - box.now) < 0.1, "its clock goes on");
+  const took = box.until(() => box.said("done", 2).length, 100);
+  assert.ok(Math.abs(took - 20) < 1, `${took} s`);
+});
+
+test("sets what it relies on, before it takes off, and its fence is the area", () => {
+  const box = new Box().ready();
+  const { settings, fence } = box.copter;
+  assert.deepEqual(
+    { gcs: settings.FS_GCS_ENABLE, options: settings.FS_OPTIONS, low: settings.BATT_LOW_MAH, home: settings.RTL_ALT, speed: settings.WPNAV_SPEED, fence: settings.FENCE_ENABLE },
+    { gcs: 1, options: 24, low: 1000, home: 5500, speed: 1200, fence: 1 });
+  const corners = fence.map((item) => box.map.toMetres({ latitude_deg: item.x / 1e7, longitude_deg: item.y / 1e7 }));
+  assert.deepEqual([Math.min(...corners.map((c) => c.x_m)), Math.max(...corners.map((c) => c.y_m))].map(Math.round), [-20, AREA.height_m + 20]);
+  assert.equal(box.copter.armed, false);
+});
+
+test("PX4's integers are written as bits", () => {
+  const box = new Box({ kind: "px4" }).ready();
+  assert.equal(box.copter.settings.NAV_DLL_ACT, 2);
+  assert.equal(box.copter.settings.COM_RC_OVERRIDE, 1);
+  assert.ok(Math.abs(box.copter.settings.BAT_CRIT_THR - 0.2) < 1e-6);
+});
+
+test("a fence that it had is put back", () => {
+  const box = new Box();
+  const old = [[-0.01, -0.01], [0.05, -0.01], [0.05, 0.08], [-0.01, 0.08]].map(([north, east]) =>
+    ({ command: 5001, frame: 0, param1: 4, x: Math.round((52.2 + north) * 1e7), y: Math.round((0.1 + east) * 1e7), z: 0 }));
+  box.copter.fence = structuredClone(old);
+  box.ready();
+  assert.notDeepEqual(box.copter.fence, old);
+  box.tell({ type: "bye", reason: "over" });
+  box.until(() => box.driver.exitCode !== null, 60);
+  assert.deepEqual(box.copter.fence, old);
+});
+
+test("does not take off before somebody says that the battery was changed, even when the battery says so", () => {
+  const box = new Box({ options: { confirm: "a file" } }).ready();
+  const to = box.goTo(800, 900, "charge");
+  box.until(() => box.said("arrived", to).length, 300);
+  box.isChanged = true;  // said too early: of another change
+  const charge = box.order("charge", 10);
+  box.copter.battery_percent = 100;
+  box.run(60);
+  assert.equal(box.said("done", charge).length, 0);
+  box.tell({ type: "cancel", id: charge, mission_s: box.now, reason: "its partner is gone" });
+  box.goTo(1500, 900);
+  box.run(60);
+  assert.equal(box.copter.armed, false, "somebody may be near");
+  box.isChanged = true;
+  box.until(() => box.said("arrived", 3).length, 300);
+  assert.equal(box.failure, null);
+});
+
+test("a battery is changed with the power off for a minute", () => {
+  for (const kind of ["ardupilot", "px4"]) {
+    const box = new Box({ kind, options: { confirm: "a file" } }).ready();
+    const to = box.goTo(800, 900, "charge");
+    box.until(() => box.said("arrived", to).length, 300);
+    const charge = box.order("charge", 30);
+    box.isPowerCut = true;
+    const said = box.lines.length;
+    box.run(60);
+    assert.ok(box.lines.length >= said + 2, "the mission does not take it for lost");
+    box.copter.boot(box.now);
+    box.protocol.boot();
+    box.copter.battery_percent = 100;
+    box.isPowerCut = false;
+    box.run(5);
+    assert.equal(box.failure, null);
+    box.isChanged = true;
+    box.until(() => box.said("done", charge).length, 120);
+    const on = box.goTo(1500, 900);
+    box.until(() => box.said("arrived", on).length, 300);
+    box.tell({ type: "bye", reason: "over" });
+    box.until(() => box.driver.exitCode !== null, 900);
+    assert.ok(box.distanceTo(START) < 3, "home is where it set out");
+  }
+});
