@@ -29,8 +29,6 @@ constexpr TimeUs kNextReportUs = 10'000;
 constexpr TimeUs kWholeStateUs = 1;
 /// Whoever has not reported for so long may have started again, and want the last decision.
 constexpr TimeUs kMissedUs = 300'000;
-/// So often a report is not taken because why an agent has failed was not heard.
-constexpr int kMostAwaited = 3;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
@@ -59,6 +57,7 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, std::string 
       restoring_(scenario_, this->identity().run_id),
       recorder_ready_(!options.recorded),
       told_(ToldOf(desk_.book().scenario())),
+      driver_failures_(scenario_),
       repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs) {
   for (const AgentKind kind : kAgentKinds) {
     for (const AgentSpec& spec : scenario_.agents(kind)) {
@@ -88,12 +87,7 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
       [&](const event_t& event) {
-        if (packet.channel != channel::kDriver || event.kind != EventKind::kDriverFailed) return;
-        for (const auto& [kind, id] : {std::pair(AgentKind::kUav, event.uav_id),
-                                       std::pair(AgentKind::kWorker, event.worker_id),
-                                       std::pair(AgentKind::kVehicle, event.vehicle_id)}) {
-          if (id >= 0) driver_failures_.try_emplace({kind, id}, event.detail);
-        }
+        if (packet.channel == channel::kDriver) driver_failures_.Hear(event);
       },
       [&](const order_t& order) {
         if (!desk_.book().takes_orders() || wait_ == Wait::kRestore || desk_.Hear(order)) return;
@@ -167,7 +161,10 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
   for (const AgentState& agent : agents) {
     if (!attendance_.MayReport(kind, agent.id, states.header.sender)) return inbox().Reject();
   }
-  if (LacksReason(agents)) return;
+  const auto lacks_reason = [this](const AgentState& agent) {
+    return SaysToFail(agent) && driver_failures_.Awaits(agent);
+  };
+  if (std::any_of(agents.begin(), agents.end(), lacks_reason)) return;
   bool news = false;
   for (const AgentState& agent : agents) {
     if (!attendance_.Report(kind, agent.id, states.header.sender)) continue;
@@ -181,27 +178,18 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
   handover_.Add(kind, *packet);
 }
 
-std::string WorldProcess::WhyFailed(const AgentState& agent) const {
-  const auto found = driver_failures_.find({agent.kind, agent.id});
-  return found == driver_failures_.end() ? "" : found->second;
-}
-
-bool WorldProcess::LacksReason(const std::vector<AgentState>& agents) {
-  return std::any_of(agents.begin(), agents.end(), [&](const AgentState& agent) {
-    return agent.measured && agent.failed && !referee_.has_failed(agent.kind, agent.id) &&
-           WhyFailed(agent).empty() && ++reasons_awaited_[{agent.kind, agent.id}] <= kMostAwaited;
-  });
+bool WorldProcess::SaysToFail(const AgentState& agent) const {
+  return agent.measured && agent.failed && !referee_.has_failed(agent.kind, agent.id);
 }
 
 void WorldProcess::TakeIn(AgentState agent) {
-  if (agent.measured && agent.failed && !referee_.has_failed(agent.kind, agent.id)) {
+  if (SaysToFail(agent)) {
     agent.failed = false;
-    const std::string why = WhyFailed(agent);
     referee_.Add({agent.kind,
                   agent.id,
                   clock_.sim_us(),
                   kNever,
-                  {FailureReason::Cause::kSaid, why.empty() ? "its driver has failed" : why}});
+                  {FailureReason::Cause::kSaid, driver_failures_.Why(agent)}});
   }
   agents_.at(agent.kind, agent.id) = agent;
 }

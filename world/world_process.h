@@ -10,6 +10,7 @@
 #include "protocol/process.h"
 #include "world/answer_time.h"
 #include "world/attendance.h"
+#include "world/driver_failures.h"
 #include "world/handover.h"
 #include "world/mission_clock.h"
 #include "world/order_desk.h"
@@ -56,11 +57,9 @@ class WorldProcess : public Process {
   void Take(const agent_states_t& states, const Packet* packet);
   void Take(const agent_changes_t& changes, const Packet& packet);
   void Take(const answer_t& answer);
-  /// Of a driven agent; "": not heard.
-  std::string WhyFailed(const AgentState& agent) const;
-  /// Whether a report must be said again, since it lacks why an agent has failed.
-  bool LacksReason(const std::vector<AgentState>& agents);
-  /// Takes a report's state. A driver's word of failure is judged like any other failure.
+  /// A driver's word of failure that has not been ruled on.
+  bool SaysToFail(const AgentState& agent) const;
+  /// Takes a report's state. Such a word is judged like any other failure.
   void TakeIn(AgentState agent);
   bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
@@ -105,10 +104,8 @@ class WorldProcess : public Process {
   bool recorder_ready_ = false;
   TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
-  /// Why drivers' agents cannot go on, and how often that was waited for.
-  std::map<std::pair<AgentKind, std::int32_t>, std::string> driver_failures_;
-  std::map<std::pair<AgentKind, std::int32_t>, int> reasons_awaited_;
   PerKind<ToldAgents> told_;
+  DriverFailures driver_failures_;
   bool has_news_ = false;       ///< somebody has reported since the last step
   PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
   SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;

@@ -169,6 +169,12 @@ TEST(Measured, ChargingEndsWhenTheUavSaysSoWithTheRangeItHas) {
   EXPECT_EQ(late.happened(), (Happened{{Kind::kChargingStarted, 100}, {Kind::kChargingDone, 300}}));
   EXPECT_EQ(late.agent(kUav).range_at_departure_m, 17'000);
   EXPECT_EQ(late.agent(kVehicle).busy_until_us, 300 * kSecondUs);
+
+  Flight full(Small());
+  full.Measure(kUav).Judge(0, 0).Command(Charge()).Until(90).Arrived(kUav).Judge(120).Until(270);
+  full.Done(kUav, 20'000).Judge(300);
+  EXPECT_EQ(full.refusal(), "");
+  EXPECT_EQ(full.agent(kUav).range_at_departure_m, 20'000);
 }
 
 TEST(Measured, AComputedPartnerWaitsThoughSensingIsShorterThanTheDelay) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 namespace muster::tools {
@@ -18,6 +19,8 @@ constexpr TimeUs kWayUs = 5 * kTickUs;
 constexpr TimeUs kSensingUs = 90 * kSecondUs;
 constexpr std::size_t kMostWrong = 20;
 constexpr std::chrono::seconds kToEnd(5);
+/// At a rate: what it drives comes home first, in mission time.
+constexpr double kComesHome_s = 300;
 constexpr std::chrono::milliseconds kLook(10);
 
 /// One agent in the middle of an area with an origin, and its partners.
@@ -67,8 +70,12 @@ class Check {
     GoTwice({start.x_m, start.y_m}, {start.x_m + way, start.y_m});
     if (goes_on()) {
       program_.session().Bye("the check is over");
-      const std::string end = program_.AwaitEnd(Clock::now() + kToEnd);
-      if (end.empty()) Wrong(fmt::format("it did not end within {} s of bye", kToEnd.count()));
+      const double rate = options_.rules.rate;
+      const std::chrono::seconds to_end =
+          rate > 0 ? std::max(kToEnd, std::chrono::seconds(std::lround(kComesHome_s / rate)))
+                   : kToEnd;
+      const std::string end = program_.AwaitEnd(Clock::now() + to_end);
+      if (end.empty()) Wrong(fmt::format("it did not end within {} s of bye", to_end.count()));
       if (!end.empty() && end != "exited with code 0") Wrong("after bye its program " + end);
     }
     result_.mission_s = ToSeconds(t_);

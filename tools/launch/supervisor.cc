@@ -234,6 +234,9 @@ void Supervisor::SayOfDriver(const event_t& said) {
   const auto [kind, id] = said.uav_id >= 0      ? std::pair(AgentKind::kUav, said.uav_id)
                           : said.worker_id >= 0 ? std::pair(AgentKind::kWorker, said.worker_id)
                                                 : std::pair(AgentKind::kVehicle, said.vehicle_id);
+  const auto& agents = plan_.scenario.agents(kind);
+  const auto place = static_cast<std::size_t>(std::max(id, 0));
+  if (place >= agents.size() || !agents[place].measured) return;
   // It is said until the world has ruled.
   if (!failed_driven_.emplace(kind, id).second) return;
   Say(fmt::format("{}:{} cannot go on: {}", ToString(kind), id, Printable(said.detail)));

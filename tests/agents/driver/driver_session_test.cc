@@ -207,6 +207,16 @@ TEST(DriverSession, TheMissionsTimeGoesOnBetweenTicksAtARate) {
   EXPECT_TRUE(session->TakeReports(200 * kSecondUs).empty());
 }
 
+TEST(DriverSession, WhatIsSaidBetweenTicksIsOfItsTime) {
+  Session session(60);
+  session.Greeted().Sent().Time(480);
+  session.wall_us() += kSecondUs / 2;
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
+  session.wall_us() += kSecondUs / 10;
+  EXPECT_EQ(session.Hear({{"type", "state"}, {"at", {{"x_m", 3000}, {"y_m", 4000}}}}), "");
+  EXPECT_EQ(session.Apply(540).size(), 2U);
+}
+
 TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
   Session session(1);
   EXPECT_EQ(session->Silence(10 * kSecondUs), "");
