@@ -14,20 +14,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Without the vacant ends of its lists.
+/// Without the vacant ends of its lists, but for one place where a list would be empty: no scenario
+/// has those.
 Scenario WithoutRoom(Scenario scenario) {
   scenario.tasks.resize(scenario.n_tasks());
   scenario.uavs.resize(scenario.n_agents(AgentKind::kUav));
   scenario.workers.resize(scenario.n_agents(AgentKind::kWorker));
   scenario.vehicles.resize(scenario.n_agents(AgentKind::kVehicle));
   scenario.room = {};
+  AddRoom({scenario.tasks.empty() ? 1U : 0U,
+           {scenario.uavs.empty() ? 1U : 0U, scenario.workers.empty() ? 1U : 0U,
+            scenario.vehicles.empty() ? 1U : 0U}},
+          &scenario);
   return scenario;
 }
 
 std::string Line(const taken_order_t& order, TimeUs at_us) {
   // Its time is written as the scenario's times are, digit for digit.
   Json json = Json::parse(order.json);
-  json.erase("at_min");
+  for (const char* key : {"id", "issuer", "at_min"}) json.erase(key);
   std::string body = json.dump();
   return fmt::format("{{\"id\":{},\"issuer\":{},\"at_min\":{},{}\n", Json(order.id).dump(),
                      Json(order.issuer).dump(), TimeToText(at_us, kMinute), body.substr(1));

@@ -119,6 +119,22 @@ TEST_F(OrdersRunTest, AnyDeathInTheMiddleChangesNothing) {
   }
 }
 
+TEST_F(OrdersRunTest, AMissionWithoutTasksIsPlayedAgain) {
+  Json scenario = Json::parse(TextOf(scenario_));
+  scenario["version"] = 2;
+  scenario["tasks"] = Json::array();
+  scenario["room"] = {{"tasks", 5}};
+  std::ofstream(scenario_) << scenario;
+  const std::string orders = folder_.File("orders.jsonl");
+  std::ofstream(orders) << R"({"at_min": 3, "order": "task_add", "task": {"x_km": 9, "y_km": 9}})"
+                        << "\n"
+                        << R"({"at_min": 9, "order": "task_add", "task": {"x_km": 4, "y_km": 8}})"
+                        << "\n";
+  ASSERT_EQ(Command({"run", scenario_, "--orders", orders, "--quiet", "--out", Run()}), 0);
+  EXPECT_EQ(Report()["tasks_total"], 2);
+  EXPECT_EQ(DigestOfCaptured(), Report()["digest"]);
+}
+
 TEST_F(OrdersRunTest, WhatIsNoOrderIsRefusedBeforeTheMission) {
   const std::string orders = folder_.File("orders.jsonl");
   std::ofstream(orders) << R"({"order": "task_add", "task": {"x_km": 1}})"
