@@ -3,7 +3,7 @@
 import { common, FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";
 import { Flight, heartbeat } from "./flight.mjs";
-import { distance_m, MissionMap } from "./places.mjs";
+import { distance_m, MissionMap } from "../places.mjs";
 import { Reporter } from "./reporter.mjs";
 import { Phase, Safety } from "./safety.mjs";
 import { Settings } from "./settings.mjs";

@@ -1,7 +1,7 @@
 // What a UAV does: gets ready, takes off, goes to a place, lands, comes home. Generators, as talk.mjs has them; what goes wrong
 // is a Trouble.
 import { common } from "./frames.mjs";
-import { distance_m } from "./places.mjs";
+import { distance_m } from "../places.mjs";
 import { Phase } from "./safety.mjs";
 import { Trouble } from "./talk.mjs";
 

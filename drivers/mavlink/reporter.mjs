@@ -1,5 +1,5 @@
 // What the mission is told of the UAV: where it is, how far it can go, when it will be there.
-import { distance_m } from "./places.mjs";
+import { distance_m } from "../places.mjs";
 import { Phase } from "./safety.mjs";
 
 /** A place no sooner after the one before, of the mission and of the wall. */

@@ -2,7 +2,7 @@
 // to the driver. Time is a number: an hour takes a second, and every run is the same.
 import { Driver } from "../../../drivers/mavlink/driver.mjs";
 import { FrameReader } from "../../../drivers/mavlink/frames.mjs";
-import { MissionMap } from "../../../drivers/mavlink/places.mjs";
+import { MissionMap } from "../../../drivers/places.mjs";
 import { Copter } from "./copter.mjs";
 import { CopterProtocol } from "./copter_protocol.mjs";
 import { Referee } from "./referee.mjs";

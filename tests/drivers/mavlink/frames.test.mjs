@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { common, FrameReader, FrameWriter, make, minimal } from "../../../drivers/mavlink/frames.mjs";
 import { bitsOf, integerOf } from "../../../drivers/mavlink/talk.mjs";
-import { MissionMap } from "../../../drivers/mavlink/places.mjs";
+import { MissionMap } from "../../../drivers/places.mjs";
 
 // Source: rust-mavlink, mavlink/tests/test_shared/mod.rs (HEARTBEAT_V1, HEARTBEAT_V2) and v2_encode_decode_tests.rs
 // (COMMAND_LONG_TRUNCATED_V2, STATUSTEXT_V2).

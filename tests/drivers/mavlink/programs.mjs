@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
-import { MissionMap } from "../../../drivers/mavlink/places.mjs";
+import { MissionMap } from "../../../drivers/places.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 export const MAIN = join(here, "../../../drivers/mavlink/main.mjs");

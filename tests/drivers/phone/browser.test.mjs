@@ -1,0 +1,170 @@
+// The page in Chromium, at a phone's size, with a position that the test makes.
+import assert from "node:assert/strict";
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { helloOf, map } from "./box.mjs";
+import { linkOf, MAIN, withPrograms } from "./programs.mjs";
+
+const { MUSTER_CHROMIUM, MUSTER_WORK } = process.env;
+const require = createRequire(join(MUSTER_WORK, "package.json"));
+const { chromium } = require("playwright-core");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const PNG = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==", "base64");
+const START = { x_m: 4000, y_m: 4000 }, GOAL = { x_m: 4010, y_m: 4000 };
+
+let browser = null;
+before(async () => {
+  // The sandbox wants namespaces, which root in a container has not.
+  browser = await chromium.launch({ executablePath: MUSTER_CHROMIUM, chromiumSandbox: process.getuid() !== 0 });
+});
+after(() => browser?.close());
+
+const positionAt = (place, accuracy = 6) => {
+  const { latitude_deg, longitude_deg } = map.toDegrees(place);
+  return { latitude: latitude_deg, longitude: longitude_deg, accuracy };
+};
+
+/** Runs `body({driver, page, context, goTo, tick, folder})` with a driver, told hello, and its page in a phone. */
+async function withPhone(body, more = {}, isThere = true) {
+  const folder = mkdtempSync(join(tmpdir(), "muster-phone-"));
+  try {
+    await withPrograms(async ({ start }) => {
+      const driver = start(process.execPath, [MAIN, "--run", folder]);
+      driver.say(helloOf({ rate: 60, ...more }));
+      const link = await linkOf(driver);
+      const context = await browser.newContext({ viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 2, colorScheme: "light",
+        geolocation: positionAt(START), permissions: isThere ? ["geolocation"] : [] });
+      const page = await context.newPage();
+      const wrong = [];
+      page.on("pageerror", (error) => wrong.push(String(error)));
+      page.on("console", (message) => message.text().includes("net::ERR_") || wrong.push(`${message.type()}: ${message.text()}`));
+      page.on("request", (request) => request.url().startsWith(new URL(link).origin) || request.url().startsWith("data:") || wrong.push(`asks ${request.url()}`));
+      await page.goto(link);
+      let ticks = 0;
+      const tick = () => driver.say({ type: "time", mission_s: 30 * ++ticks });
+      const goTo = (to = GOAL, words = {}) => driver.say({ type: "goto", id: 1, mission_s: 30 * ticks, to: { ...to, ...map.toDegrees(to) }, expected_s: 600, then: "sense", task: 12,
+        charging_point: null, partner: "uav:3", ...words });
+      try {
+        await body({ driver, page, context, goTo, tick, folder, link });
+      } finally {
+        await context.close();
+      }
+      assert.deepEqual(wrong, []);
+    });
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}
+
+async function accessible(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run());
+  assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes[0].html}`), []);
+}
+
+const shows = (page, text) => page.getByText(text).first().waitFor();
+
+/** Ticks until the driver says such a state. */
+async function until(driver, tick, isIt) {
+  for (let from = 0; ;) {
+    tick();
+    const line = await driver.line((some) => some.startsWith('{"type":"state"'), from);
+    from = driver.lines.indexOf(line, from) + 1;
+    if (isIt(JSON.parse(line))) return;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+}
+
+test("a worker is sent, is seen on the way, is there, senses, takes a photo", () => withPhone(async ({ driver, page, context, goTo, tick, folder }) => {
+  await shows(page, "connected");
+  await shows(page, "Nothing to do yet");
+  await accessible(page);
+  goTo({ x_m: 4400, y_m: 4300 });
+  await shows(page, "Go to task 12");
+  await shows(page, "500 m to the north-east");
+  await shows(page, "With uav:3");
+  assert.match(await page.locator("#geo").getAttribute("href"), /^geo:18\.\d{6},-72\.\d{6}\?q=/);
+  await shows(page, "Your place is good to 6 m.");
+  await context.setGeolocation(positionAt({ x_m: 4100, y_m: 4075 }));
+  await until(driver, tick, ({ at }) => Math.hypot(at.x_m - 4100, at.y_m - 4075) < 1);
+  await shows(page, /380 m to the north-east|370 m to the north-east/);
+  await accessible(page);
+  if (process.env.MUSTER_PICTURE) await page.screenshot({ path: process.env.MUSTER_PICTURE });
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing is beside the screen");
+  await page.getByRole("button", { name: "I am here" }).tap();
+  for (let arrived = null; !arrived; tick()) {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');
+  }
+  driver.say({ type: "sense", id: 2, mission_s: 600, for_s: 60 });
+  await shows(page, "At task 12: the UAV is at work");
+  await page.locator("#photo").setInputFiles({ name: "../evil name.png", mimeType: "image/png", buffer: PNG });
+  await shows(page, /sent: worker-4_task-12_.*\.png/);
+  const files = readdirSync(join(folder, "photos"));
+  assert.equal(files.length, 2, files.join());
+  assert.ok(files.every((name) => /^worker-4_task-12_\d+m-\d+m_\d+s_1\.(png|json)$/.test(name)), files.join());
+  await page.getByRole("button", { name: "Done" }).tap();
+  await driver.said("done");
+  await shows(page, "Done; wait here");
+  driver.say({ type: "bye", reason: "the mission is over" });
+  await shows(page, "You may close this page.");
+  assert.equal(await driver.ended, 0);
+}));
+
+test("what is pressed without connection is sent when it is back, once, also by a page that was opened again", () => withPhone(async ({ driver, page, context, goTo, tick }) => {
+  goTo();
+  tick();
+  await shows(page, "Go to task 12");
+  await context.setOffline(true);
+  await shows(page, /no connection; last heard/);
+  assert.equal(await page.locator("#connection").getAttribute("data-state"), "lost");
+  await page.getByRole("button", { name: "I am here" }).tap();
+  await shows(page, "I am here – not sent yet");
+  await shows(page, "1 thing waits to be sent. Keep this page open.");
+  await accessible(page);
+  assert.ok(!driver.lines.some((line) => line.includes("arrived")));
+  assert.equal(await page.evaluate(() => JSON.parse(localStorage.getItem(`muster-phone-${location.pathname}`)).filter(({ type }) => type === "here").length), 1);
+  await context.setOffline(false);
+  await page.reload();
+  await shows(page, 'sent: "I am here"');
+  tick();
+  tick();
+  await driver.said("arrived");
+  await shows(page, "Wait here for uav:3");
+  assert.equal(driver.lines.filter((line) => line.includes("here, pressed")).length, 1);
+  await page.waitForFunction(() => localStorage.length === 0);  // nothing is left in the phone
+}));
+
+test("who cannot go on is asked back, and is out with the reason", () => withPhone(async ({ driver, page, goTo }) => {
+  goTo();
+  await shows(page, "Go to task 12");
+  await page.getByRole("button", { name: "I cannot" }).tap();
+  await shows(page, "Leave the mission?");
+  await accessible(page);
+  await page.getByRole("button", { name: "Stay" }).tap();
+  await page.getByRole("button", { name: "I cannot" }).tap();
+  await page.getByRole("button", { name: "Leave the mission" }).tap();
+  assert.ok(await page.locator("#ask").isVisible(), "it wants a reason");
+  await page.getByLabel("Why can you not go on?").fill("the bridge is down");
+  await page.getByRole("button", { name: "Leave the mission" }).tap();
+  assert.deepEqual(await driver.said("failed"), { type: "failed", id: 1, reason: "says: the bridge is down" });
+  await shows(page, "You are out of the mission");
+}));
+
+test("a vehicle, without a position, in the dark", () => withPhone(async ({ driver, page, goTo, tick }) => {
+  await page.emulateMedia({ colorScheme: "dark" });
+  goTo(GOAL, { then: "charge", task: null, charging_point: 2 });
+  tick();
+  await shows(page, "Go to charging point 2");
+  await shows(page, /Your place is not known: this page may not ask for it/);
+  await accessible(page);
+  await page.getByRole("button", { name: "I am here" }).tap();
+  tick();
+  await driver.said("arrived");
+  driver.say({ type: "charge", id: 2, mission_s: 60, for_s: 60 });
+  await page.getByRole("button", { name: "Battery changed" }).tap();
+  assert.equal((await driver.said("done")).id, 2);
+}, { agent: "vehicle:1", class: "vehicle", speed_m_s: 12.5 }, false));

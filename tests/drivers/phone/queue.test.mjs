@@ -1,0 +1,126 @@
+// What the page keeps and says, without a browser.
+import assert from "node:assert/strict";
+import { webcrypto } from "node:crypto";
+import { test } from "node:test";
+import { frame, roundLength_m } from "../../../drivers/phone/page/map.mjs";
+import { Queue } from "../../../drivers/phone/page/queue.mjs";
+import { action, clock, direction, duration, length, lines, title, whereabouts } from "../../../drivers/phone/page/words.mjs";
+import { Box, helloOf } from "./box.mjs";
+
+globalThis.crypto ??= webcrypto;  // Node 18 has it under another name
+
+class Storage {
+  kept = new Map();
+  getItem(key) { return this.kept.get(key) ?? null; }
+  setItem(key, value) { this.kept.set(key, value); }
+  removeItem(key) { this.kept.delete(key); }
+}
+
+test("what was pressed is kept in order until it is taken, and outlives the page", () => {
+  const storage = new Storage();
+  const queue = new Queue(storage, "k");
+  queue.add({ type: "here", order: 1, at_ms: 1 });
+  queue.add({ type: "place", at_ms: 2 });
+  queue.add({ type: "done", order: 2, at_ms: 3 });
+  const again = new Queue(storage, "k");
+  const sent = again.next();
+  assert.deepEqual(sent.map(({ type, order }) => [type, order]), [["here", 1], ["place", undefined], ["done", 2]]);
+  assert.equal(new Set(sent.map(({ id }) => id)).size, 3);
+  assert.ok(sent.every((item) => !("isSent" in item)));
+  assert.deepEqual(again.next(), sent, "until it is answered it is sent again as it was");
+  assert.deepEqual([again.isWaiting("here", 1), again.isWaiting("here", 2), again.pressed.length], [true, false, 2]);
+  const settled = again.settle({ [sent[0].id]: "", [sent[2].id]: "too late" });
+  assert.deepEqual(settled.map(([{ type }, why]) => [type, why]), [["here", ""], ["done", "too late"]]);
+  again.settle({ [sent[1].id]: "" });
+  assert.equal(storage.kept.size, 0, "nothing is left of it");
+});
+
+test("an hour of places is some dozen, the newest among them; nothing pressed goes", () => {
+  const queue = new Queue(new Storage(), "k");
+  queue.add({ type: "here", order: 1, at_ms: 0 });
+  for (let s = 0; s < 3600; ++s) queue.add({ type: "place", at_ms: 1000 * s });
+  assert.ok(queue.items.length <= 62, String(queue.items.length));
+  assert.deepEqual([queue.items[0].type, queue.items.at(-1).at_ms], ["here", 3_599_000]);
+  const times = queue.items.slice(1).map(({ at_ms }) => at_ms);
+  assert.deepEqual(times, [...times].sort((a, b) => a - b));
+  assert.equal(queue.next().length, queue.items.length);
+});
+
+test("without storage, with a full one or with rubbish in it the page goes on", () => {
+  const full = { getItem: () => "{rubbish", setItem: () => { throw new Error("full"); }, removeItem: () => {} };
+  for (const storage of [null, full]) {
+    const queue = new Queue(storage, "k");
+    queue.add({ type: "here", order: 1, at_ms: 1 });
+    assert.equal(queue.next().length, 1);
+  }
+});
+
+test("numbers in words", () => {
+  assert.deepEqual([clock(0), clock(3725.4), clock(-3)], ["0:00:00", "1:02:05", "0:00:00"]);
+  assert.deepEqual([duration(42), duration(-90), duration(5400)], ["42 s", "2 min", "1 h 30 min"]);
+  assert.deepEqual([length(123), length(1234)], ["120 m", "1.2 km"]);
+  const from = { x_m: 0, y_m: 0 };
+  assert.deepEqual([[0, 1], [1, 1], [1, 0], [0, -1], [-1, 0], [-1, 1]].map(([x_m, y_m]) => direction(from, { x_m, y_m })),
+    ["north", "north-east", "east", "south", "west", "north-west"]);
+});
+
+test("a person is told what to do, at each stage", () => {
+  const box = new Box();
+  const words = () => {
+    const view = box.sync();
+    return [title(view), action(view)?.text, ...lines(view, box.mission_s, 0)].join(" | ");
+  };
+  assert.equal(words(), "Nothing to do yet |  | Stay where you are.");
+  const id = box.goTo({ x_m: 4300, y_m: 4300 });
+  assert.match(words(), /^Go to task 12 \| I am here \| 420 m to the north-east \| By 0:01:25 \(\d\d:\d\d\), in 1 min \| With uav:3$/);
+  box.press("here", { order: id });
+  assert.match(words(), /You said that you are there\. The mission takes it at 0:01:25: sooner is more than its 5 m\/s/);
+  box.pass(3);
+  assert.equal(words(), "Wait here for uav:3 |  | It comes for task 12.");
+  const work = box.work("sense");
+  assert.match(words(), /^At task 12: the UAV is at work \| Done \| With uav:3\. Planned until 0:02:30/);
+  box.press("done", { order: work });
+  assert.equal(words(), "Done; wait here |  | You will be told where to go next.");
+  box.cancel("the UAV has failed");
+  assert.match(words(), /^Stop where you are \|  \| the UAV has failed/);
+  box.press("cannot", { reason: "tired" });
+  assert.equal(words(), "You are out of the mission |  | says: tired");
+});
+
+test("a vehicle is asked for the battery, and one who begins later is told when", () => {
+  const box = new Box(helloOf({ agent: "vehicle:0", class: "vehicle", online_from_s: 600, rate: 60 }));
+  assert.deepEqual(lines(box.sync(), 0, 0), ["You take part from 0:10:00, in 10 min."]);
+  box.goTo(box.hello.at, { then: "charge", task: null, charging_point: 2 });
+  box.pass(1);
+  box.press("here", { order: 1 });
+  box.work("charge");
+  assert.equal(action(box.sync()).text, "Battery changed");
+  assert.equal(title(box.sync()), "At charging point 2: change the battery");
+});
+
+test("the phone's place is told with what is wrong with it", () => {
+  const box = new Box();
+  const words = (gps = "") => whereabouts(box.sync(), gps, box.mission_s);
+  assert.match(words("no https"), /not known: no https\. The buttons work/);
+  box.sync(box.place({ x_m: 4000, y_m: 4100 }, 12));
+  assert.equal(words(), "Your place is good to 12 m.");
+  box.pass(4);
+  assert.equal(words(), "Your place is good to 12 m, 2 min old.");
+  box.sync(box.place({ x_m: 4000, y_m: 4100 }, 300));
+  assert.match(words(), /300 m\. Worse than 100 m is not told/);
+  box.sync(box.place({ x_m: -4000, y_m: 4100 }));
+  assert.match(words(), /outside/);
+  box.pass(1, () => box.sync(box.place({ x_m: 9000, y_m: 4100 })));
+  assert.match(words(), /ahead of the 5 m\/s/);
+  assert.match(whereabouts(new Box(helloOf({ origin: null })).sync(), "", 0), /nowhere on the earth/);
+});
+
+test("the map shows what matters, and a round scale", () => {
+  const area = { width_m: 10000, height_m: 10000 };
+  const close = frame([{ x_m: 10, y_m: 10 }], area);
+  assert.ok(close.scale <= (260 - 68) / 200 + 1e-9);
+  const both = frame([{ x_m: 0, y_m: 0 }, { x_m: 3000, y_m: 1000 }], area);
+  assert.deepEqual([both.x_m, both.y_m], [1500, 500]);
+  assert.ok(3000 * both.scale <= 292 + 1e-9);
+  assert.deepEqual([roundLength_m(1), roundLength_m(0.1), roundLength_m(0.05)], [100, 1000, 2000]);
+});
