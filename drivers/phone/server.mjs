@@ -104,7 +104,7 @@ export class PageServer {
     if (!photos || !phone.hello) throw new Refused(404, "no photos are kept: --run names no run directory");
     const id = query.get("id") ?? "", ago_s = Number(query.get("ago_ms")) / 1000;
     if (!/^[0-9a-zA-Z-]{8,40}$/.test(id) || !(ago_s >= 0 && ago_s < 1e6)) throw new Refused(400, "expected id and ago_ms");
-    if (photos.isFull || this.#uploads >= MOST_UPLOADS) throw new Refused(photos.isFull ? 507 : 503, "too many photos");
+    if (photos.isFull || this.#uploads >= MOST_UPLOADS) throw new Refused(photos.isFull ? 409 : 503, "too many photos");
     ++this.#uploads;
     try {
       const bytes = await bodyOf(request, this.mostBytes);

@@ -46,5 +46,5 @@ export function drawMap(svg, view) {
   const length_m = roundLength_m(shown.scale), width = length_m * shown.scale;
   add(svg, "line", { class: "scale", x1: 12, y1: HEIGHT - 12, x2: 12 + width, y2: HEIGHT - 12 });
   add(svg, "text", { x: 12, y: HEIGHT - 18 }, length_m < 1000 ? `${length_m} m` : `${length_m / 1000} km`);
-  add(svg, "text", { x: WIDTH - 24, y: 20 }, "N ↑");
+  add(svg, "text", { x: WIDTH - 34, y: HEIGHT - 12 }, "N ↑");
 }

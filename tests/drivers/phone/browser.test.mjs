@@ -1,6 +1,6 @@
 // The page in Chromium, at a phone's size, with a position that the test makes.
 import assert from "node:assert/strict";
-import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -45,7 +45,7 @@ async function withPhone(body, more = {}, isThere = true) {
       await page.goto(link);
       let ticks = 0;
       const tick = () => driver.say({ type: "time", mission_s: 30 * ++ticks });
-      const goTo = (to = GOAL, words = {}) => driver.say({ type: "goto", id: 1, mission_s: 30 * ticks, to: { ...to, ...map.toDegrees(to) }, expected_s: 600, then: "sense", task: 12,
+      const goTo = (to = GOAL, words = {}) => driver.say({ type: "goto", id: 1, mission_s: 30 * ticks, to: { ...to, ...map.toDegrees(to) }, expected_s: 1800, then: "sense", task: 12,
         charging_point: null, partner: "uav:3", ...words });
       try {
         await body({ driver, page, context, goTo, tick, folder, link });
@@ -92,7 +92,11 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   await until(driver, tick, ({ at }) => Math.hypot(at.x_m - 4100, at.y_m - 4075) < 1);
   await shows(page, /380 m to the north-east|370 m to the north-east/);
   await accessible(page);
-  if (process.env.MUSTER_PICTURE) await page.screenshot({ path: process.env.MUSTER_PICTURE });
+  if (process.env.MUSTER_PICTURE) {  // docs/images/phone.webp
+    const session = await context.newCDPSession(page);
+    const { data } = await session.send("Page.captureScreenshot", { format: "webp", quality: 80 });
+    writeFileSync(process.env.MUSTER_PICTURE, Buffer.from(data, "base64"));
+  }
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing is beside the screen");
   await page.getByRole("button", { name: "I am here" }).tap();
   for (let arrived = null; !arrived; tick()) {
@@ -101,7 +105,11 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   }
   driver.say({ type: "sense", id: 2, mission_s: 600, for_s: 60 });
   await shows(page, "At task 12: the UAV is at work");
+  await context.setOffline(true);
+  await shows(page, /no connection/);
   await page.locator("#photo").setInputFiles({ name: "../evil name.png", mimeType: "image/png", buffer: PNG });
+  await shows(page, "1 thing waits to be sent. Keep this page open.");
+  await context.setOffline(false);
   await shows(page, /sent: worker-4_task-12_.*\.png/);
   const files = readdirSync(join(folder, "photos"));
   assert.equal(files.length, 2, files.join());
