@@ -2,6 +2,7 @@
 // The driver as a program: sockets, clock and files around phone.mjs.
 import { once } from "node:events";
 import { createInterface } from "node:readline";
+import { setTimeout } from "node:timers/promises";
 import { beAuto } from "./auto.mjs";
 import { codeOf, isLoopback, keptLink, newToken, originsOf } from "./link.mjs";
 import { readOptions, UsageError } from "./options.mjs";
@@ -12,30 +13,36 @@ import { PageServer } from "./server.mjs";
 const STEP_MS = 100;
 /** The page has so long to hear that the mission is over. */
 const FAREWELL_MS = 1500;
+const PORT_TRIES = 20;
 
 function note(words) {
   process.stderr.write(`phone: ${words}\n`);
 }
 
-/** Listens on the port of before where it is free, else on any. */
-async function listen(http, address, ports) {
-  for (const [i, port] of ports.entries()) {
-    http.listen(port, address);
+async function listen(http, address, port) {
+  http.listen(port, address);
+  await once(http, "listening");
+  return http.address().port;
+}
+
+/** Listens on the port of before where it is free, or is soon: the driver of before may be about to end. Else on any. */
+async function listenAgain(http, address, port) {
+  for (let i = 0; i < PORT_TRIES; ++i) {
     try {
-      await once(http, "listening");
-      return http.address().port;
-    } catch (error) {
-      if (i === ports.length - 1) throw error;
+      return await listen(http, address, port);
+    } catch {
+      await setTimeout(STEP_MS);
     }
   }
+  return listen(http, address, 0);
 }
 
 async function open(server, options, agent) {
   const kept = keptLink(options.run, agent);
   const before = kept.load();
   server.token = before?.token ?? newToken();
-  const ports = options.port === 0 && before ? [before.port, 0] : [options.port];
-  const port = await listen(server.http, options.listen, ports);
+  const isAgain = options.port === 0 && before;
+  const port = await (isAgain ? listenAgain(server.http, options.listen, before.port) : listen(server.http, options.listen, options.port));
   const origins = originsOf(options, port);
   server.origins = () => origins;
   const url = `${origins[0]}/${server.token}/`;
@@ -79,7 +86,12 @@ function run(options) {
     if (isFirst && phone.hello) open(server, options, phone.hello.agent).catch((error) => phone.fail(`its page: ${error.message}`));
     if (phone.over !== null) step();
   });
-  lines.on("close", () => (phone.bye("nobody speaks to us any more"), step()));
+  lines.on("close", () => {
+    if (phone.over !== null) return step();
+    // The agent's process is gone, and may be started again, with a driver that the page finds at the same link.
+    note("nobody speaks to us any more");
+    end();
+  });
 }
 
 try {

@@ -49,7 +49,9 @@ test("what is sent twice is taken once, with the same answer", () => {
   const id = box.goTo({ x_m: 4010, y_m: 4000 });
   box.pass(1);
   const item = box.item("here", { order: id });
-  assert.deepEqual(box.sync(item).results, box.sync(item).results);
+  assert.deepEqual(box.sync(item).results, { [item.id]: "" });
+  box.cancel();
+  assert.deepEqual(box.sync(item).results, { [item.id]: "" }, "it was taken, though it would not be now");
   const stale = box.item("here", { order: 99 });
   assert.match(box.sync(stale).results[stale.id], /something else/);
   assert.match(box.sync(stale).results[stale.id], /something else/);

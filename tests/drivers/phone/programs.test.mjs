@@ -59,8 +59,14 @@ test("killed and started again in the same run directory it has the same link", 
   assert.notEqual(after.session, before.session);
   assert.equal(JSON.parse(readFileSync(join(folder, "phones", "worker-4.json"), "utf8")).url, link);
   await second.line((line) => line.includes("▀"));  // the code to scan
+  // Its process ends without a word: that is not the mission's end, and a third takes over while it goes.
   second.child.stdin.end();
+  const [third, same] = await begin();
+  assert.equal(same, link);
   assert.equal(await second.ended, 0);
+  assert.equal((await sync(link)).over, null);
+  third.child.kill("SIGKILL");
+  await third.ended;
   // Somebody else has its port by now: the token stays.
   const other = createServer().listen(Number(new URL(link).port), "127.0.0.1");
   await once(other, "listening");

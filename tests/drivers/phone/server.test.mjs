@@ -105,7 +105,11 @@ test("a photo lands with task, place and time, once, and overwrites none", () =>
   // The next driver of that run knows nothing of these.
   const others = new Photos(folder).keep("photo-0001", JPEG, { agent: "worker:4", task: 12, mission_s: 50, at: { x_m: 4100, y_m: 4000 } });
   assert.match(others, /_50s_3\.jpg/);
-  assert.equal(readdirSync(join(folder, "photos")).length, 8, "four photos, no parts");
+  const strange = join(folder, "photos", "worker-4_task-12_4100m-4000m_50s_4.jpg");
+  writeFileSync(strange, "somebody else's");
+  assert.match((await send("photo-0005")).text, /_50s_5\.jpg/);
+  assert.equal(readFileSync(strange, "utf8"), "somebody else's");
+  assert.equal(readdirSync(join(folder, "photos")).length, 11, "five photos, no parts");
 }));
 
 test("what is no photo, too large or of a name of its own is refused", () => withServer(async ({ ask, folder, token }) => {
