@@ -85,6 +85,7 @@ void AgentProcess::OnScenario() {
 }
 
 void AgentProcess::BeginDriving() {
+  if (std::exchange(is_driving_, true)) return;  // they hear of all that has become of their agents
   for (const std::int32_t id : driven_) drivers_->Begin(*scenario(), Agent(id), tick_us_);
 }
 

@@ -75,6 +75,7 @@ class AgentProcess : public Follower {
   std::vector<AgentState> agents_;
   std::vector<std::int32_t> driven_;              ///< ids
   std::map<std::int32_t, std::string> failures_;  ///< of driven ones, that they have said
+  bool is_driving_ = false;
   bool awaits_drivers_ = false;                   ///< the present tick is not reported yet
   TimeUs listen_us_ = kNever;                     ///< monotonic: when drivers are heard again
 
