@@ -274,6 +274,8 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   report["events"] = std::move(events);
   report["tasks"] = Tasks(record);
   report["uavs"] = std::move(uavs);
+  if (const auto legs = record.measured_legs(); !legs.empty())
+    report["measured_agents"] = ToJson(legs);
   report["decisions"] = Decisions(record);
   report["skipped_decisions"] = record.skipped_decisions();
   report["failed_agents"] = FailedAgents(record);

@@ -189,6 +189,7 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
     const bool is_vacant = agent.online_until_us == 0 && reader_.orders().takes_orders();
     if (kind == AgentKind::kUav && !is_vacant)
       tracks_[i].Add(message.tick, {agent.x_m, agent.y_m}, agent.range_left_m);
+    measured_legs_.Take(*scenario(), kind, message.tick, agent);
     const bool heard = cover == nullptr ? covered_ticks_.Contains(message.tick) : cover->agents[i];
     // Another start of the same sender may say a tick again that an earlier start said.
     Said& said = said_[i];

@@ -21,6 +21,7 @@
 #include "muster/schedule_t.hpp"
 #include "muster/world_state_t.hpp"
 #include "protocol/mission_reader.h"
+#include "tools/record/measured_legs.h"
 
 namespace muster::tools {
 
@@ -90,6 +91,10 @@ class RunRecord {
   /// Of the UAVs that are or have been there.
   std::span<const Track> tracks() const {
     return std::span(tracks_).first(scenario() ? scenario()->n_agents(AgentKind::kUav) : 0);
+  }
+  /// The ways of measured agents, planned and told.
+  std::vector<MeasuredLeg> measured_legs() const {
+    return scenario() ? measured_legs_.List(*scenario(), schedules()) : std::vector<MeasuredLeg>();
   }
   /// Newest status per (name, boot).
   const std::map<std::pair<std::string, std::int64_t>, process_status_t>& processes() const {
@@ -177,6 +182,7 @@ class RunRecord {
   std::map<std::string, fault_t> faults_;
   std::optional<world_state_t> final_world_;
   std::vector<Track> tracks_;
+  MeasuredLegs measured_legs_;
   std::map<std::pair<std::string, std::int64_t>, process_status_t> processes_;
   std::optional<std::pair<std::int64_t, std::int64_t>> first_clock_, last_clock_;  // tick, wall_us
   bool end_announced_ = false;

@@ -66,6 +66,21 @@ std::string ServiceLine(const Service& service) {
   return text;
 }
 
+std::string ArrivalsLine(const std::vector<MeasuredLeg>& legs) {
+  std::size_t arrived = 0;
+  double late_s = 0, most_s = 0;
+  for (const MeasuredLeg& leg : legs) {
+    if (!leg.arrived_us) continue;
+    const double late = ToSeconds(*leg.arrived_us - leg.planned_us);
+    most_s = ++arrived == 1 ? late : std::max(most_s, late);
+    late_s += late;
+  }
+  std::string text = fmt::format("{} of {} as measured", arrived, legs.size());
+  if (arrived == 0) return text;
+  return text + fmt::format(", {:.0f} s later than planned on average, {:.0f} s at most",
+                            late_s / static_cast<double>(arrived), most_s);
+}
+
 }  // namespace
 
 std::string Summary(const RunRecord& record) {
@@ -106,6 +121,7 @@ std::string Summary(const RunRecord& record) {
                  : fmt::format("{} of {} ({:.1f} %)", done, total,
                                100.0 * static_cast<double>(done) / static_cast<double>(total)));
   if (scenario.IsOpen()) row("served", ServiceLine(ServiceOf(record, scenario)));
+  if (const auto legs = record.measured_legs(); !legs.empty()) row("arrivals", ArrivalsLine(legs));
   row("charges", fmt::format("{}", charges));
   row("flown", fmt::format("{:.1f} km", flown_m * 1e-3));
   row("decisions", fmt::format("{} of {}, total weight {:.6g}{}", record.schedules().size(),
