@@ -53,9 +53,15 @@ LineProgram::LineProgram(std::vector<std::string> argv, std::size_t most_bytes)
 
 LineProgram::~LineProgram() {
   if (pid_ < 0) return;
-  input_.Close();
-  AwaitEnd(Clock::now() + kGrace);
+  Finish();
+  AwaitEnd(finished_by_);
   Kill();
+}
+
+void LineProgram::Finish() {
+  if (finished_by_ != Clock::time_point{}) return;
+  finished_by_ = Clock::now() + kGrace;
+  input_.Close();
 }
 
 void LineProgram::Write(std::string_view line) {

@@ -34,6 +34,8 @@ class LineProgram {
   LineProgram(const LineProgram&) = delete;
   LineProgram& operator=(const LineProgram&) = delete;
 
+  /// Closes its stdin: the moment that it has to end of itself begins, that of the destructor.
+  void Finish();
   /// Adds a line to what it is to be told; Read writes it.
   void Write(std::string_view line);
   /// The next line of its stdout, without the newline.
@@ -56,6 +58,7 @@ class LineProgram {
   std::string read_;
   std::size_t searched_ = 0;  ///< of read_: no newline there
   bool ended_ = false;
+  Clock::time_point finished_by_ = {};  ///< none: its stdin is open
 };
 
 }  // namespace muster

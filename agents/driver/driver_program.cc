@@ -86,8 +86,12 @@ std::string DriverProgram::AwaitEnd(Clock::time_point deadline) {
   LineProgram::Outcome outcome = LineProgram::Outcome::kLine;
   while (outcome == LineProgram::Outcome::kLine) outcome = program_->Read(deadline, &line);
   std::string end;
-  if (outcome == LineProgram::Outcome::kEnded) end = program_->Kill();
-  program_.reset();
+  if (outcome == LineProgram::Outcome::kEnded) {
+    end = program_->Kill();
+    program_.reset();
+  } else {
+    program_->Finish();
+  }
   return end;
 }
 

@@ -32,7 +32,8 @@ class DriverProgram {
   std::string Pump(bool patient, Clock::time_point deadline);
   /// It has ended, and Pump has said how.
   bool ended() const { return program_ == nullptr; }
-  /// Told bye, it is given until then to end of itself. How it ended; "": it did not.
+  /// Told bye, it is given until then to end of itself. How it ended; "": it did not, and its stdin
+  /// is closed: it is killed a moment later, with this object.
   std::string AwaitEnd(Clock::time_point deadline);
 
   /// Monotonic, as the session's wall times.

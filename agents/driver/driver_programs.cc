@@ -20,9 +20,10 @@ constexpr std::chrono::seconds kToEnd(1);
 }  // namespace
 
 DriverPrograms::~DriverPrograms() {
-  const Clock::time_point deadline = Clock::now() + kToEnd;
+  // All have the same moment.
+  const Clock::time_point now = Clock::now();
   for (auto& [id, driver] : drivers_) {
-    if (driver.program->session().over()) driver.program->AwaitEnd(deadline);
+    driver.program->AwaitEnd(driver.program->session().over() ? now + kToEnd : now);
   }
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
+#include "agents/driver/driver_programs.h"
 #include "base/check.h"
 #include "tests/temporary_folder.h"
 
@@ -83,6 +85,34 @@ TEST_F(Drivers, ThatAreNotThereAreRefusedBefore) {
   EXPECT_THROW(DriverCommand("no-such-program-there"), InputError);
   EXPECT_THROW(DriverCommand("sh 'open"), InputError);
   EXPECT_THROW(DriverCommand(" "), InputError);
+}
+
+/// Each leaves a mark when its stdin has ended, and ends only when all have.
+TEST_F(Drivers, HaveTheSameMomentToEnd) {
+  constexpr int kDrivers = 3;
+  const std::string folder = folder_.path().string();
+  scenario_.workers.resize(kDrivers, scenario_.workers[0]);
+  std::vector<DriverPrograms::Command> commands;
+  for (int i = 0; i < kDrivers; ++i) {
+    const std::string file = fmt::format("{}/driver{}", folder, i);
+    std::ofstream(file)
+        << kHello << "\n"
+        << "while read -r line; do :; done\n"
+        << fmt::format("cd {}; : > shut{}\n", folder, i)
+        << "until [ -e shut0 ] && [ -e shut1 ] && [ -e shut2 ]; do sleep 0.01; done\n"
+        << fmt::format(": > ended{}\n", i);
+    commands.push_back({i, DriverCommand("sh " + file)});
+  }
+  {
+    DriverPrograms drivers(commands, {});
+    for (int i = 0; i < kDrivers; ++i) {
+      drivers.Begin(scenario_, StartOf(AgentKind::kWorker, i, scenario_.workers[0]), 0);
+    }
+    drivers.Bye("it is over");
+  }
+  for (int i = 0; i < kDrivers; ++i) {
+    EXPECT_TRUE(std::filesystem::exists(fmt::format("{}/ended{}", folder, i))) << i;
+  }
 }
 
 }  // namespace
