@@ -14,7 +14,7 @@ import { parseArgs } from "node:util";
 import { Copter } from "./copter.mjs";
 import { CopterProtocol } from "./copter_protocol.mjs";
 
-const STEP_MS = 5;
+const STEP_MS = 5, UP_M = 10;
 const text = (value) => ({ type: "string", default: value });
 const { values } = parseArgs({
   options: {
@@ -72,6 +72,7 @@ setInterval(() => {
   last_s = time;
   if (idle_s > number("changed-after") && once.has("flown")) copter.battery_percent = 100;
   if (copter.armed) once.add("flown");
+  if (copter.at.up > UP_M && !once.has("up")) once.add("up"), process.stdout.write(`${time.toFixed(1)} is up\n`);
   at("pilot-at", () => copter.setMode(values.kind === "px4" ? "POSCTL" : "LOITER"));
   at("no-fix-at", () => (copter.hasFix = false));
   protocol.step();

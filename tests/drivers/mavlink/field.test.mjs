@@ -1,0 +1,99 @@
+// Whole missions over LCM with the test copter: the field test, and what becomes of a task whose UAV fails.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { MissionMap } from "../../../drivers/mavlink/places.mjs";
+import { freePort, MAIN, withPrograms } from "./programs.mjs";
+
+const RATE = 60;
+const MUSTER = process.env.MUSTER_PROGRAM;
+const NO_MUSTER = MUSTER ? false : "MUSTER_PROGRAM names no muster";
+const ROOT = join(dirname(fileURLToPath(import.meta.url)), "../../..");
+const FIELD_TEST = join(ROOT, "scenarios/field_test.json");
+const FOLLOWER = `python3 '${join(ROOT, "examples/drivers/uav.py")}'`;  // goes where it is sent, as fast as it is told
+
+/** A copter where the scenario has uav:0, and muster run with a driver for it; `more`: other words of the copter. */
+async function fly({ start, copter, folder }, scenario, more, drivers = {}) {
+  const { origin, uavs } = JSON.parse(readFileSync(scenario, "utf8"));
+  const at = new MissionMap(origin).toDegrees({ x_m: 1000 * uavs[0].x_km, y_m: 1000 * uavs[0].y_km });
+  const port = await freePort();
+  const one = await copter(["--at", `${at.latitude_deg},${at.longitude_deg}`, "--udp", `127.0.0.1:${port}`, "--speedup", String(RATE),
+    "--drain", "0.06", "--changed-after", "60", ...more]);
+  const words = [process.execPath, MAIN, "--connect", `udpin:${port}`, "--system", "1", "--speedup", RATE, "--keep", folder, "--confirm", "battery"];
+  const command = `sh -c 'echo $$ > "${folder}/driver.pid"; exec ${words.map((word) => `"${word}"`).join(" ")}'`;
+  const run = join(folder, "run");
+  const mission = start(MUSTER, ["run", scenario, "--rate", String(RATE), "--quiet", "--out", run,
+    ...Object.entries({ "uav:0": command, ...drivers }).flatMap(([agent, driver]) => ["--driver", `${agent}=${driver}`])]);
+  return { one, mission, run };
+}
+
+async function reportOf({ mission, run }, start) {
+  assert.equal(await mission.ended, 0, mission.lines.join("\n"));
+  for (const command of ["audit", "redecide"]) {
+    const check = start(MUSTER, [command, run]);
+    assert.equal(await check.ended, 0, check.lines.join("\n"));
+  }
+  return JSON.parse(readFileSync(join(run, "report.json"), "utf8"));
+}
+
+test("the field test: three places sensed, the battery changed once", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, FIELD_TEST, ["--battery", "60"], { "worker:0": FOLLOWER, "vehicle:0": FOLLOWER });
+  const report = await reportOf(flight, programs.start);
+  assert.equal(report.tasks_done, 3);
+  assert.equal(report.charges, 1);
+  assert.deepEqual(report.failed_agents, []);
+  assert.deepEqual(report.measured_agents.map(({ agent }) => agent), ["uav:0", "worker:0", "vehicle:0"]);
+  const late_s = report.measured_agents[0].legs.filter((leg) => leg.arrived_s !== null).map((leg) => leg.arrived_s - leg.planned_s);
+  assert.ok(late_s.length >= 3 && late_s.every((late) => late > -2), `climbing takes time that is not planned: ${late_s}`);
+  const landings = flight.one.lines.filter((line) => line.endsWith("LAND disarmed"));
+  assert.equal(landings.length, 1, flight.one.lines.join("\n"));
+  await flight.one.line((line) => line.endsWith("RTL disarmed"));
+}));
+
+/** The first place of the field test, with a second UAV, computed, that comes after two minutes. */
+function withSecond(folder) {
+  const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
+  const [first] = scenario.uavs;
+  Object.assign(scenario, { interval_min: 1, limit_min: 12, tasks: scenario.tasks.slice(0, 1) });
+  scenario.uavs.push({ ...first, id: 1, range_km: first.full_range_km, online_from_min: 2 });
+  Object.assign(scenario.workers[0], { x_km: 0.3, y_km: 0.2 });
+  const path = join(folder, "scenario.json");
+  writeFileSync(path, JSON.stringify(scenario));
+  return path;
+}
+
+const FAULTS = [
+  ["the pilot takes over", ["--battery", "60", "--pilot-at", "180"], /the pilot has taken over/],
+  ["the battery is low", ["--battery", "36", "--drain", "0.1"], /battery/],
+  ["the link is cut for ever", ["--battery", "60", "--cut", "180:1e9"], /its link is lost/],
+];
+
+for (const [name, words, reason] of FAULTS) {
+  test(`${name}: another UAV does the task`, { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+    const flight = await fly(programs, withSecond(programs.folder), words);
+    const report = await reportOf(flight, programs.start);
+    assert.deepEqual(report.failed_agents.map(({ agent }) => agent), ["uav:0"]);
+    assert.match(report.failed_agents[0].why, reason);
+    assert.deepEqual(report.tasks.map(({ status, uav }) => [status, uav]), [["done", 1]]);
+  }));
+}
+
+test("the driver is killed: the UAV comes home, another does the task", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, withSecond(programs.folder), ["--battery", "60"]);
+  await flight.one.line((line) => line.endsWith("is up"));
+  process.kill(Number(readFileSync(join(programs.folder, "driver.pid"), "utf8")), "SIGKILL");
+  await flight.one.line((line) => line.endsWith("RTL armed"));
+  const report = await reportOf(flight, programs.start);
+  assert.match(report.failed_agents[0].why, /killed|signal/);
+  assert.deepEqual(report.tasks.map(({ status, uav }) => [status, uav]), [["done", 1]]);
+}));
+
+test("the mission is killed: the UAV comes home", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, withSecond(programs.folder), ["--battery", "60"]);
+  await flight.one.line((line) => line.endsWith("is up"));
+  flight.mission.child.kill("SIGKILL");
+  await flight.one.line((line) => line.endsWith("RTL armed"));
+  await flight.one.line((line) => line.endsWith("RTL disarmed"));
+}));
