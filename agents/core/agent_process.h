@@ -76,8 +76,8 @@ class AgentProcess : public Follower {
   std::vector<std::int32_t> driven_;              ///< ids
   std::map<std::int32_t, std::string> failures_;  ///< of driven ones, that they have said
   bool is_driving_ = false;
-  bool awaits_drivers_ = false;                   ///< the present tick is not reported yet
-  TimeUs listen_us_ = kNever;                     ///< monotonic: when drivers are heard again
+  bool awaits_drivers_ = false;  ///< the present tick is not reported yet
+  TimeUs listen_us_ = kNever;    ///< monotonic: when drivers are heard again
 
   std::int64_t tick_ = -1;  ///< of the published states
   TimeUs tick_us_ = 0;
