@@ -217,7 +217,7 @@ TEST(MeasuredMissions, AreWholeUnderFaults) {
   }
 }
 
-/// What the audit finds first when reports of UAV 0, whom nobody drives, are changed at one tick.
+/// What the audit finds first when the report of UAV 3, whom nobody drives, is changed at one tick.
 std::string FirstFinding(std::int64_t tick, const std::function<void(agent_t*)>& change) {
   Scenario scenario = Generate(PresetByName("Random_1"), 1);
   scenario.uavs[kDriven].measured = true;
@@ -248,7 +248,7 @@ TEST(MeasuredMissions, TheAuditSeesWhatCannotBeTold) {
               "speed: uav:3 says to make ");
   starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->range_left_m += 800; }),
               "range: uav:3 says to have ");
-  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->target_id ^= 1; }), "");
+  starts_with(FirstFinding(kOnItsWay, [](agent_t* a) { a->target_id ^= 1; }), "motion: uav:3 ");
   starts_with(
       FirstFinding(kOnItsWay, [](agent_t* a) { a->status = NumberOf(AgentStatus::kFailed); }),
       "rulings: uav:3 says that it cannot go on, and is not ruled to have failed");

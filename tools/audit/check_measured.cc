@@ -28,9 +28,6 @@ agent_t Auditor::SeeTold(AgentModel* model, agent_t a) {
   model->says_done = model->pair() && model->says_arrived && a.busy_until_us <= now_us_;
   if (a.status == AgentStatus::kFailed && !model->failed) {
     said_failed_.insert({model->kind, model->id});
-    agent_t goes_on = a;
-    goes_on.status = NumberOf(AgentStatus::kIdle);
-    a = goes_on;
   }
   SeeEnd(model, a);
   if (model->action == ActionKind::kNone) {
