@@ -91,6 +91,14 @@ struct Window {
       : messages(most_messages), bytes(most_bytes) {}
 };
 
+/// The windows of a mission that our own recorder writes: it says what the log holds before a
+/// sender comes to the end of one. The world's, also where lcm-logger writes, and those of all
+/// others.
+inline constexpr int kWorldWindow = 10;
+/// Events are many and small.
+inline constexpr std::size_t kWorldWindowBytes = 64 * 1024;
+inline constexpr int kMemberWindow = 8;
+
 /// Numbers, keeps and sends one process's messages. With a recorder, a message is kept until the
 /// recorder has it on disk, sent again with back-off until then, and no more than the window is
 /// out unacknowledged. What is under way is not lost: before it is said again, some four times as

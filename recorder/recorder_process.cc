@@ -4,16 +4,19 @@
 #include <utility>
 
 #include "lcmtypes/channels.h"
+#include "protocol/sender.h"
 
 namespace muster::tools {
 namespace {
 
-/// Each word of the log's wakes everybody. It is said at once when a sender has so many messages
-/// out that it could come to the end of its window (three of most processes, ten and more of the
-/// world), and else after a moment.
-constexpr int kUnsaid = 2;
-constexpr int kUnsaidOfWorld = 8;
-constexpr TimeUs kUnsaidUs = 2'000;
+/// Each word of the log's wakes everybody. It is said at once when a sender has so much out that it
+/// could come to the end of its window (kMemberWindow messages of most processes; of the world
+/// kWorldWindow or kWorldWindowBytes, whichever is more), and else after a moment that delays no
+/// repair.
+constexpr int kUnsaid = kMemberWindow - 2;
+constexpr int kUnsaidOfWorld = kWorldWindow - 2;
+constexpr std::size_t kUnsaidBytesOfWorld = kWorldWindowBytes / 2;
+constexpr TimeUs kUnsaidUs = 5'000;
 
 }  // namespace
 
@@ -41,8 +44,12 @@ void RecorderProcess::OnLogged(const Packet& packet) {
   const Identity& own = this->identity();
   if (header->sender != own.name) {
     news_ = true;
-    const int most = header->sender == process_name::kWorld ? kUnsaidOfWorld : kUnsaid;
-    is_urgent_ |= ++unsaid_[{header->sender, header->boot_id}] >= most;
+    Unsaid& unsaid = unsaid_[{header->sender, header->boot_id}];
+    ++unsaid.messages;
+    unsaid.bytes += packet.bytes.size();
+    is_urgent_ |= header->sender == process_name::kWorld
+                      ? unsaid.messages >= kUnsaidOfWorld && unsaid.bytes >= kUnsaidBytesOfWorld
+                      : unsaid.messages >= kUnsaid;
   } else if (header->boot_id == own.boot_id) {
     log_status_t status{};
     log_mark_t& mark = status.marks.emplace_back();

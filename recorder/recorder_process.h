@@ -49,8 +49,12 @@ class RecorderProcess : public Process {
   TimeUs news_us_ = kNever;  ///< when that was seen first
   bool has_room_ = true;     ///< in its window
   bool is_urgent_ = true;    ///< and somebody may have to wait soon
-  /// Messages of each start that the log holds beyond what the marks say.
-  std::map<std::pair<std::string, std::int64_t>, int> unsaid_;
+  /// What the log holds of a start beyond what the marks say.
+  struct Unsaid {
+    int messages = 0;
+    std::size_t bytes = 0;
+  };
+  std::map<std::pair<std::string, std::int64_t>, Unsaid> unsaid_;
   bool answer_wanted_ = false;  ///< somebody has not heard the marks
   TimeUs said_us_ = 0;          ///< the marks, at last
   BackOff idle_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <muster/answer_t.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -37,6 +38,13 @@ class Told {
     return marks;
   }
 
+  /// The log gets so many messages of that sender.
+  void Logs(const std::string& sender, std::int64_t first, std::int64_t count) {
+    for (std::int64_t seq = first; seq < first + count; ++seq) {
+      recorder.OnLogged(MessageOf(sender, seq));
+    }
+  }
+
   RecorderProcess recorder;
   Now now{1'000'000, 0};
   std::size_t said = 0;
@@ -48,10 +56,10 @@ using Start = std::pair<std::string, std::int64_t>;
 TEST(RecorderProcess, SaysWhatTheLogHoldsAtOnce) {
   Told told;
   told.Marks();
-  for (std::int64_t seq = 0; seq < 3; ++seq) told.recorder.OnLogged(MessageOf("uav", seq));
+  told.Logs("uav", 0, kMemberWindow - 1);
   told.recorder.OnLogged(MessageOf("world", 0, 2));
   const auto marks = told.Marks();
-  EXPECT_EQ(marks.at(Start("uav", 0)), 3);
+  EXPECT_EQ(marks.at(Start("uav", 0)), kMemberWindow - 1);
   EXPECT_EQ(marks.at(Start("world", 2)), 1);
   // Its own marks in the log are no news.
   told.Marks();
@@ -66,14 +74,45 @@ TEST(RecorderProcess, ALoneMessageWaitsForAMoment) {
   told.recorder.OnLogged(MessageOf("worker", 0));
   told.Marks();
   EXPECT_EQ(told.said, 0u);
-  EXPECT_LE(told.recorder.wake_us(), told.now.monotonic_us + 2'000);
-  const auto marks = told.Marks(2'000);
+  EXPECT_LE(told.recorder.wake_us(), told.now.monotonic_us + 5'000);
+  const auto marks = told.Marks(5'000);
   EXPECT_EQ(marks.at(Start("uav", 0)), 1);
   EXPECT_EQ(marks.at(Start("worker", 0)), 1);
-  // Nobody waits long behind a second one.
-  told.recorder.OnLogged(MessageOf("uav", 1));
-  told.recorder.OnLogged(MessageOf("uav", 2));
-  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 3);
+  // Nobody waits at the end of a window.
+  told.Logs("uav", 1, kMemberWindow - 1);
+  EXPECT_EQ(told.Marks().at(Start("uav", 0)), kMemberWindow);
+}
+
+TEST(RecorderProcess, TheWorldsEventsAreManyAndSmall) {
+  Told told;
+  told.Marks();
+  const auto bytes = MessageOf("world", 0).bytes.size();
+  const auto half = static_cast<std::int64_t>(kWorldWindowBytes / bytes) / 2;
+  ASSERT_GT(half, 2 * kWorldWindow);
+  told.Logs("world", 0, half - 1);
+  told.Marks();
+  EXPECT_EQ(told.said, 0u);
+  told.Logs("world", half - 1, 2);
+  EXPECT_EQ(told.Marks().at(Start("world", 0)), half + 1);
+}
+
+TEST(RecorderProcess, AFewLargeMessagesOfTheWorldsWaitForAMoment) {
+  Told told;
+  told.Marks();
+  const auto large = [&](std::int64_t seq) {
+    answer_t answer{};
+    answer.header.run_id = 1;
+    answer.header.sender = "world";
+    answer.header.seq = seq;
+    answer.data.resize(kWorldWindowBytes);
+    answer.n = static_cast<std::int32_t>(answer.data.size());
+    told.recorder.OnLogged({std::string(channel::kAnswer), Encode(answer)});
+  };
+  for (std::int64_t seq = 0; seq < kWorldWindow - 3; ++seq) large(seq);
+  told.Marks();
+  EXPECT_EQ(told.said, 0u);
+  large(kWorldWindow - 3);
+  EXPECT_EQ(told.Marks().at(Start("world", 0)), kWorldWindow - 2);
 }
 
 TEST(RecorderProcess, AHoleIsNoMark) {
@@ -83,7 +122,7 @@ TEST(RecorderProcess, AHoleIsNoMark) {
   EXPECT_EQ(told.Marks().at(Start("uav", 0)), 1);
   told.recorder.OnLogged(MessageOf("uav", 1));
   told.Marks();
-  EXPECT_EQ(told.Marks(2'000).at(Start("uav", 0)), 3);
+  EXPECT_EQ(told.Marks(5'000).at(Start("uav", 0)), 3);
 }
 
 TEST(RecorderProcess, WhoRepeatsItselfIsToldAgainButNotEachTime) {
@@ -137,7 +176,8 @@ TEST(RecorderProcess, InASealedMissionOnlyMembersAreAcknowledged) {
   EXPECT_FALSE(told.Marks().contains(Start("uav", 0)));
   told.recorder.OnLogged(seal.Closed(MessageOf("uav", 0)));
   told.recorder.OnLogged(seal.Closed(MessageOf("uav", 1)));
-  EXPECT_EQ(told.Marks().at(Start("uav", 0)), 2);
+  told.Marks();
+  EXPECT_EQ(told.Marks(5'000).at(Start("uav", 0)), 2);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "model/agent.h"
 #include "model/scenario_json.h"
 #include "protocol/run_process.h"
+#include "protocol/sender.h"
 #include "scheduler/policies/registry.h"
 #include "tools/live/live_server.h"
 #include "tools/report/page.h"
@@ -66,16 +67,6 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
     programs[role] = fs::absolute(file).string();
   }
   return programs;
-}
-
-/// Of each agents' process. lcm-logger's queue is one for all who report at once, however many they
-/// are: with more of them each has less of it.
-int WindowOf(const LaunchOptions& options) {
-  if (!options.recorded) return 0;
-  if (options.logger == Logger::kMuster) return kProcessWindow;
-  int processes = 0;
-  for (const auto& [kind, count] : options.processes) processes += count;
-  return std::clamp(kLoggerQueue / std::max(processes, 1), 1, kProcessWindow);
 }
 
 void AddLaunchOptions(Options* options) {
@@ -183,6 +174,15 @@ void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int las
 }
 
 }  // namespace
+
+int WindowOf(const LaunchOptions& options) {
+  if (!options.recorded) return 0;
+  if (options.logger == Logger::kMuster) return kMemberWindow;
+  // lcm-logger's queue is one for all who report at once: the more there are, the less each has.
+  int processes = 0;
+  for (const auto& [kind, count] : options.processes) processes += count;
+  return std::clamp(kLoggerQueue / std::max(processes, 1), 1, kProcessWindow);
+}
 
 std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* argv) {
   Options parser("muster run",

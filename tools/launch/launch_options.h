@@ -48,13 +48,13 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
 /// The driven agents are measured. Throws InputError where the scenario has no such agent.
 void MarkDriven(const std::vector<DriverPlan>& drivers, Scenario* scenario);
 
-/// Messages that one process may have out and not in the log (--window). lcm-logger queues 30, so
-/// the windows of all who talk at once stay below that together, as far as they can.
+/// Messages that one process may have out and not in the log (--window) where lcm-logger writes it.
+/// It queues 30, so the windows of all who talk at once stay below that together, as far as they
+/// can.
 inline constexpr int kLoggerQueue = 30;
-inline constexpr int kWorldWindow = 10;
 inline constexpr int kProcessWindow = 3;
-/// Events are many and small. (lcm-logger counts messages.)
-inline constexpr int kWorldWindowBytes = 64 * 1024;
+/// Of each agents' process and the scheduler; 0: nothing is recorded.
+int WindowOf(const LaunchOptions& options);
 
 /// One process of a mission: program (absolute, or in the folder of `muster`) and its arguments.
 /// With

@@ -152,7 +152,8 @@ void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& missi
   for (const auto& [kind, count] : options.processes) {
     if (count > 0) continue;
     Say("start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}{}\n",
-        ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id, kProcessWindow,
+        ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id,
+        WindowOf(options),
         mission.key ? fmt::format(" --key '{}'", directory.File(kSealKeyFile)) : "");
   }
 }

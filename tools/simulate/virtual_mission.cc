@@ -13,6 +13,7 @@
 #include "base/check.h"
 #include "base/program.h"
 #include "model/scenario_json.h"
+#include "protocol/sender.h"
 #include "simulation/simulator.h"
 #include "simulation/start_process.h"
 #include "simulation/virtual_network.h"
