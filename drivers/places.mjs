@@ -51,3 +51,10 @@ export class MissionMap {
 export function distance_m(a, b) {
   return Math.hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
+
+/** The place so far on the way from one to the other, at most at its end. */
+export function towards(from, to, way_m) {
+  const whole_m = distance_m(from, to);
+  const part = whole_m > way_m ? way_m / whole_m : 1;
+  return { x_m: from.x_m + part * (to.x_m - from.x_m), y_m: from.y_m + part * (to.y_m - from.y_m) };
+}

@@ -199,8 +199,7 @@ export class Driver {
     if (order.type === "goto") {
       const to = Number.isFinite(order.to.x_m) ? order.to : this.plan.map.toMetres(order.to);
       if (!flight.isFlying && distance_m(flight.place, to) < 3 && !this.vehicle.armed && order.then === "charge") {
-        reporter.arrived(order, to);
-        return;
+        return yield* this.#arrive(order, to, isReplaced);
       }
       if (this.isHandled && !(yield* this.#battery(isReplaced))) return;
       safety.isServiced = false;
@@ -209,7 +208,7 @@ export class Driver {
       const isThere = !isReplaced() && (yield* flight.goTo(to, isReplaced));
       if (isThere && order.then === "charge") yield* flight.land();
       reporter.goal = null;
-      if (isThere) reporter.arrived(order, to);
+      if (isThere) yield* this.#arrive(order, to, isReplaced);
     } else if (order.type === "sense") {
       yield* flight.photograph();
       while (reporter.mission_s < order.mission_s + order.for_s && !isReplaced()) yield;
@@ -224,6 +223,15 @@ export class Driver {
     } else if (flight.isFlying) {
       yield* flight.hold();
     }
+  }
+
+  /** It is there. The mission is told so when the scenario's speed allows it. */
+  *#arrive(order, to, isReplaced) {
+    const { reporter } = this;
+    reporter.goal = { order, to, isThere: true };
+    while (!reporter.canBeThere && !isReplaced()) yield;
+    if (isReplaced()) reporter.goal = null;
+    else reporter.arrived();
   }
 
   /** Waits for another battery, and gets ready again; returns whether it is. Without it does not take off again. */

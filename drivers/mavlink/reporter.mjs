@@ -1,5 +1,5 @@
 // What the mission is told of the UAV: where it is, how far it can go, when it will be there.
-import { distance_m } from "../places.mjs";
+import { distance_m, towards } from "../places.mjs";
 import { Phase } from "./safety.mjs";
 
 /** A place no sooner after the one before, of the mission and of the wall. */
@@ -11,24 +11,26 @@ const MARGIN_PERCENT = 10;
 const OLD_S = 3;
 /** It stands where it was: its range does not fall. */
 const STANDS_M = 2;
+/** Places differ by rounding. */
+const SAME_M = 1e-6;
 /** To take off or land, and to speed up and slow down: for the expected arrival. */
 const CLIMB_M_S = 1.5, TURN_S = 5;
-/** Clocks, and lines on their way: so much later than now may be told. */
-const LATER_S = 0.5, LATER_WALL_S = 0.2;
 
 export class Reporter {
-  /** Where it is sent: {order, to}; null: nowhere. */
+  /** Where it is sent: {order, to, isThere}; null: nowhere. */
   goal = null;
   #last = null;  // {at, mission_s} told last
   #told_at = 0;  // our time
   #isQuiet = false;
-  #tick_s = 60;
+  #ticked_s = 0;  // the last tick
+  #tick_s = 0;    // from tick to tick; not known yet
 
   constructor(driver, hello) {
     Object.assign(this, { driver, hello, told_s: hello.mission_s, told_at: driver.edge.now() });
     this.range_m = hello.range_m;
     this.range_at = hello.at;
     this.#last = { at: hello.at, mission_s: hello.mission_s };
+    this.#ticked_s = hello.mission_s;
   }
 
   /** The mission's time is that; `isTick`: it has taken what it was told by then. */
@@ -37,7 +39,9 @@ export class Reporter {
     if (!isTick && mission_s < this.mission_s) return;  // of what began before
     if (isTick) {
       this.#isQuiet = false;
-      if (mission_s > this.told_s) this.#tick_s = mission_s - this.told_s;
+      this.#last.mission_s = Math.min(this.#last.mission_s, mission_s);
+      if (mission_s > this.#ticked_s) this.#tick_s = mission_s - this.#ticked_s;
+      this.#ticked_s = mission_s;
     }
     this.told_s = mission_s;
     this.told_at = this.driver.edge.now();
@@ -45,6 +49,11 @@ export class Reporter {
 
   get mission_s() {
     return this.told_s + this.driver.edge.now() - this.told_at;
+  }
+
+  /** The mission takes what is said now for said by then: at its next tick at the latest, which may be late by the wall. */
+  get #heard_s() {
+    return Math.max(this.#last.mission_s, Math.min(this.mission_s, this.#ticked_s + this.#tick_s));
   }
 
   /** The autopilot has told its place. */
@@ -66,9 +75,11 @@ export class Reporter {
     const isHeard = vehicle.place !== null && edge.now() - vehicle.place_s <= OLD_S * driver.options.speedup;
     if (!isHeard && safety.phase !== Phase.ground) return;
     this.#told_at = edge.now();
-    const at = isHeard ? plan.map.toMetres(vehicle.place) : this.#last.at;
-    if (plan.area.isOut(at, 0)) return;
-    const mission_s = this.#when(at);
+    let seen = isHeard ? plan.map.toMetres(vehicle.place) : this.#last.at;
+    if (this.goal?.isThere) seen = this.goal.to;
+    if (plan.area.isOut(seen, 0)) return;
+    const mission_s = this.#heard_s;
+    const at = this.#possible(seen, mission_s);
     const line = { type: "state", at, mission_s };
     if (isHeard && !safety.isServiced && vehicle.battery_percent !== null) line.range_m = this.#range(at);
     if (isHeard && this.goal) line.expected_s = mission_s + this.#left_s(at);
@@ -77,14 +88,16 @@ export class Reporter {
   }
 
   /**
-   * When it is there: now, or as late as its speed needs from the place before. Lines and messages take their time, more where
-   * the mission runs fast, and the mission would take what was delayed less for faster.
+   * That place, or as far towards it as its speed allows by then. Where the mission runs fast its ticks are late by much of its
+   * own time, and so is what it hears: it would take the UAV for faster than it is. The rest is told with the time.
    */
-  #when(at) {
-    const { speedup } = this.driver.options;
-    const soonest = this.#last.mission_s + distance_m(this.#last.at, at) / this.hello.speed_m_s;
-    const latest = this.mission_s + LATER_S + LATER_WALL_S * (speedup - 1);
-    return Math.max(this.mission_s, Math.min(soonest, latest));
+  #possible(at, mission_s) {
+    return towards(this.#last.at, at, this.hello.speed_m_s * (mission_s - this.#last.mission_s));
+  }
+
+  /** Whether its speed allows that it is at its goal by now. */
+  get canBeThere() {
+    return distance_m(this.#last.at, this.goal.to) <= this.hello.speed_m_s * (this.#heard_s - this.#last.mission_s) + SAME_M;
   }
 
   #left_s(at) {
@@ -116,11 +129,14 @@ export class Reporter {
     return (this.hello.full_range_m * Math.max(0, vehicle.battery_percent - empty)) / (100 - empty);
   }
 
-  arrived(order, to) {
+  /** It is at its goal. */
+  arrived() {
+    const { order, to } = this.goal;
     this.answer();
+    this.goal = null;
     this.driver.edge.say({ type: "arrived", id: order.id });
     this.#range(to);
-    this.#last = { at: to, mission_s: this.mission_s };
+    this.#last = { at: to, mission_s: this.#heard_s };
     // The mission takes it to be there at its tick: places from before would be old then.
     this.#isQuiet = true;
   }
@@ -135,7 +151,7 @@ export class Reporter {
    * so much it knows of at least.
    */
   charged(order) {
-    const took_s = this.mission_s - order.mission_s, most_s = Math.max(order.for_s, this.told_s + 2 * this.#tick_s - order.mission_s);
+    const took_s = this.mission_s - order.mission_s, most_s = Math.max(order.for_s, this.#ticked_s + 2 * this.#tick_s - order.mission_s);
     this.range_m += (this.hello.full_range_m - this.range_m) * Math.min(1, took_s / most_s);
     this.range_at = this.#last.at;
     this.driver.edge.say({ type: "done", id: order.id, range_m: this.#range(this.#last.at) });

@@ -1,6 +1,6 @@
 // Where the mission is told that it is. A mission takes whoever is faster than the agent's speed for impossible, and out; a
 // person in a car, or a place that jumps, is told as far as the speed allows, and the rest with the time.
-import { distance_m } from "../places.mjs";
+import { distance_m, towards } from "../places.mjs";
 
 /** A place that is no older, by the wall, is one of now. */
 const FRESH_S = 5;
@@ -8,12 +8,6 @@ const FRESH_S = 5;
 const HEARD_S = 0.25;
 /** Places outside the area by more are not told; the mission allows 10 m. */
 const OUTSIDE_M = 5;
-
-function towards(from, to, way_m) {
-  const whole_m = distance_m(from, to);
-  const part = whole_m > way_m ? way_m / whole_m : 1;
-  return { x_m: from.x_m + part * (to.x_m - from.x_m), y_m: from.y_m + part * (to.y_m - from.y_m) };
-}
 
 export class Track {
   /** It has not been told yet that it is where it is, as that needs a higher speed. */

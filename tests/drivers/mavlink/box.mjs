@@ -26,6 +26,8 @@ export class Box {
   /** Of the link: seconds; whether a message gets lost, of {direction: "up" to the copter or "down", name, message}. */
   delay_s = 0.02;
   loses = () => false;
+  /** So much later than it is the mission tells the time, of a tick's number. */
+  tickLate_s = () => 0;
   #onTheWay = [];
   #ids = 0;
   #told_s = 0;
@@ -92,7 +94,8 @@ export class Box {
     this.copter.step(this.now);
     if (!this.isPowerCut) this.protocol.step();
     if (this.isDead) return;
-    if (this.now - this.#told_s >= TICK_S) this.tell({ type: "time", mission_s: (this.#told_s = this.now) });
+    const tick_s = this.#told_s + TICK_S;
+    if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
     this.driver.step();
   }
 
@@ -127,7 +130,7 @@ export class Box {
   }
 
   ready() {
-    this.until(() => this.notes.some((words) => words.startsWith("ready")), 60, "ready");
+    this.until(() => this.notes.some((words) => words.startsWith("ready")), 60 * this.driver.options.speedup, "ready");
     return this;
   }
 

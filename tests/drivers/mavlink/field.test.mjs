@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { MissionMap } from "../../../drivers/mavlink/places.mjs";
+import { MissionMap } from "../../../drivers/places.mjs";
 import { freePort, MAIN, withPrograms } from "./programs.mjs";
 
 const RATE = 20;  // faster, and a busy machine is late by more than a flight forgives

@@ -79,6 +79,35 @@ for (const kind of ["ardupilot", "px4"]) {
   });
 }
 
+for (const late_s of [0.5, 8, 25]) {
+  test(`at rate 60 every third tick is told ${late_s} s late: nothing that it tells is too fast`, () => {
+    const box = new Box({ options: { speedup: 60 }, hello: { rate: 60 } }).ready();
+    box.tickLate_s = (number) => (number % 3 ? 0 : late_s);
+    const there = box.goTo(3500, 2500, "sense");
+    box.until(() => box.said("arrived", there).length, 600);
+    assert.ok(box.said("state").length > 30);
+    const sense = box.order("sense", 60);
+    box.until(() => box.said("done", sense).length, 120);
+    const back = box.goTo(900, 600);
+    box.until(() => box.said("arrived", back).length, 600);
+    box.run(90);
+    assert.equal(box.failure, null);
+  });
+}
+
+test("a UAV that is faster than the scenario's is told as far as that speed allows, and arrives when it could", () => {
+  const box = new Box({ hello: { speed_m_s: 10 } }).ready();
+  box.copter.settings.WPNAV_SPEED = 1500;  // as in a strong tailwind
+  const id = box.goTo(1500, 400);
+  const from = box.now;
+  box.until(() => box.distanceTo({ x_m: 1500, y_m: 400 }) < 1, 200);
+  const there = box.now;
+  box.until(() => box.said("arrived", id).length, 200);
+  assert.ok(box.now - from >= 100 - 1 && box.now > there + 10, `${box.now - from} s for 1000 m, there after ${there - from} s`);
+  assert.deepEqual(box.said("state").at(-1).at, { x_m: 1500, y_m: 400 });
+  assert.equal(box.failure, null);
+});
+
 test("sensing that ends at a tick is done before that tick is answered", () => {
   const box = new Box().flying();
   box.until(() => box.said("arrived", 1).length, 300);

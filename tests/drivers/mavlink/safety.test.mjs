@@ -226,7 +226,7 @@ test("settings are not put back in the air, and not where nobody answers", () =>
 testInFlight("a second driver in the air commands nothing", (box) => {
   const options = box.driver.options;
   box.startDriver(options);
-  box.tell({ ...box.greeting, mission_s: box.now });
+  box.tell({ ...box.greeting, mission_s: box.now, at: box.referee.seen.at });
   const took = box.until(() => box.failure, 5);
   assert.ok(took < 3);
   assert.equal(box.failure, "it was armed, not by us");
