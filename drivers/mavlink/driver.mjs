@@ -3,6 +3,7 @@
 import { common, FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";
 import { Flight, heartbeat } from "./flight.mjs";
+import { Pictures } from "./pictures.mjs";
 import { distance_m, MissionMap } from "../places.mjs";
 import { Reporter } from "./reporter.mjs";
 import { Phase, Safety } from "./safety.mjs";
@@ -17,7 +18,7 @@ const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
 export class Driver {
   /**
    * `options`: of options.mjs. `edge`: {now() in the vehicle's seconds, say(object), send(bytes), note(words), kept (settings.mjs),
-   * isChanged(): whether somebody has said, since the last call, that the battery was changed}.
+   * isChanged(): whether somebody has said, since the last call, that the battery was changed, keepPicture(of) (pictures.mjs)}.
    */
   constructor(options, edge) {
     Object.assign(this, { options, edge });
@@ -43,6 +44,7 @@ export class Driver {
   /** It has not been in the air yet. */
   isPreparing = false;
   #work = null;
+  #task = null;  // at which it is, or to which it is on its way
   #heartbeat_s = -Infinity;
 
   #send(message) {
@@ -91,10 +93,17 @@ export class Driver {
 
   /** Takes a frame; returns whether it is one of the autopilot. */
   hearFrame(frame) {
+    if (frame.system === this.options.system) this.#hearOfPicture(frame);
     if (!this.vehicle.hear(frame, this.edge.now())) return false;
     if (frame.name === "GLOBAL_POSITION_INT") this.reporter?.place();
     this.step(frame);
     return true;
+  }
+
+  #hearOfPicture(frame) {
+    if (!this.plan || this.order?.type === "bye") return;
+    const { reporter, vehicle } = this;
+    this.pictures.hear(frame, { agent: reporter.hello.agent, task: this.#task, mission_s: reporter.mission_s, place: vehicle.place });
   }
 
   /** Goes on as far as it can. At least ten times a second. */
@@ -125,6 +134,7 @@ export class Driver {
       if (!(error instanceof Trouble)) throw error;
       return this.#fail(error);
     }
+    this.pictures = new Pictures({ keep: this.edge.keepPicture, note: this.edge.note, map: this.plan.map });
     this.flight = new Flight({ ...this, note: this.edge.note, plan: this.plan });
     this.#work = this.#life();
     this.step();
@@ -156,6 +166,7 @@ export class Driver {
   #take(line) {
     this.reporter?.tell(line.mission_s, false);
     if (!this.isEnding) this.order = line;
+    if (line.type === "goto") this.#task = line.task ?? null;
     this.step();
   }
 

@@ -3,6 +3,7 @@
 import { mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { dirname } from "node:path";
 import { createInterface } from "node:readline";
+import { PhotoFolder } from "../photos.mjs";
 import { Driver } from "./driver.mjs";
 import { FrameReader } from "./frames.mjs";
 import { openLink } from "./link.mjs";
@@ -44,6 +45,19 @@ function takeFile(path) {
   }
 }
 
+/** Takes what is known of a picture, for the run directory if there is one; what goes wrong there does not concern the flight. */
+function pictureKeeper({ run }) {
+  const photos = run ? new PhotoFolder(run) : null;
+  return (of) => {
+    try {
+      const name = photos?.keep({ ...of, taken_utc: of.taken_utc ?? new Date().toISOString() });
+      if (name) note(`a picture: ${name}`);
+    } catch (error) {
+      note(`a picture's file: ${error.message}`);
+    }
+  };
+}
+
 function run(options) {
   const reader = new FrameReader();
   const now = () => (performance.now() / 1000) * options.speedup;
@@ -55,6 +69,7 @@ function run(options) {
     note,
     kept: keptIn(options.kept),
     isChanged: () => takeFile(options.confirm),
+    keepPicture: pictureKeeper(options),
   });
   const endWhenOver = () => {
     if (driver.exitCode === null) return;

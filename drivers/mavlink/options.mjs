@@ -19,6 +19,8 @@ Takes a UAV's part in a mission (docs/drivers.md) with an autopilot that speaks 
   --charged PERCENT   and it reports at least so much (default: 90)
   --camera HOW        what the autopilot is told for a picture: digicam (DO_DIGICAM_CONTROL), image (IMAGE_START_CAPTURE) or
                       none (default: digicam)
+  --run DIR           the mission's run directory: of each picture that the autopilot or its camera reports a file of what is known
+                      of it goes to DIR/photos (default: none)
   --speedup X         the vehicle is simulated, and its time runs X times as fast (default: 1)
   --own-system N      our own system id; the autopilot's SYSID_MYGCS (default: 255)
   --keep FOLDER       where the settings that were changed are kept until they are put back (default: ~/.local/state/muster)
@@ -47,7 +49,7 @@ function link(text) {
 export function readOptions(argv) {
   const defaults = {
     connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", confirm: "", charged: "90", camera: "digicam",
-    speedup: "1", "own-system": "255", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
+    run: "", speedup: "1", "own-system": "255", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
   let values = null;
@@ -67,6 +69,6 @@ export function readOptions(argv) {
     link: connect, system, ownSystem: number(values, "own-system", 1, 255), altitude: number(values, "altitude", 5, 1000),
     altitudeStep: number(values, "altitude-step", 0, 100), ceiling: number(values, "ceiling", 5, 1000), reserve: number(values, "reserve", 10, 80),
     confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), camera: values.camera,
-    speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
+    run: values.run || null, speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
   };
 }

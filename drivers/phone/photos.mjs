@@ -1,9 +1,6 @@
-// Photos in the run directory: under names that are made here, whole or not there, and none in the place of another.
+// The photos of a phone's page: each once, pictures only.
 import { createHash } from "node:crypto";
-import { existsSync, linkSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
-
-const MOST_PHOTOS = 1000;
+import { MOST_PHOTOS, PhotoFolder } from "../photos.mjs";
 
 /** What it is, by its first bytes; null: no picture that phones make. */
 export function kindOf(bytes) {
@@ -19,7 +16,7 @@ export class Photos {
   #kept = new Map();  // by the page's number of it
 
   constructor(run) {
-    this.folder = join(run, "photos");
+    this.photos = new PhotoFolder(run);
   }
 
   get isFull() {
@@ -27,42 +24,17 @@ export class Photos {
   }
 
   /**
-   * Keeps it, once for each id, with what is known of it beside it. `of`: {agent, task, mission_s, at}; returns the name, null
-   * when it is no picture. Throws what the file system says.
+   * Keeps it, once for each id, with what is known of it beside it. `of`: {agent, task, mission_s, at, taken_utc}; returns the
+   * name, null when it is no picture. Throws what the file system says.
    */
   keep(id, bytes, of) {
     const before = this.#kept.get(id);
     if (before) return before;
     const kind = kindOf(bytes);
     if (!kind) return null;
-    mkdirSync(this.folder, { recursive: true });
-    const where = of.at ? `${Math.round(of.at.x_m)}m-${Math.round(of.at.y_m)}m` : "nowhere";
-    const what = of.task === null ? "no-task" : `task-${of.task}`;
-    const base = `${of.agent.replace(":", "-")}_${what}_${where}_${Math.round(of.mission_s)}s`;
-    for (let i = 1; ; ++i) {
-      const name = `${base}_${i}`;
-      const photo = `${name}.${kind}`;
-      if (existsSync(join(this.folder, `${name}.json`)) || !this.#write(photo, bytes)) continue;
-      const sha256 = createHash("sha256").update(bytes).digest("hex");
-      const words = { version: 1, photo, ...of, taken_utc: of.taken_utc ?? null, bytes: bytes.length, sha256 };
-      this.#write(`${name}.json`, `${JSON.stringify(words, null, 1)}\n`);
-      this.#kept.set(id, photo);
-      return photo;
-    }
-  }
-
-  /** Returns false when there is one of that name. */
-  #write(name, content) {
-    const path = join(this.folder, name), part = join(this.folder, `.${process.pid}-${name}.part`);
-    try {
-      writeFileSync(part, content);
-      linkSync(part, path);
-      return true;
-    } catch (error) {
-      if (error.code === "EEXIST") return false;
-      throw error;
-    } finally {
-      rmSync(part, { force: true });
-    }
+    const sha256 = createHash("sha256").update(bytes).digest("hex");
+    const name = this.photos.keep({ ...of, taken_utc: of.taken_utc ?? null, bytes: bytes.length, sha256 }, { kind, bytes });
+    this.#kept.set(id, `${name}.${kind}`);
+    return `${name}.${kind}`;
   }
 }

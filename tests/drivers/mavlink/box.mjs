@@ -21,6 +21,7 @@ export class Box {
   now = 0;
   lines = [];   // what the driver says: [seconds, object]
   notes = [];
+  pictures = [];
   kept = null;  // settings that are kept
   isChanged = false;
   /** Of the link: seconds; whether a message gets lost, of {direction: "up" to the copter or "down", name, message}. */
@@ -58,6 +59,7 @@ export class Box {
       note: (words) => this.notes.push(words),
       kept: { load: () => structuredClone(this.kept), save: (object) => (this.kept = structuredClone(object)), drop: () => (this.kept = null) },
       isChanged: () => this.isChanged && ((this.isChanged = false), true),
+      keepPicture: (of) => this.pictures.push(of),
     });
     this.isDead = false;
   }

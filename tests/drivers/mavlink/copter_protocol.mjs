@@ -5,6 +5,9 @@ import { MODES } from "./copter.mjs";
 
 const { MavCmd, MavResult } = common;
 const FENCE = 1, FENCE_VERTEX = 5001;
+const CAMERA = 100, SHUTTER_S = 0.3;
+/** Its clock starts then: 2026-11-23. */
+const EPOCH_US = 1_795_392_000_000_000n;
 const ASKS_AGAIN_S = 0.25;
 /** Settings of PX4 that are integers (MAV_PARAM_TYPE_INT32 = 6, REAL32 = 9). */
 const INTEGERS = /^(NAV_DLL_ACT|COM_DL_LOSS_T|COM_RC_OVERRIDE|COM_LOW_BAT_ACT|RTL_TYPE|RTL_CONE_ANG|GF_ACTION)$/;
@@ -19,6 +22,8 @@ export class CopterProtocol {
     this.refusals = [];  // {command, result, words, times}
     this.busy_s = 0;     // so long it takes to answer a command, and says that it is at it
     this.late = [];
+    this.camera = new FrameWriter(system, CAMERA);  // one with a link of its own
+    this.taken = [];     // pictures that are not told of yet
     this.boot();
   }
 
@@ -54,6 +59,7 @@ export class CopterProtocol {
     }
     for (const id of this.requested.splice(0)) this.#messages[id]();
     if (this.upload && now >= this.upload.again) this.#askItem();
+    this.#tellOfPictures();
     for (const { ack } of this.late.filter(({ due }) => due <= now)) this.say(common.CommandAck, ack);
     this.late = this.late.filter(({ due }) => due > now);
   }
@@ -98,6 +104,30 @@ export class CopterProtocol {
     if (!home) return;
     const [latitude, longitude] = [home.latitude_deg, home.longitude_deg].map((degrees) => Math.round(degrees * 1e7));
     this.say(common.HomePosition, { latitude, longitude, altitude: this.#seaLevel * 1000, q: [1, 0, 0, 0], timeUsec: 0n });
+  }
+
+  /** A picture is taken, and told of a moment later: by the autopilot, or by a camera that was asked itself. */
+  #shoot(isCamera) {
+    const { copter } = this;
+    copter.photos.push({ ...copter.at, at_s: copter.now });
+    this.taken.push({ index: copter.photos.length, isCamera, due: copter.now + SHUTTER_S, up: copter.at.up, place: copter.place });
+    return MavResult.ACCEPTED;
+  }
+
+  #tellOfPictures() {
+    const { copter } = this;
+    for (const picture of this.taken.filter(({ due }) => due <= copter.now)) {
+      const { index, isCamera, up } = picture, time_us = EPOCH_US + BigInt(Math.round(1e6 * (picture.due - SHUTTER_S)));
+      const [lat, lon] = [picture.place.latitude_deg, picture.place.longitude_deg].map((degrees) => Math.round(degrees * 1e7));
+      const captured = make(common.CameraImageCaptured, {
+        timeUtc: time_us, timeBootMs: 0, cameraId: isCamera ? 0 : 1, lat, lon, alt: Math.round(1000 * (this.#seaLevel + up)), relativeAlt: Math.round(1000 * up),
+        q: [1, 0, 0, 0], imageIndex: index - 1, captureResult: 1, fileUrl: isCamera ? `http://192.168.144.25/DCIM/IMG_${String(index).padStart(4, "0")}.JPG` : "",
+      });
+      if (isCamera) this.send(this.camera.write(captured));
+      else if (copter.kind === "px4") this.send(this.writer.write(captured));
+      else this.say(ardupilotmega.CameraFeedback, { timeUsec: time_us, targetSystem: this.system, imgIdx: index, lat, lng: lon, altMsl: this.#seaLevel + up, altRel: up });
+    }
+    this.taken = this.taken.filter(({ due }) => due > copter.now);
   }
 
   #take = {
@@ -197,10 +227,8 @@ export class CopterProtocol {
     [MavCmd.DO_REPOSITION]: (params, isInt, frame) => this.#goTo(params, isInt, frame),
     [MavCmd.NAV_LAND]: () => this.#goDown("LAND"),
     [MavCmd.NAV_RETURN_TO_LAUNCH]: () => this.#goDown("RTL"),
-    [MavCmd.DO_DIGICAM_CONTROL]: ([, , , , shoots]) => {
-      if (shoots === 1) this.copter.photos.push({ ...this.copter.at, at_s: this.copter.now });
-      return MavResult.ACCEPTED;
-    },
+    [MavCmd.DO_DIGICAM_CONTROL]: ([, , , , shoots]) => (shoots === 1 ? this.#shoot(false) : MavResult.ACCEPTED),
+    [MavCmd.IMAGE_START_CAPTURE]: () => this.#shoot(true),
   };
 
   #arm(arms) {
