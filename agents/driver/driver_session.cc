@@ -29,6 +29,7 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
       rules_(rules),
       places_(scenario),
       agent_(agent),
+      taken_(agent),
       at_(at),
       started_us_(wall_us),
       told_us_(wall_us) {
@@ -58,7 +59,7 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
 void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
                            std::string_view why) {
   if (over_) return;
-  agent_ = agent;
+  agent_ = taken_ = agent;
   if (agent_.action == ActionKind::kNone) {
     if (open_) Cancel(at, why);
     activity_told_ = false;
@@ -140,8 +141,33 @@ void DriverSession::Cancel(TimeUs at, std::string_view why) {
 std::vector<std::string> DriverSession::TakeLines() { return std::exchange(lines_, {}); }
 
 std::vector<MeasuredReport> DriverSession::TakeReports(TimeUs at) {
-  for (MeasuredReport& report : reports_) report.at_us = std::min(report.at_us, at);
-  return std::exchange(reports_, {});
+  std::vector<MeasuredReport> taken, waiting;
+  for (MeasuredReport& report : std::exchange(reports_, {})) {
+    const bool fails = report.kind == MeasuredReport::Kind::kFailed;
+    if (!waiting.empty() && !fails) {
+      waiting.push_back(std::move(report));
+      continue;
+    }
+    if (IsOver(report)) continue;
+    MeasuredReport now = report;
+    now.at_us = std::min(report.at_us, at);
+    AgentState tried = taken_;
+    const bool cannot_be = !ApplyReport(&tried, now, at, scenario_.tasks).empty();
+    if (cannot_be && report.at_us > at) {
+      waiting.push_back(std::move(report));
+      continue;
+    }
+    taken_ = std::move(tried);
+    taken.push_back(std::move(now));
+  }
+  reports_ = std::move(waiting);
+  return taken;
+}
+
+bool DriverSession::IsOver(const MeasuredReport& report) const {
+  const bool is_word = report.kind == MeasuredReport::Kind::kArrived ||
+                       report.kind == MeasuredReport::Kind::kDone;
+  return is_word && (taken_.action == ActionKind::kNone || report.decision != taken_.decision);
 }
 
 TimeUs DriverSession::MissionUs(TimeUs wall_us) const {

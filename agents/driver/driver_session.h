@@ -47,7 +47,8 @@ class DriverSession {
   /// What it is to be told, without newlines, since the last call.
   std::vector<std::string> TakeLines();
   /// What it has reported since the last call, in order, for a tick at that time. Its failure is
-  /// the last.
+  /// the last. What is of a later time, and cannot be so by that tick, waits for the next, and with
+  /// it what was said after it; words on a command that is over by now are left out.
   std::vector<MeasuredReport> TakeReports(TimeUs at);
 
   bool greeted() const { return greeted_; }
@@ -74,6 +75,8 @@ class DriverSession {
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
   TimeUs MissionUs(TimeUs wall_us) const;
+  /// Whether it is a word on another command than the mission has it do now.
+  bool IsOver(const MeasuredReport& report) const;
 
   std::string Take(const DriverLine& said, TimeUs now_us);
   std::string TakePlace(const DriverLine& said, TimeUs now_us);
@@ -84,6 +87,7 @@ class DriverSession {
   const Rules rules_;
   const DriverPlaces places_;
   AgentState agent_;                     ///< as the mission knows it, and it has said since
+  AgentState taken_;                     ///< as the mission knows it, with what it has taken since
   TimeUs at_ = 0;                        ///< that it was told
   TimeUs started_us_ = 0, told_us_ = 0;  ///< wall: of its start, and of at_
   std::vector<Command> commands_;        ///< all so far; ids count from 1

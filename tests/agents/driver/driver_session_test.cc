@@ -217,6 +217,56 @@ TEST(DriverSession, WhatIsSaidBetweenTicksIsOfItsTime) {
   EXPECT_EQ(session.Apply(540).size(), 2U);
 }
 
+TEST(DriverSession, APlaceOfATimeToComeWaitsForItsTick) {
+  Session session(60);
+  session.Greeted().Sent().Time(30);
+  const auto state = [](double way_m, double at_s) {
+    return json{{"type", "state"},
+                {"at", {{"x_m", 0.6 * way_m}, {"y_m", 0.8 * way_m}}},
+                {"mission_s", at_s}};
+  };
+  EXPECT_EQ(session.Hear(state(300, 30)), "");
+  EXPECT_EQ(session.Hear(state(400, 40)), "");  // 100 m in no time, were it of 30 s
+  EXPECT_EQ(session.Hear(state(430, 43)), "");
+  ASSERT_EQ(session.Apply(30).size(), 1U);
+  session.Time(60);
+  EXPECT_EQ(session.Hear(state(600, 60)), "");
+  const auto reports = session.Apply(60);
+  ASSERT_EQ(reports.size(), 3U);
+  EXPECT_EQ(reports[0].at_us, 40 * kSecondUs);
+  EXPECT_EQ(reports[2].at_us, 60 * kSecondUs);
+  // A failure does not wait.
+  EXPECT_EQ(session.Hear(state(700, 70)), "");
+  EXPECT_EQ(session.Hear({{"type", "failed"}, {"id", 1}, {"reason", "a rotor"}}), "");
+  const auto failed = session->TakeReports(60 * kSecondUs);
+  ASSERT_EQ(failed.size(), 1U);
+  EXPECT_EQ(failed[0].kind, Report::kFailed);
+}
+
+TEST(DriverSession, AnArrivalThatCannotBeByTheTickIsOneOfTheNext) {
+  Session session(60);
+  session.Greeted().Sent().Time(480);
+  session.wall_us() += kSecondUs / 2;
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");  // 500 s away, at 510 s
+  EXPECT_TRUE(session.Apply(480).empty());
+  const auto reports = session.Apply(540);
+  ASSERT_EQ(reports.size(), 1U);
+  EXPECT_EQ(reports[0].kind, Report::kArrived);
+  EXPECT_EQ(reports[0].at_us, 510 * kSecondUs);
+}
+
+TEST(DriverSession, WordsOnWhatIsOffByTheTickAreLeftOut) {
+  Session session(60);
+  session.Greeted().Sent().Time(480);
+  session.Apply(480);
+  session.wall_us() += kSecondUs / 2;
+  EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");
+  // Meanwhile its partner has failed.
+  const Verdict released({}, {{AgentKind::kUav, 0, RulingKind::kReleased, 480 * kSecondUs}});
+  session.Settled(released, 480).Time(540);
+  EXPECT_TRUE(session.Apply(540).empty());
+}
+
 TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
   Session session(1);
   EXPECT_EQ(session->Silence(10 * kSecondUs), "");
@@ -359,7 +409,7 @@ TEST(DriverSession, RefusesTenThousandLinesThatCannotBe) {
     ASSERT_TRUE(session->TakeReports(0).empty()) << line;
     // As if it had not been said.
     ASSERT_EQ(session.Hear(Fine(senses ? 2 : 0)), "") << line;
-    ASSERT_EQ(session->TakeReports(kSecondUs).size(), 1U);
+    ASSERT_EQ(session->TakeReports(570 * kSecondUs).size(), 1U);
   }
 }
 
