@@ -177,6 +177,21 @@ TEST(Measured, ChargingEndsWhenTheUavSaysSoWithTheRangeItHas) {
   EXPECT_EQ(full.agent(kUav).range_at_departure_m, 20'000);
 }
 
+TEST(Measured, SensingBringsNoRangeBackThatTheWayWasComputedToTake) {
+  Flight flight(Small());
+  flight.Measure(kUav).Judge(0, 0).Command(Sense());
+  // Silent for long, it is computed to have gone on, and back to where it says to be.
+  flight.At(kUav, {30, 40}, 30, 1000).Until(300).At(kUav, {60, 80}, 330, 1200).Until(1170);
+  flight.Arrived(kUav).Judge(1200);
+  const AgentState& uav = flight.agent(kUav);
+  const double on_arrival_m = RangeAt(uav, uav.arrive_us, flight.scenario().tasks);
+  EXPECT_LT(on_arrival_m, 9900);
+  flight.Judge(1230).Done(kUav, 9900).Judge(1260);
+  EXPECT_EQ(flight.refusal(), "");
+  EXPECT_EQ(flight.task(), TaskStatus::kDone);
+  EXPECT_DOUBLE_EQ(uav.range_at_departure_m, on_arrival_m);
+}
+
 TEST(Measured, AComputedPartnerWaitsThoughSensingIsShorterThanTheDelay) {
   Scenario scenario = Small();
   scenario.tasks[0].cost_m = 100;  // 10 s
