@@ -34,8 +34,8 @@ export async function bePerson({ browser, link, origin, at, speed_m_s, rate, tak
     const { latitude_deg, longitude_deg } = map.toDegrees(here);
     return { latitude: latitude_deg, longitude: longitude_deg, accuracy: ACCURACY_M };
   };
-  const context = await browser.newContext({ viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 1, geolocation: position(),
-    permissions: ["geolocation"] });
+  const context = await browser.newContext({ viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 1,
+    geolocation: position(), permissions: ["geolocation"] });
   const page = await context.newPage();
   const press = async (seen) => {
     pressed.push(seen.act);
