@@ -1,5 +1,5 @@
 // One UAV's driver: lines of the mission (docs/drivers.md) on one side, MAVLink on the other, as a function of what it hears and
-// of the time. Sockets, clocks and files are in main.mjs.
+// of the time. Sockets, clocks and files, and the greeting, are in main.mjs.
 import { common, FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";
 import { Flight, heartbeat } from "./flight.mjs";
@@ -126,7 +126,6 @@ export class Driver {
 
   #hello(line) {
     if (this.#work) return;
-    this.edge.say({ type: "hello", version: 1, name: `mavlink system ${this.options.system}` });
     this.reporter = new Reporter(this, line);
     try {
       this.plan = this.#planOf(line);

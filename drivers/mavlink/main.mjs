@@ -3,13 +3,13 @@
 import { mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { dirname } from "node:path";
 import { createInterface } from "node:readline";
+import { setTimeout } from "node:timers/promises";
 import { PhotoFolder } from "../photos.mjs";
-import { Driver } from "./driver.mjs";
-import { FrameReader } from "./frames.mjs";
-import { openLink } from "./link.mjs";
 import { readOptions, UsageError } from "./options.mjs";
 
 const STEP_MS = 50, FAST_STEP_MS = 5;
+/** A mission greets at once. */
+const GREETING_MS = 500;
 
 function note(words) {
   process.stderr.write(`mavlink: ${words}\n`);
@@ -58,13 +58,54 @@ function pictureKeeper({ run }) {
   };
 }
 
-function run(options) {
+function say(line) {
+  process.stdout.write(`${JSON.stringify(line)}\n`);
+}
+
+/**
+ * The mission's lines, which are kept until somebody hears them. The first is answered at once: what speaks MAVLink takes a
+ * third of a second of processor time to load, and a mission waits for a greeting only so long, also where many drivers start.
+ */
+class Lines {
+  #kept = [];
+  #isClosed = false;
+  #hear = null;
+
+  constructor(system) {
+    const lines = createInterface({ input: process.stdin });
+    this.first = new Promise((resolve) => lines.once("line", resolve).once("close", resolve));
+    lines.once("line", (line) => isHello(line) && say({ type: "hello", version: 1, name: `mavlink system ${system}` }));
+    lines.on("line", (line) => (this.#hear ? this.#hear.line(line) : this.#kept.push(line)));
+    lines.on("close", () => (this.#hear ? this.#hear.close() : (this.#isClosed = true)));
+  }
+
+  to(hear) {
+    this.#hear = hear;
+    for (const line of this.#kept.splice(0)) hear.line(line);
+    if (this.#isClosed) hear.close();
+  }
+}
+
+function isHello(line) {
+  try {
+    return JSON.parse(line)?.type === "hello";
+  } catch {
+    return false;
+  }
+}
+
+async function run(options) {
+  const lines = options.restore ? null : new Lines(options.system);
+  await Promise.race([lines?.first, setTimeout(GREETING_MS, null, { ref: false })]);
+  const { Driver } = await import("./driver.mjs");
+  const { FrameReader } = await import("./frames.mjs");
+  const { openLink } = await import("./link.mjs");
   const reader = new FrameReader();
   const now = () => (performance.now() / 1000) * options.speedup;
   let link = null;
   const driver = new Driver(options, {
     now,
-    say: (line) => process.stdout.write(`${JSON.stringify(line)}\n`),
+    say,
     send: (bytes) => link.send(bytes),
     note,
     kept: keptIn(options.kept),
@@ -88,17 +129,18 @@ function run(options) {
   const timer = setInterval(() => (driver.step(), endWhenOver()), options.speedup > 1 ? FAST_STEP_MS : STEP_MS);
   process.stdout.on("error", () => {});  // the mission is gone: stdin says so too
   if (options.restore) return driver.restore();
-  const lines = createInterface({ input: process.stdin });
-  lines.on("line", (line) => (driver.hearLine(line), endWhenOver()));
-  lines.on("close", () => {
-    if (driver.order?.type !== "bye") driver.bye("nobody speaks to us any more");
-    endWhenOver();
+  lines.to({
+    line: (line) => (driver.hearLine(line), endWhenOver()),
+    close: () => {
+      if (driver.order?.type !== "bye") driver.bye("nobody speaks to us any more");
+      endWhenOver();
+    },
   });
 }
 
 try {
   const options = readOptions(process.argv.slice(2));
-  if (options) run(options);
+  if (options) await run(options);
 } catch (error) {
   note(error.message);
   process.exitCode = error instanceof UsageError ? 2 : 3;

@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { AT, freePort, MAIN, ORIGIN, withPrograms } from "./programs.mjs";
 
+const TICK_S = 10;
 const SPEEDUP = 60;
 const MUSTER = process.env.MUSTER_PROGRAM;
 const NO_MUSTER = MUSTER ? false : "MUSTER_PROGRAM names no muster";
@@ -20,6 +21,14 @@ function hello(rate) {
 }
 
 const goTo = (id) => ({ type: "goto", id, mission_s: 0, to: { x_m: 4500, y_m: 4000 }, expected_s: 60, then: "wait", task: null, charging_point: null, partner: null });
+
+/** Sends it there, and tells it the time as missions do. */
+function send(driver) {
+  let mission_s = 0;
+  driver.say(goTo(1));
+  const timer = setInterval(() => driver.say({ type: "time", mission_s: (mission_s += TICK_S) }), (1000 * TICK_S) / SPEEDUP);
+  driver.ended.then(() => clearInterval(timer));
+}
 
 for (const kind of ["ardupilot", "px4"]) {
   test(`${kind}: passes muster drive --check over UDP`, { skip: NO_MUSTER }, () => withPrograms(async ({ start, copter, folder }) => {
@@ -40,7 +49,7 @@ for (const kind of ["ardupilot", "px4"]) {
 async function flies(driver, copter) {
   driver.say(hello(SPEEDUP));
   await driver.said("hello");
-  driver.say(goTo(1));
+  send(driver);
   await driver.said("arrived");
   driver.say({ type: "bye", reason: "it is over" });
   assert.equal(await driver.ended, 0, driver.lines.join("\n"));
@@ -81,7 +90,7 @@ test("killed: the copter comes home by itself, --restore puts its settings back"
   const words = driverWords(`udpin:${port}`, folder, "--speedup", String(SPEEDUP));
   const driver = start(process.execPath, words);
   driver.say(hello(SPEEDUP));
-  driver.say(goTo(1));
+  send(driver);
   await driver.said("arrived");
   driver.child.kill("SIGKILL");
   const from = one.lines.length;
@@ -99,7 +108,7 @@ test("nobody speaks to it any more: it has sent it home before it ends", () => w
   const one = await copter(["--udp", `127.0.0.1:${port}`, "--speedup", String(SPEEDUP)]);
   const driver = start(process.execPath, driverWords(`udpin:${port}`, folder, "--speedup", String(SPEEDUP)));
   driver.say(hello(SPEEDUP));
-  driver.say(goTo(1));
+  send(driver);
   await one.line((line) => line.endsWith("GUIDED armed"));
   driver.child.stdin.end();
   assert.equal(await driver.ended, 0, driver.lines.join("\n"));
@@ -116,7 +125,7 @@ test("two UAVs, one driver each, by system id", () => withPrograms(async ({ star
   }
   for (const [i, driver] of drivers.entries()) {
     driver.say({ ...hello(SPEEDUP), agent: `uav:${i}` });
-    driver.say(goTo(1));
+    send(driver);
   }
   await Promise.all(drivers.map((driver) => driver.said("arrived")));
   const altitudes = drivers.map((driver) => driver.lines.find((line) => line.includes("ready")));
