@@ -201,9 +201,9 @@ std::string ApplyDone(AgentState* agent, const MeasuredReport& report, TimeUs t,
   agent->measured->done = true;
   if (agent->kind != AgentKind::kUav) return {};
   double range = report.range_m.value_or(computed);
+  agent->measured->seen.range_m = range;
   // On its way it may have been computed to have less than it said; sensing brings nothing back.
   if (!charges) range = std::min(range, RangeAt(*agent, agent->arrive_us, tasks));
-  agent->measured->seen.range_m = range;
   const bool as_expected = std::abs(range - computed) <= SlackM(*agent);
   if (!as_expected || (charges && end < agent->activity->end_us && !is_full)) {
     agent->measured->range_after_m = range;

@@ -190,6 +190,9 @@ TEST(Measured, SensingBringsNoRangeBackThatTheWayWasComputedToTake) {
   EXPECT_EQ(flight.refusal(), "");
   EXPECT_EQ(flight.task(), TaskStatus::kDone);
   EXPECT_DOUBLE_EQ(uav.range_at_departure_m, on_arrival_m);
+  // What it has said before is possible later, too.
+  flight.At(kUav, {3000, 4000}, 1290, {}, 9900).Judge(1290);
+  EXPECT_EQ(flight.refusal(), "");
 }
 
 TEST(Measured, AComputedPartnerWaitsThoughSensingIsShorterThanTheDelay) {
