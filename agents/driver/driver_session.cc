@@ -165,8 +165,8 @@ std::vector<MeasuredReport> DriverSession::TakeReports(TimeUs at) {
 }
 
 bool DriverSession::IsOver(const MeasuredReport& report) const {
-  const bool is_word = report.kind == MeasuredReport::Kind::kArrived ||
-                       report.kind == MeasuredReport::Kind::kDone;
+  const bool is_word =
+      report.kind == MeasuredReport::Kind::kArrived || report.kind == MeasuredReport::Kind::kDone;
   return is_word && (taken_.action == ActionKind::kNone || report.decision != taken_.decision);
 }
 
