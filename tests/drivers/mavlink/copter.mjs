@@ -28,8 +28,8 @@ const SETTINGS = {
 
 export class Copter {
   /** `kind`: "ardupilot" or "px4". `at`: {latitude_deg, longitude_deg} of where it stands. */
-  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02 }) {
-    Object.assign(this, { kind, origin: at, now, drain_percent_s });
+  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S }) {
+    Object.assign(this, { kind, origin: at, now, drain_percent_s, unused_s });
     const s = Math.sin((at.latitude_deg * Math.PI) / 180), w = 1 - E2 * s * s, degree = Math.PI / 180;
     this.scale = { north: (G_M * (1 - E2)) / w ** 1.5 * degree, east: (G_M / Math.sqrt(w)) * Math.sqrt(1 - s * s) * degree };
     this.settings = Object.fromEntries(Object.entries(SETTINGS[kind]).map(([name, value]) => [name, Math.fround(value)]));
@@ -199,7 +199,7 @@ export class Copter {
   #disarm() {
     const goesDown = this.mode === "LAND" || this.isDescending;
     this.landed_s = this.isLanded && goesDown ? this.landed_s ?? this.now : null;
-    const isUnused = this.isLanded && !this.target && this.now - this.armed_s > UNUSED_S;
+    const isUnused = this.isLanded && !this.target && this.now - this.armed_s > this.unused_s;
     if ((this.landed_s !== null && this.now - this.landed_s >= TOUCHED_S) || isUnused) {
       this.armed = false;
       this.speed = { east: 0, north: 0 };

@@ -28,7 +28,9 @@ const [cut_from, cut_until] = values.cut.split(":").map(Number);
 const started = performance.now();
 const now = () => ((performance.now() - started) / 1000) * number("speedup");
 
-const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain") });
+// Ten seconds without a take-off are nothing by the wall where time runs fast.
+const unused_s = Math.max(10, 3 * number("speedup"));
+const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain"), unused_s });
 copter.battery_percent = number("battery");
 
 const isLost = () => Math.random() < number("loss") || (now() >= cut_from && now() < cut_until);
