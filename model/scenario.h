@@ -9,6 +9,7 @@
 
 #include "base/geometry.h"
 #include "base/ids.h"
+#include "base/moment.h"
 #include "base/units.h"
 #include "model/per_kind.h"
 
@@ -135,6 +136,7 @@ struct Scenario {
   double width_m = 0;            ///< extent of the area to the east
   double height_m = 0;           ///< extent of the area to the north
   std::optional<Origin> origin;  ///< WGS84 of the south-west corner
+  std::optional<Moment> start;   ///< mission time 0, for people: nothing in the mission asks
   Rules rules;
   Disturbances disturbances;
   std::vector<AgentSpec> uavs, workers, vehicles;

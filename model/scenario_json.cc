@@ -228,6 +228,7 @@ class Writer {
         ToText(scenario.height_m, kKm));
     Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
         TimeToText(rules.limit_us, kMinute));
+    if (scenario.start) Add("  \"start\": {},\n", Quoted(scenario.start->text));
     if (scenario.origin) {
       Add("  \"origin\": {{\"latitude_deg\": {}, \"longitude_deg\": {}}},\n",
           ToText(scenario.origin->latitude_deg, kOne),
@@ -363,9 +364,9 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
     top.Fail("version", number.Shown(), "1 or 2");
   }
   const int version = number.text == "1" ? 1 : 2;
-  top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "origin",
-                 "rules", "disturbances", "uavs", "workers", "vehicles", "tasks", "charging_points",
-                 "room"});
+  top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "start",
+                 "origin", "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
+                 "charging_points", "room"});
   if (version == 1 && top.Optional("room") != nullptr) {
     top.Fail("room", "in version 1", "version 2");
   }
@@ -381,6 +382,10 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   scenario.height_m = top.ReadNumber("area_km[1]", area[1], kKm);
   scenario.rules.interval_us = top.Time("interval_min", kMinute);
   scenario.rules.limit_us = top.Time("limit_min", kMinute);
+  if (top.Optional("start") != nullptr) {
+    scenario.start = ParseMoment(top.String("start"));
+    if (!scenario.start) top.Fail("start", top.Optional("start")->Shown(), kMomentExpected);
+  }
   if (top.Optional("origin") != nullptr) {
     const ObjectReader origin = top.Child("origin");
     origin.AllowOnly({"latitude_deg", "longitude_deg"});

@@ -158,6 +158,27 @@ void ExpectRefused(std::span<const BadValue> cases) {
 
 const json kRemoved = json(json::value_t::discarded);
 
+TEST(ScenarioJson, AStartIsWrittenAsItWasRead) {
+  json file = json::parse(kSmall);
+  const std::string without = ScenarioToJson(ParseScenario(file.dump(), "f.json"));
+  EXPECT_EQ(without.find("start\""), std::string::npos);
+  for (const std::string text :
+       {"2010-01-16T09:00:00-05:00", "2010-01-16 14:00:00.000Z", "20100116T090000-0500"}) {
+    file["start"] = text;
+    const Scenario scenario = ParseScenario(file.dump(), "f.json");
+    ASSERT_TRUE(scenario.start) << text;
+    EXPECT_EQ(scenario.start->unix_us, 1'263'650'400 * kSecondUs) << text;
+    EXPECT_EQ(scenario.start->offset_min, text.ends_with('Z') ? 0 : -300) << text;
+    EXPECT_FALSE(scenario.IsOpen());
+    const std::string written = ScenarioToJson(scenario);
+    EXPECT_NE(written.find("  \"start\": \"" + text + "\",\n"), std::string::npos) << written;
+    EXPECT_EQ(ScenarioToJson(ParseScenario(written, "again")), written);
+    // Nothing else of the file changes.
+    EXPECT_EQ(written.size(),
+              without.size() + text.size() + std::string(R"(  "start": "",)").size() + 1);
+  }
+}
+
 TEST(ScenarioJson, NamesKeyFoundAndExpectedOfTheWhole) {
   const BadValue cases[] = {
       {"/version", 3, "version: found 3, expected 1 or 2"},
@@ -187,6 +208,12 @@ TEST(ScenarioJson, NamesKeyFoundAndExpectedOfTheWhole) {
       {"/limit_min", -180, "limit_min: found -180, expected a number in [0, 1000000000]"},
       {"/limit_min", 0, "limit_min: found 0, expected a number above 0"},
       {"/limit_min", 1e300, "limit_min: found 1e+300, expected a number in [0, 1000000000]"},
+      {"/start", 1263333190, "start: found 1263333190, expected a string"},
+      {"/start", "2010-01-16T09:00:00",
+       "start: found \"2010-01-16T09:00:00\", expected ISO 8601 with seconds and an offset or Z, "
+       "of the years 1900 to 2199, like 2010-01-16T09:00:00-05:00"},
+      {"/start", "", "start: found \"\", expected ISO 8601"},
+      {"/start", "3010-01-16T09:00:00Z", "start: found \"3010-01-16T09:00:00Z\", expected ISO"},
       {"/origin",
        {{"latitude_deg", 91}, {"longitude_deg", 0}},
        "origin.latitude_deg: found 91, expected a number in [-90, 90]"},

@@ -236,6 +236,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
       {"workers", scenario.n_agents(AgentKind::kWorker)},
       {"vehicles", scenario.n_agents(AgentKind::kVehicle)},
       {"charging_points", scenario.charging_points.size()}};
+  if (scenario.start) report["scenario"]["start"] = scenario.start->text;
 
   const std::size_t total = scenario.n_tasks();
   std::size_t done = 0;

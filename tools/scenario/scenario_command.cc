@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "tools/scenario/settings_options.h"
@@ -36,6 +37,8 @@ int ScenarioCommand(int argc, const char* const* argv) {
   options.Add("preset", "NAME", "Data set of the paper to start from (see --list)")
       .Default("Random_1");
   options.Flag("list", "Print the presets as a table and exit");
+  options.Add("start", "TIME",
+              "Mission time 0, like 2010-01-16T09:00:00-05:00 (default: not told)");
   AddSettingsOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -44,8 +47,16 @@ int ScenarioCommand(int argc, const char* const* argv) {
     return kExitOk;
   }
   const GeneratorSettings& preset = PresetByName(arguments->Get("preset"));
-  WriteScenario(Generate(SettingsFrom(*arguments, preset), arguments->Get<std::uint64_t>("seed")),
-                *arguments);
+  Scenario scenario =
+      Generate(SettingsFrom(*arguments, preset), arguments->Get<std::uint64_t>("seed"));
+  if (arguments->Has("start")) {
+    const std::string text = arguments->Get("start");
+    scenario.start = ParseMoment(text);
+    if (!scenario.start) {
+      throw InputError("command line", "--start", "'" + text + "'", kMomentExpected);
+    }
+  }
+  WriteScenario(scenario, *arguments);
   return kExitOk;
 }
 

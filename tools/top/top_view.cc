@@ -76,6 +76,9 @@ std::string TopView::MissionLine() const {
       fmt::format("{}  {} of {} ({:.0f} %){}", Ascii(timeline.scenario().name), ClockText(now_us),
                   ClockText(limit_us), 100 * Seconds(now_us) / std::max(1.0, Seconds(limit_us)),
                   timeline.ended() ? ", ended" : "");
+  if (const auto& start = timeline.scenario().start) {
+    line += fmt::format("  {}", MomentText(start->unix_us + now_us, start->offset_min));
+  }
   if (!schedules.empty()) {
     line += fmt::format("  decision {} by {}", schedules.back().decision,
                         Ascii(schedules.back().policy));
@@ -231,9 +234,13 @@ std::string TopView::Json(std::int64_t now_us) const {
                {"scenario", timeline.scenario().name},
                {"at_s", static_cast<double>(timeline.now_ms()) * 1e-3},
                {"limit_s", ToSeconds(timeline.scenario().rules.limit_us)},
+               {"at", nullptr},
                {"ended", timeline.ended()},
                {"decision", nullptr},
                {"policy", nullptr}};
+  if (const auto& start = timeline.scenario().start) {
+    json["at"] = MomentText(start->unix_us + timeline.now_ms() * 1000, start->offset_min);
+  }
   if (const auto& schedules = timeline.schedules().rows; !schedules.empty()) {
     json["decision"] = schedules.back().decision;
     json["policy"] = schedules.back().policy;

@@ -149,6 +149,30 @@ TEST(TopView, AgentsThatAreNeverOnlineAreNotCounted) {
                                                                          << text;
 }
 
+TEST(TopView, TellsLocalTimeWhereTheScenarioHasAStart) {
+  FakeLog log = MakeFakeMission();
+  const auto told = [&log] {
+    TopView view;
+    for (const Packet& packet : Encoded(log)) view.Add(packet);
+    const auto json = nlohmann::json::parse(view.Json(0));
+    return std::tuple(view.Lines(0, 0).front().text, json["at_s"].get<double>(), json["at"]);
+  };
+  const auto [before, at_s, none] = told();
+  EXPECT_TRUE(none.is_null());
+  ForEach<scenario_t>(&log, [](scenario_t& scenario) {
+    nlohmann::json json = nlohmann::json::parse(scenario.json);
+    json["start"] = "2010-01-16T23:50:00-05:00";
+    scenario.json = json.dump();
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  ASSERT_EQ(at_s, 1800);
+  const auto [line, same_s, at] = told();
+  EXPECT_EQ(at, "2010-01-17T00:20:00-05:00");
+  EXPECT_NE(line.find("0:30:00 of "), std::string::npos) << line;
+  EXPECT_NE(line.find("  2010-01-17T00:20:00-05:00"), std::string::npos) << line;
+  EXPECT_EQ(before.find("2010"), std::string::npos) << before;
+}
+
 TEST(Attention, IsInTheDisplayAndInJson) {
   TopView view;
   FakeLog log = MakeFakeMission();
