@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -32,11 +33,13 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kMostOpen = 1000;  ///< orders without an answer at a time
 constexpr int kMostShown = 20;           ///< refusals in words
+constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
 
 /// Which columns say what.
 struct Columns {
   std::optional<std::string> latitude, longitude, time, priority, name, external_id, cost;
-  std::optional<TimeUs> start;  ///< time of day of the mission's beginning
+  std::optional<TimeUs> start;    ///< time of day of the mission's beginning
+  std::optional<int> offset_min;  ///< of the clocks that it was read from, where they are known
   std::string source;
 };
 
@@ -63,7 +66,9 @@ class RowReader {
     }
     if (columns_.time.has_value() != columns_.start.has_value()) {
       throw InputError("command line", columns_.time ? "--time" : "--start", "alone",
-                       "--time COLUMN with --start HH:MM, the mission's beginning");
+                       columns_.time ? "--start HH:MM, the mission's beginning, as its scenario "
+                                       "has no start"
+                                     : "--time COLUMN with --start HH:MM");
     }
   }
 
@@ -84,11 +89,11 @@ class RowReader {
     task["latitude_deg"] = *latitude;
     task["longitude_deg"] = *longitude;
     if (columns_.time) {
-      const auto time = TimeOfDay(field(columns_.time));
+      auto time = ReadTime(field(columns_.time), DateOrder::kUnknown);
       if (!time) refuse(*columns_.time, "a time of day");
+      if (columns_.offset_min) time = time->On(*columns_.offset_min);
       // A mission may go over midnight.
-      constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
-      task["reported_min"] = ToMinutes((*time - *columns_.start + kDayUs) % kDayUs);
+      task["reported_min"] = ToMinutes((time->of_day_us - *columns_.start + kDayUs) % kDayUs);
     }
     if (const std::string text = field(columns_.priority); !IsBlank(text)) {
       const auto priority = PriorityOf(text);
@@ -263,6 +268,25 @@ void GiveAll(Next next, Sink* sink, const StopSignals& stop) {
   sink->Finish();
 }
 
+/// The scenario of a mission that runs there; none where its file has gone.
+std::optional<Scenario> ScenarioOf(const std::string& run) {
+  const std::filesystem::path file = std::filesystem::path(run) / "scenario.json";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
+  return LoadScenario(file.string());
+}
+
+/// Without --start, times count from the scenario's own.
+void TakeStart(const std::optional<Scenario>& scenario, Columns* columns) {
+  if (!columns->time || columns->start || !scenario || !scenario->start) return;
+  const Moment& start = *scenario->start;
+  FieldTime utc;
+  utc.of_day_us = (start.unix_us % kDayUs + kDayUs) % kDayUs;
+  utc.offset_min = 0;
+  columns->start = utc.On(start.offset_min).of_day_us;
+  columns->offset_min = start.offset_min;
+}
+
 Columns ReadColumns(const Arguments& arguments) {
   Columns columns;
   arguments.Read("lat", &columns.latitude);
@@ -298,8 +322,9 @@ int FeedCommand(int argc, const char* const* argv) {
       .OneOf({"csv", "json"});
   options.Add("lat", "COLUMN", "Latitude (default: the usual names)");
   options.Add("lon", "COLUMN", "Longitude (default: the usual names)");
-  options.Add("time", "COLUMN", "Time of the report, with --start; default: when it is taken");
-  options.Add("start", "HH:MM", "Time of day at which the mission began");
+  options.Add("time", "COLUMN", "Time of the report; default: when it is taken");
+  options.Add("start", "HH:MM",
+              "Time of day at which the mission began (default: its scenario's start)");
   options.Add("priority", "COLUMN", "0 to 3, or low, normal, high or emergency");
   options.Add("task-name", "COLUMN", "What people call it");
   options.Add("external-id", "COLUMN", "What another system calls it");
@@ -315,7 +340,10 @@ int FeedCommand(int argc, const char* const* argv) {
                         file.ends_with(".geojsonl") ||
                         (arguments->Has("format") && arguments->Get("format") == "json");
   const bool csv = arguments->Has("format") ? arguments->Get("format") == "csv" : !is_lines;
-  const Columns columns = ReadColumns(*arguments);
+  Columns columns = ReadColumns(*arguments);
+  const std::string run = arguments->Get("run");
+  const auto scenario = arguments->Has("out") ? LoadScenario(run) : ScenarioOf(run);
+  TakeStart(scenario, &columns);
   std::ifstream opened;
   if (!from_stdin) {
     opened.open(file);
@@ -324,9 +352,9 @@ int FeedCommand(int argc, const char* const* argv) {
   const StopSignals stop;
   std::unique_ptr<Sink> sink;
   if (arguments->Has("out")) {
-    sink = std::make_unique<FileSink>(arguments->Get("out"), LoadScenario(arguments->Get("run")));
+    sink = std::make_unique<FileSink>(arguments->Get("out"), *scenario);
   } else {
-    sink = std::make_unique<MissionSink>(arguments->Get("run"), stop);
+    sink = std::make_unique<MissionSink>(run, stop);
   }
   if (is_lines) {
     std::istream& in = from_stdin ? std::cin : opened;

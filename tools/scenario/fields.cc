@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 
 #include "base/check.h"
+#include "base/moment.h"
 #include "base/text.h"
 
 namespace muster::tools {
@@ -84,6 +86,77 @@ std::optional<TimeUs> UnixTime(std::string_view text) {
   return std::nullopt;
 }
 
+/// The number of `length` digits at `at`.
+std::optional<int> DigitsAt(std::string_view text, std::size_t at, std::size_t length) {
+  int number = 0;
+  for (std::size_t i = at; i < at + length; ++i) {
+    if (!IsDigit(text, i)) return std::nullopt;
+    number = 10 * number + (text[i] - '0');
+  }
+  return number;
+}
+
+/// Days since 1970; none where there is no such date.
+std::optional<std::int64_t> DayOf(int year, int month, int day) {
+  const std::chrono::year_month_day date{std::chrono::year(year),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days(date).time_since_epoch().count();
+}
+
+struct ShortDate {
+  int first, second, year;
+};
+
+/// "5/7/2010", "05.07.2010" or "05-07-2010" at the beginning.
+std::optional<ShortDate> ReadShortDate(std::string_view text) {
+  int numbers[2];
+  std::size_t at = 0;
+  for (int& number : numbers) {
+    const std::size_t length = IsDigit(text, at + 1) ? 2 : 1;
+    const auto digits = DigitsAt(text, at, length);
+    at += length;
+    if (!digits || at >= text.size() || std::string_view("/.-").find(text[at]) == text.npos) {
+      return std::nullopt;
+    }
+    number = *digits;
+    ++at;
+  }
+  const auto year = DigitsAt(text, at, 4);
+  if (!year || IsDigit(text, at + 4)) return std::nullopt;
+  return ShortDate{numbers[0], numbers[1], *year};
+}
+
+std::optional<std::int64_t> ReadDate(std::string_view text, DateOrder order) {
+  const auto year = DigitsAt(text, 0, 4);
+  if (year && text.size() >= 10 && text[4] == '-' && text[7] == '-' && !IsDigit(text, 10)) {
+    const auto month = DigitsAt(text, 5, 2), day = DigitsAt(text, 8, 2);
+    return month && day ? DayOf(*year, *month, *day) : std::nullopt;
+  }
+  if (text.find('T') == 8) {
+    const auto month = DigitsAt(text, 4, 2), day = DigitsAt(text, 6, 2);
+    return year && month && day ? DayOf(*year, *month, *day) : std::nullopt;
+  }
+  const auto date = ReadShortDate(text);
+  if (!date || order == DateOrder::kUnknown) return std::nullopt;
+  return order == DateOrder::kDayFirst ? DayOf(date->year, date->second, date->first)
+                                       : DayOf(date->year, date->first, date->second);
+}
+
+/// "Z", "+02", "+0200" or "+02:00" at the end of a date and time.
+std::optional<int> ReadOffset(std::string_view text) {
+  constexpr std::size_t kAfterDate = 8;
+  if (text.ends_with('Z') || text.ends_with('z')) return 0;
+  const std::size_t sign = text.find_last_of("+-");
+  if (sign == text.npos || sign <= kAfterDate) return std::nullopt;
+  if (text.find_first_of(":T") >= sign) return std::nullopt;  // a part of the date
+  std::string offset(text.substr(sign));
+  if (offset.size() == 3) offset += ":00";
+  if (offset.size() == 5) offset.insert(3, ":");
+  return ParseOffset(offset);
+}
+
 }  // namespace
 
 std::string_view Trim(std::string_view text) {
@@ -133,6 +206,48 @@ std::optional<TimeUs> TimeOfDay(std::string_view text) {
   if (const auto basic = BasicTime(text)) return basic;
   if (const auto since_1970 = UnixTime(Trim(text))) return *since_1970 % (24 * kHourUs);
   return std::nullopt;
+}
+
+void DateOrderFinder::Look(std::string_view text) {
+  const auto date = ReadShortDate(Trim(text));
+  if (!date) return;
+  first_over_12_ = first_over_12_ || date->first > 12;
+  second_over_12_ = second_over_12_ || date->second > 12;
+}
+
+DateOrder DateOrderFinder::order() const {
+  if (first_over_12_ == second_over_12_) return DateOrder::kUnknown;
+  return first_over_12_ ? DateOrder::kDayFirst : DateOrder::kMonthFirst;
+}
+
+FieldTime FieldTime::On(int clocks_offset_min) const {
+  if (!offset_min) return *this;
+  constexpr TimeUs kDayUs = 24 * kHourUs;
+  FieldTime moved = *this;
+  const TimeUs us = of_day_us + (clocks_offset_min - *offset_min) * kMinuteUs;
+  const std::int64_t days = us >= 0 ? us / kDayUs : -1;
+  moved.of_day_us = us - days * kDayUs;
+  if (day) moved.day = *day + days;
+  moved.offset_min = clocks_offset_min;
+  return moved;
+}
+
+std::optional<FieldTime> ReadTime(std::string_view text, DateOrder order) {
+  text = Trim(text);
+  FieldTime time;
+  const bool is_written = ClockTime(text) || BasicTime(text);
+  if (const auto since_1970 = is_written ? std::nullopt : UnixTime(text)) {
+    time.of_day_us = *since_1970 % (24 * kHourUs);
+    time.day = *since_1970 / (24 * kHourUs);
+    time.offset_min = 0;
+    return time;
+  }
+  const auto of_day = TimeOfDay(text);
+  if (!of_day) return std::nullopt;
+  time.of_day_us = *of_day;
+  time.day = ReadDate(text, order);
+  if (time.day) time.offset_min = ReadOffset(text);
+  return time;
 }
 
 std::optional<Priority> PriorityOf(std::string_view field) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,6 +38,34 @@ RowFilter ParseFilter(std::string_view flag, std::string_view text);
 /// written: date and offset are not looked at. Or the whole text is Unix seconds or milliseconds:
 /// the time of day in UTC.
 std::optional<TimeUs> TimeOfDay(std::string_view text);
+
+/// Which of the first two numbers of a date like 05/07/2010 is the day.
+enum class DateOrder { kUnknown, kDayFirst, kMonthFirst };
+
+/// What dates of one column tell of it: one of them has a number over 12 in the month's place of
+/// the other order, and none in its own.
+class DateOrderFinder {
+ public:
+  void Look(std::string_view text);
+  DateOrder order() const;
+
+ private:
+  bool first_over_12_ = false, second_over_12_ = false;
+};
+
+/// A time of day with what the field says of its date and its offset from UTC.
+struct FieldTime {
+  TimeUs of_day_us = 0;             ///< as TimeOfDay
+  std::optional<std::int64_t> day;  ///< days since 1970-01-01
+  std::optional<int> offset_min;    ///< minutes east of UTC; of Unix times 0
+
+  /// The same time on clocks of that offset, where its own is known; else as it is.
+  FieldTime On(int clocks_offset_min) const;
+};
+
+/// A time of day as TimeOfDay reads it. A date is YYYY-MM-DD, YYYYMMDD before a "T", or three
+/// numbers of which the last is the year, by `order`; only behind a date an offset is one.
+std::optional<FieldTime> ReadTime(std::string_view text, DateOrder order);
 
 /// 0 to 3, or low, normal, high or emergency in any case of letters.
 std::optional<Priority> PriorityOf(std::string_view field);

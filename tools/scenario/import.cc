@@ -6,8 +6,10 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/check.h"
+#include "base/moment.h"
 #include "base/text.h"
 #include "model/scenario_json.h"
 #include "tools/scenario/window.h"
@@ -62,12 +64,17 @@ struct Cell {
   std::size_t count;
   bool is_taken = false;  ///< by a task
 };
-using CellPlace = std::pair<int, int>;  // row, column
+using CellPlace = std::pair<int, int>;             // row, column
+using DayOfClocks = std::pair<std::int64_t, int>;  // since 1970; minutes east of UTC
 
 class Importer {
  public:
   Importer(const Table& table, const ImportRequest& request)
-      : table_(table), request_(request), settings_(request.settings), start_us_(request.start) {}
+      : table_(table),
+        request_(request),
+        settings_(request.settings),
+        start_us_(request.start),
+        start_moment_(request.start_moment) {}
 
   ImportResult Run() {
     const std::string latitude = ColumnName(request_.latitude, kLatitudeNames, "latitude", "--lat");
@@ -100,6 +107,7 @@ class Importer {
         request_.are_reports ? MakeReportedTasks(&scenario) : MakeCellTasks(&scenario);
     MakeChargingPoints(task_cells, &scenario);
     MakeAgents(&scenario);
+    scenario.start = start_moment_;
     ValidateScenario(scenario, table_.file);
     result.summary = std::move(summary_);
     return result;
@@ -369,14 +377,17 @@ class Importer {
       return false;
     }
     const std::size_t column = table_.Column(*name);
-    std::vector<std::optional<TimeUs>> times;
+    DateOrderFinder dates;
+    for (const auto& row : table_.rows) dates.Look(row[column]);
+    std::vector<std::optional<FieldTime>> times;
     std::vector<std::size_t> steps(kDayUs / kStartStepUs);
     std::size_t readable = 0;
     for (const Record& record : *records) {
-      times.push_back(TimeOfDay(table_.rows[record.table_row][column]));
+      times.push_back(ReadTime(table_.rows[record.table_row][column], dates.order()));
       if (!times.back()) continue;
+      if (request_.offset_min) times.back() = times.back()->On(*request_.offset_min);
       ++readable;
-      ++steps[static_cast<std::size_t>(*times.back() / kStartStepUs)];
+      ++steps[static_cast<std::size_t>(times.back()->of_day_us / kStartStepUs)];
     }
     if (readable == 0) {
       if (request_.time) {
@@ -405,19 +416,41 @@ class Importer {
         }
       }
     }
+    const bool is_first = !std::exchange(has_period_, true);
     std::vector<Record> kept;
+    std::map<DayOfClocks, std::size_t> days;
     for (std::size_t i = 0; i < records->size(); ++i) {
       if (!times[i]) continue;
-      const TimeUs since_us = (*times[i] - *start_us_ + kDayUs) % kDayUs;
+      const TimeUs of_day_us = times[i]->of_day_us;
+      const TimeUs since_us = (of_day_us - *start_us_ + kDayUs) % kDayUs;
       if (since_us >= limit_us) continue;
       kept.emplace_back((*records)[i]).since_us = since_us;
+      const auto offset_min = times[i]->offset_min ? times[i]->offset_min : request_.offset_min;
+      if (!times[i]->day || !offset_min) continue;
+      ++days[{*times[i]->day - (of_day_us < *start_us_ ? 1 : 0), *offset_min}];
     }
     Say("{}: {}, time of day; the mission is {}-{} ({}): {} of {} rows, {} without a time", what,
         *name, Clock(*start_us_), Clock(*start_us_ + limit_us),
         request_.start ? "as given" : "the busiest", kept.size(), records->size(),
         records->size() - readable);
+    if (is_first && !start_moment_) TakeDay(days);
     *records = std::move(kept);
     return true;
+  }
+
+  /// The mission begins on the day that has most of its rows.
+  void TakeDay(const std::map<DayOfClocks, std::size_t>& days) {
+    const auto best = std::max_element(
+        days.begin(), days.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (best == days.end()) {
+      if (request_.offset_min) Say("start: not told, the times have no date that is understood");
+      return;
+    }
+    const auto [day, offset_min] = best->first;
+    const std::string text =
+        MomentText(day * kDayUs + *start_us_ - offset_min * kMinuteUs, offset_min);
+    start_moment_ = ParseMoment(text);
+    if (start_moment_) Say("start: {}, the day with most of these rows: {}", text, best->second);
   }
 
   void MakeAgents(Scenario* scenario) {
@@ -466,6 +499,8 @@ class Importer {
   Columns own_;
   Origin corner_;
   std::optional<TimeUs> start_us_;  ///< of the mission, time of day, once it is known
+  std::optional<Moment> start_moment_;
+  bool has_period_ = false;
   std::vector<std::string> summary_;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/moment.h"
 #include "model/generator.h"
 #include "tools/scenario/fields.h"
 #include "tools/scenario/table.h"
@@ -34,10 +35,14 @@ struct ImportRequest {
   std::optional<ImportWindow> window;  ///< else the densest of the settings' area
   /// Columns of the tasks' priority, name and external id.
   std::optional<std::string> priority, task_name, external_id;
-  bool are_reports = false;     ///< each task is a row that is reported at the row's time
-  bool may_turn = false;        ///< the densest window may also be height by width
-  std::optional<TimeUs> start;  ///< mission start, time of day; else the busiest period
-  GeneratorSettings settings;   ///< counts, area, speeds, ...
+  bool are_reports = false;            ///< each task is a row that is reported at the row's time
+  bool may_turn = false;               ///< the densest window may also be height by width
+  std::optional<TimeUs> start;         ///< mission start, time of day; else the busiest period
+  std::optional<Moment> start_moment;  ///< the scenario's start; `start` is its time of day
+  /// Minutes east of UTC of the mission's clocks: times without an offset are theirs, others are
+  /// put on them. Else all times count as they are written.
+  std::optional<int> offset_min;
+  GeneratorSettings settings;  ///< counts, area, speeds, ...
   std::uint64_t seed = 1;
 };
 
@@ -62,7 +67,10 @@ struct ImportResult {
 /// - Each agent stands where a row drawn for it is. With times, rows are of the mission's period of
 ///   the day, and an agent comes online at its row's part of the period: that part of [0, limit] or
 ///   of [0, limit - its online time] (Uptime). Without, its uptime is drawn as in Generate.
-/// Throws InputError when a column is missing a priority is none, or nothing is left to
+/// - The scenario's start is where the period begins, on the day of which it has most rows (the
+///   first of them), with the rows' offset. Where rows have no date, or neither they nor the
+///   request an offset, it has none.
+/// Throws InputError when a column is missing, a priority is none, or nothing is left to
 /// make a class from.
 ImportResult Import(const Table& table, const ImportRequest& request);
 

@@ -62,6 +62,35 @@ ImportWindow ParseWindow(const std::string& text) {
   return {{numbers[0], numbers[1]}, numbers[2], numbers[3]};
 }
 
+void ReadStart(const Arguments& arguments, ImportRequest* request) {
+  if (arguments.Has("utc-offset")) {
+    request->offset_min = ParseOffset(arguments.Get("utc-offset"));
+    if (!request->offset_min) {
+      throw InputError("command line", "--utc-offset", "'" + arguments.Get("utc-offset") + "'",
+                       "an offset like -05:00 or 05:30, at most 14:00");
+    }
+  }
+  if (!arguments.Has("start")) return;
+  const std::string text = arguments.Get("start");
+  request->start = TimeOfDay(text);
+  // With a date it is no time of day alone: an offset left out is an error then.
+  if (const auto time = ReadTime(text, DateOrder::kUnknown); time && time->day) {
+    request->start_moment = ParseMoment(text);
+    request->start = request->start_moment ? request->start : std::nullopt;
+  }
+  if (!request->start) {
+    throw InputError("command line", "--start", "'" + text + "'",
+                     fmt::format("a time of day like 7:30, or {}", kMomentExpected));
+  }
+  if (!request->start_moment) return;
+  if (request->offset_min && request->offset_min != request->start_moment->offset_min) {
+    throw InputError(
+        "command line", "--utc-offset", "'" + arguments.Get("utc-offset") + "'",
+        fmt::format("{}, that of --start", OffsetText(request->start_moment->offset_min)));
+  }
+  request->offset_min = request->start_moment->offset_min;
+}
+
 void AddImportOptions(Options* options) {
   options->Positional("points", "FILE").Required("a table of places (see --help)");
   options
@@ -94,7 +123,13 @@ void AddImportOptions(Options* options) {
       "is drawn (--priorities)");
   options->Add("task-name", "COLUMN", "Column of the tasks' names");
   options->Add("external-id", "COLUMN", "Column of what others call the tasks");
-  options->Add("start", "H:MM", "Time of day of the mission's start (default: the busiest)");
+  options->Add(
+      "start", "H:MM|TIME",
+      "Time of day of the mission's start (default: the busiest), or the scenario's start, "
+      "like 2010-01-16T09:00:00-05:00");
+  options->Add("utc-offset", "HH:MM",
+               "The clocks of the place, like -05:00: times without an offset are theirs, others "
+               "are put on them");
   options->Group("");
 }
 
@@ -130,13 +165,7 @@ int ImportCommand(int argc, const char* const* argv) {
   arguments->Read("external-id", &request.external_id);
   request.are_reports = arguments->Has("arrivals") && arguments->Get("arrivals") == kArrivalsOfRows;
   request.may_turn = !arguments->Has("area");
-  if (arguments->Has("start")) {
-    request.start = TimeOfDay(arguments->Get("start"));
-    if (!request.start) {
-      throw InputError("command line", "--start", "'" + arguments->Get("start") + "'",
-                       "a time of day like 7:30");
-    }
-  }
+  ReadStart(*arguments, &request);
 
   const ImportResult result = Import(ReadTable(file), request);
   WriteScenario(result.scenario, *arguments);

@@ -155,6 +155,61 @@ TEST(TimeOfDay, ReadsCommonWritings) {
   }
 }
 
+TEST(FieldTime, HasDateAndOffsetWhereTheFieldSaysThem) {
+  using Date = std::optional<std::int64_t>;
+  using Offset = std::optional<int>;
+  const auto expect = [](const char* text, DateOrder order, TimeUs of_day_us, Date day,
+                         Offset offset_min) {
+    const auto time = ReadTime(text, order);
+    ASSERT_TRUE(time) << text;
+    EXPECT_EQ(time->of_day_us, of_day_us) << text;
+    EXPECT_EQ(time->day, day) << text;
+    EXPECT_EQ(time->offset_min, offset_min) << text;
+  };
+  constexpr TimeUs kHour = 60 * kMinuteUs;
+  constexpr auto kNo = DateOrder::kUnknown;
+  // Day 14625 is 2010-01-16, day 14795 5 July, day 14736 7 May of that year.
+  expect("2010-01-16T09:00:00-05:00", kNo, 9 * kHour, 14'625, -300);
+  expect("2010-01-16 09:00+0545", kNo, 9 * kHour, 14'625, 345);
+  expect("20100116T090000Z", kNo, 9 * kHour, 14'625, 0);
+  expect("20100116T0900-05", kNo, 9 * kHour, 14'625, -300);
+  expect("2010-01-16 09:00", kNo, 9 * kHour, 14'625, std::nullopt);
+  expect("1263632400", kNo, 9 * kHour, 14'625, 0);
+  expect("05/07/2010 09:00", DateOrder::kDayFirst, 9 * kHour, 14'795, std::nullopt);
+  expect("05/07/2010 09:00", DateOrder::kMonthFirst, 9 * kHour, 14'736, std::nullopt);
+  expect("5.7.2010 9:00", DateOrder::kDayFirst, 9 * kHour, 14'795, std::nullopt);
+  expect("05/07/2010 09:00", kNo, 9 * kHour, std::nullopt, std::nullopt);
+  expect("13/07/2010 09:00", DateOrder::kMonthFirst, 9 * kHour, std::nullopt, std::nullopt);
+  expect("2010-02-30 09:00", kNo, 9 * kHour, std::nullopt, std::nullopt);
+  expect("09:00-05:00", kNo, 9 * kHour, std::nullopt, std::nullopt);
+  EXPECT_FALSE(ReadTime("2010-01-16", kNo));
+}
+
+TEST(FieldTime, GoesToOtherClocks) {
+  const FieldTime time = {30 * kMinuteUs, 14'625, 0};
+  const FieldTime west = time.On(-300);
+  EXPECT_EQ(west.of_day_us, (19 * 60 + 30) * kMinuteUs);
+  EXPECT_EQ(west.day, 14'624);
+  EXPECT_EQ(west.offset_min, -300);
+  const FieldTime east = FieldTime{23 * 60 * kMinuteUs, 14'625, -300}.On(330);
+  EXPECT_EQ(east.of_day_us, (9 * 60 + 30) * kMinuteUs);
+  EXPECT_EQ(east.day, 14'626);
+  EXPECT_EQ((FieldTime{kMinuteUs, 3, std::nullopt}.On(330).of_day_us), kMinuteUs);
+}
+
+TEST(FieldTime, AColumnTellsWhichNumberIsTheDay) {
+  const auto order = [](std::initializer_list<const char*> texts) {
+    DateOrderFinder finder;
+    for (const char* text : texts) finder.Look(text);
+    return finder.order();
+  };
+  EXPECT_EQ(order({"05/07/2010 17:26", "28/06/2010 23:06"}), DateOrder::kDayFirst);
+  EXPECT_EQ(order({"05/07/2010 17:26", "06/28/2010 23:06"}), DateOrder::kMonthFirst);
+  EXPECT_EQ(order({"05/07/2010 17:26", "12/12/2010"}), DateOrder::kUnknown);
+  EXPECT_EQ(order({"28/06/2010", "06/28/2010"}), DateOrder::kUnknown);
+  EXPECT_EQ(order({"2010-06-28", "17:26", ""}), DateOrder::kUnknown);
+}
+
 TEST(Window, ProjectionKeepsDistancesAndHidesOtherContinents) {
   const Origin corner = {18.4, -72.5};
   const Origin place = {18.6, -72.3};
@@ -383,6 +438,57 @@ TEST(Import, TheBusiestPeriodMayPassMidnight) {
   EXPECT_NE(Joined(result.summary).find("the mission is 22:30-01:30 (the busiest): 3 of 4 rows"),
             std::string::npos)
       << Joined(result.summary);
+}
+
+std::string CsvOfTimes(const std::vector<std::string>& times) {
+  std::string csv = "lat,lon,kind,when\n";
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    csv += CsvOf({{static_cast<double>(i % 4) + 0.5, 0.5}}, ",a," + times[i]).substr(18);
+  }
+  return csv;
+}
+
+TEST(Import, TheScenariosStartIsThatOfTheDayWithMostRows) {
+  const auto start = [](const std::vector<std::string>& times, auto&& change) {
+    ImportRequest request = SmallRequest();
+    request.time = "when";
+    change(&request);
+    const ImportResult result = Import(ParseCsv(CsvOfTimes(times), "t.csv"), request);
+    const auto& moment = result.scenario.start;
+    const std::string text = moment ? moment->text : "none";
+    EXPECT_EQ(Joined(result.summary).find("start: " + text) != std::string::npos,
+              moment.has_value() && !request.start_moment);
+    return text;
+  };
+  const auto as_it_is = [](ImportRequest*) {};
+  const auto at_10 = [](ImportRequest* r) { r->start = TimeOfDay("10:00"); };
+  const auto at_22 = [](ImportRequest* r) { r->start = TimeOfDay("22:00"); };
+  const auto in_haiti = [](ImportRequest* r) { r->offset_min = -300; };
+  EXPECT_EQ(
+      start({"2010-01-16T10:30:00-05:00", "2010-01-17T10:30:00-05:00", "2010-01-17T11:30:00-05:00"},
+            at_10),
+      "2010-01-17T10:00:00-05:00");
+  // The first of two such days.
+  EXPECT_EQ(start({"2010-01-17T10:30:00Z", "2010-01-16T10:30:00Z"}, at_10),
+            "2010-01-16T10:00:00+00:00");
+  // What is after midnight belongs to the mission of the day before.
+  EXPECT_EQ(start({"2010-01-16T23:00:00Z", "2010-01-17T00:30:00Z", "2010-01-18T00:10:00Z"}, at_22),
+            "2010-01-16T22:00:00+00:00");
+  EXPECT_EQ(start({"2010-01-16 10:00", "2010-01-16 12:55"}, as_it_is), "none");
+  EXPECT_EQ(start({"2010-01-16 10:00", "2010-01-16 12:55"}, in_haiti), "2010-01-16T10:00:00-05:00");
+  EXPECT_EQ(start({"05/07/2010 10:00", "28/07/2010 12:55", "05/07/2010 10:00"}, in_haiti),
+            "2010-07-05T10:00:00-05:00");
+  EXPECT_EQ(start({"05/07/2010 10:00", "05/07/2010 12:55"}, in_haiti), "none");
+  // 1263654000 is 15:00 UTC of 2010-01-16, 10:00 in Haiti; the other is 2 h 59 min later.
+  EXPECT_EQ(start({"1263654000", "1263664740"}, as_it_is), "2010-01-16T15:00:00+00:00");
+  EXPECT_EQ(start({"1263654000", "1263664740"}, in_haiti), "2010-01-16T10:00:00-05:00");
+  EXPECT_EQ(start({"2020-02-02 09:30", "2020-02-02 10:30"},
+                  [](ImportRequest* r) {
+                    r->start_moment = ParseMoment("2010-01-16T09:00:00-05:00");
+                    r->start = TimeOfDay("9:00");
+                    r->offset_min = -300;
+                  }),
+            "2010-01-16T09:00:00-05:00");
 }
 
 TEST(Import, TurnsAShapeThatFitsBetterTheOtherWay) {

@@ -195,6 +195,17 @@ TEST_F(ScenarioCommandTest, ScaleKeepsDensityAndNumbersThatAreGiven) {
   EXPECT_EQ(s.tasks.size(), 17u);
 }
 
+TEST_F(ScenarioCommandTest, AnyPresetCanHaveAStart) {
+  Scenario s = Made({"--preset", "Random_2", "--start", "2010-01-16T09:00:00-05:00"});
+  ASSERT_TRUE(s.start);
+  EXPECT_EQ(s.start->text, "2010-01-16T09:00:00-05:00");
+  s.start.reset();
+  EXPECT_EQ(ScenarioToJson(s), ScenarioToJson(Made({"--preset", "Random_2"})));
+  EXPECT_EQ(ErrorOf(ScenarioCommand, {"--start", "9:00"}),
+            "command line: --start: found '9:00', expected ISO 8601 with seconds and an offset or "
+            "Z, of the years 1900 to 2199, like 2010-01-16T09:00:00-05:00");
+}
+
 TEST_F(ScenarioCommandTest, BadFlagsNameThemselves) {
   const auto starts = [](const std::vector<std::string>& flags, const std::string& message) {
     const std::string error = ErrorOf(ScenarioCommand, flags);
@@ -303,6 +314,15 @@ TEST_F(ScenarioCommandTest, ImportNamesWhatIsWrong) {
   EXPECT_EQ(error({"--where", "code"}).find("command line: --where: found 'code'"), 0u);
   EXPECT_EQ(error({"--tasks-at", "a"}).find("command line: --tasks-at: found 'a'"), 0u);
   EXPECT_EQ(error({"--start", "noon"}).find("command line: --start: found 'noon'"), 0u);
+  EXPECT_EQ(error({"--start", "2010-01-16T09:00:00"})
+                .find("command line: --start: found '2010-01-16T09:00:00', expected a time of day "
+                      "like 7:30, or ISO 8601 with seconds and an offset or Z"),
+            0u);
+  EXPECT_EQ(error({"--utc-offset", "EST"}),
+            "command line: --utc-offset: found 'EST', expected an offset like -05:00 or 05:30, at "
+            "most 14:00");
+  EXPECT_EQ(error({"--utc-offset", "-04:00", "--start", "2010-01-16T09:00:00-05:00"}),
+            "command line: --utc-offset: found '-04:00', expected UTC-05:00, that of --start");
   EXPECT_THROW(Run(ImportCommand, {File("none.csv")}), SystemError);
 }
 
