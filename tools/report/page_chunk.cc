@@ -160,6 +160,9 @@ ordered_json Places(const Scenario& scenario) {
   if (scenario.origin) {
     place["origin"] = {scenario.origin->latitude_deg, scenario.origin->longitude_deg};
   }
+  if (scenario.start) {
+    place["start"] = {Ms(scenario.start->unix_us), scenario.start->offset_min};
+  }
   return place;
 }
 

@@ -1,21 +1,22 @@
 import { oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
-import { byId, element, number } from "./dom.js";
+import { byId, element, isolated, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
 import { reasonAt, storyOf } from "./reasons.js";
 import { FAILED, OFFLINE, decisionAt, placeAt } from "./run.js";
 import { DONE, OPEN, PRIORITIES, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
-import { clockText } from "./time.js";
+import { clockText, localWords, timeText } from "./time.js";
 
 const km = (m) => `${number(m / 1000, 1)} km`;
+const way = (m) => (m < 1000 ? `${number(m)} m` : km(m));
 const MOST_RANGE_POINTS = 600;
 
 /** When a task was reported, is due and expires, and how much it matters. */
-function timeFacts(task) {
-  const facts = [["priority", PRIORITIES[task.priority]], ["reported", clockText(task.reported)]];
-  if (task.due !== null) facts.push(["due", `sensing should begin by ${clockText(task.due)}`]);
-  if (task.expires !== null) facts.push(["expires", `sensing must begin before ${clockText(task.expires)}`]);
+function timeFacts(run, task) {
+  const facts = [["priority", PRIORITIES[task.priority]], ["reported", timeText(run, task.reported)]];
+  if (task.due !== null) facts.push(["due", `sensing should begin by ${timeText(run, task.due)}`]);
+  if (task.expires !== null) facts.push(["expires", `sensing must begin before ${timeText(run, task.expires)}`]);
   return facts;
 }
 
@@ -55,6 +56,8 @@ export class Card {
     }
     const t = this.clock.t;
     const now = this.#now(run, selected, t);
+    const local = localWords(run, t);
+    if (local) now.facts.push(["time", local]);
     byId("card-title").textContent = now.title;
     byId("selection").textContent = `${now.title}: ${now.state}`;
     const key = JSON.stringify(now.facts);
@@ -127,17 +130,17 @@ export class Card {
     const status = run.words.statuses[now.status];
     const facts = [];
     const doing = site ? ` ${now.status === 2 ? "to" : "at"} ${siteName(site)}` : now.to && now.status === 2 ? ` to ${placeWords(run, now.to)}` : "";
-    facts.push(["now", `${status}${doing}, since ${clockText(now.since)}`]);
+    facts.push(["now", `${status}${doing}, since ${timeText(run, now.since)}`]);
     if (now.partner) facts.push(["with", now.partner]);
-    if (arrival) facts.push(["arrives", `${arrival.known ? "" : "about "}${clockText(arrival.t)}, ${within(arrival.t - t)}, ${km(arrival.left)} left`]);
+    if (arrival) facts.push(["arrives", `${arrival.known ? "" : "about "}${timeText(run, arrival.t)}, ${within(arrival.t - t)}, ${way(arrival.left)} left`]);
     if (activity) {
       const what = activity.charging ? "charging" : "sensing";
-      facts.push(["then", activity.start > t ? `${what} ${clockText(activity.start)} to ${clockText(activity.end)}` : `${what} until ${clockText(activity.end)}, ${within(activity.end - t)}`]);
-      if (activity.aborted !== null) facts.push(["but", `broken off at ${clockText(activity.aborted)}`]);
-    } else if (now.until !== null && !arrival) facts.push(["until", clockText(now.until)]);
+      facts.push(["then", activity.start > t ? `${what} ${timeText(run, activity.start)} to ${timeText(run, activity.end)}` : `${what} until ${timeText(run, activity.end)}, ${within(activity.end - t)}`]);
+      if (activity.aborted !== null) facts.push(["but", `broken off at ${timeText(run, activity.aborted)}`]);
+    } else if (now.until !== null && !arrival) facts.push(["until", timeText(run, now.until)]);
     const next = now.status === FAILED ? null : agentNext(run, agent, now, t);
     if (next?.command) facts.push(["next", `${commandWords(next.command)} (decision ${next.command.decision.index}, ${clockText(next.command.decision.t)})`]);
-    else if (next) facts.push(["next", `${next.activity.charging ? "charging" : "sensing"} at ${siteName(next.activity)}, ${clockText(next.activity.start)}`]);
+    else if (next) facts.push(["next", `${next.activity.charging ? "charging" : "sensing"} at ${siteName(next.activity)}, ${timeText(run, next.activity.start)}`]);
     const place = now.status === OFFLINE ? null : placeAt(agent, t);
     if (place && agent.kind === 0) facts.push(["range", `${km(place.range)} of ${km(agent.fullRange)} (${number((100 * place.range) / agent.fullRange)} %)`]);
     if (place) facts.push(["place", placeWords(run, place)]);
@@ -150,22 +153,22 @@ export class Card {
     const facts = [];
     const status = run.words.tasks[now.status];
     const pair = now.activity ? `uav:${now.activity.uav} and worker:${now.activity.partner}` : null;
-    if (now.status === DONE) facts.push(["now", `done at ${clockText(now.doneAt)}${pair ? ` by ${pair}` : ""}`]);
+    if (now.status === DONE) facts.push(["now", `done at ${timeText(run, now.doneAt)}${pair ? ` by ${pair}` : ""}`]);
     else if (now.activity && now.status !== OPEN) {
       facts.push(["now", now.activity.start <= t ? `sensed by ${pair}` : `reserved for ${pair}`]);
-      facts.push(["sensing", `${clockText(now.activity.start)} to ${clockText(now.activity.end)}`]);
+      facts.push(["sensing", `${timeText(run, now.activity.start)} to ${timeText(run, now.activity.end)}`]);
       if (now.activity.start > t) {
         for (const [kind, id] of [[0, now.activity.uav], [1, now.activity.partner]]) {
           const agent = run.agents[run.agentIndex(kind, id)];
           const arrival = arrivalAt(run, agent, t, task.x, task.y);
-          if (arrival) facts.push(["arrival", `${agent.label} ${arrival.left < 2 ? "is there" : `${arrival.known ? "" : "about "}${clockText(arrival.t)}`}`]);
+          if (arrival) facts.push(["arrival", `${agent.label} ${arrival.left < 2 ? "is there" : `${arrival.known ? "" : "about "}${timeText(run, arrival.t)}`}`]);
         }
       }
     } else facts.push(["now", `${status}: nobody is sent for it`]);
-    if (now.status !== DONE && run.ended) facts.push(["in the end", now.doneAt === null ? "never done" : `done at ${clockText(now.doneAt)}`]);
-    if (run.timed) facts.push(...timeFacts(task));
+    if (now.status !== DONE && run.ended) facts.push(["in the end", now.doneAt === null ? "never done" : `done at ${timeText(run, now.doneAt)}`]);
+    if (run.timed) facts.push(...timeFacts(run, task));
     facts.push(["takes", `${km(task.cost)} of range`], ["place", placeWords(run, task)]);
-    return { title: `task ${task.id}${task.name ? ` ${task.name}` : ""}`, state: status, facts };
+    return { title: `task ${task.id}${task.name ? ` ${isolated(task.name)}` : ""}`, state: status, facts };
   }
 
   #more(run, selected) {

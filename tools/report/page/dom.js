@@ -12,6 +12,11 @@ export function element(tag, attributes = {}, ...children) {
 
 export const byId = (id) => document.getElementById(id);
 
+const BIDI = /[\u0590-\u08ff\u200f\u202a-\u202e\u2066-\u2069\ufb1d-\ufdff\ufe70-\ufefc]/;
+
+/** A name within a line of text, such that its direction of writing does not turn the rest of the line. */
+export const isolated = (name) => (BIDI.test(name) ? `\u2068${name}\u2069` : name);
+
 const FORMATS = []; // by digits: making one takes longer than using it
 
 export function number(value, digits = 0) {

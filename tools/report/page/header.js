@@ -2,6 +2,7 @@ import { figuresAt, numbersOf } from "./compare.js";
 import { oncePerFrame } from "./canvas.js";
 import { byId, duration, element, number, percent } from "./dom.js";
 import { theme } from "./theme.js";
+import { localTime } from "./time.js";
 
 /** A figure of the header; `raw` is the number as report.json has it. */
 function tile(key, label, text, raw, note) {
@@ -33,6 +34,7 @@ export class Header {
       fact("Scenario", s.name, "scenario"),
       fact("Policy", n.policy, "policy"),
       fact("Seed", n.seed, "seed"),
+      ...clockFacts(run, this.clock.t),
       fact("Interval", `${s.interval_ms / 60000} min`, "interval"),
       fact("Agents", `${uavs} + ${workers} + ${vehicles}`, "agents",
         `${uavs} UAVs, ${workers} workers, ${vehicles} vehicles`),
@@ -50,10 +52,12 @@ export class Header {
     const n = figuresAt(run, this.clock.t);
     const atEnd = this.clock.t >= run.nowMs;
     const inTheEnd = (text) => (atEnd ? null : `${text} ${n.live ? "by now" : "in the end"}`);
+    const local = byId("identity").querySelector('[data-key="local"]');
+    if (local) local.textContent = clockWords(run, this.clock.t);
     byId("figures").replaceChildren(
       element("div", { class: "tile lead" },
         element("dt", {}, "Completion"),
-        element("dd", { "data-key": "completion_rate", "data-raw": String(n.completion) }, percent(n.completion)),
+        element("dd", { "data-key": "completion_rate", "data-raw": String(n.completion) }, n.tasksTotal > 0 ? percent(n.completion) : "–"),
         element("dd", { class: "bar", "aria-hidden": "true" },
           element("i", { style: `width:${Math.min(100, 100 * n.completion)}%` }))),
       tile("tasks_done", "Tasks done", `${number(n.tasksDone)} of ${number(n.tasksTotal)}`, n.tasksDone, inTheEnd(number(n.end.tasksDone))),
@@ -66,6 +70,17 @@ export class Header {
       tile("log", "Log", n.live ? "recording" : n.complete ? "complete" : "incomplete",
         n.complete, n.messages === undefined ? null : `${number(n.messages)} messages`));
   }
+}
+
+/** When the mission began, on the scenario's clocks, and what they show; nothing where it has no start. */
+function clockFacts(run, t) {
+  const at = localTime(run, 0);
+  return at ? [fact("Start", `${at.date} ${at.time.replace(/:00$/, "")} ${at.zone}`, "start", at.utc), fact("Local", clockWords(run, t), "local")] : [];
+}
+
+function clockWords(run, t) {
+  const { time, zone, utc } = localTime(run, t);
+  return zone === "UTC" ? `${time} UTC` : `${time}, ${utc}`;
 }
 
 function fact(label, value, key, title) {

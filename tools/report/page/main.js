@@ -16,7 +16,7 @@ import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
 import { State } from "./state.js";
 import { watchTheme } from "./theme.js";
-import { clockText } from "./time.js";
+import { timeText } from "./time.js";
 import { Transport } from "./transport.js";
 
 const state = new State();
@@ -73,7 +73,7 @@ function build() {
 function tellMoment({ t, why }) {
   const note = byId("moment");
   note.hidden = false;
-  note.textContent = `Opened at ${clockText(t)}, ${why}.`;
+  note.textContent = `Opened at ${timeText(state.run, t)}, ${why}.`;
   clock.subscribe((now) => { note.hidden = note.hidden || Math.round(now) !== Math.round(t); });
 }
 
@@ -97,7 +97,16 @@ function showLive(text) {
   byId("live-state").dataset.state = text;
 }
 
+/** The style sheet asks how high the bars above and below are: texts in them may need a line more. */
+function measureBars() {
+  const measured = new ResizeObserver((bars) => {
+    for (const { target } of bars) document.body.style.setProperty(`--${target.localName}`, `${Math.ceil(target.getBoundingClientRect().height)}px`);
+  });
+  for (const bar of document.querySelectorAll("header, footer")) measured.observe(bar);
+}
+
 async function start() {
+  measureBars();
   const address = liveAddress();
   state.live = address !== null;
   build();

@@ -9,6 +9,7 @@ export function tellingMoment(run) {
   const first = faultBands(run).toSorted((a, b) => a.from - b.from)[0];
   if (first) return { t: first.from, why: `the first failure: ${first.label}` };
   const total = run.tasksTotal;
+  if (total === 0) return { t: 0, why: "the mission has no task" };
   let best = null;
   for (let i = 0; i < run.done.length; i += 2) {
     const [t, done] = [run.done[i], run.done[i + 1]];

@@ -2,7 +2,7 @@ import { SPEEDS } from "./clock.js";
 import { fit, oncePerFrame } from "./canvas.js";
 import { byId, element } from "./dom.js";
 import { decisionAt, faultBands } from "./run.js";
-import { clockText, localTime, wallTime } from "./time.js";
+import { clockText, timeText, wallTime } from "./time.js";
 import { theme } from "./theme.js";
 
 /** The bar below: play, step, scrub, speed; decisions and faults marked along the time. */
@@ -57,11 +57,11 @@ export class Transport {
     if (!run) return;
     const { t, playing, speed, follow } = this.clock;
     this.scrub.value = t;
-    this.scrub.setAttribute("aria-valuetext", clockText(t));
+    this.scrub.setAttribute("aria-valuetext", timeText(run, t));
     byId("time-now").textContent = clockText(t);
-    byId("print-time").textContent = `at ${clockText(t)}`;
+    byId("print-time").textContent = `at ${timeText(run, t)}`;
     const wall = wallTime(run, t);
-    byId("time-wall").textContent = wall ? `${wall.utc}, ${localTime(run, t)}` : "";
+    byId("time-wall").textContent = wall?.text ?? "";
     byId("time-wall").title = wall?.date ?? "";
     const decision = decisionAt(run, t);
     byId("decision-now").textContent = decision ? `decision ${decision.index}` : "before the first decision";

@@ -18,7 +18,7 @@ import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, pl
 import { nearest } from "../../../../tools/report/page/plot.js";
 import { linear, roundTicks } from "../../../../tools/report/page/scale.js";
 import { agentNext, agentNow, doneTime, flownAt, taskNow, waitedMs } from "../../../../tools/report/page/story.js";
-import { clockText, rowAt, timeTicks, wallTime } from "../../../../tools/report/page/time.js";
+import { clockText, localWords, rowAt, timeText, timeTicks, wallTime } from "../../../../tools/report/page/time.js";
 import { WHOLE, gripped, zoomed } from "../../../../tools/report/page/zoom.js";
 
 const SCENARIO = {
@@ -450,7 +450,26 @@ test("the wall's time is told where the mission kept step with it", () => {
   run.epochMs = Date.UTC(2026, 0, 31, 9, 30);
   assert.equal(wallTime(run, 60000), null, "nobody has said anything");
   run.processes.set("world", [600000, run.epochMs + 600400, 0, 0, 0, 0, 0, 0, 0, 0]);
-  assert.deepEqual(wallTime(run, 90000), { utc: "09:31:30 UTC", date: "2026-01-31" });
+  const { text, date } = wallTime(run, 90000);
+  assert.match(text, /^09:31:30 UTC, \d\d:\d\d:\d\d here$/);
+  assert.equal(date, "2026-01-31");
   run.processes.set("world", [600000, run.epochMs + 10000, 0, 0, 0, 0, 0, 0, 0, 0]);
   assert.equal(wallTime(run, 60000), null, "sixty times as fast");
+});
+
+test("local time is that of the scenario's start and offset, at any rate", () => {
+  const run = new Run();
+  run.scenario = { start: [Date.UTC(2010, 0, 16, 14), -300] };
+  assert.equal(timeText(run, 83 * 60000), "1:23:00 (10:23:00 local)");
+  assert.equal(localWords(run, 83 * 60000), "10:23:00 UTC-05:00, 15:23:00 UTC");
+  assert.deepEqual(wallTime(run, 90000), { text: "09:01:30 UTC-05:00, 14:01:30 UTC", date: "2010-01-16" });
+  run.scenario.start = [Date.UTC(2010, 0, 16, 18), 345];
+  assert.equal(localWords(run, 0), "23:45:00 UTC+05:45, 18:00:00 UTC");
+  assert.equal(localWords(run, 20 * 60000), "00:05:00 +1 d UTC+05:45, 18:20:00 UTC");
+  assert.equal(wallTime(run, 20 * 60000).date, "2010-01-17");
+  run.scenario.start = [Date.UTC(2010, 0, 16, 18), 0];
+  assert.equal(localWords(run, 0), "18:00:00 UTC");
+  run.scenario.start = undefined;
+  assert.equal(timeText(run, 83 * 60000), "1:23:00");
+  assert.equal(localWords(run, 0), "");
 });
