@@ -1,5 +1,5 @@
 import { oncePerFrame } from "./canvas.js";
-import { byId, element, number } from "./dom.js";
+import { byId, element, isolated, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { CANCELLED, DONE, EXPIRED, HELD, OPEN, PRIORITIES, RESERVED, UNREPORTED, spanAt, taskNow, undoneTasks } from "./story.js";
@@ -29,8 +29,8 @@ const minutes = (ms) => `${number(ms / 60000)} min`;
 /** Of tasks that need attention those of higher priority come first. */
 const weightOf = (task) => 10 * (task.priority ?? 0);
 
-/** "task 17, emergency" */
-const taskText = ({ id, priority }) => `task ${id}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}`;
+/** "task 17, emergency: School" */
+const taskText = ({ id, name, priority }) => `task ${id}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}${name ? `: ${isolated(name)}` : ""}`;
 
 /**
  * Why a task will be late or lost, from its due time and expiry: { harm, note }; null when nothing speaks for it. Soon is
@@ -204,7 +204,7 @@ export class Attention {
     byId("attention-list").replaceChildren(...KINDS.flatMap((kind, i) => this.#group(kind, groups[i])));
     if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, seen ? "Nothing else needs attention now." : "Nothing needs attention now."));
     if (seen) byId("attention-list").append(element("p", {}, element("button", { type: "button", class: "quiet", id: "attention-again", onclick: () => this.#again() }, `Show ${number(seen)} acknowledged again`)));
-    if (focused) byId("attention-list").querySelector(`[data-attention="${focused}"]`)?.focus({ preventScroll: true });
+    if (focused) [...byId("attention-list").querySelectorAll("[data-attention]")].find((row) => row.dataset.attention === focused)?.focus({ preventScroll: true });
     byId("forecast").replaceChildren(...this.#forecast(run, t));
   }
 

@@ -7,7 +7,7 @@ import { CANCELLED, EXPIRED, HELD, UNREPORTED } from "./story.js";
 import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
 import { MOST_SYMBOLS, cellWords, countCells, drawCells } from "./map_crowd.js";
-import { drawDegrees, drawGrid, drawGround, drawScale, frameOf } from "./map_frame.js";
+import { drawDegrees, drawGrid, drawGround, drawScale, frameOf, scaleBoxes } from "./map_frame.js";
 import { drawLabels } from "./map_labels.js";
 import { placeWords } from "./place.js";
 import { linear } from "./scale.js";
@@ -125,6 +125,7 @@ export class MapView {
     drawGround(c, run, this.shown);
     drawGrid(c, run, this.shown);
     const frame = frameOf(this.shown, run.scenario);
+    Object.assign(this.shown, { perMetre, frame });
     drawDegrees(c, run, this.shown, frame);
     const crowd = run.agents.length + run.tasks.length;
     const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.view.k ** 0.35));
@@ -294,7 +295,7 @@ export class MapView {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
     }
-    drawLabels(c, labels, this.shown, theme.bg);
+    drawLabels(c, labels, this.shown, theme.bg, scaleBoxes(this.shown.perMetre, this.shown.frame));
   }
 
   #drawSelected(c, x, y, t, r) {

@@ -5,6 +5,7 @@ import { theme } from "./theme.js";
 
 const FONT = "system-ui, sans-serif";
 const DEGREE_STEPS = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
+const SCALES = [100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 50, 20, 10, 5]; // metres, of the bar
 const BENDS = 8; // pieces of a line of latitude or longitude
 
 /** The part of the area that is in view: pixels. */
@@ -14,34 +15,42 @@ export function frameOf({ x, y, width, height }, { width_m: w, height_m: h }) {
   return { left, top, right: Math.min(width, x(w)), bottom: Math.min(height, y(0)) };
 }
 
-/** Ground, lines each so many kilometres with their numbers, and the area's border. */
+/** Lines each so many kilometres with their numbers, and the area's border. */
 export function drawGrid(c, run, { x, y, width, height }) {
   const { width_m: w, height_m: h } = run.scenario;
+  const [left, right, top, bottom] = [Math.max(0, x(0)), Math.min(width, x(w)), Math.max(0, y(h)), Math.min(height, y(0))];
+  const metres = (from, to, pixels) => roundTicks([Math.max(0, from), to], pixels / 55, [1, 2, 5]);
+  const numbers = [];
   c.strokeStyle = theme.grid;
   c.lineWidth = 1;
   c.beginPath();
-  const km = (from, to, most) => roundTicks([from, to], most, [1, 2, 5]).filter((m) => m % 1000 === 0);
-  c.font = `10px ${FONT}`;
-  c.fillStyle = theme.muted;
-  c.textAlign = "center";
-  for (const m of km(x.invert(0), x.invert(width), width / 55)) {
+  for (const m of metres(x.invert(0), Math.min(w, x.invert(width)), right - left)) {
     const px = Math.round(x(m)) + 0.5;
-    if (m < 0 || m > w || px < 0 || px > width) continue;
-    c.moveTo(px, Math.max(0, y(h)));
-    c.lineTo(px, Math.min(height, y(0)));
-    c.fillText(`${m / 1000}`, px, Math.min(height - 5, y(0) + 13));
+    c.moveTo(px, top);
+    c.lineTo(px, bottom);
+    numbers.push([`${m / 1000}`, "center", px, Math.min(height - 5, y(0) + 13)]);
   }
-  c.textAlign = "right";
-  for (const m of km(y.invert(height), y.invert(0), height / 55)) {
+  c.font = `10px ${FONT}`;
+  for (const m of metres(y.invert(height), Math.min(h, y.invert(0)), bottom - top)) {
     const py = Math.round(y(m)) + 0.5;
-    if (m < 0 || m > h || py < 0 || py > height) continue;
-    c.moveTo(Math.max(0, x(0)), py);
-    c.lineTo(Math.min(width, x(w)), py);
-    c.fillText(`${m / 1000}`, Math.max(16, x(0) - 5), py + 3);
+    c.moveTo(left, py);
+    c.lineTo(right, py);
+    const text = `${m / 1000}`;
+    numbers.push([text, "right", Math.max(c.measureText(text).width + 3, x(0) - 5), py + 3]);
   }
   c.stroke();
   c.strokeStyle = theme.line;
   c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
+  // Numbers stand over the lines, the area's border too.
+  c.strokeStyle = theme.bg;
+  c.fillStyle = theme.muted;
+  c.lineWidth = 3;
+  c.lineJoin = "round";
+  for (const [text, align, px, py] of numbers) {
+    c.textAlign = align;
+    c.strokeText(text, px, py);
+    c.fillText(text, px, py);
+  }
 }
 
 /** The ground of the area, its water, and what a file says is there (`muster report --background`). */
@@ -148,18 +157,26 @@ export function drawDegrees(c, run, scales, frame) {
   c.restore();
 }
 
+/** The longest round distance that fits. */
+function scaleOf(perMetre, frame) {
+  const room = Math.min(140, Math.max(40, (frame.right - frame.left) / 3));
+  const metres = SCALES.find((m) => m * perMetre <= room) ?? SCALES.at(-1);
+  return { metres, length: metres * perMetre, right: frame.right - 12, bottom: frame.bottom - 10 };
+}
+
+/** Where the scale and the arrow to the north stand: [{ left, top, wide, high }]. */
+export function scaleBoxes(perMetre, frame) {
+  const { length, right, bottom } = scaleOf(perMetre, frame);
+  return [{ left: right - length - 6, top: bottom - 19, wide: length + 12, high: 25 }, { left: right - 22, top: frame.top + 6, wide: 26, high: 36 }];
+}
+
 /** How long a distance is, and where north is: inside the frame, at the right. */
 export function drawScale(c, perMetre, frame) {
-  const room = Math.max(40, (frame.right - frame.left) / 3);
-  const metres = [50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100].find((m) => m * perMetre <= Math.min(room, 140)) ?? 50;
-  const length = metres * perMetre;
-  const right = frame.right - 12;
-  const bottom = frame.bottom - 10;
+  const { metres, length, right, bottom } = scaleOf(perMetre, frame);
   const text = metres >= 1000 ? `${metres / 1000} km` : `${metres} m`;
   c.fillStyle = theme.bg;
   c.globalAlpha = 0.8;
-  c.fillRect(right - length - 6, bottom - 19, length + 12, 25);
-  c.fillRect(right - 22, frame.top + 6, 26, 36);
+  for (const box of scaleBoxes(perMetre, frame)) c.fillRect(box.left, box.top, box.wide, box.high);
   c.globalAlpha = 1;
   c.strokeStyle = theme.text;
   c.fillStyle = theme.text;

@@ -54,9 +54,12 @@ export function longitudeWords(degrees, digits = 3) {
   return `${number(Math.abs(degrees), digits)}° ${degrees < 0 ? "W" : "E"}`;
 }
 
-/** "12.3, 4.5 km", and its degrees where they are known. */
+const SMALL_M = 2000; // the side of an area in which a hundred metres are far
+
+/** "12.3, 4.5 km", and its degrees where they are known; of a small area to the metre. */
 export function placeWords(run, place) {
-  const km = `${number(place.x / 1000, 1)}, ${number(place.y / 1000, 1)} km`;
+  const more = Math.max(run.scenario.width_m, run.scenario.height_m) <= SMALL_M ? 2 : 0;
+  const km = `${number(place.x / 1000, 1 + more)}, ${number(place.y / 1000, 1 + more)} km`;
   const degrees = degreesOf(run, place);
-  return degrees ? `${km} (${latitudeWords(degrees[0])} ${longitudeWords(degrees[1])})` : km;
+  return degrees ? `${km} (${latitudeWords(degrees[0], 3 + more)} ${longitudeWords(degrees[1], 3 + more)})` : km;
 }

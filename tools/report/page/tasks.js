@@ -1,20 +1,22 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
 import { taskStatusAt } from "./run.js";
-import { CANCELLED, DONE, HELD, OPEN, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
+import { CANCELLED, DONE, HELD, OPEN, PRIORITIES, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
 
 const MOST_ROWS = 250;
 const PLAYING_MS = 300; // between two drawings while it plays
 
-/** The columns: what they sort by. */
+/** The columns: what they sort by. `timed`: only where tasks have times and priorities, or only where they have none. */
 const COLUMNS = [
   { id: "task", title: "task", key: (row) => row.id },
+  { id: "priority", title: "priority", timed: true, key: (row) => -row.priority },
+  { id: "due", title: "due", timed: true, key: (row) => row.due ?? Infinity },
   { id: "now", title: "now", key: (row) => row.status },
   { id: "who", title: "who", key: (row) => row.who },
   { id: "when", title: "until, since", key: (row) => row.when ?? Infinity },
   { id: "end", title: "in the end", key: (row) => row.doneAt ?? Infinity },
-  { id: "cost", title: "takes", number: true, key: (row) => row.cost },
+  { id: "cost", title: "takes", number: true, timed: false, key: (row) => row.cost },
 ];
 
 const FILTERS = [
@@ -35,6 +37,9 @@ class Row {
     this.#of = { run, task, t, found: null };
     this.id = task.id;
     this.cost = task.cost;
+    this.name = task.name ?? "";
+    this.priority = task.priority ?? 1;
+    this.due = task.due ?? null;
     this.status = taskStatusAt(task, t);
     this.doneAt = doneTime(run, task);
     this.never = run.ended && this.doneAt === null && this.status !== CANCELLED;
@@ -117,7 +122,7 @@ export class TaskTable {
     const { run } = this.state;
     const wanted = FILTERS.find(([id]) => id === this.filter)[2];
     const { text } = this;
-    const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who}`.includes(text));
+    const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who} ${row.name.toLowerCase()}`.includes(text));
     const rows = run.tasks.map((task) => new Row(run, task, this.clock.t))
       .filter((row) => row.status !== UNREPORTED && wanted(row) && matches(row));
     const { key } = COLUMNS.find((column) => column.id === this.sort);
@@ -132,9 +137,12 @@ export class TaskTable {
     if (!run || !this.visible) return;
     this.drawn = performance.now();
     const rows = this.#rows();
-    COLUMNS.forEach((column, i) => this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending"));
+    COLUMNS.forEach((column, i) => {
+      this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending");
+      this.heads[i].hidden = (column.timed ?? run.timed) !== run.timed;
+    });
     this.count.textContent = `${number(rows.length)} of ${number(run.tasks.filter((task) => !task.vacant).length)} tasks`;
-    const key = JSON.stringify([rows.slice(0, MOST_ROWS).map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never]), rows.length, run.name]);
+    const key = JSON.stringify([rows.slice(0, MOST_ROWS).map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never, row.name, row.priority, row.due]), rows.length, run.name]);
     if (key !== this.key) {
       this.key = key;
       const focused = document.activeElement?.closest?.("#task-table tr")?.dataset.task;
@@ -150,8 +158,11 @@ export class TaskTable {
     const when = row.when === null ? "" : clockText(row.when);
     const end = row.doneAt !== null ? clockText(row.doneAt) : row.never ? "never done" : "";
     return element("tr", { tabindex: -1, "data-task": row.id, class: row.never ? "never" : null },
-      element("td", {}, String(row.id)), element("td", {}, element("i", { class: `task-mark t${row.status}`, "aria-hidden": "true" }), run.words.tasks[row.status]),
-      element("td", {}, row.who), element("td", {}, when), element("td", {}, end), element("td", { class: "n" }, `${number(row.cost / 1000, 1)} km`));
+      element("td", { class: "task-name", title: row.name || null }, String(row.id), row.name ? element("span", {}, element("bdi", {}, row.name)) : null),
+      ...(run.timed ? [element("td", {}, PRIORITIES[row.priority]), element("td", {}, row.due === null ? "" : clockText(row.due))] : []),
+      element("td", {}, element("i", { class: `task-mark t${row.status}`, "aria-hidden": "true" }), run.words.tasks[row.status]),
+      element("td", {}, row.who), element("td", {}, when), element("td", { class: "end" }, end),
+      run.timed ? null : element("td", { class: "n" }, `${number(row.cost / 1000, 1)} km`));
   }
 
   #row(id) {

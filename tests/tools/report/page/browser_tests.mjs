@@ -21,7 +21,7 @@ if (!["playwright-core", "axe-core"].every((name) => existsSync(join(work, "node
   const npm = spawnSync("npm", ["ci", "--ignore-scripts", "--fetch-retries=1"], { cwd: work, encoding: "utf8" });
   if (npm.status !== 0) skip(`npm cannot fetch playwright-core and axe-core: ${(npm.stderr || String(npm.error)).trim().split("\n")[0]}`);
 }
-const ours = ["browser", "clocks", "coast", "commander", "orders", "scene", "tasks"].map((name) => join(here, `${name}.test.mjs`));
+const ours = ["browser", "clocks", "coast", "commander", "hostile", "orders", "scene", "tasks"].map((name) => join(here, `${name}.test.mjs`));
 const tests = spawnSync(process.execPath, ["--test", ...(named.length ? named : ours)], {
   stdio: "inherit", env: { ...process.env, MUSTER_CHROMIUM: chromium, MUSTER_WORK: work } });
 process.exit(tests.status ?? 1);

@@ -11,7 +11,7 @@ import { placeLabels } from "../../../../tools/report/page/map_labels.js";
 import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
 import { tellingMoment } from "../../../../tools/report/page/moment.js";
 import { eventRows } from "../../../../tools/report/page/panels.js";
-import { degreesOf, planeOf } from "../../../../tools/report/page/place.js";
+import { degreesOf, placeWords, planeOf } from "../../../../tools/report/page/place.js";
 import { reasonAt, shortReason, storyOf } from "../../../../tools/report/page/reasons.js";
 import { Run, actionsOf, busOverTime, busyMs, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt,
 } from "../../../../tools/report/page/run.js";
@@ -472,4 +472,14 @@ test("local time is that of the scenario's start and offset, at any rate", () =>
   run.scenario.start = undefined;
   assert.equal(timeText(run, 83 * 60000), "1:23:00");
   assert.equal(localWords(run, 0), "");
+});
+
+test("names keep away from what is taken, and places of a small area are told to the metre", () => {
+  const label = { text: "one", px: 100, py: 100, gap: 5, colour: "" };
+  const place = (taken) => placeLabels([label], () => 30, { width: 400, height: 200 }, taken)[0];
+  assert.equal(place([]).left, 105);
+  assert.equal(place([{ left: 100, top: 60, wide: 40, high: 80 }]).left, 65);
+  assert.equal(place([{ left: 0, top: 60, wide: 400, high: 80 }]), undefined);
+  assert.equal(placeWords({ scenario: { width_m: 100, height_m: 100 } }, { x: 12, y: 99 }), "0.012, 0.099 km");
+  assert.equal(placeWords({ scenario: { width_m: 30000, height_m: 100 } }, { x: 12, y: 99 }), "0.0, 0.1 km");
 });
