@@ -201,6 +201,15 @@ RowFilter ParseFilter(std::string_view flag, std::string_view text) {
   return {std::string(text.substr(0, equals)), Split(text.substr(equals + 1), ',')};
 }
 
+std::string Shown(const std::vector<RowFilter>& filters) {
+  std::string text;
+  for (const RowFilter& filter : filters) {
+    text += fmt::format("{}{}={}", text.empty() ? " with " : " and ", filter.column,
+                        fmt::join(filter.patterns, ","));
+  }
+  return text;
+}
+
 std::optional<TimeUs> TimeOfDay(std::string_view text) {
   if (const auto clock = ClockTime(text)) return clock;
   if (const auto basic = BasicTime(text)) return basic;

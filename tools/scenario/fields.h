@@ -33,6 +33,9 @@ struct RowFilter {
 /// "category=1*,2d"; throws InputError naming the flag.
 RowFilter ParseFilter(std::string_view flag, std::string_view text);
 
+/// " with category=1*,2d and ok=YES", for messages; "" of none.
+std::string Shown(const std::vector<RowFilter>& filters);
+
 /// Microseconds since midnight. A clock time: the first "H:MM", "H:MM:SS" or "H:MM:SS.fff" in the
 /// text, with "AM" or "PM" behind it or not; ISO 8601, with colons or without. Both as they are
 /// written: date and offset are not looked at. Or the whole text is Unix seconds or milliseconds:

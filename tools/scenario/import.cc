@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/moment.h"
 #include "base/text.h"
 #include "model/scenario_json.h"
 #include "tools/scenario/window.h"
@@ -29,15 +28,6 @@ const std::vector<std::string> kLongitudeNames = {
 const std::vector<std::string> kTimeNames = {
     "time",       "timestamp", "datetime",        "date",       "incident_date", "started_at",
     "start_time", "stime",     "pickup_datetime", "created_at", "unix_time",     "epoch"};
-
-std::string Shown(const std::vector<RowFilter>& filters) {
-  std::string text;
-  for (const RowFilter& filter : filters) {
-    text += fmt::format("{}{}={}", text.empty() ? " with " : " and ", filter.column,
-                        fmt::join(filter.patterns, ","));
-  }
-  return text;
-}
 
 std::string Clock(TimeUs t) {
   const TimeUs minutes = t / kMinuteUs % (24 * 60);
@@ -447,10 +437,10 @@ class Importer {
       return;
     }
     const auto [day, offset_min] = best->first;
-    const std::string text =
-        MomentText(day * kDayUs + *start_us_ - offset_min * kMinuteUs, offset_min);
-    start_moment_ = ParseMoment(text);
-    if (start_moment_) Say("start: {}, the day with most of these rows: {}", text, best->second);
+    const std::int64_t unix_us = day * kDayUs + *start_us_ - offset_min * kMinuteUs;
+    start_moment_ = ParseMoment(MomentText(unix_us, offset_min));
+    if (!start_moment_) return;  // of no sane year
+    Say("start: {}, the day with most of these rows: {}", start_moment_->text, best->second);
   }
 
   void MakeAgents(Scenario* scenario) {

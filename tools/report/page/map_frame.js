@@ -42,6 +42,7 @@ export function drawGrid(c, run, { x, y, width, height }) {
   c.strokeStyle = theme.line;
   c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
   // Numbers stand over the lines, the area's border too.
+  c.save();
   c.strokeStyle = theme.bg;
   c.fillStyle = theme.muted;
   c.lineWidth = 3;
@@ -51,6 +52,7 @@ export function drawGrid(c, run, { x, y, width, height }) {
     c.strokeText(text, px, py);
     c.fillText(text, px, py);
   }
+  c.restore();
 }
 
 /** The ground of the area, its water, and what a file says is there (`muster report --background`). */
