@@ -60,11 +60,7 @@ using DayOfClocks = std::pair<std::int64_t, int>;  // since 1970; minutes east o
 class Importer {
  public:
   Importer(const Table& table, const ImportRequest& request)
-      : table_(table),
-        request_(request),
-        settings_(request.settings),
-        start_us_(request.start),
-        start_moment_(request.start_moment) {}
+      : table_(table), request_(request), settings_(request.settings) {}
 
   ImportResult Run() {
     const std::string latitude = ColumnName(request_.latitude, kLatitudeNames, "latitude", "--lat");
@@ -488,8 +484,8 @@ class Importer {
   GeneratorSettings settings_;
   Columns own_;
   Origin corner_;
-  std::optional<TimeUs> start_us_;  ///< of the mission, time of day, once it is known
-  std::optional<Moment> start_moment_;
+  std::optional<TimeUs> start_us_ = request_.start;  ///< time of day, once it is known
+  std::optional<Moment> start_moment_ = request_.start_moment;
   bool has_period_ = false;
   std::vector<std::string> summary_;
 };
