@@ -30,6 +30,16 @@ double RangeOnItsWay(const AgentState& agent, TimeUs t) {
   return std::max(0.0, agent.range_at_departure_m - spent);
 }
 
+/// The range that it has there, without a word of its own. It has not flown the way that it was
+/// computed to make since its last word.
+double RangeThere(const AgentState& agent, Point at) {
+  const Measured::Seen& seen = agent.measured->seen;
+  const bool is_computed = agent.depart_us > seen.at_us;
+  const double way = is_computed ? Distance(seen.at, at) - Distance(seen.at, agent.from)
+                                 : Distance(agent.from, at);
+  return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way);
+}
+
 double SlackM(const AgentState& agent) { return agent.speed_m_s * ToSeconds(kMeasuredSlackUs); }
 
 /// The way that it can have made in that time at most.
@@ -96,9 +106,7 @@ std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
       (!report.range_m ||
        std::abs(*report.range_m - RangeAt(*agent, report.at_us, tasks)) <= slack);
   if (as_expected) return {};
-  const double spent = agent->range_per_m * Distance(agent->from, report.at);
-  const double computed = std::max(0.0, agent->range_at_departure_m - spent);
-  RestFrom(report.at, report.range_m.value_or(computed), report.at_us, agent);
+  RestFrom(report.at, report.range_m.value_or(RangeThere(*agent, report.at)), report.at_us, agent);
   agent->arrive_us = std::max(expected, t);  // it would have said so
   if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
   return {};

@@ -266,8 +266,8 @@ std::string DriverSession::Report(MeasuredReport report, TimeUs now_us) {
 
 std::string DriverSession::Silence(TimeUs wall_us) const {
   if (over_) return {};
-  if (!greeted_ && wall_us - started_us_ > rules_.greeting_us) {
-    return fmt::format("no hello within {:g} s", ToSeconds(rules_.greeting_us));
+  if (!greeted_ && wall_us - started_us_ > rules_.HelloByUs()) {
+    return fmt::format("no hello within {:g} s", ToSeconds(rules_.HelloByUs()));
   }
   if (!owes_since_us_ || wall_us - *owes_since_us_ <= rules_.lost_after_us) return {};
   constexpr std::string_view kWhat[] = {"on its way", "sensing", "charging"};

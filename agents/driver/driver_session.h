@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -24,6 +25,9 @@ class DriverSession {
     TimeUs greeting_us = 10 * kSecondUs;
     /// When it owes an answer, and is silent for so long, it is lost.
     TimeUs lost_after_us = 5 * kSecondUs;
+
+    /// By when after its start it has to greet: many start slowly on a busy host.
+    TimeUs HelloByUs() const { return std::max(greeting_us, lost_after_us); }
   };
 
   /// Greets. `agent`: as it is at that time. The scenario must outlive the session.

@@ -177,22 +177,32 @@ TEST(Measured, ChargingEndsWhenTheUavSaysSoWithTheRangeItHas) {
   EXPECT_EQ(full.agent(kUav).range_at_departure_m, 20'000);
 }
 
-TEST(Measured, SensingBringsNoRangeBackThatTheWayWasComputedToTake) {
+TEST(Measured, TheWayThatASilentOneWasComputedToMakeTakesNoRange) {
   Flight flight(Small());
   flight.Measure(kUav).Judge(0, 0).Command(Sense());
-  // Silent for long, it is computed to have gone on, and back to where it says to be.
-  flight.At(kUav, {30, 40}, 30, 1000).Until(300).At(kUav, {60, 80}, 330, 1200).Until(1170);
-  flight.Arrived(kUav).Judge(1200);
+  // Computed to be nearly there after 300 s, it is 100 m from where it set out.
+  flight.At(kUav, {30, 40}, 30, 1000).Until(300).At(kUav, {60, 80}, 330, 1200).Judge(330);
   const AgentState& uav = flight.agent(kUav);
-  const double on_arrival_m = RangeAt(uav, uav.arrive_us, flight.scenario().tasks);
-  EXPECT_LT(on_arrival_m, 9900);
+  EXPECT_DOUBLE_EQ(RangeAt(uav, 330 * kSecondUs, flight.scenario().tasks), 15'000 - 100);
+  flight.Until(1170).Arrived(kUav).Judge(1200);
+  EXPECT_DOUBLE_EQ(RangeAt(uav, uav.arrive_us, flight.scenario().tasks), 15'000 - 5000);
   flight.Judge(1230).Done(kUav, 9900).Judge(1260);
   EXPECT_EQ(flight.refusal(), "");
   EXPECT_EQ(flight.task(), TaskStatus::kDone);
-  EXPECT_DOUBLE_EQ(uav.range_at_departure_m, on_arrival_m);
-  // What it has said before is possible later, too.
-  flight.At(kUav, {3000, 4000}, 1290, {}, 9900).Judge(1290);
+  EXPECT_DOUBLE_EQ(uav.range_at_departure_m, 9900);
+}
+
+TEST(Measured, SensingBringsNoRangeBackThatTheWindWasComputedToTake) {
+  Scenario scenario = Small();
+  scenario.disturbances.wind = {1, 1};  // a metre takes two
+  Flight flight(scenario);
+  flight.Measure(kUav).Judge(0, 0).Command(Sense()).Until(480).Arrived(kUav).Judge(510);
+  const AgentState& uav = flight.agent(kUav);
+  EXPECT_DOUBLE_EQ(RangeAt(uav, uav.arrive_us, flight.scenario().tasks), 5000);
+  flight.Until(840).Done(kUav, 9000).Judge(870);
   EXPECT_EQ(flight.refusal(), "");
+  EXPECT_EQ(flight.task(), TaskStatus::kDone);
+  EXPECT_DOUBLE_EQ(uav.range_at_departure_m, 5000);
 }
 
 TEST(Measured, AComputedPartnerWaitsThoughSensingIsShorterThanTheDelay) {

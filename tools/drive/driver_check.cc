@@ -55,7 +55,7 @@ class Check {
         started_(Clock::now()) {}
 
   DriverCheckResult Run() {
-    Listen(true, started_ + std::chrono::microseconds(options_.rules.greeting_us));
+    Listen(true, started_ + std::chrono::microseconds(options_.rules.HelloByUs()));
     result_.name = program_.session().name();
     Apply();
     const double way = agent_.speed_m_s * ToSeconds(kWayUs);

@@ -267,6 +267,14 @@ TEST(DriverSession, WordsOnWhatIsOffByTheTickAreLeftOut) {
   EXPECT_TRUE(session.Apply(540).empty());
 }
 
+TEST(DriverSession, WhoMayBeSilentForLongMayGreetAsLate) {
+  const Scenario scenario = Small();
+  const AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0]);
+  const DriverSession session(scenario, uav, 0, 0, {.lost_after_us = 30 * kSecondUs});
+  EXPECT_EQ(session.Silence(30 * kSecondUs), "");
+  EXPECT_EQ(session.Silence(30 * kSecondUs + 1), "no hello within 30 s");
+}
+
 TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
   Session session(1);
   EXPECT_EQ(session->Silence(10 * kSecondUs), "");
