@@ -138,7 +138,8 @@ class Flight {
       for (const AgentKind kind : kAgentKinds) {
         const std::int32_t id = MemberOf(*command_, kind);
         if (id < 0) continue;
-        Begin(&agents_.at(kind, id), *command_, decision_, previous_us_, {}, 1);
+        Begin(&agents_.at(kind, id), *command_, decision_, previous_us_, scenario_.disturbances,
+              scenario_.seed);
       }
       command_.reset();
     }

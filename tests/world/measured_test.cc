@@ -185,7 +185,7 @@ TEST(Measured, TheWayThatASilentOneWasComputedToMakeTakesNoRange) {
   const AgentState& uav = flight.agent(kUav);
   EXPECT_DOUBLE_EQ(RangeAt(uav, 330 * kSecondUs, flight.scenario().tasks), 15'000 - 100);
   flight.Until(1170).Arrived(kUav).Judge(1200);
-  EXPECT_DOUBLE_EQ(RangeAt(uav, uav.arrive_us, flight.scenario().tasks), 15'000 - 5000);
+  EXPECT_NEAR(RangeAt(uav, uav.arrive_us, flight.scenario().tasks), 15'000 - 5000, 1e-6);
   flight.Judge(1230).Done(kUav, 9900).Judge(1260);
   EXPECT_EQ(flight.refusal(), "");
   EXPECT_EQ(flight.task(), TaskStatus::kDone);
