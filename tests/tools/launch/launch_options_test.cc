@@ -270,7 +270,7 @@ TEST(PlanProcesses, ManyProcessesShareWhatLcmLoggerQueues) {
   EXPECT_EQ(ValueOf(plans("uav=2", "lcm")[1], "--window"), "3");
   EXPECT_EQ(ValueOf(plans("uav=4,worker=4,vehicle=4", "lcm")[1], "--window"), "2");
   EXPECT_EQ(ValueOf(plans("uav=20,worker=20,vehicle=20", "lcm")[60], "--window"), "1");
-  EXPECT_EQ(ValueOf(plans("uav=20,worker=20,vehicle=20", "muster")[60], "--window"), "3");
+  EXPECT_EQ(ValueOf(plans("uav=20,worker=20,vehicle=20", "muster")[60], "--window"), "8");
   EXPECT_EQ(ValueOf(plans("uav=2", "lcm")[0], "--window-bytes"), "");
   EXPECT_EQ(ValueOf(plans("uav=2", "muster")[0], "--window-bytes"), "65536");
 }
