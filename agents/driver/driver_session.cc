@@ -87,7 +87,7 @@ void DriverSession::Bye(std::string_view reason) {
 
 void DriverSession::Say(const Json& line) { lines_.push_back(line.dump()); }
 
-void DriverSession::Order(Command::Kind kind, Json line) {
+void DriverSession::Order(Command::Kind kind, const Json& line) {
   constexpr std::string_view kNames[] = {"goto", "sense", "charge"};
   commands_.push_back({kind, agent_.decision});
   Json whole = {{"type", kNames[static_cast<std::size_t>(kind)]}, {"id", commands_.size()}};
@@ -157,7 +157,7 @@ std::vector<MeasuredReport> DriverSession::TakeReports(TimeUs at) {
       waiting.push_back(std::move(report));
       continue;
     }
-    taken_ = std::move(tried);
+    taken_ = tried;
     taken.push_back(std::move(now));
   }
   reports_ = std::move(waiting);
@@ -217,7 +217,8 @@ std::string DriverSession::TakePlace(const DriverLine& said, TimeUs now_us) {
   if (!said.mission_us || *said.mission_us >= at_ - kMeasuredSlackUs) answered_ = true;
   // Said before it heard what it is to do now: it does not know better.
   if (agent_.measured && IsOld(agent_, report)) return {};
-  return Report(std::move(report), std::max(now_us, report.at_us));
+  now_us = std::max(now_us, report.at_us);
+  return Report(std::move(report), now_us);
 }
 
 std::string DriverSession::TakeWord(const DriverLine& said, TimeUs now_us) {
@@ -231,7 +232,7 @@ std::string DriverSession::TakeWord(const DriverLine& said, TimeUs now_us) {
   if (fails) {
     report.kind = MeasuredReport::Kind::kFailed;
     report.reason = Quote(said.reason);
-    const std::string problem = Report(std::move(report), now_us);
+    std::string problem = Report(std::move(report), now_us);
     over_ = true;
     return problem;
   }

@@ -74,7 +74,7 @@ class DriverSession {
 
   void Say(const nlohmann::ordered_json& line);
   /// Says it with a number of its own.
-  void Order(Command::Kind kind, nlohmann::ordered_json line);
+  void Order(Command::Kind kind, const nlohmann::ordered_json& line);
   void GoTo(TimeUs at);
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
