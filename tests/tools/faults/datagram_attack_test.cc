@@ -153,7 +153,8 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
     if (early_mib == 0) early_mib = late_mib;
   }
   fmt::print("{} datagrams, seed {}, memory {} and {} MiB\n", sent, seed, early_mib, late_mib);
-  EXPECT_LT(late_mib, early_mib + 64);
+  // lcm-logger itself keeps 16 MiB of fragments and, when it gets no time to write, 100 MB.
+  EXPECT_LT(late_mib, early_mib + (std::string_view(GetParam()) == "lcm" ? 180 : 64));
   ExpectUnharmed(&muster, longest);
 }
 
