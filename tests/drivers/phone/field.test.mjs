@@ -8,7 +8,7 @@ import { createRequire } from "node:module";
 import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { MissionMap } from "../../../drivers/places.mjs";
+import { distance_m, MissionMap } from "../../../drivers/places.mjs";
 import { freePort, MAIN as MAVLINK, withPrograms } from "../mavlink/programs.mjs";
 import { bePerson } from "./person.mjs";
 import { MAIN as PHONE } from "./programs.mjs";
@@ -27,7 +27,6 @@ after(() => browser?.close());
 
 const commandOf = (...words) => [process.execPath, ...words].map((word) => `'${word}'`).join(" ");
 const metres = ({ x_km, y_km }) => ({ x_m: 1000 * x_km, y_m: 1000 * y_km });
-const distance = (a, b) => Math.hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 
 const LATER_MIN = 2;
 const hasPackages = existsSync(join(dirname(MAVLINK), "node_modules/node-mavlink")) || process.env.MUSTER_DRIVERS === "required";
@@ -99,7 +98,7 @@ test(`at rate ${RATE}: three places, a battery changed, a photo of each place by
       const photos = photosIn(run, agent);
       assert.deepEqual(photos.map(({ task }) => task).sort(), [0, 1, 2], agent);
       for (const { at, task, mission_s } of photos) {
-        assert.ok(distance(at, metres(scenario.tasks[task])) < near_m, `${agent} at ${JSON.stringify(at)} for task ${task}`);
+        assert.ok(distance_m(at, metres(scenario.tasks[task])) < near_m, `${agent} at ${JSON.stringify(at)} for task ${task}`);
         const [done] = report.tasks.filter(({ id }) => id === task);
         assert.ok(mission_s < done.done_s, `${agent}: task ${task} at ${mission_s} s: ${JSON.stringify(done)}`);
       }

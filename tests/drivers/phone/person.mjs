@@ -1,6 +1,6 @@
 // A person with a phone, played by Chromium: reads the page, walks where it says, presses its buttons, takes photos. The position
 // is made here; all else is what the page shows.
-import { MissionMap } from "../../../drivers/places.mjs";
+import { distance_m, MissionMap, towards } from "../../../drivers/places.mjs";
 
 const STEP_MS = 200;
 const THERE_M = 2;
@@ -49,10 +49,8 @@ export async function bePerson({ browser, link, origin, at, speed_m_s, rate, tak
     note(`${seen.title}: a photo of ${buffer.length} bytes`);
   };
   const walk = async (to, way_m) => {
-    const goal = map.toMetres(to), left_m = Math.hypot(goal.x_m - here.x_m, goal.y_m - here.y_m);
-    const part = left_m > way_m ? way_m / left_m : 1;
-    here.x_m += part * (goal.x_m - here.x_m);
-    here.y_m += part * (goal.y_m - here.y_m);
+    const goal = map.toMetres(to), left_m = distance_m(here, goal);
+    Object.assign(here, towards(here, goal, way_m));
     if (left_m > 0) await context.setGeolocation(position());
     return left_m <= way_m + THERE_M;
   };

@@ -6,20 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "base/check.h"
+#include "tests/tools/scenario/error_of.h"
 
 namespace muster::tools {
 namespace {
-
-template <class Body>
-std::string FilterErrorOf(const Body& body) {
-  try {
-    body();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(RowFilter, MatchesCodesAndBeginnings) {
   const RowFilter filter = ParseFilter("--where", "category=1*,2d");
@@ -32,7 +22,7 @@ TEST(RowFilter, MatchesCodesAndBeginnings) {
   }
   EXPECT_TRUE(ParseFilter("--where", "a=b=c").Matches("b=c"));
   for (const char* bad : {"category", "=1", "category="}) {
-    EXPECT_NE(FilterErrorOf([&] { ParseFilter("--where", bad); }).find("--where: found '"),
+    EXPECT_NE(ErrorOf([&] { ParseFilter("--where", bad); }).find("--where: found '"),
               std::string::npos);
   }
 }

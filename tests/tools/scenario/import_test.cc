@@ -10,23 +10,13 @@
 #include <numeric>
 #include <set>
 
-#include "base/check.h"
 #include "base/random.h"
 #include "model/scenario_json.h"
+#include "tests/tools/scenario/error_of.h"
 #include "tools/scenario/window.h"
 
 namespace muster::tools {
 namespace {
-
-template <class Body>
-std::string ErrorOf(const Body& body) {
-  try {
-    body();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(CsvTable, ReadsQuotesCommentsOfTheirOwnLinesAndBlanks) {
   const Table table = ParseCsv(
