@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "lcmtypes/bus/seal.h"
@@ -69,20 +71,23 @@ class Builder {
     program_[leap].k = static_cast<std::uint32_t>(program_.size() - leap - 1);
   }
 
-  // With X where the body begins: A := bytes of the channel's name and its NUL.
-  void FindAnyName();
-  void FindOurName(GuardedChannels channels);
+  // A := bytes of the channel's name and its NUL; the body begins at `body_at`.
+  void FindAnyName(std::uint32_t body_at);
+  void FindOurName(std::uint32_t body_at, GuardedChannels channels);
   std::vector<sock_filter> Take() { return std::move(program_); }
 
  private:
+  std::vector<std::size_t> FindOneOf(const std::vector<std::string>& names, std::size_t from,
+                                     std::uint32_t body_at);
+
   std::vector<sock_filter> program_;
 };
 
 /// There are no loops: one test a byte.
-void Builder::FindAnyName() {
+void Builder::FindAnyName(std::uint32_t body_at) {
   std::vector<std::size_t> found;
   for (std::uint32_t i = 0; i <= kMostChannelBytes; ++i) {
-    Add(BPF_LD | BPF_B | BPF_IND, i);
+    Add(BPF_LD | BPF_B | BPF_ABS, body_at + i);
     if (i > 0) {
       Jump(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 2);
       Add(BPF_LD | BPF_IMM, i + 1);
@@ -95,42 +100,72 @@ void Builder::FindAnyName() {
   for (const std::size_t leap : found) LandHere(leap);
 }
 
-/// LCM keeps every name that it has heard for ever: only those of the table.
-void Builder::FindOurName(GuardedChannels channels) {
+/// LCM keeps every name that it has heard for ever: only those of the table. Every process does
+/// this with every datagram of the mission, so it takes four bytes at a time.
+void Builder::FindOurName(std::uint32_t body_at, GuardedChannels channels) {
   std::vector<std::string> names = {"LCM_SELF_TEST", kRoundTripChannel};
   for (const Channel& row : kChannels) {
     if (ComesThrough(row, channels)) names.emplace_back(row.name);
   }
-  std::vector<std::size_t> found;
-  for (const std::string& name : names) {
-    std::vector<std::size_t> differs;
-    for (std::uint32_t i = 0; i <= name.size(); ++i) {
-      Add(BPF_LD | BPF_B | BPF_IND, i);
-      Jump(BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned char>(name.c_str()[i]), 1, 0);
-      differs.push_back(Leap());
-    }
-    Add(BPF_LD | BPF_IMM, static_cast<std::uint32_t>(name.size() + 1));
-    found.push_back(Leap());
-    for (const std::size_t leap : differs) LandHere(leap);
-  }
+  for (std::string& name : names) name.push_back('\0');
+  const std::vector<std::size_t> found = FindOneOf(names, 0, body_at);
   Drop();
   for (const std::size_t leap : found) LandHere(leap);
 }
 
-/// A := bytes behind the header, which must be at least `least`; X := where they begin.
+/// `names` (with their NUL) are alike up to `from`, as is the datagram. Returns the leaps of those
+/// that it has, and goes on where it has none. Nothing is read behind a name's NUL: a datagram may
+/// end there, and a read beyond its end drops it. So short reads come first.
+std::vector<std::size_t> Builder::FindOneOf(const std::vector<std::string>& names, std::size_t from,
+                                            std::uint32_t body_at) {
+  std::vector<std::size_t> found;
+  for (const auto& [bytes, load] :
+       {std::pair(1, BPF_B), std::pair(2, BPF_H), std::pair(4, BPF_W)}) {
+    const auto step = static_cast<std::size_t>(bytes);
+    std::map<std::uint32_t, std::vector<std::string>> groups;
+    for (const std::string& name : names) {
+      const std::size_t left = name.size() - from;
+      if ((left >= 4 ? 4u : left >= 2 ? 2u : 1u) != step) continue;
+      std::uint32_t value = 0;
+      for (std::size_t i = from; i < from + step; ++i) {
+        value = value << 8 | static_cast<unsigned char>(name[i]);
+      }
+      groups[value].push_back(name);
+    }
+    if (groups.empty()) continue;
+    Add(BPF_LD | load | BPF_ABS, body_at + static_cast<std::uint32_t>(from));
+    std::vector<std::size_t> ends;
+    for (const auto& [value, group] : groups) {
+      Jump(BPF_JMP | BPF_JEQ | BPF_K, value, 1, 0);
+      const std::size_t differs = Leap();
+      if (group.front().size() == from + step) {
+        Add(BPF_LD | BPF_IMM, static_cast<std::uint32_t>(from + step));
+        found.push_back(Leap());
+      } else {
+        const std::vector<std::size_t> longer = FindOneOf(group, from + step, body_at);
+        found.insert(found.end(), longer.begin(), longer.end());
+        ends.push_back(Leap());
+      }
+      LandHere(differs);
+    }
+    for (const std::size_t leap : ends) LandHere(leap);
+  }
+  return found;
+}
+
+/// A := bytes behind the header, which must be at least `least`.
 void TakeBody(Builder* build, std::uint32_t body_at, std::uint32_t least) {
   build->Add(BPF_LD | BPF_W | BPF_LEN);
   build->DropUnless(BPF_JGE | BPF_K, body_at + least);
   build->Add(BPF_ALU | BPF_SUB | BPF_K, body_at);
   build->Add(BPF_ST, kLength);
-  build->Add(BPF_LDX | BPF_W | BPF_IMM, body_at);
 }
 
-void FindName(Builder* build, GuardedChannels channels) {
+void FindName(Builder* build, std::uint32_t body_at, GuardedChannels channels) {
   if (channels == GuardedChannels::kAny) {
-    build->FindAnyName();
+    build->FindAnyName(body_at);
   } else {
-    build->FindOurName(channels);
+    build->FindOurName(body_at, channels);
   }
 }
 
@@ -151,7 +186,7 @@ void CheckFragment(Builder* build, GuardedChannels channels) {
   const std::size_t not_first = build->Leap();
   build->Add(BPF_LD | BPF_W | BPF_ABS, kOffsetAt);
   build->DropUnless(BPF_JEQ | BPF_K, 0);
-  FindName(build, channels);
+  FindName(build, kLongBodyAt, channels);
   build->Add(BPF_ST, kNameEnd);
   build->LandHere(not_first);
 
@@ -213,7 +248,7 @@ std::vector<sock_filter> DatagramGuard(GuardedChannels channels) {
   build.Jump(BPF_JMP | BPF_JEQ | BPF_K, kShortMagic, 1, 0);
   const std::size_t not_short = build.Leap();
   TakeBody(&build, kShortBodyAt, 2);
-  FindName(&build, channels);
+  FindName(&build, kShortBodyAt, channels);
   build.Pass();
   build.LandHere(not_short);
   build.DropUnless(BPF_JEQ | BPF_K, kLongMagic);

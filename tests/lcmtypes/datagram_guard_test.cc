@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -171,6 +172,35 @@ TEST(DatagramGuard, OnlyTheLoggersTakesOtherChannels) {
     EXPECT_TRUE(any.Passes(datagram)) << name;
   }
   EXPECT_TRUE(any.Passes(DatagramsOf(std::string(63, 'a'), Datagram(10)).front()));
+}
+
+TEST(DatagramGuard, KnowsEachNameOfTheTableFromThoseThatAreLikeIt) {
+  MUSTER_NEEDS_MULTICAST();
+  for (const GuardedChannels channels :
+       {GuardedChannels::kOurs, GuardedChannels::kOfWorld, GuardedChannels::kOfAgents,
+        GuardedChannels::kOfScheduler}) {
+    GuardedSocket socket(channels);
+    std::set<std::string> heard = {"LCM_SELF_TEST", kRoundTripChannel};
+    for (const Channel& row : kChannels) {
+      if (ComesThrough(row, channels)) heard.emplace(row.name);
+    }
+    for (const Channel& row : kChannels) {
+      const std::string name(row.name);
+      std::vector<std::string> names = {name, name + "S", name + "_CHANGES"};
+      for (std::size_t size = 1; size < name.size(); ++size) names.push_back(name.substr(0, size));
+      for (std::size_t i = 0; i < name.size(); ++i) {
+        names.push_back(name);
+        names.back()[i] ^= 1;
+      }
+      for (const std::string& each : names) {
+        for (const std::size_t bytes : {0u, 1u, 2u, 3u, 4u, 100u, 70'000u}) {
+          ASSERT_EQ(socket.Passes(DatagramsOf(each, Datagram(bytes, 'S')).front()),
+                    heard.contains(each))
+              << each << " and " << bytes << " bytes";
+        }
+      }
+    }
+  }
 }
 
 TEST(DatagramGuard, AProcessIsNotWokenByWhatItHasNoUseFor) {
