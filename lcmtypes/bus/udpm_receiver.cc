@@ -146,12 +146,12 @@ std::unique_ptr<UdpmReceiver> UdpmReceiver::Open(const MulticastUrl& url,
 
 UdpmReceiver::UdpmReceiver(int fd)
     : fd_(fd),
-      buffer_(kBatch * kDatagramBytes),
+      buffer_(new std::uint8_t[kBatch * kDatagramBytes]),
       headers_(kBatch),
       parts_(kBatch),
       senders_(kBatch) {
   for (std::size_t i = 0; i < kBatch; ++i) {
-    parts_[i] = {buffer_.data() + i * kDatagramBytes, kDatagramBytes};
+    parts_[i] = {buffer_.get() + i * kDatagramBytes, kDatagramBytes};
     headers_[i].msg_hdr.msg_iov = &parts_[i];
     headers_[i].msg_hdr.msg_iovlen = 1;
     headers_[i].msg_hdr.msg_name = &senders_[i];
@@ -175,7 +175,7 @@ bool UdpmReceiver::Receive(const UdpmAssembler::OnMessage& on_message) {
       const auto at = static_cast<std::size_t>(i);
       const std::uint64_t sender =
           std::uint64_t{senders_[at].sin_addr.s_addr} << 16 | senders_[at].sin_port;
-      assembler_.Take(sender, buffer_.data() + at * kDatagramBytes, headers_[at].msg_len,
+      assembler_.Take(sender, buffer_.get() + at * kDatagramBytes, headers_[at].msg_len,
                       on_message);
     }
     if (static_cast<std::size_t>(got) < kBatch) return true;
