@@ -60,7 +60,8 @@ TEST(TimedTasks, SurviveWritingAndReading) {
   const std::string text = ScenarioToJson(ParseScenario(Small().dump(), "f.json"));
   EXPECT_EQ(json::parse(text)["version"], 2);
   EXPECT_EQ(ScenarioToJson(ParseScenario(text, "again")), text);
-  for (const auto& [key, value] : Small()["tasks"][1].items()) {
+  const json task = Small()["tasks"][1];
+  for (const auto& [key, value] : task.items()) {
     EXPECT_EQ(json::parse(text)["tasks"][1][key], value) << key;
   }
 }

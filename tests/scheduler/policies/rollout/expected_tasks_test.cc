@@ -87,8 +87,8 @@ TEST(ExpectedTasks, ComeAtTheRateInTheMean) {
 TEST(ExpectedTasks, AreDrawnByDecisionAndFutureAlone) {
   const auto times = [](const Situation& situation, std::uint32_t future) {
     std::vector<TimeUs> list;
-    const auto& tasks = ExpectTasks(situation, 30, future).situation.site->tasks;
-    for (const Task& task : tasks) list.push_back(task.reported_us);
+    const ExpectedTasks expected = ExpectTasks(situation, 30, future);
+    for (const Task& task : expected.situation.site->tasks) list.push_back(task.reported_us);
     return list;
   };
   const Situation situation = OneIsKnown();
