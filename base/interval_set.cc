@@ -13,7 +13,7 @@ bool IntervalSet::Add(std::int64_t value) {
     if (before->second + 1 == value) {
       before->second = value;
       ++size_;
-      if (next != last_by_first_.end() && next->first == value + 1) {
+      if (next != last_by_first_.end() && next->first - 1 == value) {
         before->second = next->second;
         last_by_first_.erase(next);
       }
@@ -21,7 +21,7 @@ bool IntervalSet::Add(std::int64_t value) {
     }
   }
   std::int64_t last = value;
-  if (next != last_by_first_.end() && next->first == value + 1) {
+  if (next != last_by_first_.end() && next->first - 1 == value) {
     last = next->second;
     next = last_by_first_.erase(next);
   }
@@ -41,6 +41,7 @@ std::vector<IntervalSet::Range> IntervalSet::Missing(std::int64_t first, std::in
     if (run_last < first) continue;
     if (run_first > last) break;
     if (run_first > first) missing.push_back({first, run_first - 1});
+    if (run_last >= last) return missing;
     first = run_last + 1;
   }
   if (first <= last) missing.push_back({first, last});

@@ -30,6 +30,16 @@ TEST(IntervalSet, SaysWhatIsNewAndWhatIsMissing) {
   EXPECT_EQ(set.next(), 6);
 }
 
+TEST(IntervalSet, ReachesToTheLargestInteger) {
+  IntervalSet set;
+  EXPECT_TRUE(set.Add(INT64_MAX));
+  EXPECT_TRUE(set.Add(0));
+  EXPECT_EQ(set.Missing(0, set.max()), (std::vector<Range>{{1, INT64_MAX - 1}}));
+  EXPECT_TRUE(set.Add(INT64_MAX - 1));
+  EXPECT_FALSE(set.Add(INT64_MAX));
+  EXPECT_EQ(set.Missing(0, INT64_MAX), (std::vector<Range>{{1, INT64_MAX - 2}}));
+}
+
 TEST(IntervalSet, AgreesWithAPlainSetInAnyOrder) {
   std::mt19937 random(1);
   for (int round = 0; round < 200; ++round) {

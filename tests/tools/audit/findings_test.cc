@@ -192,7 +192,10 @@ void Change(T* value, int i) {
     *value += kBy[i % 12];
   } else if constexpr (sizeof(T) == 8) {
     constexpr std::int64_t kBy[] = {1, -1, 2, -2, 3, -3, 1000, -1000, 150'000'000, -150'000'000};
-    *value = i % 12 < 10 ? *value + kBy[i % 12] : i % 12 == 10 ? 0 : INT64_MAX;
+    // Around the ends, as nothing keeps a header from saying so.
+    const auto moved = static_cast<T>(static_cast<std::uint64_t>(*value) +
+                                      static_cast<std::uint64_t>(kBy[i % 12 % 10]));
+    *value = i % 12 < 10 ? moved : i % 12 == 10 ? 0 : INT64_MAX;
   } else {
     constexpr int kBy[] = {1, -1, 2, -2, 3, -3, 7, -7};
     *value = static_cast<T>(i % 10 < 8 ? *value + kBy[i % 10] : i % 10 == 8 ? -1 : 0);
