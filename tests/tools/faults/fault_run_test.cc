@@ -108,8 +108,7 @@ TEST_F(FaultRunTest, AnAgentGoesSilentComesBackAndARestartedWorldKnows) {
 }
 
 TEST_F(FaultRunTest, TheMissionGoesOnWithoutUavsForHalfAnHour) {
-  const Json report = Run({"process_killed:uav@60+30"}, "killed",
-                          {"--on-loss", "continue", "--lost-after", "0.5", "--rate", "3600"});
+  const Json report = Run({"process_killed:uav@60+30"}, "killed", GoingOn());
   EXPECT_EQ(report["events"]["process_back"], 2) << "the launcher's and the world's word";
   EXPECT_EQ(report["events"]["agent_failed"], report["events"]["agent_back"]);
   EXPECT_GT(report["events"]["agent_back"], 0);
@@ -129,7 +128,7 @@ TEST_F(FaultRunTest, TheMissionGoesOnWithoutUavsForHalfAnHour) {
 TEST_F(FaultRunTest, AWorldThatDiesMeanwhileGoesOnWithoutThoseThatAreLost) {
   const Json report = Run(
       {"process_killed:uav@60+30", "process_stopped:scheduler@65+30", "process_killed:world@75"},
-      "killed", {"--on-loss", "continue", "--lost-after", "0.5", "--rate", "3600"});
+      "killed", GoingOn());
   EXPECT_EQ(report["events"]["agent_failed"], report["events"]["agent_back"]);
   EXPECT_GT(report["events"]["agent_back"], 0);
   EXPECT_GE(report["skipped_decisions"].size(), 2u);
@@ -137,15 +136,14 @@ TEST_F(FaultRunTest, AWorldThatDiesMeanwhileGoesOnWithoutThoseThatAreLost) {
 }
 
 TEST_F(FaultRunTest, TheMissionGoesOnWithoutAScheduler) {
-  const Json report = Run({"process_stopped:scheduler@65+30"}, "stopped",
-                          {"--on-loss", "continue", "--lost-after", "0.5", "--rate", "3600"});
+  const Json report = Run({"process_stopped:scheduler@65+30"}, "stopped", GoingOn());
   EXPECT_GE(report["skipped_decisions"].size(), 2u) << report["skipped_decisions"];
   EXPECT_GT(report["decisions"].back()["index"], 10);
 }
 
 TEST_F(FaultRunTest, WhoIsStoppedOrCutOffForMinutesComesBack) {
-  const Json report = Run({"process_stopped:worker@40+20", "partition:vehicle|world@90+20"}, "both",
-                          {"--on-loss", "continue", "--lost-after", "0.5", "--rate", "3600"});
+  const Json report =
+      Run({"process_stopped:worker@40+20", "partition:vehicle|world@90+20"}, "both", GoingOn());
   EXPECT_EQ(report["events"]["process_lost"], 2);
   EXPECT_EQ(report["events"]["process_back"], 2);
 }

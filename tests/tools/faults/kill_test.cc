@@ -144,10 +144,18 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 
 // In the place of the frozen launcher: its log tells nobody what it holds.
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
-  Muster muster(folder_, "run",
-                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--logger", "lcm",
-                 "--rate", "3600", "--on-loss", "continue", "--lost-after", "0.5", "--fault",
-                 "process_stopped:lcm-logger@60+4s"});
+  std::vector<std::string> arguments = {
+      "run",
+      scenario_,
+      "--quiet",
+      "--out",
+      folder_.File("run"),
+      "--logger",
+      "lcm",
+      "--fault",
+      fmt::format("process_stopped:lcm-logger@60+{}s", 4 * kSlowness)};
+  for (const std::string& argument : GoingOn()) arguments.push_back(argument);
+  Muster muster(folder_, "run", arguments);
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const Json report = Report("run");
   EXPECT_EQ(report["digest"], undisturbed_);

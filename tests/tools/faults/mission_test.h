@@ -1,18 +1,31 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "tests/base/sanitized.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
 
 namespace muster::tools {
+
+/// By how much a sanitizer's build needs longer for a decision.
+inline constexpr double kSlowness = kSanitized ? 8 : 1;
+
+/// A mission at an hour a second that goes on without who is silent for half a second.
+inline std::vector<std::string> GoingOn() {
+  return {"--on-loss",    "continue",
+          "--lost-after", fmt::to_string(0.5 * kSlowness),
+          "--rate",       fmt::to_string(3600 / kSlowness)};
+}
 
 /// Missions of Random_1, and the digest that each of them has when nothing disturbs it.
 class MissionTest : public ::testing::Test {

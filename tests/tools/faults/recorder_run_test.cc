@@ -149,8 +149,10 @@ TEST_F(RecorderRunTest, EverybodysPacketsAreLostAndStrangersSpeak) {
 }
 
 TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
-  const Json report = Mission({"--rate", "3600", "--on-loss", "continue", "--lost-after", "0.5",
-                               "--fault", "process_stopped:recorder@60+4s"});
+  std::vector<std::string> more = GoingOn();
+  more.insert(more.end(),
+              {"--fault", fmt::format("process_stopped:recorder@60+{}s", 4 * kSlowness)});
+  const Json report = Mission(more);
   EXPECT_EQ(report["events"]["process_lost"], 0);
 }
 

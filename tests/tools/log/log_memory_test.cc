@@ -12,16 +12,11 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
+#include "tests/base/sanitized.h"
 #include "tests/tools/launch/process_test_util.h"
 
 namespace muster::tools {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 /// Peak memory of `muster ARGUMENTS`, bytes; -1 when it does not end well.
 std::int64_t PeakOf(const std::vector<std::string>& arguments) {
