@@ -120,8 +120,8 @@ TEST_F(RecorderRunTest, KilledFromOutsideAtRandomTicks) {
 }
 
 TEST_F(RecorderRunTest, KilledStoppedAndWithoutRoomByAPlan) {
-  // At full speed the loss would be over before a packet comes.
-  const Json report = Mission({"--rate", "7200",                                 //
+  // At full speed, and while it makes up for delays, the loss would be over before a packet comes.
+  const Json report = Mission({"--rate", "3600",                                 //
                                "--fault", "process_killed:recorder@30",          //
                                "--fault", "process_stopped:recorder@50+0.3s",    //
                                "--fault", "disk_full:recorder@70+0.3s",          //
