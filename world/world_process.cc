@@ -23,7 +23,7 @@ constexpr TimeUs kLongestRepeatUs = 40'000;
 /// At most so long it takes for granted that the fast answers of late were no accident.
 constexpr TimeUs kMostStatesUs = 10'000;
 constexpr TimeUs kMostScheduleUs = 200'000;
-/// After a report the others' are on their way, too.
+/// After a report the others' are on their way, too: so long at most they take.
 constexpr TimeUs kNextReportUs = 10'000;
 /// Moving an agent, writing and reading its whole state takes about that.
 constexpr TimeUs kWholeStateUs = 1;
@@ -475,7 +475,8 @@ void WorldProcess::GoOn(const Now& now) {
     return WaitFor(Wait::kNothing, now);
   }
   if (std::exchange(has_news_, false) && wait_ == Wait::kStates) {
-    repeat_ = BackOff(std::max(kNextReportUs, AllWholeUs()), kLongestRepeatUs, kSecondUs);
+    const TimeUs next_us = states_time_.Patience(kRepeatUs, kNextReportUs);
+    repeat_ = BackOff(std::max(next_us, AllWholeUs()), kLongestRepeatUs, kSecondUs);
     repeat_.Start(now.monotonic_us);
   }
   if (repeat_.Fire(now.monotonic_us)) Repeat(now);
