@@ -15,6 +15,8 @@ class AnswerTime {
     took_us_[next_] = took_us;
     next_ = (next_ + 1) % took_us_.size();
   }
+  /// Whether the last answers are known, not just some.
+  bool known() const { return took_us_[next_] > 0; }
   /// Half as long again, between the two.
   TimeUs Patience(TimeUs least_us, TimeUs most_us) const {
     const TimeUs fastest_us = *std::min_element(took_us_.begin(), took_us_.end());

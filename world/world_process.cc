@@ -475,7 +475,8 @@ void WorldProcess::GoOn(const Now& now) {
     return WaitFor(Wait::kNothing, now);
   }
   if (std::exchange(has_news_, false) && wait_ == Wait::kStates) {
-    const TimeUs next_us = states_time_.Patience(kRepeatUs, kNextReportUs);
+    const TimeUs next_us =
+        states_time_.known() ? states_time_.Patience(kRepeatUs, kNextReportUs) : kNextReportUs;
     repeat_ = BackOff(std::max(next_us, AllWholeUs()), kLongestRepeatUs, kSecondUs);
     repeat_.Start(now.monotonic_us);
   }

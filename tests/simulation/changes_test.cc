@@ -174,6 +174,36 @@ TEST(Changes, TheWorldDoesNotAskAgainWhileReportsCome) {
   EXPECT_FALSE(StepAt(world.get(), 21'100, {}).empty()) << "the vehicles have not heard";
 }
 
+TEST(Changes, TheWorldAsksAgainAsSoonAsReportsHaveComeOfLate) {
+  const std::string json = ScenarioToJson(Undisturbed());
+  const auto world = testing::StartProcess("world", 0, json);
+  std::vector<std::unique_ptr<Process>> others;
+  for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
+    others.push_back(testing::StartProcess(name, 0, json));
+  }
+  // All that is said takes 50 us. A tick: the clock, the reports, at a decision the schedule.
+  TimeUs now_us = 0;
+  const auto is_clock = [](const Packet& packet) { return packet.channel == channel::kClock; };
+  std::vector<Packet> of_world = StepAt(world.get(), now_us, {}), of_others;
+  for (int ticks = 0; ticks < 12;) {
+    now_us += 50;
+    std::vector<Packet> heard = of_world;
+    heard.insert(heard.end(), of_others.begin(), of_others.end());
+    of_others.clear();
+    for (const auto& other : others) {
+      for (Packet& packet : StepAt(other.get(), now_us, heard)) of_others.push_back(packet);
+    }
+    now_us += 50;
+    of_world = StepAt(world.get(), now_us, of_others);
+    ticks += std::any_of(of_world.begin(), of_world.end(), is_clock);
+    ASSERT_LT(now_us, kSecondUs);
+  }
+  const std::vector<Packet> report = StepAt(others.front().get(), now_us + 50, of_world);
+  EXPECT_TRUE(StepAt(world.get(), now_us + 100, report).empty());
+  EXPECT_TRUE(StepAt(world.get(), now_us + 2'000, {}).empty());
+  EXPECT_FALSE(StepAt(world.get(), now_us + 2'200, {}).empty()) << "the others have not heard";
+}
+
 TEST(Changes, OutcomeDoesNotDependOnMeetings) {
   Scenario scenario = Undisturbed();
   scenario.rules.start_on_meeting = true;
