@@ -15,7 +15,7 @@ class AnswerTime {
     took_us_[next_] = took_us;
     next_ = (next_ + 1) % took_us_.size();
   }
-  /// Whether the last answers are known, not just some.
+  /// Whether as many answers have come as it remembers.
   bool known() const { return took_us_[next_] > 0; }
   /// Half as long again, between the two.
   TimeUs Patience(TimeUs least_us, TimeUs most_us) const {

@@ -146,7 +146,8 @@ std::unique_ptr<UdpmReceiver> UdpmReceiver::Open(const MulticastUrl& url,
 
 UdpmReceiver::UdpmReceiver(int fd)
     : fd_(fd),
-      buffer_(new std::uint8_t[kBatch * kDatagramBytes]),
+      // Touched, and so taken from the system, only as far as datagrams reach.
+      buffer_(std::make_unique_for_overwrite<std::uint8_t[]>(kBatch * kDatagramBytes)),
       headers_(kBatch),
       parts_(kBatch),
       senders_(kBatch) {

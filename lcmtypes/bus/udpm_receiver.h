@@ -77,7 +77,7 @@ class UdpmReceiver {
   static constexpr std::size_t kBatch = 16;
   int fd_;
   UdpmAssembler assembler_;
-  std::unique_ptr<std::uint8_t[]> buffer_;  ///< [kBatch] datagrams; pages only where they were long
+  std::unique_ptr<std::uint8_t[]> buffer_;  ///< [kBatch] datagrams, not initialised
   std::vector<mmsghdr> headers_;
   std::vector<iovec> parts_;
   std::vector<sockaddr_in> senders_;
