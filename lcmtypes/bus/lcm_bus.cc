@@ -131,14 +131,16 @@ LcmBus::~LcmBus() = default;
 
 void LcmBus::CheckRoundTrip() {
   round_trip_ = fmt::format("{} {}", getpid(), Clock::now().time_since_epoch().count());
-  const auto deadline = Clock::now() + std::chrono::seconds(3);
-  while (!came_back_ && Clock::now() < deadline) {
+  const auto send = [this] {
     if (const int error = Send(kRoundTripChannel, round_trip_.data(), round_trip_.size())) {
       throw SystemError(fmt::format("LCM cannot send on {}: {}", url_, std::strerror(error)));
     }
-    while (!came_back_ && Ready(100'000)) Handle();
-  }
-  if (!came_back_) {
+  };
+  const auto wait = [this](std::int64_t timeout_us) {
+    if (Ready(timeout_us)) Handle();
+    return came_back_;
+  };
+  if (!ComesBack(send, wait, std::chrono::seconds(3))) {
     throw SystemError(fmt::format(
         "LCM hears nothing on {}: what is sent does not come back; 'muster doctor' tells more",
         url_));

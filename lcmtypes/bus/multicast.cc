@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -114,6 +115,22 @@ void JoinAgain(int socket, const std::string& address) {
   }
 }
 
+bool ComesBack(const std::function<void()>& send, const std::function<bool(std::int64_t)>& wait,
+               std::chrono::milliseconds limit) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::microseconds kAgain = std::chrono::milliseconds(20);
+  const auto end = Clock::now() + limit;
+  for (auto again = Clock::now(); Clock::now() < end;) {
+    if (Clock::now() >= again) {
+      send();
+      again = Clock::now() + kAgain;
+    }
+    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(again - Clock::now());
+    if (wait(std::max<std::int64_t>(left.count(), 0))) return true;
+  }
+  return false;
+}
+
 std::optional<std::string> MulticastProblem(const std::string& address) {
   const Socket receiver;
   const Socket sender;
@@ -145,22 +162,22 @@ std::optional<std::string> MulticastProblem(const std::string& address) {
   group.sin_addr = membership.imr_multiaddr;
   const std::string text = fmt::format("muster {} {}", getpid(),
                                        std::chrono::steady_clock::now().time_since_epoch().count());
-  if (sendto(sender.fd(), text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&group),
-             sizeof(group)) < 0) {
-    return Problem(address, "cannot send to");
-  }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-  for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0) break;
+  bool sent = true;
+  const auto send = [&] {
+    sent &= sendto(sender.fd(), text.data(), text.size(), 0,
+                   reinterpret_cast<const sockaddr*>(&group), sizeof(group)) >= 0;
+  };
+  const auto wait = [&](std::int64_t timeout_us) {
+    if (!sent) return true;
     pollfd waiting{receiver.fd(), POLLIN, 0};
-    if (poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
+    const timespec timeout{0, timeout_us * 1000};
+    if (ppoll(&waiting, 1, &timeout, nullptr) <= 0) return false;
     std::array<char, 128> buffer;
     const ssize_t got = recv(receiver.fd(), buffer.data(), buffer.size(), MSG_DONTWAIT);
-    if (got >= 0 && std::string_view(buffer.data(), static_cast<std::size_t>(got)) == text) {
-      return std::nullopt;
-    }
+    return got >= 0 && std::string_view(buffer.data(), static_cast<std::size_t>(got)) == text;
+  };
+  if (ComesBack(send, wait, std::chrono::seconds(1))) {
+    return sent ? std::nullopt : std::optional(Problem(address, "cannot send to"));
   }
   return fmt::format("packets to {} do not come back, a firewall may drop them", address);
 }

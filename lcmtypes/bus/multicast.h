@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,8 +36,14 @@ inline constexpr std::string_view kMulticastAdvice =
 /// that a socket had on an interface is gone with it. Where there is none now, it is no member.
 void JoinAgain(int socket, const std::string& address);
 
-/// Sends one packet with ttl 0 to the multicast address on a port of its own and waits up to a
-/// second for it to come back. None when it does, else what is wrong. Starts no threads.
+/// Whether what `send` sends comes back within `limit`. It is sent again every 20 ms, whatever else
+/// arrives: where many processes start at once, a first packet may be lost. `wait` waits for up to
+/// that many microseconds for arrivals, and tells whether it was among them.
+bool ComesBack(const std::function<void()>& send, const std::function<bool(std::int64_t)>& wait,
+               std::chrono::milliseconds limit);
+
+/// Sends packets with ttl 0 to the multicast address on a port of its own and waits up to a second
+/// for one to come back. None when it does, else what is wrong. Starts no threads.
 std::optional<std::string> MulticastProblem(const std::string& address);
 
 }  // namespace muster

@@ -18,6 +18,7 @@
 
 #include "base/check.h"
 #include "lcmtypes/bus/datagram_guard.h"
+#include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/test_network.h"
 
@@ -47,6 +48,22 @@ std::vector<Packet> Take(Bus& bus, std::size_t count) {
     for (Packet& packet : bus.Receive(kSecond)) all.push_back(std::move(packet));
   }
   return all;
+}
+
+TEST(ComesBack, WhenAFirstPacketIsLostWhileOthersTalk) {
+  int sent = 0, heard = 0;
+  const auto send = [&] { ++sent; };
+  // Something of others' is always there.
+  const auto wait = [&](std::int64_t) { return ++heard > 10 && sent == 3; };
+  EXPECT_TRUE(ComesBack(send, wait, std::chrono::seconds(60)));
+  EXPECT_EQ(sent, 3);
+}
+
+TEST(ComesBack, NotWhenAllIsLost) {
+  int sent = 0;
+  EXPECT_FALSE(ComesBack([&] { ++sent; }, [](std::int64_t) { return false; },
+                         std::chrono::milliseconds(100)));
+  EXPECT_GT(sent, 0);
 }
 
 /// Whoever reads the socket.

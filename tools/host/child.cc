@@ -17,7 +17,10 @@
 
 namespace muster::tools {
 
-bool ChildEnd::clean() const { return WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0; }
+bool ChildEnd::clean() const {
+  return (WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0) ||
+         (was_asked && WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == SIGTERM);
+}
 
 bool ChildEnd::usage_error() const {
   return WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == kExitUsage;
@@ -65,6 +68,7 @@ Child::Child(Child&& other) noexcept
     : spec_(std::move(other.spec_)),
       pid_(std::exchange(other.pid_, -1)),
       stdin_fd_(std::exchange(other.stdin_fd_, -1)),
+      was_asked_(other.was_asked_),
       end_(std::move(other.end_)) {}
 
 Child::~Child() {
@@ -77,7 +81,7 @@ Child::~Child() {
 
 const std::optional<ChildEnd>& Child::Poll() {
   int status = 0;
-  if (!end_ && waitpid(pid_, &status, WNOHANG) == pid_) end_ = ChildEnd{status};
+  if (!end_ && waitpid(pid_, &status, WNOHANG) == pid_) end_ = ChildEnd{status, was_asked_};
   return end_;
 }
 
@@ -87,6 +91,7 @@ void Child::Signal(int signal) {
 
 void Child::AskToEnd() {
   if (Poll()) return;
+  was_asked_ = true;
   // A SIGCONT takes back every stop that is on its way to the process, that of PTRACE_ATTACH too:
   // after the SIGTERM it could meet LeakSanitizer, which looks at a process that exits, or a
   // debugger, and these would wait for that stop for ever.

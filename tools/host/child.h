@@ -20,8 +20,9 @@ struct ChildSpec {
 
 /// How a process ended.
 struct ChildEnd {
-  int wait_status = 0;       ///< as of waitpid(2)
-  bool clean() const;        ///< exit code 0
+  int wait_status = 0;     ///< as of waitpid(2)
+  bool was_asked = false;  ///< by AskToEnd
+  bool clean() const;  ///< exit code 0, or, as it was asked, by SIGTERM before it could catch it
   bool usage_error() const;  ///< exit code 2: it would end so each time
   /// "exited with code 3", "was killed by signal 9 (Killed)"
   std::string Text() const;
@@ -55,6 +56,7 @@ class Child {
   ChildSpec spec_;
   pid_t pid_ = -1;
   int stdin_fd_ = -1;  ///< our end, with hold_stdin
+  bool was_asked_ = false;
   std::optional<ChildEnd> end_;
 };
 

@@ -45,6 +45,17 @@ TEST_F(ChildTest, SaysWhichSignalKilledIt) {
   EXPECT_EQ(child.Poll()->Text(), "was killed by signal 9 (Killed)");
 }
 
+TEST_F(ChildTest, OneAskedToEndBeforeItCanCatchThatEndsCleanly) {
+  Child asked(Shell("while :; do sleep 0.01; done"));
+  asked.AskToEnd();
+  ASSERT_TRUE(Ended(&asked));
+  EXPECT_TRUE(asked.Poll()->clean()) << asked.Poll()->Text();
+  Child killed(Shell("while :; do sleep 0.01; done"));
+  killed.Signal(SIGTERM);
+  ASSERT_TRUE(Ended(&killed));
+  EXPECT_FALSE(killed.Poll()->clean());
+}
+
 TEST_F(ChildTest, AProgramThatIsNotThereIsAnErrorThatNamesIt) {
   try {
     Child child({"child", {"/nowhere/muster-uav"}, output_});

@@ -85,9 +85,11 @@ class RunTest : public ::testing::Test {
     arguments.insert(arguments.begin(), {"run", scenario_, "--out", Out(name)});
     return Muster(folder_, name, arguments);
   }
-  /// Until the mission's clock runs; slow enough (--rate) to be met there.
-  static bool UnderWay(const Muster& muster) {
-    return Eventually([&] { return muster.output().find("tick ") != std::string::npos; });
+  /// Until a first decision: each process has been heard then. Slow enough (--rate) to be met
+  /// there.
+  static bool UnderWay(const Muster& muster) { return Says(muster, "decisions 1 "); }
+  static bool Says(const Muster& muster, const char* words) {
+    return Eventually([&] { return muster.output().find(words) != std::string::npos; });
   }
 
   TemporaryFolder folder_;
@@ -220,6 +222,17 @@ TEST_F(RunTest, CtrlCEndsItCleanly) {
   EXPECT_EQ(report["log"]["n_missing"], 1) << report["log"]["missing"];
   EXPECT_NE(muster.output().find(" min, all until then is there\n"), std::string::npos)
       << muster.output();
+}
+
+TEST_F(RunTest, CtrlCWhileProcessesStartIsNoneOfTheirProblems) {
+  for (int i = 0; i < 8; ++i) {
+    const std::string run = fmt::format("run-{}", i);
+    Muster muster = Start({}, run);
+    ASSERT_TRUE(Says(muster, "waiting for all processes")) << muster.output();
+    muster.child().Signal(SIGINT);
+    ASSERT_EQ(muster.Wait(), 130) << muster.output();
+    EXPECT_EQ(muster.output().find("was killed"), std::string::npos) << muster.output();
+  }
 }
 
 TEST_F(RunTest, NoProcessIsLeftWhenTheLauncherIsKilled) {
