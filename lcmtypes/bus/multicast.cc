@@ -128,7 +128,7 @@ bool ComesBack(const std::function<void()>& send, const std::function<bool(std::
     const auto left = std::chrono::duration_cast<std::chrono::microseconds>(again - Clock::now());
     if (wait(std::max<std::int64_t>(left.count(), 0))) return true;
   }
-  return false;
+  return wait(0);  // who was frozen meanwhile may find it there
 }
 
 std::optional<std::string> MulticastProblem(const std::string& address) {
