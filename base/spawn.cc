@@ -3,13 +3,18 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/close_range.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -20,9 +25,24 @@
 namespace muster {
 namespace {
 
+/// Lets fdatasync(2) return 0 at once, in this process and in what it becomes; nothing where the
+/// kernel does not let. The program's calls are numbered as ours: it is of the same architecture.
+void SkipDiskWaits() {
+  std::array<sock_filter, 4> program = {{
+      {BPF_LD | BPF_W | BPF_ABS, 0, 0, offsetof(seccomp_data, nr)},
+      {BPF_JMP | BPF_JEQ | BPF_K, 0, 1, SYS_fdatasync},
+      {BPF_RET | BPF_K, 0, 0, SECCOMP_RET_ERRNO},
+      {BPF_RET | BPF_K, 0, 0, SECCOMP_RET_ALLOW},
+  }};
+  const sock_fprog filter = {program.size(), program.data()};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0) {
+    prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter);
+  }
+}
+
 /// Between fork and exec: async-signal-safe calls only, since the parent may have threads.
 [[noreturn]] void BecomeChild(char* const* argv, int input, int output, int error, int failure,
-                              pid_t parent) {
+                              pid_t parent, DiskWaits disk_waits) {
   const auto fail = [failure] {
     const int why = errno;
     [[maybe_unused]] const ssize_t written = write(failure, &why, sizeof why);
@@ -41,6 +61,7 @@ namespace {
       dup2(error, STDERR_FILENO) < 0) {
     fail();
   }
+  if (disk_waits == DiskWaits::kSkipped) SkipDiskWaits();
   if (close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) != 0) fail();
   execv(argv[0], argv);
   fail();
@@ -80,7 +101,7 @@ std::optional<Pipe> MakePipe() {
   return Pipe{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-pid_t Spawn(std::vector<std::string> argv, int input, int output, int error) {
+pid_t Spawn(std::vector<std::string> argv, int input, int output, int error, DiskWaits disk_waits) {
   MUSTER_CHECK(!argv.empty());
   const auto refuse = [&argv](int why) {
     throw SystemError(fmt::format("cannot start {}: {}", argv.front(), std::strerror(why)));
@@ -94,7 +115,8 @@ pid_t Spawn(std::vector<std::string> argv, int input, int output, int error) {
   const pid_t pid = fork();
   if (pid < 0) refuse(errno);
   if (pid == 0) {
-    BecomeChild(arguments.data(), input, output, error, failure->write_end.get(), parent);
+    BecomeChild(arguments.data(), input, output, error, failure->write_end.get(), parent,
+                disk_waits);
   }
   failure->write_end.Close();
 

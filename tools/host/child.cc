@@ -60,7 +60,7 @@ Child::Child(ChildSpec spec) : spec_(std::move(spec)) {
   const Descriptor nothing(held ? -1 : open("/dev/null", O_RDONLY | O_CLOEXEC));
   const int input = held ? held->read_end.get() : nothing.get();
   if (input < 0) refuse();
-  pid_ = Spawn(spec_.argv, input, output.get(), output.get());
+  pid_ = Spawn(spec_.argv, input, output.get(), output.get(), spec_.disk_waits);
   if (held) stdin_fd_ = held->write_end.Release();
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/spawn.h"
+
 namespace muster::tools {
 
 /// What to start.
@@ -15,7 +17,8 @@ struct ChildSpec {
   std::string output_file;        ///< takes its stdout and stderr
   bool append = false;            ///< keep what output_file holds
   bool hold_stdin = false;        ///< stdin is a pipe that stays open, and tells it our end
-  std::string input = {};         ///< a line for its stdin, which nobody else reads; else /dev/null
+  DiskWaits disk_waits = DiskWaits::kAsIs;
+  std::string input = {};  ///< a line for its stdin, which nobody else reads; else /dev/null
 };
 
 /// How a process ended.

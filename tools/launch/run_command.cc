@@ -131,6 +131,8 @@ MissionPrograms FindPrograms(const LaunchOptions& options,
   programs.logger = {logger, {}, directory.File(logger + ".stderr")};
   std::vector<std::string>& command = programs.logger.argv;
   if (options.logger == Logger::kLcm) {
+    // Its fdatasync after each flush would hold the mission wherever the disk is slow or busy.
+    programs.logger.disk_waits = DiskWaits::kSkipped;
     command = {lcm_logger, "-q", "--flush-interval=1", "--lcm-url=" + mission.lcm_url};
   } else {
     command = {(folder / "muster-recorder").string(), "--lcm-url", mission.lcm_url, "--run-id",

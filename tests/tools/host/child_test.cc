@@ -56,6 +56,18 @@ TEST_F(ChildTest, OneAskedToEndBeforeItCanCatchThatEndsCleanly) {
   EXPECT_FALSE(killed.Poll()->clean());
 }
 
+TEST_F(ChildTest, OneWhoseDiskWaitsAreSkippedIsToldThatAllIsOnDisk) {
+  // A device that cannot: it says so, unless nobody asks it.
+  ChildSpec spec = Shell("sync --data /dev/null");
+  Child waits(spec);
+  ASSERT_TRUE(Ended(&waits));
+  EXPECT_FALSE(waits.Poll()->clean());
+  spec.disk_waits = DiskWaits::kSkipped;
+  Child skips(spec);
+  ASSERT_TRUE(Ended(&skips));
+  EXPECT_TRUE(skips.Poll()->clean()) << TextOf(output_);
+}
+
 TEST_F(ChildTest, AProgramThatIsNotThereIsAnErrorThatNamesIt) {
   try {
     Child child({"child", {"/nowhere/muster-uav"}, output_});
