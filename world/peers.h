@@ -30,6 +30,8 @@ class Peers {
   bool heard(const std::string& name) const { return peers_.contains(name); }
   /// Once a step: whoever was held up itself has heard nobody meanwhile.
   void NoteAwake(TimeUs now_us);
+  /// Until when it must be noted again to count as awake, with time to spare.
+  TimeUs AwakeUntilUs() const { return stepped_us_ + lost_after_us_ / 8; }
   /// The log holds the mission: nobody can be blamed for what he has not been able to say.
   void NoteHeld(TimeUs now_us) { awake_since_us_ = now_us; }
   /// From now on an answer is due.

@@ -512,7 +512,10 @@ void WorldProcess::Repeat(const Now& now) {
 }
 
 TimeUs WorldProcess::OwnWakeUs() const {
-  return wait_ == Wait::kClock ? clock_.NextTickUs() : repeat_.due_us();
+  if (wait_ == Wait::kClock) return clock_.NextTickUs();
+  // Whoever sleeps takes itself for held up, and would never miss anybody.
+  const bool misses = options_.goes_on && wait_ != Wait::kNothing;
+  return std::min(repeat_.due_us(), misses ? attendance_.peers().AwakeUntilUs() : kNever);
 }
 
 }  // namespace muster::world

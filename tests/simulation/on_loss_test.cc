@@ -27,12 +27,13 @@ constexpr int kProcessLost = 11;
 constexpr int kProcessBack = 12;
 
 /// Five processes over a virtual network, and somebody who listens; the world goes on without those
-/// that are lost for one second.
+/// that are lost for one second, unless told otherwise.
 class Mission {
  public:
   explicit Mission(const PacketFaults& faults = {}, std::uint64_t seed = 1,
-                   std::vector<world::Outage> outages = {})
+                   std::vector<world::Outage> outages = {}, TimeUs lost_after_us = kSecondUs)
       : outages_(std::move(outages)),
+        lost_after_us_(lost_after_us),
         scenario_(Generate(PresetByName("Random_10"), 5)),
         json_(ScenarioToJson(scenario_)),
         network_(faults, seed) {
@@ -47,11 +48,12 @@ class Mission {
   void Start(const std::string& name) {
     world::WorldOptions options;
     options.goes_on = true;
-    options.lost_after_us = kSecondUs;
+    options.lost_after_us = lost_after_us_;
     options.outages = outages_;
     network_.Add(testing::StartProcess(name, boots_[name]++, json_, options, "mpq", most_whole));
   }
   void Kill(const std::string& name) { network_.Kill(name); }
+  void Stop(const std::string& name, bool stopped) { network_.Stop(name, stopped); }
   void Isolate(const std::string& name, bool isolated) { network_.Isolate(name, isolated); }
 
   /// Until that mission time, or the end.
@@ -134,6 +136,7 @@ class Mission {
   }
 
   std::vector<world::Outage> outages_;
+  TimeUs lost_after_us_;
   Scenario scenario_;
   std::string json_;
   Crew network_;
@@ -204,6 +207,29 @@ TEST_P(OnLoss, TheMissionGoesOnWithoutAClassAndTakesItBack) {
       EXPECT_EQ(mission.Commands(kind, 50 * kMinuteUs, 75 * kMinuteUs), 0);
       EXPECT_GT(mission.Commands(kind, 80 * kMinuteUs, kNever), 0);
       mission.ExpectSound();
+    }
+  }
+}
+
+// Of those it waits for nobody speaks, and what it says itself it says ever less often: no pause
+// that it makes of its own accord may count as one in which it could not listen.
+TEST_P(OnLoss, AWorldThatWasHeldUpMissesThoseThatAreDead) {
+  for (const bool starts_again : {false, true}) {
+    SCOPED_TRACE(starts_again);
+    Mission mission({}, 1, {}, kSecondUs / 2);
+    ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+    for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) mission.Kill(name);
+    if (starts_again) {
+      mission.Kill("world");
+      mission.Start("world");
+    }
+    mission.RunOn(kSecondUs / 5);
+    mission.Stop("world", true);
+    mission.RunOn(2 * kSecondUs);
+    mission.Stop("world", false);
+    mission.RunOn(20 * kSecondUs);
+    for (const char* name : {"uav", "worker", "vehicle"}) {
+      EXPECT_EQ(mission.Count(kProcessLost, name), 1) << name;
     }
   }
 }
