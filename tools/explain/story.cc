@@ -98,20 +98,23 @@ std::vector<scheduler::PairPlan> PlannedIn(const scheduler::HorizonAgentAnswer& 
   return planned;
 }
 
-/// Tells chapter by chapter.
+/// Tells one or several stories, decision by decision: what it takes to look at a decision is spent
+/// once for all of them.
 template <class Answer>
 class Teller {
  public:
-  Teller(const DecisionLog& log, Question<Answer> question)
-      : log_(log), question_(std::move(question)), policy_(PolicyOf(log, &policy_name_)) {
+  Teller(const DecisionLog& log, std::vector<Question<Answer>> questions)
+      : log_(log), questions_(std::move(questions)), policy_(PolicyOf(log, &policy_name_)) {
     if (policy_ && scheduler::DecidesByHorizon(*policy_)) horizon_.emplace(log, *policy_);
   }
 
   const std::string& policy() const { return policy_name_; }
   Terms terms() const { return horizon_ ? Terms::kHorizon : Terms::kPaper; }
 
-  std::vector<Chapter<Answer>> Tell(const std::string& run, std::optional<std::int32_t> only,
-                                    const TellProgress& progress) {
+  /// The chapters of each question.
+  std::vector<std::vector<Chapter<Answer>>> Tell(const std::string& run,
+                                                 std::optional<std::int32_t> only,
+                                                 const TellProgress& progress) {
     if (only && !log_.decisions.contains(*only)) {
       throw InputError(run, "--decision", fmt::to_string(*only),
                        log_.decisions.empty() ? std::string("a log with a decision")
@@ -119,18 +122,47 @@ class Teller {
                                                             log_.decisions.begin()->first,
                                                             log_.decisions.rbegin()->first));
     }
-    std::vector<Chapter<Answer>> chapters;
+    std::vector<std::vector<Chapter<Answer>>> stories(questions_.size());
     const std::size_t of = only ? 1 : log_.decisions.size();
+    std::size_t told = 0;
     for (const auto& [d, logged] : log_.decisions) {
       if (only && d != *only) continue;
-      if (progress) progress(chapters.size(), of);
-      chapters.push_back(TellOne(logged));
+      if (progress) progress(told++, of);
+      TellOne(logged, &stories);
     }
-    return chapters;
+    return stories;
   }
 
  private:
-  Chapter<Answer> TellOne(const LoggedDecision& logged) {
+  void TellOne(const LoggedDecision& logged, std::vector<std::vector<Chapter<Answer>>>* stories) {
+    const scheduler::HorizonDecision* by_horizon =
+        horizon_ ? horizon_->at(logged.decision) : nullptr;
+    std::optional<scheduler::HorizonExplainer> horizon_explainer;
+    std::optional<scheduler::Situation> situation;
+    std::optional<Explainer> explainer;
+    if (by_horizon != nullptr) {
+      horizon_explainer.emplace(*by_horizon);
+    } else if (!horizon_) {
+      situation = SituationOf(logged, log_);
+      if (situation) explainer.emplace(*situation, CommandsOf(logged, log_.scenario));
+    }
+    for (std::size_t i = 0; i < questions_.size(); ++i) {
+      const Question<Answer>& question = questions_[i];
+      Chapter<Answer>& chapter = (*stories)[i].emplace_back(Opened(logged, question));
+      if (horizon_explainer) {
+        chapter.horizon = InHorizonTerms(*by_horizon, question.ask_horizon(*horizon_explainer));
+      } else if (explainer) {
+        chapter.quality = explainer->Quality();
+        chapter.answer = question.ask(*explainer);
+      } else {
+        chapter.missing = WhatIsMissing(logged, log_);
+        if (chapter.missing.empty()) chapter.missing = "a message that can be";
+      }
+    }
+  }
+
+  /// A chapter with all but the answer.
+  Chapter<Answer> Opened(const LoggedDecision& logged, const Question<Answer>& question) const {
     Chapter<Answer> chapter;
     chapter.decision = logged.decision;
     chapter.at_us = logged.at_us;
@@ -139,27 +171,15 @@ class Teller {
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
     const TimeUs until = logged.at_us + log_.scenario.rules.interval_us;
     for (const event_t& event : log_.events) {
-      if (question_.concerns(event) && BelongsTo(event, logged.decision, logged.at_us, until)) {
+      if (question.concerns(event) && BelongsTo(event, logged.decision, logged.at_us, until)) {
         chapter.events.push_back(event);
       }
     }
-    if (horizon_) {
-      if (const scheduler::HorizonDecision* decision = horizon_->at(logged.decision)) {
-        chapter.horizon = InHorizonTerms(*decision);
-        return chapter;
-      }
-    } else if (const auto situation = SituationOf(logged, log_)) {
-      const Explainer explainer(*situation, CommandsOf(logged, log_.scenario));
-      chapter.quality = explainer.Quality();
-      chapter.answer = question_.ask(explainer);
-      return chapter;
-    }
-    chapter.missing = WhatIsMissing(logged, log_);
-    if (chapter.missing.empty()) chapter.missing = "a message that can be";
     return chapter;
   }
 
-  HorizonChapter<Answer> InHorizonTerms(const scheduler::HorizonDecision& decision) {
+  HorizonChapter<Answer> InHorizonTerms(const scheduler::HorizonDecision& decision,
+                                        typename HorizonAnswerFor<Answer>::Type answer) {
     HorizonChapter<Answer> chapter;
     const scheduler::Deciding& deciding = decision.deciding;
     chapter.again = deciding.again;
@@ -168,7 +188,7 @@ class Teller {
     chapter.variants = deciding.variants;
     chapter.draws = deciding.draws;
     chapter.settings = scheduler::Difference(deciding.settings);
-    chapter.answer = question_.ask_horizon(scheduler::HorizonExplainer(decision));
+    chapter.answer = std::move(answer);
     for (const scheduler::PairPlan& pair : PlannedIn(chapter.answer)) {
       chapter.fates.emplace_back(
           pair, scheduler::FateOf(pair, decision.situation.decision, log_.scenario,
@@ -178,7 +198,7 @@ class Teller {
   }
 
   const DecisionLog& log_;
-  Question<Answer> question_;
+  std::vector<Question<Answer>> questions_;
   std::string policy_name_;
   std::unique_ptr<scheduler::Policy> policy_;
   std::optional<HorizonDecisions> horizon_;
@@ -188,37 +208,51 @@ class Teller {
 
 std::string_view NameOf(Terms terms) { return terms == Terms::kHorizon ? "horizon" : "paper"; }
 
+std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
+                                 const std::vector<std::int32_t>& tasks,
+                                 std::optional<std::int32_t> decision,
+                                 const TellProgress& progress) {
+  const auto n = static_cast<std::int32_t>(log.scenario.tasks.size());
+  std::vector<TaskStory> stories;
+  std::vector<Question<scheduler::TaskAnswer>> questions;
+  for (const std::int32_t task : tasks) {
+    if (task < 0 || task >= n) {
+      throw InputError(run, "--task", fmt::to_string(task),
+                       n == 0 ? std::string("a mission with tasks")
+                              : fmt::format("a task of the mission, 0 to {}", n - 1));
+    }
+    TaskStory& story = stories.emplace_back();
+    const TaskId id(task);
+    story.task = id;
+    story.spec = log.scenario.tasks[id.index()];
+    story.to_charge_m = NearestChargeDistance(story.spec.at, log.scenario.charging_points);
+    if (log.last_world && id.index() < log.last_world->task_status.size()) {
+      story.last_status = static_cast<TaskStatus>(log.last_world->task_status[id.index()]);
+    }
+    const auto concerns = [task](const event_t& event) {
+      return event.task_id == task && IsOutcome(static_cast<EventKind>(event.kind));
+    };
+    for (const event_t& event : log.events) {
+      if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
+    }
+    questions.push_back(
+        {[id](const Explainer& explainer) { return explainer.AboutTask(id); },
+         [id](const scheduler::HorizonExplainer& explainer) { return explainer.AboutTask(id); },
+         concerns});
+  }
+  Teller<scheduler::TaskAnswer> teller(log, std::move(questions));
+  auto chapters = teller.Tell(run, decision, progress);
+  for (std::size_t i = 0; i < stories.size(); ++i) {
+    stories[i].policy = teller.policy();
+    stories[i].terms = teller.terms();
+    stories[i].chapters = std::move(chapters[i]);
+  }
+  return stories;
+}
+
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
                    std::optional<std::int32_t> decision, const TellProgress& progress) {
-  const auto n = static_cast<std::int32_t>(log.scenario.tasks.size());
-  if (task < 0 || task >= n) {
-    throw InputError(run, "--task", fmt::to_string(task),
-                     n == 0 ? std::string("a mission with tasks")
-                            : fmt::format("a task of the mission, 0 to {}", n - 1));
-  }
-  TaskStory story;
-  story.task = TaskId(task);
-  story.spec = log.scenario.tasks[story.task.index()];
-  story.to_charge_m = NearestChargeDistance(story.spec.at, log.scenario.charging_points);
-  if (log.last_world && story.task.index() < log.last_world->task_status.size()) {
-    story.last_status = static_cast<TaskStatus>(log.last_world->task_status[story.task.index()]);
-  }
-  const auto concerns = [task](const event_t& event) {
-    return event.task_id == task && IsOutcome(static_cast<EventKind>(event.kind));
-  };
-  for (const event_t& event : log.events) {
-    if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
-  }
-  Teller<scheduler::TaskAnswer> teller(
-      log, {[&](const Explainer& explainer) { return explainer.AboutTask(story.task); },
-            [&](const scheduler::HorizonExplainer& explainer) {
-              return explainer.AboutTask(story.task);
-            },
-            concerns});
-  story.policy = teller.policy();
-  story.terms = teller.terms();
-  story.chapters = teller.Tell(run, decision, progress);
-  return story;
+  return std::move(TellTasks(log, run, {task}, decision, progress).front());
 }
 
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
@@ -235,18 +269,19 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
   story.kind = kind;
   story.id = id;
   story.spec = specs[static_cast<std::size_t>(id)];
-  Teller<scheduler::AgentAnswer> teller(
-      log, {[&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
-            [&](const scheduler::HorizonExplainer& explainer) {
-              return explainer.AboutAgent(kind, id, story.spec);
-            },
-            [kind, id](const event_t& event) {
-              return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
-                     IsOutcome(static_cast<EventKind>(event.kind));
-            }});
+  const Question<scheduler::AgentAnswer> question = {
+      [&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
+      [&](const scheduler::HorizonExplainer& explainer) {
+        return explainer.AboutAgent(kind, id, story.spec);
+      },
+      [kind, id](const event_t& event) {
+        return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
+               IsOutcome(static_cast<EventKind>(event.kind));
+      }};
+  Teller<scheduler::AgentAnswer> teller(log, {question});
   story.policy = teller.policy();
   story.terms = teller.terms();
-  story.chapters = teller.Tell(run, decision, progress);
+  story.chapters = std::move(teller.Tell(run, decision, progress).front());
   return story;
 }
 

@@ -90,6 +90,11 @@ using TellProgress = std::function<void(std::size_t told, std::size_t of)>;
 /// few exact decisions each, or a few matchings and forecasts.
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
                    std::optional<std::int32_t> decision, const TellProgress& progress = {});
+/// The same of several tasks, where each decision is made again once for all.
+std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
+                                 const std::vector<std::int32_t>& tasks,
+                                 std::optional<std::int32_t> decision,
+                                 const TellProgress& progress = {});
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
                      std::int32_t id, std::optional<std::int32_t> decision,
                      const TellProgress& progress = {});

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/explain/story.h"
 #include "tools/log/log_source.h"
 
 namespace muster::tools {
@@ -24,7 +23,7 @@ std::vector<std::int32_t> Undone(const Timeline& timeline) {
 }  // namespace
 
 nlohmann::ordered_json Reasons(const std::string& run, const Timeline& timeline, std::size_t most,
-                               const ReasonsProgress& progress) {
+                               const TellProgress& progress) {
   std::vector<std::int32_t> tasks = Undone(timeline);
   nlohmann::ordered_json reasons = {{"undone", tasks.size()},
                                     {"tasks", nlohmann::ordered_json::array()}};
@@ -32,10 +31,8 @@ nlohmann::ordered_json Reasons(const std::string& run, const Timeline& timeline,
   if (tasks.empty()) return reasons;
   LogSource source(run);
   const DecisionLog log = ReadDecisionLog(&source);
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    progress(i, tasks.size());
-    const TaskStory story = TellTask(log, run, tasks[i], {});
-    reasons["tasks"].push_back({tasks[i], ToText(story)});
+  for (const TaskStory& story : TellTasks(log, run, tasks, {}, progress)) {
+    reasons["tasks"].push_back({story.task.value, ToText(story)});
   }
   return reasons;
 }

@@ -106,7 +106,7 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
     const auto telling = [&](std::size_t told, std::size_t of) {
       const TimeUs now_us = MonotonicUs();
       if (told == 0 || !printer.due(now_us)) return;
-      printer.Show(fmt::format("{}: {} of {} tasks explained", run, told, of), now_us);
+      printer.Show(fmt::format("{}: {} of {} decisions explained", run, told, of), now_us);
     };
     try {
       chunk["reasons"] = Reasons(run, feed.timeline(), shown.reasons, telling);
