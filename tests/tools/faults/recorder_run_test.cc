@@ -127,7 +127,7 @@ TEST_F(RecorderRunTest, KilledStoppedAndWithoutRoomByAPlan) {
                                "--fault", "process_killed:recorder@30",         //
                                "--fault", "process_stopped:recorder@70+0.3s",   //
                                "--fault", "disk_full:recorder@90+0.3s",         //
-                               "--fault", "partition:recorder|world@110+0.2s",  //
+                               "--fault", "partition:recorder|world@110+1s",  //
                                "--fault", "process_killed:lcm-logger@130+0.2s"});
   EXPECT_EQ(report["events"]["process_lost"], 3);
   EXPECT_EQ(report["events"]["process_back"], 3);
