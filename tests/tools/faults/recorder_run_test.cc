@@ -122,12 +122,12 @@ TEST_F(RecorderRunTest, KilledFromOutsideAtRandomTicks) {
 TEST_F(RecorderRunTest, KilledStoppedAndWithoutRoomByAPlan) {
   // The loss from the start: while the mission makes up for delays it could be over before a packet
   // comes.
-  const Json report = Mission({"--rate", "3600",                                //
-                               "--fault", "loss:recorder@0+60=0.5",             //
-                               "--fault", "process_killed:recorder@30",         //
-                               "--fault", "process_stopped:recorder@70+0.3s",   //
-                               "--fault", "disk_full:recorder@90+0.3s",         //
-                               "--fault", "partition:recorder|world@110+1s",  //
+  const Json report = Mission({"--rate", "3600",                               //
+                               "--fault", "loss:recorder@0+60=0.5",            //
+                               "--fault", "process_killed:recorder@30",        //
+                               "--fault", "process_stopped:recorder@70+0.3s",  //
+                               "--fault", "disk_full:recorder@90+0.3s",        //
+                               "--fault", "partition:recorder|world@110+1s",   //
                                "--fault", "process_killed:lcm-logger@130+0.2s"});
   EXPECT_EQ(report["events"]["process_lost"], 3);
   EXPECT_EQ(report["events"]["process_back"], 3);
