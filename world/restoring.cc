@@ -140,7 +140,7 @@ std::optional<Restoring::State> Restoring::Newest() const {
   return tick < 0 ? std::nullopt : At(tick);
 }
 
-std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
+std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
   const Verdicts verdicts = AllVerdicts();
   if (not_begun_ || verdicts.empty()) return Newest();
   // One half of a verdict or the clock after it tells of it, too.
@@ -177,7 +177,7 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost() const {
           continue;
         }
       }
-      std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts);
+      std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts, gap);
       if (!lost) return {};
       state->is_certain &= failure.has_value();
       state->lost.push_back(*lost);
@@ -203,8 +203,8 @@ std::optional<Ruling> Restoring::FailureOf(const AgentState& agent, const Verdic
 
 std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told,
                                                     const std::optional<Ruling>& failure,
-                                                    std::int64_t tick,
-                                                    const Verdicts& verdicts) const {
+                                                    std::int64_t tick, const Verdicts& verdicts,
+                                                    Gap gap) const {
   const TimeUs failed_us = failure ? failure->at_us : kNever;
   // Its last report before the failure, or one that tells of it. A process that is cut off says
   // more than the world has heard.
@@ -218,7 +218,7 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told,
     --report;
   }
   auto [t, agent] = *report;
-  if (!tells(*report)) {
+  if (!tells(*report) && gap == Gap::kWait) {
     const bool is_last =
         rules.TimeOf(t) < failed_us && (failed_us == kNever || failed_us <= rules.TimeOf(t + 1));
     if (!is_last) return {};
@@ -235,8 +235,10 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told,
   return Lost{agent, IsLoss(failure) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
 }
 
+TimeUs GiveUpUs(TimeUs lost_after_us) { return std::max(kGiveUpUs, lost_after_us); }
+
 TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us) {
-  if (!state.is_certain) return std::max(kGiveUpUs, lost_after_us);
+  if (!state.is_certain) return GiveUpUs(lost_after_us);
   if (!state.lost.empty()) return std::max(kHearAllUs, lost_after_us);
   return goes_on ? kHearAllUs : 0;
 }

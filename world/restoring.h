@@ -47,9 +47,14 @@ class Restoring {
   };
   /// The newest tick whose states all agents have been heard with; none: something still lacks.
   std::optional<State> Newest() const;
+  /// What to do with a lost agent of whose last ticks nobody is left who heard.
+  enum class Gap {
+    kWait,    ///< somebody may still tell
+    kAccept,  ///< it stands where it was last heard of
+  };
   /// The same for a mission that goes on without lost processes: in lockstep, whoever is awaited is
   /// at most one tick behind anybody else, and not behind a verdict.
-  std::optional<State> NewestWithoutLost() const;
+  std::optional<State> NewestWithoutLost(Gap gap = Gap::kWait) const;
   /// The longest book of orders that was told of; none: nobody has one.
   const std::optional<order_book_t>& book() const { return book_; }
   /// The process that has reported the agent; "": none yet.
@@ -74,7 +79,7 @@ class Restoring {
                                          std::int64_t tick);
   /// None: something still lacks.
   std::optional<Lost> LostAgent(const Told& told, const std::optional<Ruling>& failure,
-                                std::int64_t tick, const Verdicts& verdicts) const;
+                                std::int64_t tick, const Verdicts& verdicts, Gap gap) const;
 
   std::optional<order_book_t> book_;
   const Scenario& scenario_;
@@ -93,5 +98,7 @@ class Restoring {
 /// So long a world that starts again listens before it goes on from `state`: whoever is there has
 /// answered by then.
 TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us);
+/// So long it waits at most for what somebody may still tell.
+TimeUs GiveUpUs(TimeUs lost_after_us);
 
 }  // namespace muster::world

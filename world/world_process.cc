@@ -254,10 +254,13 @@ void WorldProcess::AskForState(const Now& now) {
 }
 
 bool WorldProcess::RestoreState(const Now& now) {
-  const std::optional<Restoring::State> state =
+  const TimeUs listened_us = attendance_.peers().AwaitedUs(now.monotonic_us);
+  std::optional<Restoring::State> state =
       options_.goes_on ? restoring_.NewestWithoutLost() : restoring_.Newest();
-  if (!state || attendance_.peers().AwaitedUs(now.monotonic_us) <
-                    ListenUs(*state, options_.goes_on, options_.lost_after_us)) {
+  if (!state && options_.goes_on && listened_us >= GiveUpUs(options_.lost_after_us)) {
+    state = restoring_.NewestWithoutLost(Restoring::Gap::kAccept);
+  }
+  if (!state || listened_us < ListenUs(*state, options_.goes_on, options_.lost_after_us)) {
     return false;
   }
   if (desk_.book().takes_orders() && state->tick > 0) {

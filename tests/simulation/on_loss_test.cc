@@ -234,6 +234,29 @@ TEST_P(OnLoss, AWorldThatWasHeldUpMissesThoseThatAreDead) {
   }
 }
 
+// Where nobody is left who heard the last reports of a process that is lost, a world that starts
+// again asked for them for ever.
+TEST_P(OnLoss, WhatNobodyHeardOfTheLostIsGivenUp) {
+  for (const char* name : {"uav", "worker"}) {
+    SCOPED_TRACE(name);
+    Mission mission;
+    ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
+    mission.Isolate("recorder", true);
+    ASSERT_TRUE(mission.RunTo(46 * kMinuteUs));
+    mission.Kill(name);
+    ASSERT_TRUE(mission.RunTo(48 * kMinuteUs));
+    mission.Isolate("recorder", false);
+    ASSERT_TRUE(mission.RunTo(50 * kMinuteUs));
+    mission.Kill("world");
+    mission.Start("world");
+    ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
+    mission.Start(name);
+    EXPECT_TRUE(mission.RunToEnd());
+    EXPECT_EQ(mission.Count(kProcessLost, name), 1);
+    EXPECT_EQ(mission.Count(kProcessBack, name), 1);
+  }
+}
+
 TEST_P(OnLoss, ACutOffProcessComesBackByItself) {
   for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
     SCOPED_TRACE(name);
