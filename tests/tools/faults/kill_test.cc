@@ -145,7 +145,7 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 // In the place of the frozen launcher: its log tells nobody what it holds.
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
   std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File("run")};
-  for (const std::string& argument : GoingOn(1)) arguments.push_back(argument);
+  for (const std::string& argument : GoingOn()) arguments.push_back(argument);
   const std::string fault = fmt::format("process_stopped:lcm-logger@60+{}s", 4 * kSlowness);
   arguments.insert(arguments.end(), {"--logger", "lcm", "--fault", fault});
   Muster muster(folder_, "run", arguments);

@@ -20,11 +20,11 @@ namespace muster::tools {
 /// By how much a sanitizer's build needs longer for a decision.
 inline constexpr double kSlowness = kSanitized ? 8 : 1;
 
-/// A mission at an hour a second that goes on without who is silent for so long; where nobody is to
-/// be lost, decisions on a busy machine need their time.
-inline std::vector<std::string> GoingOn(double lost_after_s = 0.5) {
+/// A mission at an hour a second that goes on without who is silent for a second: on a busy machine
+/// decisions need their time.
+inline std::vector<std::string> GoingOn() {
   return {"--on-loss",    "continue",
-          "--lost-after", fmt::to_string(lost_after_s * kSlowness),
+          "--lost-after", fmt::to_string(kSlowness),
           "--rate",       fmt::to_string(3600 / kSlowness)};
 }
 

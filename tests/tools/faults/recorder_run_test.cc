@@ -150,7 +150,7 @@ TEST_F(RecorderRunTest, EverybodysPacketsAreLostAndStrangersSpeak) {
 }
 
 TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
-  std::vector<std::string> more = GoingOn(1);
+  std::vector<std::string> more = GoingOn();
   more.insert(more.end(),
               {"--fault", fmt::format("process_stopped:recorder@60+{}s", 4 * kSlowness)});
   const Json report = Mission(more);
