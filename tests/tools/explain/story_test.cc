@@ -183,6 +183,7 @@ TEST(TaskStory, TellsOfTasksThatAreReportedAndExpire) {
     const std::vector<TaskStory> together = TellTasks(log, "run", all, {});
     for (const std::int32_t x : all) {
       const TaskStory story = TellTask(log, "run", x, {});
+      EXPECT_FALSE(ToText(story).empty());
       EXPECT_EQ(ToText(story), ToText(together[static_cast<std::size_t>(x)]));
       const Task& task = scenario.tasks[static_cast<std::size_t>(x)];
       const auto json = ToJson(story);
