@@ -177,7 +177,11 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
           continue;
         }
       }
-      std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts, gap);
+      std::optional<Lost> lost = LostAgent(agent, failure, tick, verdicts, Gap::kWait);
+      if (!lost && gap == Gap::kAccept) {
+        lost = LostAgent(agent, failure, tick, verdicts, gap);
+        state->given_up.insert(agent.owner);
+      }
       if (!lost) return {};
       state->is_certain &= failure.has_value();
       state->lost.push_back(*lost);

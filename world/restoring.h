@@ -7,6 +7,7 @@
 #include <muster/rulings_t.hpp>
 #include <muster/world_state_t.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -43,7 +44,8 @@ class Restoring {
     Verdict verdict;
     std::vector<Packet> reports;  ///< what was told of the states at `tick`
     std::vector<Lost> lost;
-    bool is_certain = true;  ///< no: of somebody the last report lacks, it may still come
+    bool is_certain = true;          ///< no: of somebody the last report lacks, it may still come
+    std::set<std::string> given_up;  ///< processes with such agents as Gap::kAccept speaks of
   };
   /// The newest tick whose states all agents have been heard with; none: something still lacks.
   std::optional<State> Newest() const;

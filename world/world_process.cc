@@ -278,6 +278,12 @@ bool WorldProcess::RestoreState(const Now& now) {
       attendance_.SetOwner(kind, id, restoring_.OwnerOf(kind, id));
     }
   }
+  for (const std::string& name : state->given_up) {
+    Notice(
+        fmt::format("nobody can say what {} did last: its agents stay lost where they were last "
+                    "heard of",
+                    name));
+  }
   TakeOrders(now);
   Begin(now);
   // This tick may have been judged before, with what its reporters can no longer repeat.
