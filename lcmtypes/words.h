@@ -104,6 +104,7 @@ enum class EventKind : std::int8_t {
   kAgentJoined = 22,
   kAgentLeaves = 23,
   kDriverFailed = 24,  ///< what the driver of a measured agent says, or what is wrong with it
+  kStateUnknown = 25,  ///< a world starts again, and nobody can tell what a lost process did last
 };
 
 /// fault_t.kind
@@ -182,12 +183,13 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 25> kNames<EventKind> = {
+inline constexpr std::array<std::string_view, 26> kNames<EventKind> = {
     "agent_online",  "agent_offline",   "agent_failed",     "agent_back",     "sensing_started",
     "sensing_done",  "sensing_aborted", "charging_started", "charging_done",  "charging_aborted",
     "match_failed",  "process_lost",    "process_back",     "fault_applied",  "fault_ended",
     "task_reported", "task_expired",    "answer_refused",   "task_cancelled", "task_held",
-    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves",   "driver_failed"};
+    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves",   "driver_failed",
+    "state_unknown"};
 template <>
 inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",

@@ -7,7 +7,6 @@
 #include <muster/process_status_t.hpp>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "lcmtypes/bus/bus.h"
@@ -57,9 +56,6 @@ class Process {
   /// Publishes something that the edge has to say; the header is filled here.
   void Announce(event_t event, const Now& now);
 
-  /// What whoever watches the mission is to read, each once: something was given up, say.
-  std::vector<std::string> TakeNotices() { return std::exchange(notices_, {}); }
-
   /// Packets that were no message of this mission, or an impossible one.
   std::int64_t rejected() const { return inbox_.counters().rejected + refused_; }
   /// How many its bus has refused so far: they count as rejected.
@@ -92,7 +88,6 @@ class Process {
   void Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
               TimeUs sim_us, const Now& now);
 
-  void Notice(std::string text) { notices_.push_back(std::move(text)); }
   Sender& sender() { return sender_; }
   const Sender& sender() const { return sender_; }
   Inbox& inbox() { return inbox_; }
@@ -108,7 +103,6 @@ class Process {
   TimeUs sim_us_ = 0;
   std::int64_t refused_ = 0, dropped_ = 0;
   std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
-  std::vector<std::string> notices_;
 };
 
 /// std::visit with a lambda a type; messages that no lambda names are ignored.

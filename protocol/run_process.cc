@@ -154,9 +154,6 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
     if (drive.Turn(arrived, now, HostUsage) && !quiet) {
       Say("{}: {}\n", process->identity().name, ToString(process->state()));
     }
-    for (const std::string& notice : process->TakeNotices()) {
-      fmt::print(stderr, "{}: {}\n", process->identity().name, notice);
-    }
     look_at_network();
     const TimeUs wait_us = drive.wake_us(now.monotonic_us) - clock().monotonic_us;
     arrived = bus->Receive(std::max<TimeUs>(wait_us, 0));

@@ -279,10 +279,7 @@ bool WorldProcess::RestoreState(const Now& now) {
     }
   }
   for (const std::string& name : state->given_up) {
-    Notice(
-        fmt::format("nobody can say what {} did last: its agents stay lost where they were last "
-                    "heard of",
-                    name));
+    SayOfProcess(Event::Kind::kStateUnknown, name, now);
   }
   TakeOrders(now);
   Begin(now);

@@ -22,7 +22,7 @@ void ForEachWord(Visit visit) {
   visit(TaskStatus::kHeld, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kDriverFailed, "`event_t.kind`");
+  visit(EventKind::kStateUnknown, "`event_t.kind`");
   visit(FaultKind::kForeign, "`fault_t.kind`");
   visit(ProcessState::kEnded, "`process_status_t.state`");
 }
@@ -61,7 +61,8 @@ TEST(Words, OutcomesAndFaultsAreToldApart) {
     if (!IsOutcome(static_cast<EventKind>(i))) others.insert(kNames<EventKind>[i]);
   }
   EXPECT_EQ(others, (std::set<std::string_view>{"process_lost", "process_back", "fault_applied",
-                                                "fault_ended", "answer_refused", "driver_failed"}));
+                                                "fault_ended", "answer_refused", "driver_failed",
+                                                "state_unknown"}));
   std::set<std::string_view> of_processes;
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);

@@ -92,7 +92,10 @@ void Supervisor::ReadLog(const Now& now) {
       if (const auto said = DecodeValid<event_t>(packet.bytes)) SayOfDriver(*said);
     }
     if (packet.channel == channel::kEvent) {
-      if (const auto happened = DecodeValid<event_t>(packet.bytes)) injector_.OnEvent(*happened);
+      if (const auto happened = DecodeValid<event_t>(packet.bytes)) {
+        injector_.OnEvent(*happened);
+        SayOfProcess(*happened);
+      }
     }
     const std::optional<header_t> header = DecodeHeader(packet);
     for (Member& member : members_) {
@@ -228,6 +231,20 @@ SentPacket Supervisor::Publish(const fault_t& fault) {
     if (std::optional<event_t> event = own_faults_.Take(fault)) recorder_.Announce(*event, now);
   }
   return recorder_.Publish(fault, now);
+}
+
+void Supervisor::SayOfProcess(const event_t& said) {
+  if (said.header.sender != process_name::kWorld) return;
+  const std::string who = Printable(said.detail);
+  const double at_min = ToMinutes(said.at_us);
+  if (said.kind == EventKind::kProcessLost) {
+    Say(fmt::format("{} is lost at {:.1f} min: the mission goes on without it", who, at_min));
+  } else if (said.kind == EventKind::kProcessBack) {
+    Say(fmt::format("{} takes part again at {:.1f} min", who, at_min));
+  } else if (said.kind == EventKind::kStateUnknown) {
+    Say(fmt::format(
+        "nobody can tell what {} did last: its agents stay where they were last heard of", who));
+  }
 }
 
 void Supervisor::SayOfDriver(const event_t& said) {

@@ -67,6 +67,8 @@ class Supervisor : private FaultActions {
   void NoteBack(Member* member, const Now& now);
   /// Publishes an event_t about a process.
   void Announce(EventKind kind, std::string detail, const Now& now);
+  /// What the world tells of a process.
+  void SayOfProcess(const event_t& said);
   void SayOfDriver(const event_t& said);
   void Say(const std::string& line) { host_->Say(line); }
   Member* Find(const std::string& name);

@@ -54,7 +54,6 @@ ordered_json Decisions(const RunRecord& record) {
   return list;
 }
 
-/// What outside schedulers said and nobody obeyed.
 ordered_json FailedAgents(const RunRecord& record) {
   ordered_json list = ordered_json::array();
   for (const event_t& event : record.events()) {
@@ -70,6 +69,7 @@ ordered_json FailedAgents(const RunRecord& record) {
   return list;
 }
 
+/// What outside schedulers said and nobody obeyed.
 ordered_json RefusedAnswers(const RunRecord& record) {
   ordered_json list = ordered_json::array();
   for (const event_t& event : record.events()) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
+#include <string>
 #include <string_view>
 
 #include "base/text.h"
@@ -81,6 +83,24 @@ std::string ArrivalsLine(const std::vector<MeasuredLeg>& legs) {
                             late_s / static_cast<double>(arrived), most_s);
 }
 
+/// Agents that failed, and processes that the world went on without; "": none.
+std::string LostLine(const RunRecord& record) {
+  std::size_t failed = 0;
+  std::size_t back = 0;
+  std::set<std::string> processes;
+  for (const event_t& event : record.events()) {
+    failed += event.kind == EventKind::kAgentFailed ? 1 : 0;
+    back += event.kind == EventKind::kAgentBack ? 1 : 0;
+    if (event.kind == EventKind::kProcessLost && event.header.sender == process_name::kWorld) {
+      processes.insert(Printable(event.detail));
+    }
+  }
+  if (failed == 0 && processes.empty()) return "";
+  return fmt::format(
+      "{} agents failed, {} came back{}", failed, back,
+      processes.empty() ? "" : fmt::format("; without {} for a time", fmt::join(processes, ", ")));
+}
+
 }  // namespace
 
 std::string Summary(const RunRecord& record) {
@@ -138,6 +158,7 @@ std::string Summary(const RunRecord& record) {
     row("refused",
         fmt::format("{} answers of the outside scheduler, first: {}", refused, first_refused));
   }
+  if (const std::string lost = LostLine(record); !lost.empty()) row("lost", lost);
   row("decision time", fmt::format("median {}, max {}", Times(time.median_s), Times(time.max_s)));
   if (record.wall_s() > 0) row("wall time", fmt::format("{:.2f} s", record.wall_s()));
   row("log", LogLine(record));

@@ -8,6 +8,7 @@
 #include "model/generator.h"
 #include "tests/simulation/audited.h"
 #include "tools/record/digest.h"
+#include "tools/record/summary.h"
 
 namespace muster::tools {
 namespace {
@@ -143,16 +144,27 @@ TEST(VirtualMission, FailingAgentsAreThoseOfTheFastOne) {
 }
 
 TEST(VirtualMission, GoesOnWithoutWhoeverIsLost) {
-  for (const char* fault : {"process_killed:uav@60+30", "process_stopped:worker@60+30",
-                            "partition:vehicle|world@60+30", "process_killed:scheduler@60+30"}) {
+  for (const std::string fault :
+       {"process_killed:uav@60+30", "process_stopped:worker@60+30", "partition:vehicle|world@60+30",
+        "process_killed:scheduler@60+30"}) {
     SCOPED_TRACE(fault);
     VirtualMission mission = MissionWith({fault});
     mission.goes_on = true;
     mission.lost_after_us = kSecondUs / 2;
+    std::string said;
+    mission.say = [&](const std::string& line) { said += line + "\n"; };
     const RunRecord record = RunSoundly(mission).record;
     EXPECT_NE(Digest(record), UndisturbedDigest(mission));
     EXPECT_GT(Count(record, kProcessLost), 0);
     EXPECT_GT(Count(record, kProcessBack), 0);
+    const std::string name =
+        fault.substr(fault.find(':') + 1, fault.find_first_of("@|") - fault.find(':') - 1);
+    EXPECT_NE(said.find(name + " is lost at 60.0 min: the mission goes on without it\n"),
+              std::string::npos)
+        << said;
+    EXPECT_NE(said.find(name + " takes part again at "), std::string::npos) << said;
+    EXPECT_NE(Summary(record).find("; without " + name + " for a time\n"), std::string::npos)
+        << Summary(record);
   }
 }
 
