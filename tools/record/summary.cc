@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/text.h"
 #include "tools/record/digest.h"
@@ -95,10 +96,12 @@ std::string LostLine(const RunRecord& record) {
       processes.insert(Printable(event.detail));
     }
   }
-  if (failed == 0 && processes.empty()) return "";
-  return fmt::format(
-      "{} agents failed, {} came back{}", failed, back,
-      processes.empty() ? "" : fmt::format("; without {} for a time", fmt::join(processes, ", ")));
+  std::vector<std::string> parts;
+  if (failed > 0) parts.push_back(fmt::format("{} agents failed, {} came back", failed, back));
+  if (!processes.empty()) {
+    parts.push_back(fmt::format("without {} for a time", fmt::join(processes, ", ")));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 }  // namespace
