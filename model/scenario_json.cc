@@ -3,20 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <unordered_set>
 #include <utility>
 
 #include "base/json_tree.h"
+#include "base/text_file.h"
 #include "model/object_reader.h"
 #include "model/scenario_units.h"
 
@@ -408,24 +405,15 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
 }
 
 Scenario LoadScenario(const std::string& file) {
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in.is_open() && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
-  if (!in.is_open() || in.bad() || (text.str().empty() && errno != 0)) {
-    namespace fs = std::filesystem;
-    std::error_code ignored;
-    const fs::path inside = fs::path(file) / "scenario.json";
-    if (fs::is_regular_file(inside, ignored)) {
-      throw InputError(
-          fmt::format("{}: found a run directory, expected a scenario file; its "
-                      "scenario is {}",
-                      file, inside.string()));
-    }
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path inside = fs::path(file) / "scenario.json";
+  if (fs::is_regular_file(inside, ignored)) {
     throw InputError(
-        fmt::format("{}: cannot read a scenario from it: {}", file, std::strerror(errno)));
+        fmt::format("{}: found a run directory, expected a scenario file; its scenario is {}", file,
+                    inside.string()));
   }
-  return ParseScenario(text.str(), file);
+  return ParseScenario(ReadTextFile(file, "a scenario"), file);
 }
 
 std::string ScenarioToJson(const Scenario& scenario) { return Writer().Write(scenario); }

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <sstream>
 
 #include "base/check.h"
+#include "base/text_file.h"
 
 namespace muster::world {
 
 std::vector<PlannedOrder> ReadPlannedOrders(const std::string& file) {
-  std::ifstream in(file);
-  if (!in.is_open()) throw SystemError(fmt::format("cannot read {}", file));
+  std::istringstream in(ReadTextFile(file, "orders"));
   std::vector<PlannedOrder> orders;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/text_file.h"
 #include "lcmtypes/bus/event_log.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
@@ -31,8 +31,7 @@ std::string Clock(std::int64_t us) {
 
 void CompareReport(const std::string& file, const audit::Facts& facts,
                    std::vector<Violation>* violations) {
-  std::ifstream stream(file);
-  const nlohmann::json report = nlohmann::json::parse(stream, nullptr, false);
+  const auto report = nlohmann::json::parse(ReadTextFile(file, "a report"), nullptr, false);
   if (report.is_discarded() || !report.is_object()) {
     throw InputError(fmt::format("{}: not a JSON object", file));
   }

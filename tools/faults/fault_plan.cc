@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <sstream>
 
 #include "base/check.h"
 #include "base/text.h"
+#include "base/text_file.h"
 #include "model/agent.h"
 
 namespace muster::tools {
@@ -227,12 +226,7 @@ FaultPlan ParseFaultPlan(const std::string& text, const std::string& file) {
 }
 
 FaultPlan LoadFaultPlan(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    throw InputError(fmt::format("{}: cannot read a fault plan from it", file));
-  }
-  return ParseFaultPlan(text.str(), file);
+  return ParseFaultPlan(ReadTextFile(file, "a fault plan"), file);
 }
 
 PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {

@@ -5,11 +5,13 @@
 #include <cerrno>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/text_file.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/registry.h"
 #include "tools/files/pending_file.h"
@@ -82,8 +84,7 @@ int CheckSolutionCommand(int argc, const char* const* argv) {
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const auto file = arguments->Get("solution");
-  std::ifstream in(file);
-  if (!in) throw SystemError(fmt::format("{}: cannot be read", file));
+  std::istringstream in(ReadTextFile(file, "a solution"));
 
   const scheduler::Situation situation = ReadSituation(*arguments);
   const ConflictGraph graph(situation);

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 
 #include "base/check.h"
 #include "base/json_tree.h"
 #include "base/text.h"
+#include "base/text_file.h"
 #include "lcmtypes/bus/multicast.h"
 
 namespace muster::tools {
@@ -147,10 +147,7 @@ HostList ParseHosts(std::string_view json, const std::string& file) {
 }
 
 HostList LoadHosts(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string json{std::istreambuf_iterator<char>(in), {}};
-  if (!in) throw InputError(fmt::format("{}: it cannot be read", file));
-  return ParseHosts(json, file);
+  return ParseHosts(ReadTextFile(file, "a list of hosts"), file);
 }
 
 void CheckHosts(const HostList& list, const std::string& file,

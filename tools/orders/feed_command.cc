@@ -347,7 +347,9 @@ int FeedCommand(int argc, const char* const* argv) {
   std::ifstream opened;
   if (!from_stdin) {
     opened.open(file);
-    if (!opened.is_open()) throw InputError(fmt::format("{}: cannot be read", file));
+    if (!opened.is_open() || std::filesystem::is_directory(file)) {
+      throw InputError(fmt::format("{}: cannot read rows from it", file));
+    }
   }
   const StopSignals stop;
   std::unique_ptr<Sink> sink;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -13,6 +11,7 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/text_file.h"
 #include "lcmtypes/bus/event_log.h"
 #include "protocol/run_process.h"
 #include "tools/files/log_files.h"
@@ -51,16 +50,6 @@ void RequirePageOrNothing(const std::string& out) {
                    "a new file, or a page to write again");
 }
 
-std::string Read(const std::string& file) {
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw SystemError(fmt::format("cannot read {}: {}", file, std::strerror(errno)));
-  }
-  return text.str();
-}
-
 /// What a page shows beside the run itself.
 struct Shown {
   std::size_t reasons = 0;
@@ -94,7 +83,8 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
   nlohmann::ordered_json chunk = PageChunk(feed, NameOf(run), &cursor, true);
   const Scenario& scenario = feed.timeline().scenario();
   if (!shown.background.empty()) {
-    chunk["background"] = Background(Read(shown.background), shown.background, scenario);
+    chunk["background"] =
+        Background(ReadTextFile(shown.background, "a map"), shown.background, scenario);
   }
   std::string missing;
   if (auto coast = CoastOf(shown.coast, scenario, &missing); !coast.is_null()) {

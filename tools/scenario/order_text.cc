@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "base/check.h"
 #include "base/json_tree.h"
+#include "base/text_file.h"
 #include "model/order.h"
 #include "tools/scenario/window.h"
 
@@ -73,11 +74,7 @@ world::PlannedOrder ReadOrder(std::string_view text, const std::string& where,
 
 std::vector<world::PlannedOrder> ReadOrderFile(const std::string& file,
                                                const std::optional<Origin>& origin) {
-  std::ifstream opened;
-  if (file != "-") {
-    opened.open(file);
-    if (!opened.is_open()) throw InputError(fmt::format("{}: cannot read orders from it", file));
-  }
+  std::istringstream opened(file == "-" ? "" : ReadTextFile(file, "orders"));
   std::istream& in = file == "-" ? std::cin : opened;
   std::vector<world::PlannedOrder> orders;
   std::set<std::string> ids;

@@ -5,17 +5,16 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "base/check.h"
 #include "base/json_tree.h"
+#include "base/text_file.h"
 
 namespace muster::tools {
 namespace {
+
+constexpr std::size_t kMostTableBytes = std::size_t{4} << 30;
 
 std::string Lower(std::string_view text) {
   std::string lower(text);
@@ -176,16 +175,10 @@ Table ParseGeoJson(std::string_view text, std::string_view file) {
 }
 
 Table ReadTable(const std::string& file) {
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in.is_open() && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
-  if (!in.is_open() || in.bad() || (text.str().empty() && errno != 0)) {
-    throw SystemError(fmt::format("cannot read {}: {}", file, std::strerror(errno)));
-  }
+  const std::string text = ReadTextFile(file, "a table", kMostTableBytes);
   const std::string name = Lower(file);
-  return name.ends_with(".json") || name.ends_with(".geojson") ? ParseGeoJson(text.str(), file)
-                                                               : ParseCsv(text.str(), file);
+  return name.ends_with(".json") || name.ends_with(".geojson") ? ParseGeoJson(text, file)
+                                                               : ParseCsv(text, file);
 }
 
 }  // namespace muster::tools

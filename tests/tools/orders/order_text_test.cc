@@ -78,5 +78,11 @@ TEST(OrderText, AFileIsReadAndWrittenLineByLine) {
   EXPECT_THROW(ReadOrderFile(file, {}), InputError);
 }
 
+TEST(OrderText, AFolderIsNoEmptyFile) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(ReadOrderFile(folder.path().string(), {}), InputError);
+  EXPECT_THROW(world::ReadPlannedOrders(folder.path().string()), InputError);
+}
+
 }  // namespace
 }  // namespace muster::tools
