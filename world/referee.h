@@ -33,6 +33,10 @@ struct FailureReason {
   Cause cause = Cause::kFault;
   std::string by = {};  ///< the fault's id, the process's name, what the agent's driver says
 
+  static FailureReason LossOf(std::string process) {
+    return {Cause::kProcessLost, std::move(process)};
+  }
+
   /// As an event tells it.
   std::string Text() const;
   auto operator<=>(const FailureReason&) const = default;

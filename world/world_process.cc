@@ -32,10 +32,6 @@ constexpr TimeUs kMissedUs = 300'000;
 /// The recorder says every 200 ms at least what the log holds, and it may be lost once.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
-FailureReason LossOf(const std::string& process) {
-  return {FailureReason::Cause::kProcessLost, process};
-}
-
 PerKind<ToldAgents> ToldOf(const std::shared_ptr<const Scenario>& shared) {
   return {ToldAgents(shared, AgentKind::kUav), ToldAgents(shared, AgentKind::kWorker),
           ToldAgents(shared, AgentKind::kVehicle)};
@@ -241,69 +237,6 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
   }
 }
 
-void WorldProcess::AskForState(const Now& now) {
-  // What the others say of agents can be read with the orders alone.
-  if (desk_.book().takes_orders() && !restoring_.book()) {
-    return Request(channel::kOrders, 0, now);
-  }
-  for (const std::string_view name : {channel::kUavs, channel::kWorkers, channel::kVehicles,
-                                      channel::kWorld, channel::kRulings, channel::kClock}) {
-    Request(name, 0, now);
-  }
-  if (desk_.book().takes_orders()) Request(channel::kOrders, 0, now);
-}
-
-bool WorldProcess::RestoreState(const Now& now) {
-  const TimeUs listened_us = attendance_.peers().AwaitedUs(now.monotonic_us);
-  std::optional<Restoring::State> state =
-      options_.goes_on ? restoring_.NewestWithoutLost() : restoring_.Newest();
-  if (!state && options_.goes_on && listened_us >= GiveUpUs(options_.lost_after_us)) {
-    state = restoring_.NewestWithoutLost(Restoring::Gap::kAccept);
-  }
-  if (!state || listened_us < ListenUs(*state, options_.goes_on, options_.lost_after_us)) {
-    return false;
-  }
-  if (desk_.book().takes_orders() && state->tick > 0) {
-    // Whoever has told of this tick has heard what was taken at it.
-    if (!desk_.book().complete(state->tick)) return false;
-  }
-  if (state->tick > 0) {
-    referee_.Restore(clock_.TimeOf(state->tick - 1), state->task_status, state->verdict);
-    clock_.Restore(state->tick, state->applied_decision, state->next_decision, now.monotonic_us);
-    set_state(ProcessState::kRunning);
-  }
-  for (const AgentKind kind : kAgentKinds) {
-    for (std::size_t i = 0; i < agents_[kind].size(); ++i) {
-      const auto id = static_cast<std::int32_t>(i);
-      attendance_.SetOwner(kind, id, restoring_.OwnerOf(kind, id));
-    }
-  }
-  for (const std::string& name : state->given_up) {
-    SayOfProcess(Event::Kind::kStateUnknown, name, now);
-  }
-  TakeOrders(now);
-  Begin(now);
-  // This tick may have been judged before, with what its reporters can no longer repeat.
-  for (const Packet& packet : state->reports) {
-    if (const auto states = DecodeValid<agent_states_t>(packet.bytes)) Take(*states, &packet);
-  }
-  for (const Restoring::Lost& lost : state->lost) RestoreLost(lost);
-  return true;
-}
-
-void WorldProcess::RestoreLost(const Restoring::Lost& lost) {
-  const AgentKind kind = lost.agent.kind;
-  const std::string& owner = attendance_.OwnerOf(kind, lost.agent.id);
-  if (!lost.returns) {
-    agents_.at(kind, lost.agent.id) = lost.agent;
-    attendance_.Excuse(kind, lost.agent.id);
-  }
-  Peers& peers = attendance_.peers();
-  peers.set_presence(owner,
-                     lost.returns || peers.heard(owner) ? Presence::kReturning : Presence::kLost);
-  referee_.Add({kind, lost.agent.id, lost.from_us, kNever, LossOf(owner)});
-}
-
 void WorldProcess::TakeOrders(const Now& now) {
   if (!desk_.book().takes_orders()) return;
   const std::int64_t tick = clock_.tick();
@@ -325,7 +258,7 @@ void WorldProcess::Judge(const Now& now) {
   base_lacks_ = {};
   ForgetQuestions();
   for (const std::string& name : attendance_.TakeBack()) {
-    referee_.EndOutages(LossOf(name), t);
+    referee_.EndOutages(FailureReason::LossOf(name), t);
     SayOfProcess(Event::Kind::kProcessBack, name, now);
   }
   referee_.Judge(t, clock_.decision(), &agents_);
@@ -419,7 +352,8 @@ void WorldProcess::Lose(const std::string& name, const Now& now) {
   SayOfProcess(Event::Kind::kProcessLost, name, now);
   // Nobody knows what became of its agents since they were heard.
   attendance_.ForEachAgentOf(name, [&](AgentKind kind, std::int32_t id) {
-    referee_.Add({kind, id, clock_.TimeOf(clock_.tick() - 1) + 1, kNever, LossOf(name)});
+    referee_.Add(
+        {kind, id, clock_.TimeOf(clock_.tick() - 1) + 1, kNever, FailureReason::LossOf(name)});
   });
 }
 

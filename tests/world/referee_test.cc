@@ -28,9 +28,6 @@ Scenario SmallScenario() {
 }
 
 FailureReason Fault(const std::string& id) { return {FailureReason::Cause::kFault, id}; }
-FailureReason LossOf(const std::string& process) {
-  return {FailureReason::Cause::kProcessLost, process};
-}
 
 Agents StartAgents(const Scenario& scenario) {
   Agents agents;
@@ -178,12 +175,15 @@ TEST(Referee, TheEndOfAnOutageBringsBackNobodyWhoHadFailedForGood) {
 
 TEST(Referee, OnlyWhoFailsWithItsProcessIsRuledToBeLost) {
   Mission mission(SmallScenario());
-  mission.referee().Add({AgentKind::kUav, 0, 30 * kSecondUs + 1, kNever, LossOf("uav")});
+  mission.referee().Add(
+      {AgentKind::kUav, 0, 30 * kSecondUs + 1, kNever, FailureReason::LossOf("uav")});
   // A planned outage may begin at the same microsecond, and before.
-  mission.referee().Add({AgentKind::kWorker, 0, 30 * kSecondUs + 1, kNever, LossOf("worker")});
+  mission.referee().Add(
+      {AgentKind::kWorker, 0, 30 * kSecondUs + 1, kNever, FailureReason::LossOf("worker")});
   mission.referee().Add({AgentKind::kWorker, 0, 30 * kSecondUs + 1, kNever, Fault("f")});
   mission.referee().Add({AgentKind::kVehicle, 0, 20 * kSecondUs, 90 * kSecondUs, Fault("g")});
-  mission.referee().Add({AgentKind::kVehicle, 0, 30 * kSecondUs + 1, kNever, LossOf("vehicle")});
+  mission.referee().Add(
+      {AgentKind::kVehicle, 0, 30 * kSecondUs + 1, kNever, FailureReason::LossOf("vehicle")});
   for (const TimeUs t : {0, 30, 60}) mission.Judge(t * kSecondUs);
   const TimeUs lost_us = 30 * kSecondUs + 1;
   using RKind = Ruling::Kind;
@@ -197,7 +197,7 @@ TEST(Referee, OnlyWhoFailsWithItsProcessIsRuledToBeLost) {
   }
   EXPECT_EQ(told, (std::vector<std::pair<std::string, std::string>>{
                       {"g", "g"}, {"f", "f"}, {"uav is lost", ""}}));
-  mission.referee().EndOutages(LossOf("uav"), 90 * kSecondUs);
+  mission.referee().EndOutages(FailureReason::LossOf("uav"), 90 * kSecondUs);
   mission.Judge(90 * kSecondUs);
   EXPECT_EQ(mission.referee().verdict().rulings(),
             (std::vector<Ruling>{{AgentKind::kWorker, 0, RKind::kFailed, lost_us},
