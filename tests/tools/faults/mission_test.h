@@ -20,12 +20,13 @@ namespace muster::tools {
 /// By how much a sanitizer's build needs longer for a decision.
 inline constexpr double kSlowness = kSanitized ? 8 : 1;
 
-/// A mission at an hour a second that goes on without who is silent for a second: on a busy machine
-/// decisions need their time.
+/// A mission at half an hour a second that goes on without who is silent for a second: on a busy
+/// machine decisions need their time, and who starts again while the mission makes up for that
+/// second has to be there before its end.
 inline std::vector<std::string> GoingOn() {
   return {"--on-loss",    "continue",
           "--lost-after", fmt::to_string(kSlowness),
-          "--rate",       fmt::to_string(3600 / kSlowness)};
+          "--rate",       fmt::to_string(1800 / kSlowness)};
 }
 
 /// Missions of Random_1, and the digest that each of them has when nothing disturbs it.
