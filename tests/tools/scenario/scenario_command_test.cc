@@ -323,7 +323,7 @@ TEST_F(ScenarioCommandTest, ImportNamesWhatIsWrong) {
             "most 14:00");
   EXPECT_EQ(error({"--utc-offset", "-04:00", "--start", "2010-01-16T09:00:00-05:00"}),
             "command line: --utc-offset: found '-04:00', expected UTC-05:00, that of --start");
-  EXPECT_THROW(Run(ImportCommand, {File("none.csv")}), SystemError);
+  EXPECT_THROW(Run(ImportCommand, {File("none.csv")}), InputError);
 }
 
 }  // namespace
