@@ -32,9 +32,10 @@ inline TimeUs SensingUs(double cost_m, double uav_speed_m_s) {
   return TravelUs(cost_m, uav_speed_m_s);
 }
 
-/// Duration of charging, constraint (4): what is missing on arrival / charging rate.
+/// Duration of charging, constraint (4): what is missing on arrival / charging rate. Nothing is
+/// missing of more than a full range.
 inline TimeUs ChargingUs(double range_full_m, double range_on_arrival_m, double charge_rate_m_s) {
-  return TravelUs(range_full_m - range_on_arrival_m, charge_rate_m_s);
+  return TravelUs(std::max(0.0, range_full_m - range_on_arrival_m), charge_rate_m_s);
 }
 
 /// Latest time at which an action of this agent may end under the availability mode: strict:

@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "base/check.h"
+#include "lcmtypes/bounds.h"
 #include "model/scenario_json.h"
 #include "model/scenario_units.h"
 
@@ -19,8 +18,8 @@ class Validator {
 
   void Run(bool may_lack_tasks) const {
     const Rules& rules = scenario_.rules;
-    AboveZero("area_km[0]", scenario_.width_m, kKm);
-    AboveZero("area_km[1]", scenario_.height_m, kKm);
+    AboveZero("area_km[0]", scenario_.width_m, kFarthest_m);
+    AboveZero("area_km[1]", scenario_.height_m, kFarthest_m);
     if (scenario_.origin) {
       Within("origin.latitude_deg", scenario_.origin->latitude_deg, kOne, -90, 90);
       Within("origin.longitude_deg", scenario_.origin->longitude_deg, kOne, -180, 180);
@@ -42,8 +41,8 @@ class Validator {
            fmt::format("a number of seconds that divides interval_min ({})",
                        MinutesText(rules.interval_us)));
     }
-    Interval("wind", scenario_.disturbances.wind, kOne, HUGE_VAL);
-    Interval("communication_km", scenario_.disturbances.communication_m, kKm, HUGE_VAL);
+    Interval("wind", scenario_.disturbances.wind, kOne, kMostWind);
+    Interval("communication_km", scenario_.disturbances.communication_m, kKm, kLongestWay_m);
     Interval("agent_failure", scenario_.disturbances.agent_failure, kOne, 1);
     Interval("match_failure", scenario_.disturbances.match_failure, kOne, 1);
     Agents("uavs", AgentKind::kUav);
@@ -62,7 +61,7 @@ class Validator {
     for (std::size_t i = 0; i < scenario_.tasks.size(); ++i) {
       const Key key{"tasks", i};
       InArea(key, scenario_.tasks[i].at);
-      Within(key("cost_km"), scenario_.tasks[i].cost_m, kKm, 0, HUGE_VAL);
+      Within(key("cost_km"), scenario_.tasks[i].cost_m, kKm, 0, kLongestWay_m);
       Times(key, scenario_.tasks[i]);
     }
     NotEmpty("charging_points", scenario_.charging_points.size());
@@ -101,22 +100,28 @@ class Validator {
   static bool TimeFits(TimeUs t) { return t <= static_cast<TimeUs>(kMaxMinutes) * kMinuteUs; }
   static std::string MinutesText(TimeUs t) { return TimeToText(t, kMinute); }
 
-  void AboveZero(const LazyPath& key, double value, Unit unit) const {
-    if (!(value > 0) || !std::isfinite(value)) {
-      Fail(key(), ToText(value, unit), "a finite number above 0");
-    }
+  /// In metres, at most `most_m`.
+  void AboveZero(const LazyPath& key, double value_m, double most_m) const {
+    if (value_m > 0 && value_m <= most_m) return;
+    Fail(key(), ToText(value_m, kKm),
+         fmt::format("a number above 0 and at most {}", ToText(most_m, kKm)));
   }
-  void AboveZero(std::string_view key, double value, Unit unit) const {
-    AboveZero(LazyPath{"", 0, key}, value, unit);
+  void AboveZero(std::string_view key, double value_m, double most_m) const {
+    AboveZero(LazyPath{"", 0, key}, value_m, most_m);
   }
 
-  /// low, high: in our unit; high may be infinite, the value may not.
+  /// In metres a second, of going or of charging.
+  void Rate(const LazyPath& key, double value_m_s) const {
+    if (value_m_s >= kSlowest_m_s && value_m_s <= kFastest_m_s) return;
+    Fail(key(), ToText(value_m_s, kKmPerMin),
+         fmt::format("a number in [{}, {}]", kSlowest_km_min, kFastest_km_min));
+  }
+
+  /// low, high: in our unit.
   void Within(const LazyPath& key, double value, Unit unit, double low, double high) const {
-    if (value >= low && value <= high && std::isfinite(value)) return;
+    if (value >= low && value <= high) return;
     Fail(key(), ToText(value, unit),
-         std::isfinite(high)
-             ? fmt::format("a number in [{}, {}]", ToText(low, unit), ToText(high, unit))
-             : fmt::format("a finite number of at least {}", ToText(low, unit)));
+         fmt::format("a number in [{}, {}]", ToText(low, unit), ToText(high, unit)));
   }
   void Within(std::string_view key, double value, Unit unit, double low, double high) const {
     Within(LazyPath{"", 0, key}, value, unit, low, high);
@@ -161,13 +166,13 @@ class Validator {
       const AgentSpec& agent = agents[i];
       const Key key{list, i};
       InArea(key, agent.at);
-      AboveZero(key("speed_km_per_min"), agent.speed_m_s, kKmPerMin);
+      Rate(key("speed_km_per_min"), agent.speed_m_s);
       if (kind == AgentKind::kUav) {
-        AboveZero(key("full_range_km"), agent.range_full_m, kKm);
+        AboveZero(key("full_range_km"), agent.range_full_m, kLongestWay_m);
         Within(key("range_km"), agent.range_m, kKm, 0, agent.range_full_m);
       }
       if (kind == AgentKind::kVehicle) {
-        AboveZero(key("charge_km_per_min"), agent.charge_rate_m_s, kKmPerMin);
+        Rate(key("charge_km_per_min"), agent.charge_rate_m_s);
       }
       if (agent.online_from_us < 0 || !TimeFits(agent.online_from_us)) {
         Fail(key("online_from_min")(), MinutesText(agent.online_from_us),

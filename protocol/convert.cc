@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcmtypes/bounds.h"
 #include "lcmtypes/channels.h"
 #include "model/measured.h"
 
@@ -62,6 +63,17 @@ bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const Wi
     default:
       return false;
   }
+}
+
+/// Whether times that follow from these numbers are times.
+bool NumbersFit(const agent_t& wire, AgentKind kind) {
+  const auto is_rate = [](double m_s) { return m_s >= kSlowest_m_s && m_s <= kFastest_m_s; };
+  // At departure it had what it has flown since, too.
+  const auto is_range = [](double m) { return m >= 0 && m <= 3 * kLongestWay_m; };
+  return is_rate(wire.speed_m_s) && is_range(wire.range_left_m) &&
+         is_range(wire.range_at_departure_m) && wire.range_full_m >= 0 &&
+         wire.range_full_m <= kLongestWay_m &&
+         (kind != AgentKind::kVehicle || is_rate(wire.charge_rate_m_s));
 }
 
 /// The rest of a free move begins here and now: a place and time as far behind tell its goal.
@@ -178,9 +190,7 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   const auto action = static_cast<ActionKind>(wire.action);
   if (!Below(wire.id, limits.agents(kind)) || !TargetFits(wire, action, kind, limits)) return {};
   if (wire.depart_us < 0 || wire.depart_us > t || wire.arrive_us < wire.depart_us) return {};
-  if (!(wire.speed_m_s > 0) || !(wire.range_left_m >= 0) || !(wire.range_at_departure_m >= 0)) {
-    return {};
-  }
+  if (!NumbersFit(wire, kind)) return {};
   AgentState agent;
   agent.kind = kind;
   agent.id = wire.id;

@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "base/text.h"
+#include "lcmtypes/bounds.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/words.h"
 
@@ -247,10 +248,8 @@ bool IsText(const std::string& text, std::size_t longest) {
 }
 bool IsName(const std::string& text) { return IsText(text, kMaxName); }
 
-/// No two places on Earth are farther apart. Who set out for a damaged place beyond that would
-/// report times that no message can carry.
+/// Who set out for a damaged place beyond that would report times that no message can carry.
 bool IsPlace(double x_m, double y_m) {
-  constexpr double kFarthest_m = 2e7;
   return std::abs(x_m) <= kFarthest_m && std::abs(y_m) <= kFarthest_m;
 }
 

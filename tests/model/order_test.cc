@@ -66,7 +66,7 @@ TEST(Order, RefusesWhatTheScenarioFileWouldRefuse) {
             "there is no uav:30: the last is 29");
   EXPECT_EQ(Refusal(&scenario, R"({"order": "agent_join", "class": "worker",
                                    "agent": {"x_km": 1, "y_km": 1, "speed_km_per_min": 0}})"),
-            "order: workers[0].speed_km_per_min: found 0, expected a finite number above 0");
+            "order: workers[0].speed_km_per_min: found 0, expected a number in [1e-05, 1000000]");
 }
 
 TEST(Order, NamesAreFitForMessages) {

@@ -196,9 +196,10 @@ TEST(ScenarioJson, NamesKeyFoundAndExpectedOfTheWhole) {
       {"/area_km", 30, "area_km: found 30, expected an array"},
       {"/area_km", {30, 30, 30}, "area_km: found an array of 3, expected [width, height]"},
       {"/area_km/0", "4", "area_km[0]: found \"4\", expected a number"},
-      {"/area_km/0", 0, "area_km[0]: found 0, expected a finite number above 0"},
-      {"/area_km/1", -3, "area_km[1]: found -3, expected a finite number above 0"},
-      {"/area_km/1", 1e307, "area_km[1]: found inf, expected a finite number above 0"},
+      {"/area_km/0", 0, "area_km[0]: found 0, expected a number above 0 and at most 20000"},
+      {"/area_km/1", -3, "area_km[1]: found -3, expected a number above 0 and at most 20000"},
+      {"/area_km/1", 1e307, "area_km[1]: found inf, expected a number above 0"},
+      {"/area_km/1", 20001, "area_km[1]: found 20001, expected a number above 0 and at most 20000"},
       {"/interval_min", 0,
        "interval_min: found 0, expected a number above 0 and at most limit_min"},
       {"/interval_min", 181,
@@ -242,6 +243,12 @@ TEST(ScenarioJson, NamesKeyFoundAndExpectedOfTheWhole) {
        {{"communication_km", {-1, 2}}},
        "disturbances.communication_km[0]: found -1, expected a number in [0, 2]"},
       {"/disturbances",
+       {{"communication_km", {0, 1e6}}},
+       "disturbances.communication_km[1]: found 1000000, expected a number in [0, 100000]"},
+      {"/disturbances",
+       {{"wind", {0, 1001}}},
+       "disturbances.wind[1]: found 1001, expected a number in [0, 1000]"},
+      {"/disturbances",
        {{"agent_failure", {0, 1.5}}},
        "disturbances.agent_failure[1]: found 1.5, expected a number in [0, 1]"},
       {"/disturbances",
@@ -278,21 +285,26 @@ TEST(ScenarioJson, NamesKeyFoundAndExpectedOfPlacesAndAgents) {
        "charging_points[0].y_km: found 9, expected a number in [0, 3.5]"},
       {"/vehicles/0/x_km", nullptr, "vehicles[0].x_km: found null, expected a number"},
       {"/uavs/0/speed_km_per_min", 0,
-       "uavs[0].speed_km_per_min: found 0, expected a finite number above 0"},
+       "uavs[0].speed_km_per_min: found 0, expected a number in [1e-05, 1000000]"},
       {"/workers/0/speed_km_per_min", -1,
-       "workers[0].speed_km_per_min: found -1, expected a finite"},
+       "workers[0].speed_km_per_min: found -1, expected a number in [1e-05, "},
+      {"/workers/0/speed_km_per_min", 9e-6, "workers[0].speed_km_per_min: found "},
+      {"/vehicles/0/speed_km_per_min", 1000001, "vehicles[0].speed_km_per_min: found 1000001"},
       {"/vehicles/0/charge_km_per_min", 0,
-       "vehicles[0].charge_km_per_min: found 0, expected a finite"},
+       "vehicles[0].charge_km_per_min: found 0, expected a number in [1e-05, 1000000]"},
+      {"/vehicles/0/charge_km_per_min", 1e-9,
+       "vehicles[0].charge_km_per_min: found 1e-09, expected a number in [1e-05, 1000000]"},
       {"/uavs/0/full_range_km", 0,
-       "uavs[0].full_range_km: found 0, expected a finite number above 0"},
+       "uavs[0].full_range_km: found 0, expected a number above 0 and at most 100000"},
+      {"/uavs/0/full_range_km", 1e300, "uavs[0].full_range_km: found 1e+300, expected"},
       {"/uavs/0/range_km", 30.5, "uavs[0].range_km: found 30.5, expected a number in [0, 30]"},
       {"/uavs/0/range_km", -1, "uavs[0].range_km: found -1, expected a number in [0, 30]"},
       {"/uavs/0/online_from_min", -5,
        "uavs[0].online_from_min: found -5, expected a number in [0,"},
       {"/workers/0/online_until_min", 1,
        "workers[0].online_until_min: found 1, expected a number in [1.5 (online_from_min), "},
-      {"/tasks/0/cost_km", -3,
-       "tasks[0].cost_km: found -3, expected a finite number of at least 0"},
+      {"/tasks/0/cost_km", -3, "tasks[0].cost_km: found -3, expected a number in [0, 100000]"},
+      {"/tasks/0/cost_km", 100001, "tasks[0].cost_km: found 100001, expected"},
       {"/charging_points/1/capacity", 0,
        "charging_points[1].capacity: found 0, expected an integer in [1, 2147483647]"},
       {"/charging_points/1/capacity", 1.5,
@@ -324,7 +336,15 @@ TEST(ScenarioJson, TheEdgeOfWhatIsPossibleIsPossible) {
       {"/uavs/0/range_km", 30},
       {"/uavs/0/online_until_min", 1e9},
       {"/workers/0/online_until_min", 1.5},
+      {"/area_km", {20000, 20000}},
+      {"/uavs/0/speed_km_per_min", 1e-5},
+      {"/uavs/0/speed_km_per_min", 1e6},
+      {"/vehicles/0/charge_km_per_min", 1e-5},
+      {"/vehicles/0/charge_km_per_min", 1e6},
+      {"/uavs/0/full_range_km", 1e5},
+      {"/disturbances", {{"wind", {0, 1000}}, {"communication_km", {0, 1e5}}}},
       {"/tasks/0/cost_km", 0},
+      {"/tasks/0/cost_km", 1e5},
       {"/charging_points/1/capacity", 1},
       {"/charging_points/1/capacity", 2147483647},
   };
@@ -373,7 +393,7 @@ TEST(ScenarioJson, TheEdgeOfWhatIsPossibleIsPossible) {
             0u);
   EXPECT_EQ(error([](Scenario* s) {
               s->tasks[1].cost_m = HUGE_VAL;
-            }).find("made: tasks[1].cost_km: found inf, expected a finite number"),
+            }).find("made: tasks[1].cost_km: found inf, expected a number in"),
             0u);
 }
 
@@ -541,9 +561,10 @@ TEST(ScenarioJson, ValidatesScenariosBuiltInMemory) {
   EXPECT_EQ(error([&](Scenario& s) { s.uavs[0].at.x_m = nan; }),
             "memory: uavs[0].x_km: found nan, expected a number in [0, 4]");
   EXPECT_EQ(error([&](Scenario& s) { s.tasks[1].cost_m = inf; }),
-            "memory: tasks[1].cost_km: found inf, expected a finite number of at least 0");
-  EXPECT_EQ(error([&](Scenario& s) { s.workers[0].speed_m_s = nan; }),
-            "memory: workers[0].speed_km_per_min: found nan, expected a finite number above 0");
+            "memory: tasks[1].cost_km: found inf, expected a number in [0, 100000]");
+  EXPECT_EQ(
+      error([&](Scenario& s) { s.workers[0].speed_m_s = nan; }),
+      "memory: workers[0].speed_km_per_min: found nan, expected a number in [1e-05, 1000000]");
   EXPECT_EQ(
       error([&](Scenario& s) { s.charging_points[0].capacity = 0; }),
       "memory: charging_points[0].capacity: found 0, expected an integer of at least 1, or null");

@@ -18,7 +18,9 @@ Scenario TwoOfEach() {
   agent.speed_m_s = 10;
   agent.range_full_m = agent.range_m = 20'000;
   agent.online_until_us = 3600 * kSecondUs;
-  scenario.uavs = scenario.workers = scenario.vehicles = {agent, agent};
+  scenario.uavs = scenario.workers = {agent, agent};
+  agent.charge_rate_m_s = 50;
+  scenario.vehicles = {agent, agent};
   scenario.tasks = {{{3000, 4000}, 600}, {{100, 0}, 600}};
   scenario.charging_points = {{{0, 1000}, 1}, {{0, 2000}, 1}};
   return scenario;
@@ -81,7 +83,12 @@ TEST(Convert, ImpossibleReportsAreRefused) {
       [](agent_t* a) { a->arrive_us = a->depart_us - 1; },
       [](agent_t* a) { a->speed_m_s = std::numeric_limits<double>::quiet_NaN(); },
       [](agent_t* a) { a->speed_m_s = 0; },
+      [](agent_t* a) { a->speed_m_s = 1e-300; },
+      [](agent_t* a) { a->speed_m_s = 1e300; },
       [](agent_t* a) { a->range_left_m = -1; },
+      [](agent_t* a) { a->range_left_m = 1e300; },
+      [](agent_t* a) { a->range_full_m = 1e300; },
+      [](agent_t* a) { a->range_at_departure_m = 1e300; },
       [](agent_t* a) { a->range_at_departure_m = std::numeric_limits<double>::quiet_NaN(); },
   };
   for (std::size_t i = 0; i < lies.size(); ++i) {
@@ -90,6 +97,10 @@ TEST(Convert, ImpossibleReportsAreRefused) {
     EXPECT_FALSE(FromWire(bad, AgentKind::kUav, t, limits)) << "lie " << i;
   }
   EXPECT_FALSE(FromWire(good, AgentKind::kVehicle, t, limits));
+  agent_t vehicle = ToWire(StartOf(AgentKind::kVehicle, 1, scenario.vehicles[1]), t, {});
+  EXPECT_TRUE(FromWire(vehicle, AgentKind::kVehicle, t, limits));
+  vehicle.charge_rate_m_s = 0;
+  EXPECT_FALSE(FromWire(vehicle, AgentKind::kVehicle, t, limits));
 }
 
 TEST(Convert, ActionsActivitiesAndRulingsRoundTrip) {

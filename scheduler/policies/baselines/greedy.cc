@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -13,65 +15,93 @@
 namespace muster::scheduler {
 namespace {
 
-std::vector<Point> CellCentres(const Site& site) {
-  const int columns = static_cast<int>(std::ceil(site.width_m / 1000));
-  const int rows = static_cast<int>(std::ceil(site.height_m / 1000));
-  std::vector<Point> cells;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      cells.push_back(CellCentre(column, row, site.width_m, site.height_m));
+/// The cells of an area and what they cost: the sum or least of the distances from a cell's centre
+/// to the targets. Of a large area only those are looked at that somebody can reach.
+class Cells {
+ public:
+  Cells(const Site& site, const std::vector<Point>& targets, GreedyPolicy::Aim aim)
+      : site_(site), targets_(targets), aim_(aim) {}
+
+  /// Calls visit(cell, centre) for each cell whose centre may be within `radius_m` of `middle`, row
+  /// by row.
+  template <class Visit>
+  void Around(Point middle, double radius_m, Visit&& visit) const {
+    const Range rows = RangeOf(middle.y_m, radius_m, rows_);
+    const Range columns = RangeOf(middle.x_m, radius_m, columns_);
+    for (int row = rows.first; row <= rows.last; ++row) {
+      for (int column = columns.first; column <= columns.last; ++column) {
+        visit(std::int64_t{row} * columns_ + column,
+              CellCentre(column, row, site_.width_m, site_.height_m));
+      }
     }
   }
-  return cells;
-}
 
-/// [n_cells] sum or least of the distances from each cell to the targets.
-std::vector<double> CostOf(const std::vector<Point>& cells, const std::vector<Point>& targets,
-                           GreedyPolicy::Aim aim) {
-  std::vector<double> cost;
-  cost.reserve(cells.size());
-  for (const Point cell : cells) {
+  double CostOf(std::int64_t cell, Point centre) {
+    const auto [known, is_new] = costs_.try_emplace(cell);
+    if (is_new) known->second = Cost(centre);
+    return known->second;
+  }
+
+ private:
+  struct Range {
+    int first, last;
+  };
+  static int Count(double length_m) { return static_cast<int>(std::ceil(length_m / kCellM)); }
+  static Range RangeOf(double middle_m, double radius_m, int count) {
+    const auto cell = [count](double at_m) {
+      return static_cast<int>(std::clamp(std::floor(at_m / kCellM), 0.0, count - 1.0));
+    };
+    return {cell(middle_m - radius_m), cell(middle_m + radius_m)};
+  }
+
+  double Cost(Point centre) const {
     double sum = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (const Point target : targets) {
-      const double distance = Distance(cell, target);
+    for (const Point target : targets_) {
+      const double distance = Distance(centre, target);
       sum += distance;
       least = std::min(least, distance);
     }
-    cost.push_back(aim == GreedyPolicy::Aim::kSum ? sum : least);
+    return aim_ == GreedyPolicy::Aim::kSum ? sum : least;
   }
-  return cost;
-}
+
+  const Site& site_;
+  const std::vector<Point>& targets_;
+  GreedyPolicy::Aim aim_;
+  int columns_ = Count(site_.width_m), rows_ = Count(site_.height_m);
+  std::unordered_map<std::int64_t, double> costs_;
+};
 
 class Stage {
  public:
-  Stage(const Situation& situation, const std::vector<Point>& cells)
-      : situation_(situation), cells_(cells) {}
+  explicit Stage(const Situation& situation) : situation_(situation) {}
 
   /// The cheapest cell that the agent can reach within the interval; none when there is none.
-  std::optional<Point> Choose(const AgentState& agent, const std::vector<double>& cost) {
+  std::optional<Point> Choose(const AgentState& agent, Cells* cells) {
     const Rules& rules = situation_.site->rules;
-    const TimeUs latest = LatestEnd(agent, rules);
+    const TimeUs most_us = std::min(rules.interval_us, LatestEnd(agent, rules) - situation_.now_us);
     const double range = agent.kind == AgentKind::kUav ? situation_.range_m(agent)
                                                        : std::numeric_limits<double>::infinity();
-    std::optional<std::size_t> best;
-    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
-      const double way = Distance(agent.to, cells_[cell]);
-      if (way > range) continue;
-      const TimeUs travel = TravelUs(way, agent.speed_m_s);
-      if (travel > rules.interval_us || situation_.now_us + travel > latest) continue;
+    constexpr double kRounding_m = 1;
+    const double reach = std::min(range, agent.speed_m_s * ToSeconds(most_us)) + kRounding_m;
+    std::optional<Point> best;
+    double least = 0;
+    cells->Around(agent.to, reach, [&](std::int64_t cell, Point centre) {
+      const double way = Distance(agent.to, centre);
+      if (way > range || TravelUs(way, agent.speed_m_s) > most_us) return;
       ++candidates_;
-      if (!best || cost[cell] < cost[*best]) best = cell;
-    }
-    if (!best) return std::nullopt;
-    return cells_[*best];
+      const double cost = cells->CostOf(cell, centre);
+      if (best && cost >= least) return;
+      best = centre;
+      least = cost;
+    });
+    return best;
   }
 
   std::int64_t candidates() const { return candidates_; }
 
  private:
   const Situation& situation_;
-  const std::vector<Point>& cells_;
   std::int64_t candidates_ = 0;
 };
 
@@ -94,20 +124,19 @@ static_assert(static_cast<int>(AgentKind::kUav) == static_cast<int>(ActionKind::
 
 Decision GreedyPolicy::Decide(const Situation& situation) {
   const Site& site = *situation.site;
-  const std::vector<Point> cells = CellCentres(site);
   std::vector<Point> open;
   for (std::size_t task = 0; task < site.tasks.size(); ++task) {
     if (situation.task_status[task] == TaskStatus::kOpen) open.push_back(site.tasks[task].at);
   }
-  Stage stage(situation, cells);
+  Stage stage(situation);
   std::vector<Action> actions;
   const auto decide = [&](const std::vector<AgentState>& agents, const std::vector<Point>& targets,
                           std::vector<Point>* bound_for) {
-    const std::vector<double> cost = CostOf(cells, targets, aim_);
+    Cells cells(site, targets, aim_);
     for (const AgentState& agent : agents) {
       std::optional<Point> target;
       if (agent.idle(situation.now_us)) {
-        if (!targets.empty()) target = stage.Choose(agent, cost);
+        if (!targets.empty()) target = stage.Choose(agent, &cells);
         actions.push_back(MoveOf(agent, target));
       }
       if (bound_for != nullptr && !agent.failed) bound_for->push_back(target.value_or(agent.to));

@@ -228,7 +228,7 @@ TEST_F(RunTest, CtrlCWhileProcessesStartIsNoneOfTheirProblems) {
   for (int i = 0; i < 8; ++i) {
     const std::string run = fmt::format("run-{}", i);
     Muster muster = Start({}, run);
-    ASSERT_TRUE(Says(muster, "waiting for all processes")) << muster.output();
+    ASSERT_TRUE(Says(muster, "recording in")) << muster.output();
     muster.child().Signal(SIGINT);
     ASSERT_EQ(muster.Wait(), 130) << muster.output();
     EXPECT_EQ(muster.output().find("was killed"), std::string::npos) << muster.output();

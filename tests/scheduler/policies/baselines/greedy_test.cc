@@ -42,6 +42,17 @@ TEST(Greedy, SumGoesToTheMiddleNearestToTheNextTask) {
   EXPECT_EQ(Move(Row().Worker({2500, 500}), Aim::kNearest), std::pair(ActionKind::kGoTo, 3500.0));
 }
 
+/// What is out of reach is not looked at: the largest area has 4 * 10^8 cells.
+TEST(Greedy, LooksAtNoMoreOfALargeAreaThanCanBeReached) {
+  SituationBuilder builder = Row().Uav({19'000'000 - 500, 500});
+  builder.scenario().width_m = builder.scenario().height_m = 2e7;
+  const Decision decision = GreedyPolicy(Aim::kNearest).Decide(builder.Build());
+  // West: 2 km off are reached, and nearer to the tasks.
+  EXPECT_EQ(decision.actions.at(0).to, (Point{18'997'500, 500}));
+  // Centres within 2 km in the rows 0, 1 and 2: 5, 3 and 1.
+  EXPECT_EQ(decision.candidates, 9);
+}
+
 TEST(Greedy, WhoIsThereStays) {
   EXPECT_EQ(Move(Row().Uav({500, 500}), Aim::kSum), std::pair(ActionKind::kUavStays, 500.0));
 }
