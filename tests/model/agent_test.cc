@@ -36,6 +36,13 @@ Action Sense() {
   return action;
 }
 
+/// A damaged report may tell of more than a full range: a time below zero would be its charging.
+TEST(Charging, NothingIsMissingOfMoreThanAFullRange) {
+  EXPECT_EQ(ChargingUs(30'000, 29'000, 50), 20 * kSecondUs);
+  EXPECT_EQ(ChargingUs(30'000, 30'000, 50), 0);
+  EXPECT_EQ(ChargingUs(30'000, 1e300, 50), 0);
+}
+
 TEST(Agent, FliesStraightAndSpendsItsRangeByDistance) {
   AgentState uav = UavAtOrigin();
   Begin(&uav, Sense(), 0, 100 * kSecondUs, {}, 1);
