@@ -144,6 +144,7 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 
 // In the place of the frozen launcher: its log tells nobody what it holds.
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
+  undisturbed_ = Undisturbed(kQuickPolicy);
   std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File("run")};
   for (const std::string& argument : GoingOn()) arguments.push_back(argument);
   const std::string fault = fmt::format("process_stopped:lcm-logger@60+{}s", 4 * kSlowness);

@@ -10,6 +10,7 @@
 
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tests/base/sanitized.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
@@ -20,11 +21,16 @@ namespace muster::tools {
 /// By how much a sanitizer's build needs longer for a decision.
 inline constexpr double kSlowness = kSanitized ? 8 : 1;
 
-/// A mission at half an hour a second that goes on without who is silent for a second: on a busy
-/// machine decisions need their time, and who starts again while the mission makes up for that
-/// second has to be there before its end.
+/// A decision of it takes milliseconds.
+inline constexpr const char* kQuickPolicy = "horizon-steps";
+
+/// A mission at half an hour a second that goes on without who is silent for a second: who starts
+/// again while the mission makes up for that second has to be there before its end. Its policy is a
+/// quick one: on a busy machine others decide for longer than that second, and the scheduler would
+/// be lost.
 inline std::vector<std::string> GoingOn() {
-  return {"--on-loss",    "continue",
+  return {"--policy",     kQuickPolicy,
+          "--on-loss",    "continue",
           "--lost-after", fmt::to_string(kSlowness),
           "--rate",       fmt::to_string(1800 / kSlowness)};
 }
@@ -35,10 +41,16 @@ class MissionTest : public ::testing::Test {
   void SetUp() override {
     MUSTER_NEEDS_MULTICAST();
     std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
+    undisturbed_ = Undisturbed();
+  }
+  /// The digest that the mission has by that policy when nothing disturbs it.
+  std::string Undisturbed(
+      const std::string& policy = std::string(scheduler::kDefaultPolicy)) const {
     Muster simulate(folder_, "simulate",
-                    {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
-    ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
-    undisturbed_ = Report("simulated")["digest"];
+                    {"simulate", scenario_, "--quiet", "--policy", policy, "--out",
+                     folder_.File("simulated-" + policy)});
+    EXPECT_EQ(simulate.Wait(), 0) << simulate.output();
+    return Report("simulated-" + policy)["digest"];
   }
   /// report.json of that run directory.
   nlohmann::json Report(const std::string& name = "run") const {

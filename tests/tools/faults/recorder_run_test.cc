@@ -150,6 +150,7 @@ TEST_F(RecorderRunTest, EverybodysPacketsAreLostAndStrangersSpeak) {
 }
 
 TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
+  undisturbed_ = Undisturbed(kQuickPolicy);
   std::vector<std::string> more = GoingOn();
   more.insert(more.end(),
               {"--fault", fmt::format("process_stopped:recorder@60+{}s", 4 * kSlowness)});
