@@ -24,7 +24,10 @@ inline Point Lerp(Point a, Point b, double fraction) {
   return {a.x_m + (b.x_m - a.x_m) * fraction, a.y_m + (b.y_m - a.y_m) * fraction};
 }
 
-/// Time to go `distance_m` at `speed_m_s`, in microseconds.
-inline TimeUs TravelUs(double distance_m, double speed_m_s) { return ToUs(distance_m / speed_m_s); }
+/// Time in which `amount` comes about at `rate` a second, in microseconds.
+inline TimeUs DurationUs(double amount, double rate) { return ToUs(amount / rate); }
+
+/// Time to travel a way of `way_m` metres at `speed_m_s`, in microseconds.
+inline TimeUs TravelUs(double way_m, double speed_m_s) { return DurationUs(way_m, speed_m_s); }
 
 }  // namespace muster

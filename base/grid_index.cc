@@ -1,7 +1,5 @@
 #include "base/grid_index.h"
 
-#include <limits>
-
 namespace muster::scheduler {
 
 GridIndex::GridIndex(std::span<const Point> points, double per_cell) {
@@ -46,17 +44,10 @@ GridIndex::GridIndex(std::span<const Point> points, double per_cell) {
   }
 }
 
-double GridIndex::Nearest(Point centre) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  if (order_.empty()) return nearest;
+double GridIndex::ReachFrom(Point centre) const {
   const double side = 1 / per_m_;
-  const double reach = std::hypot(columns_ * side, rows_ * side) +
-                       std::hypot(centre.x_m - x_m_, centre.y_m - y_m_) + side;
-  for (double radius = side; nearest > radius; radius *= 2) {
-    Within(centre, radius, [&](std::int32_t, double d) { nearest = std::min(nearest, d); });
-    if (radius > reach) break;
-  }
-  return nearest;
+  return std::hypot(columns_ * side, rows_ * side) +
+         std::hypot(centre.x_m - x_m_, centre.y_m - y_m_) + side;
 }
 
 }  // namespace muster::scheduler

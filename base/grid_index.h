@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,8 +17,8 @@ class GridIndex {
  public:
   explicit GridIndex(std::span<const Point> points, double per_cell = 3);
 
-  /// Calls visit(index, distance) for every point within `radius_m` of `centre`, in an order that
-  /// depends on the points alone.
+  /// Calls visit(index, point, distance) for every point within `radius_m` of `centre`, in an order
+  /// that depends on the points alone.
   template <class Visit>
   void Within(Point centre, double radius_m, Visit&& visit) const {
     if (order_.empty() || !(radius_m >= 0)) return;
@@ -29,15 +30,30 @@ class GridIndex {
       const std::size_t end = begin_[row + static_cast<std::size_t>(x1) + 1];
       for (std::size_t k = begin_[row + static_cast<std::size_t>(x0)]; k < end; ++k) {
         const double distance = Distance(centre, sorted_[k]);
-        if (distance <= radius_m) visit(order_[k], distance);
+        if (distance <= radius_m) visit(order_[k], sorted_[k], distance);
       }
     }
   }
 
-  /// Distance to the nearest point; infinity when there is none.
-  double Nearest(Point centre) const;
+  /// The least length(point, distance), which is never below the distance; infinity when there is
+  /// no point.
+  template <class Length>
+  double Nearest(Point centre, Length&& length) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    if (order_.empty()) return nearest;
+    const double reach = ReachFrom(centre);
+    for (double radius = 1 / per_m_; nearest > radius; radius *= 2) {
+      Within(centre, radius, [&](std::int32_t, Point point, double distance) {
+        nearest = std::min(nearest, length(point, distance));
+      });
+      if (radius > reach) break;
+    }
+    return nearest;
+  }
 
  private:
+  /// All points are within it of `centre`.
+  double ReachFrom(Point centre) const;
   std::int32_t Column(double x_m) const { return Clamp((x_m - x_m_) * per_m_, columns_); }
   std::int32_t Row(double y_m) const { return Clamp((y_m - y_m_) * per_m_, rows_); }
   static std::int32_t Clamp(double cell, std::int32_t n) {

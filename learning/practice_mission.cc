@@ -30,7 +30,7 @@ PracticeMission::PracticeMission(const Scenario& scenario) : model_(StartOfMissi
   for (const AgentKind kind : kAgentKinds) {
     std::int32_t id = 0;
     for (const AgentSpec& spec : scenario.agents(kind)) {
-      to_come_.push_back(StartOf(kind, id++, spec));
+      to_come_.push_back(StartOf(kind, id++, spec, *scenario.ways));
     }
   }
   Join();

@@ -20,8 +20,16 @@ ActionKind ActionOf(Activity::Kind kind) {
 }
 
 double RangeOnArrival(const AgentState& uav) {
-  const double spent = uav.range_per_m * Distance(uav.from, uav.to);
+  const double spent = uav.range_per_m * uav.WayM(uav.from, uav.to);
   return std::max(0.0, uav.range_at_departure_m - spent);
+}
+
+/// Share of its leg that the agent has behind it at t, 0 to 1.
+double ShareAt(const AgentState& agent, TimeUs t) {
+  if (t >= agent.arrive_us) return 1;
+  if (t <= agent.depart_us) return 0;
+  return static_cast<double>(t - agent.depart_us) /
+         static_cast<double>(agent.arrive_us - agent.depart_us);
 }
 
 /// The agent stands where it is at `t`, free, from then on.
@@ -73,8 +81,9 @@ bool Takes(const AgentState& agent, const Activity& activity) {
 
 }  // namespace
 
-AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec) {
+AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways) {
   AgentState agent;
+  agent.ways = &ways;
   agent.kind = kind;
   agent.id = id;
   agent.speed_m_s = spec.speed_m_s;
@@ -95,17 +104,17 @@ AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec) {
 Point PositionAt(const AgentState& agent, TimeUs t) {
   if (t >= agent.arrive_us) return agent.to;
   if (t <= agent.depart_us) return agent.from;
-  const double fraction = static_cast<double>(t - agent.depart_us) /
-                          static_cast<double>(agent.arrive_us - agent.depart_us);
-  return Lerp(agent.from, agent.to, fraction);
+  return agent.ways->PlaceAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
+}
+
+double RangeOnWayAt(const AgentState& agent, TimeUs t) {
+  const double way_m = agent.ways->LengthAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
+  return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way_m);
 }
 
 double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   if (agent.kind != AgentKind::kUav) return 0;
-  if (t < agent.arrive_us) {
-    const double spent = agent.range_per_m * Distance(agent.from, PositionAt(agent, t));
-    return std::max(0.0, agent.range_at_departure_m - spent);
-  }
+  if (t < agent.arrive_us) return RangeOnWayAt(agent, t);
   const double on_arrival = RangeOnArrival(agent);
   if (!agent.activity || t <= agent.activity->start_us) return on_arrival;
   const Activity& activity = *agent.activity;
@@ -137,7 +146,7 @@ AgentStatus StatusAt(const AgentState& agent, TimeUs t) {
 }
 
 std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
-  const double way = uav.range_per_m * Distance(uav.from, uav.to);
+  const double way = uav.range_per_m * uav.WayM(uav.from, uav.to);
   if (uav.kind != AgentKind::kUav || uav.measured ||
       way <= uav.range_at_departure_m + kRangeSlack_m)
     return {};
@@ -270,7 +279,7 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
   agent->from = agent->to;
   agent->to = action.to;
   agent->depart_us = now;
-  agent->arrive_us = now + TravelUs(Distance(agent->from, agent->to), agent->speed_m_s);
+  agent->arrive_us = now + TravelUs(agent->WayM(agent->from, agent->to), agent->speed_m_s);
   agent->action = action.kind;
   agent->activity.reset();
   agent->busy_until_us = IsPair(action.kind) ? kNever : agent->arrive_us;

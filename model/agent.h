@@ -8,6 +8,7 @@
 
 #include "model/action.h"
 #include "model/scenario.h"
+#include "model/ways.h"
 
 namespace muster {
 
@@ -59,8 +60,8 @@ struct Measured {
   std::optional<double> range_after_m = {};  ///< that it has then; none: as computed
 };
 
-/// An agent as a function of time: one leg of straight travel from `from` (left at depart_us) to
-/// `to` (reached at arrive_us), then, for a pair action, an activity at `to`. All fields are exact;
+/// An agent as a function of time: one leg, the way from `from` (left at depart_us) to `to`
+/// (reached at arrive_us), then, for a pair action, an activity at `to`. All fields are exact;
 /// where the agent is at a time follows from them and never from a tick's length.
 struct AgentState {
   AgentKind kind = AgentKind::kUav;
@@ -70,6 +71,7 @@ struct AgentState {
   double charge_rate_m_s = 0;
   TimeUs online_from_us = 0;
   TimeUs online_until_us = 0;
+  const Ways* ways = &StraightWays();  ///< of the scenario, which outlives the agent
 
   Point from, to;
   TimeUs depart_us = 0;
@@ -89,13 +91,19 @@ struct AgentState {
   bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
   /// May be scheduled at t: online, not failed, nothing under way.
   bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
+  WaysOf own_ways() const { return {ways, kind}; }
+  /// Metres of its way between two places.
+  double WayM(Point a, Point b) const { return ways->Length(kind, a, b); }
 };
 
 /// A fresh agent at mission start.
-AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec);
+AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways);
 
 /// Where the agent is at t (t >= depart_us).
 Point PositionAt(const AgentState& agent, TimeUs t);
+
+/// Range left at t on the leg, metres: what it had at departure less the way since. Never below 0.
+double RangeOnWayAt(const AgentState& agent, TimeUs t);
 
 /// Range left at t, metres; 0 for workers and vehicles. Falls linearly on the way and while sensing
 /// (by the task's cost over the whole activity), rises linearly to full while charging. Never below

@@ -5,9 +5,11 @@
 
 namespace muster {
 
-double NearestChargeDistance(Point p, std::span<const ChargingPoint> points) {
+double NearestChargeM(const Ways& ways, Point p, std::span<const ChargingPoint> points) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const ChargingPoint& point : points) nearest = std::min(nearest, Distance(p, point.at));
+  for (const ChargingPoint& point : points) {
+    nearest = std::min(nearest, ways.Length(AgentKind::kUav, p, point.at));
+  }
   return nearest;
 }
 

@@ -8,9 +8,9 @@
 
 namespace muster {
 
-/// Distance from `p` to the nearest charging point, metres; infinity when there is none.
-/// Constraint (6)'s Opt_charge. Plain scan; see scheduler for the indexed form.
-double NearestChargeDistance(Point p, std::span<const ChargingPoint> points);
+/// A UAV's way from `p` to the charging point that is nearest by way, metres; infinity when there
+/// is none. Constraint (6)'s Opt_charge. Looks at every point; PlaceIndex is the indexed form.
+double NearestChargeM(const Ways& ways, Point p, std::span<const ChargingPoint> points);
 
 /// Constraint (5): range enough to reach the charging point.
 inline bool CanReachCharge(double range_m, double way_m) { return way_m <= range_m; }
@@ -29,13 +29,17 @@ inline bool CanBegin(const Task& task, TimeUs now_us, TimeUs travel_us) {
 
 /// Duration of sensing, constraint (2): cost / UAV speed.
 inline TimeUs SensingUs(double cost_m, double uav_speed_m_s) {
-  return TravelUs(cost_m, uav_speed_m_s);
+  return DurationUs(cost_m, uav_speed_m_s);
 }
 
-/// Duration of charging, constraint (4): what is missing on arrival / charging rate. Nothing is
-/// missing of more than a full range.
+/// Duration of charging, constraint (4): the range that is missing on arrival / charging rate.
+inline TimeUs ChargingUs(double missing_m, double charge_rate_m_s) {
+  return DurationUs(missing_m, charge_rate_m_s);
+}
+
+/// The same of a UAV that arrives with so much range. Nothing is missing of more than a full range.
 inline TimeUs ChargingUs(double range_full_m, double range_on_arrival_m, double charge_rate_m_s) {
-  return TravelUs(std::max(0.0, range_full_m - range_on_arrival_m), charge_rate_m_s);
+  return ChargingUs(std::max(0.0, range_full_m - range_on_arrival_m), charge_rate_m_s);
 }
 
 /// Latest time at which an action of this agent may end under the availability mode: strict:

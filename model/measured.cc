@@ -25,18 +25,13 @@ void RestFrom(Point here, double range_m, TimeUs t, AgentState* agent) {
   if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = range_m;
 }
 
-double RangeOnItsWay(const AgentState& agent, TimeUs t) {
-  const double spent = agent.range_per_m * Distance(agent.from, PositionAt(agent, t));
-  return std::max(0.0, agent.range_at_departure_m - spent);
-}
-
 /// The range that it has there, without a word of its own. It has not flown the way that it was
 /// computed to make since its last word.
 double RangeThere(const AgentState& agent, Point at) {
   const Measured::Seen& seen = agent.measured->seen;
   const bool is_computed = agent.depart_us > seen.at_us;
-  const double way = is_computed ? Distance(seen.at, at) - Distance(seen.at, agent.from)
-                                 : Distance(agent.from, at);
+  const double way = is_computed ? agent.WayM(seen.at, at) - agent.WayM(seen.at, agent.from)
+                                 : agent.WayM(agent.from, at);
   return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way);
 }
 
@@ -55,7 +50,7 @@ bool IsOnItsWay(const AgentState& agent) {
 /// errors of many reports do not add up. Where it was computed to be tells nothing.
 std::string CheckSpeed(const AgentState& agent, Point at, TimeUs at_us) {
   for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
-    const double way = Distance(seen.at, at);
+    const double way = agent.WayM(seen.at, at);
     if (way <= MostWayM(agent, at_us - seen.at_us)) continue;
     return fmt::format("{:.0f} m in {:.0f} s are faster than its {:g} m/s", way,
                        ToSeconds(at_us - seen.at_us), agent.speed_m_s);
@@ -70,7 +65,7 @@ std::string CheckRange(const AgentState& agent, double range_m, Point at, bool c
   double most = agent.range_full_m;
   if (!charges) {
     for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
-      most = std::min(most, std::max(0.0, seen.range_m - Distance(seen.at, at)));
+      most = std::min(most, std::max(0.0, seen.range_m - agent.WayM(seen.at, at)));
     }
   }
   if (range_m <= most + SlackM(agent)) return {};
@@ -90,7 +85,8 @@ std::string CheckTime(const AgentState& agent, const MeasuredReport& report, Tim
 /// A place on the way: the rest of the leg begins there and then.
 std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
                      std::span<const Task> tasks) {
-  const TimeUs soonest = report.at_us + TravelUs(Distance(report.at, agent->to), agent->speed_m_s);
+  const TimeUs soonest =
+      report.at_us + TravelUs(agent->WayM(report.at, agent->to), agent->speed_m_s);
   const double slack = SlackM(*agent);
   // Where it was to be by then: it may have been there for long.
   const bool is_there = agent->arrive_us <= report.at_us && Distance(report.at, agent->to) <= slack;
@@ -115,7 +111,7 @@ std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
 /// A place of one who is free: it stands there.
 void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
   const double slack = SlackM(*agent), range = RangeAt(*agent, report.at_us, tasks);
-  const double way = Distance(agent->to, report.at);
+  const double way = agent->WayM(agent->to, report.at);
   if (way <= slack && (!report.range_m || std::abs(*report.range_m - range) <= slack)) return;
   if (agent->kind == AgentKind::kUav) {
     agent->range_at_departure_m = report.range_m.value_or(std::max(0.0, range - way));
@@ -159,7 +155,7 @@ std::string ApplyPlace(AgentState* agent, const MeasuredReport& report, TimeUs t
   }
   if (!problem.empty()) return problem;
   // Without a word range falls by the way at least.
-  const double most = std::max(0.0, before.range_m - Distance(before.at, report.at));
+  const double most = std::max(0.0, before.range_m - agent->WayM(before.at, report.at));
   agent->measured->seen = {report.at, report.at_us, report.range_m.value_or(most)};
   return {};
 }
@@ -179,7 +175,7 @@ std::string ApplyArrived(AgentState* agent, const MeasuredReport& report, TimeUs
   if (!problem.empty()) return problem;
   agent->arrive_us = std::min(agent->arrive_us, t);
   Measured::Seen& seen = agent->measured->seen;
-  seen = {agent->to, t, std::max(0.0, seen.range_m - Distance(seen.at, agent->to))};
+  seen = {agent->to, t, std::max(0.0, seen.range_m - agent->WayM(seen.at, agent->to))};
   agent->measured->arrived = true;
   if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
   return {};
@@ -246,7 +242,7 @@ void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
     }
     if (agent->depart_us != agent->measured->set_out_us ||
         agent->arrive_us != agent->measured->planned_us) {
-      RestFrom(PositionAt(*agent, t), RangeOnItsWay(*agent, t), t, agent);
+      RestFrom(PositionAt(*agent, t), RangeOnWayAt(*agent, t), t, agent);
     }
     return;
   }
@@ -292,8 +288,8 @@ void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
     if (told.done) told.range_after_m = range_left_m;
     return;
   }
-  told.planned_us =
-      reported->depart_us + TravelUs(Distance(reported->from, reported->to), reported->speed_m_s);
+  told.planned_us = reported->depart_us +
+                    TravelUs(reported->WayM(reported->from, reported->to), reported->speed_m_s);
   if (reported->arrive_us != told.planned_us ||
       Distance(PositionAt(*reported, t), here) > kSamePlace_m) {
     RestFrom(here, range_left_m, t, reported);

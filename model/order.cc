@@ -135,8 +135,9 @@ void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& 
   const Order& order = taken.order;
   if (agent->kind != order.agent_kind || agent->id != taken.agent_id) return;
   if (order.kind == OrderKind::kAgentJoin) {
-    *agent = StartOf(agent->kind, agent->id,
-                     scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)]);
+    *agent =
+        StartOf(agent->kind, agent->id,
+                scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)], *scenario.ways);
   }
   if (order.kind == OrderKind::kAgentLeave || order.kind == OrderKind::kAgentRecall) {
     const bool busy = agent->busy_until_us != kNever && agent->busy_until_us > t;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/moment.h"
 #include "base/units.h"
 #include "model/per_kind.h"
+#include "model/ways.h"
 
 namespace muster {
 
@@ -142,6 +144,7 @@ struct Scenario {
   std::vector<AgentSpec> uavs, workers, vehicles;
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
+  std::shared_ptr<const Ways> ways = DefaultWays();  ///< how its agents travel
 
   Room room;  ///< the vacant ends of these lists
 

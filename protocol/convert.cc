@@ -76,16 +76,23 @@ bool NumbersFit(const agent_t& wire, AgentKind kind) {
          (kind != AgentKind::kVehicle || is_rate(wire.charge_rate_m_s));
 }
 
-/// The rest of a free move begins here and now: a place and time as far behind tell its goal.
-void TellGoal(const AgentState& agent, TimeUs t, agent_t* wire) {
-  const TimeUs behind_us = std::min(agent.arrive_us - t, t - agent.measured->set_out_us);
+/// Readers find the goal of a free move in the straight line from where the agent set out to where
+/// it is (Destination). This is the place to name as the origin, if it was left `behind_us` ago.
+Point BehindGoal(const AgentState& agent, Point here, TimeUs behind_us, TimeUs t) {
   const double part = static_cast<double>(behind_us) / static_cast<double>(agent.arrive_us - t);
-  const Point from = Lerp(agent.from, agent.to, -part);
+  return Lerp(here, agent.to, -part);
+}
+
+/// The rest of a free move begins at agent.from now: a place and a time as far behind tell its
+/// goal.
+void TellGoal(const AgentState& agent, TimeUs set_out_us, TimeUs t, agent_t* wire) {
+  const TimeUs behind_us = std::min(agent.arrive_us - t, t - set_out_us);
+  const Point from = BehindGoal(agent, agent.from, behind_us, t);
   wire->from_x_m = from.x_m;
   wire->from_y_m = from.y_m;
   wire->depart_us = t - behind_us;
   if (agent.kind == AgentKind::kUav) {
-    wire->range_at_departure_m += agent.range_per_m * Distance(from, agent.from);
+    wire->range_at_departure_m += agent.range_per_m * agent.WayM(from, agent.from);
   }
 }
 
@@ -142,13 +149,18 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   wire.target_id = agent.target;
   wire.partner_id = agent.partner;
   wire.decision = agent.decision;
-  if (agent.measured && agent.action == ActionKind::kGoTo && agent.depart_us == t &&
-      t < agent.arrive_us && agent.measured->set_out_us < t) {
-    TellGoal(agent, t, &wire);
+  if (agent.action == ActionKind::kGoTo && t < agent.arrive_us) {
+    if (agent.measured && agent.depart_us == t && agent.measured->set_out_us < t) {
+      TellGoal(agent, agent.measured->set_out_us, t, &wire);
+    } else if (!agent.ways->straight(agent.kind) && agent.depart_us < t) {
+      const Point from = BehindGoal(agent, here, t - agent.depart_us, t);
+      wire.from_x_m = from.x_m;
+      wire.from_y_m = from.y_m;
+    }
   }
   if (TellsWholeLeg(agent, t)) {
     const Measured& told = *agent.measured;
-    const double way = agent.range_per_m * Distance(told.origin, agent.from);
+    const double way = agent.range_per_m * agent.WayM(told.origin, agent.from);
     wire.from_x_m = told.origin.x_m;
     wire.from_y_m = told.origin.y_m;
     wire.depart_us = told.set_out_us;
@@ -192,6 +204,7 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   if (wire.depart_us < 0 || wire.depart_us > t || wire.arrive_us < wire.depart_us) return {};
   if (!NumbersFit(wire, kind)) return {};
   AgentState agent;
+  agent.ways = limits.scenario.ways.get();
   agent.kind = kind;
   agent.id = wire.id;
   agent.speed_m_s = wire.speed_m_s;
@@ -216,6 +229,13 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   agent.failed = wire.status == AgentStatus::kFailed;
   if (limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured) {
     ReadMeasured({wire.x_m, wire.y_m}, wire.range_left_m, t, limits.scenario.rules, &agent);
+  }
+  if (action == ActionKind::kGoTo && !agent.ways->straight(kind) && agent.depart_us < t &&
+      t < agent.arrive_us) {
+    // The origin that is told stands for the goal: the way is known from here on.
+    agent.from = {wire.x_m, wire.y_m};
+    agent.depart_us = t;
+    agent.range_at_departure_m = wire.range_left_m;
   }
   return agent;
 }

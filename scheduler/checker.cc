@@ -137,7 +137,7 @@ class Checker {
     const Task& task = site_.tasks[a.task.index()];
     TimeUs start_us = s_.now_us;
     for (const AgentState* agent : agents) {
-      const TimeUs travel_us = TravelUs(Distance(agent->to, task.at), agent->speed_m_s);
+      const TimeUs travel_us = TravelUs(agent->WayM(agent->to, task.at), agent->speed_m_s);
       start_us = travel_us == kNever ? kNever : std::max(start_us, s_.now_us + travel_us);
     }
     if (start_us >= task.expires_us) {
@@ -179,15 +179,15 @@ class Checker {
     const double range = RangeAt(uav, s_.now_us, site_.tasks);
     if (a.task.valid()) {
       const Task& task = site_.tasks[a.task.index()];
-      const double way = Distance(uav.to, task.at);
-      const double home = NearestChargeDistance(task.at, site_.charging_points);
+      const double way = uav.WayM(uav.to, task.at);
+      const double home = NearestChargeM(*site_.ways, task.at, site_.charging_points);
       if (!(way + task.cost_m + home <= range)) {
         Broken(Rule::kConstraint6, fmt::format("way {} + sensing {} + to charging {} > range {} m",
                                                way, task.cost_m, home, range));
       }
       return;
     }
-    const double way = Distance(uav.to, a.to);
+    const double way = uav.WayM(uav.to, a.to);
     if (!(way <= range)) {
       Broken(a.charge.valid() ? Rule::kConstraint5 : Rule::kRange,
              fmt::format("way {} > range {} m", way, range));

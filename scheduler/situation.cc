@@ -3,22 +3,23 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/grid_index.h"
+#include "model/place_index.h"
 
 namespace muster::scheduler {
 
 Site::Site(const Scenario& scenario)
     : tasks(scenario.tasks),
       charging_points(scenario.charging_points),
+      ways(scenario.ways),
       rules(scenario.rules),
       width_m(scenario.width_m),
       height_m(scenario.height_m),
       seed(scenario.seed) {
   std::vector<Point> places;
   for (const ChargingPoint& point : charging_points) places.push_back(point.at);
-  const GridIndex index(places);
+  const PlaceIndex index(places, {ways.get(), AgentKind::kUav});
   task_to_charge_m.reserve(tasks.size());
-  for (const Task& task : tasks) task_to_charge_m.push_back(index.Nearest(task.at));
+  for (const Task& task : tasks) task_to_charge_m.push_back(index.NearestFrom(task.at));
 }
 
 std::int32_t Situation::free_places(ChargeId charge) const {

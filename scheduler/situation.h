@@ -15,7 +15,8 @@ namespace muster::scheduler {
 struct Site {
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
-  std::vector<double> task_to_charge_m;  ///< [n_tasks] distance to the nearest charging point
+  std::shared_ptr<const Ways> ways;      ///< how agents travel
+  std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
   Rules rules;
   double width_m = 0;
   double height_m = 0;

@@ -50,30 +50,38 @@ std::vector<const AgentState*> Select(const std::vector<AgentState>& agents,
 
 using Agents = std::vector<const AgentState*>;
 
-struct Coordinates {
-  explicit Coordinates(const std::vector<Point>& points)
-      : x(static_cast<Eigen::Index>(points.size())), y(x.size()) {
+/// Places with the ways to them, which are found all at once where they are straight.
+struct SiteArray {
+  explicit SiteArray(const std::vector<Point>& places)
+      : points(places), x(static_cast<Eigen::Index>(points.size())), y(x.size()) {
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       x(i) = points[static_cast<std::size_t>(i)].x_m;
       y(i) = points[static_cast<std::size_t>(i)].y_m;
     }
   }
-  /// The same operations as Distance(): equal to the last bit.
-  Eigen::ArrayXd DistancesFrom(Point p) const {
-    return ((x - p.x_m).square() + (y - p.y_m).square()).sqrt();
+  /// Metres from p to each place.
+  Eigen::ArrayXd WaysFrom(Point p, const WaysOf& ways) const {
+    // The same operations as Distance(): equal to the last bit.
+    if (ways.straight()) return ((x - p.x_m).square() + (y - p.y_m).square()).sqrt();
+    Eigen::ArrayXd way_m(x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      way_m(i) = ways.Length(p, points[static_cast<std::size_t>(i)]);
+    }
+    return way_m;
   }
+  const std::vector<Point>& points;
   Eigen::ArrayXd x, y;
 };
 
 Legs LegsOf(const Agents& agents, const std::vector<Point>& sites, TimeUs unit_us) {
-  const Coordinates coordinates(sites);
+  const SiteArray array(sites);
   const auto rows = static_cast<Eigen::Index>(agents.size());
   const auto columns = static_cast<Eigen::Index>(sites.size());
   Legs legs{Table<double>(rows, columns), Table<TimeUs>(rows, columns),
             Table<std::int32_t>(rows, columns)};
   for (Eigen::Index a = 0; a < rows; ++a) {
     const AgentState& agent = *agents[static_cast<std::size_t>(a)];
-    const Eigen::ArrayXd way = coordinates.DistancesFrom(agent.to);
+    const Eigen::ArrayXd way = array.WaysFrom(agent.to, agent.own_ways());
     const Eigen::ArrayXd counts = IntervalCounts(way, agent.speed_m_s, unit_us);
     legs.way_m.row(a) = way.transpose();
     legs.intervals.row(a) =
@@ -107,7 +115,8 @@ CostsAt ExpectedCostsOf(const Agents& agents, const std::vector<Point>& places,
   for (const double speed : speeds) {
     for (const Point place : places) probes.push_back({place, speed});
   }
-  const std::vector<double> costs = ExpectedCosts(probes, sites, cost, unit_us);
+  const WaysOf ways = agents.empty() ? WaysOf{} : agents.front()->own_ways();
+  const std::vector<double> costs = ExpectedCosts(probes, sites, cost, unit_us, ways);
 
   CostsAt result;
   result.here.assign(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(agents.size()));
@@ -210,7 +219,7 @@ double PairWeight(double foundation, std::int32_t uav_intervals, std::int32_t pa
 }
 
 std::vector<double> ExpectedCosts(const std::vector<Probe>& probes, const std::vector<Point>& sites,
-                                  const Eigen::ArrayXd& cost, TimeUs unit_us) {
+                                  const Eigen::ArrayXd& cost, TimeUs unit_us, const WaysOf& ways) {
   std::vector<double> costs(probes.size(), 0.0);
   if (sites.empty()) return costs;
   const auto key = [&probes](std::size_t i) {
@@ -220,7 +229,7 @@ std::vector<double> ExpectedCosts(const std::vector<Probe>& probes, const std::v
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  const Coordinates coordinates(sites);
+  const SiteArray array(sites);
   for (std::size_t k = 0; k < order.size(); ++k) {
     const std::size_t i = order[k];
     if (k > 0 && key(order[k - 1]) == key(i)) {
@@ -228,7 +237,7 @@ std::vector<double> ExpectedCosts(const std::vector<Probe>& probes, const std::v
       continue;
     }
     const Eigen::ArrayXd counts =
-        IntervalCounts(coordinates.DistancesFrom(probes[i].at), probes[i].speed_m_s, unit_us);
+        IntervalCounts(array.WaysFrom(probes[i].at, ways), probes[i].speed_m_s, unit_us);
     costs[i] = (ChoiceProbabilities(counts) * cost).sum();
   }
   return costs;

@@ -81,10 +81,10 @@ struct Probe {
 };
 
 /// sum_x p_x * cost_x for each probe, where p are the ChoiceProbabilities among `sites` from there
-/// at that speed and cost [n_sites]. Each distinct probe is computed once: O(distinct x n_sites).
-/// No sites: 0. Source: the sums of Eq. 4-10, 4-12, 4-14, 4-17.
+/// by those ways at that speed, and cost [n_sites]. Each distinct probe is computed once:
+/// O(distinct x n_sites). No sites: 0. Source: the sums of Eq. 4-10, 4-12, 4-14, 4-17.
 std::vector<double> ExpectedCosts(const std::vector<Probe>& probes, const std::vector<Point>& sites,
-                                  const Eigen::ArrayXd& cost, TimeUs unit_us);
+                                  const Eigen::ArrayXd& cost, TimeUs unit_us, const WaysOf& ways);
 
 /// Ways of agents to sites, all [n_agents x n_sites].
 struct Legs {

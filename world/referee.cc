@@ -324,7 +324,7 @@ void Referee::Meet(TimeUs t, Agents* agents) {
   for (std::size_t x = 0; x < scenario_.tasks.size(); ++x) {
     if (task_status_[x] != TaskStatus::kOpen) continue;
     const Task& task = scenario_.tasks[x];
-    const double home = NearestChargeDistance(task.at, scenario_.charging_points);
+    const double home = NearestChargeM(*scenario_.ways, task.at, scenario_.charging_points);
     for (const AgentState& uav : agents->uavs) {
       if (!free_at(uav, task.at) ||
           !CanSense(RangeAt(uav, t, scenario_.tasks), 0, task.cost_m, home)) {

@@ -58,7 +58,7 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, std::string 
   for (const AgentKind kind : kAgentKinds) {
     for (const AgentSpec& spec : scenario_.agents(kind)) {
       const auto id = static_cast<std::int32_t>(agents_[kind].size());
-      agents_[kind].push_back(StartOf(kind, id, spec));
+      agents_[kind].push_back(StartOf(kind, id, spec, *scenario_.ways));
     }
   }
   for (const Outage& outage : options.outages) {

@@ -64,7 +64,7 @@ void AgentProcess::OnScenario() {
                      fmt::format("ids of the scenario's {}s, 0-{}", ToString(kind_), n - 1));
   }
   for (std::int32_t id = first; id <= last; ++id) {
-    agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)]));
+    agents_.push_back(StartOf(kind_, id, specs[static_cast<std::size_t>(id)], *scenario()->ways));
   }
   if (specs.size() > most_whole_) {
     told_.emplace(scenario(), kind_);

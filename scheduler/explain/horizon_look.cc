@@ -151,13 +151,13 @@ void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLoo
     RangeNeed need{UavId(p.agent->id), p.range_m, 0, 0, 0, FreeUs(p)};
     const Site& places = *situation_.site;
     if (look->charging) {
-      need.way_m = Distance(p.at, places.charging_points[At(look->site)].at);
+      need.way_m = p.agent->WayM(p.at, places.charging_points[At(look->site)].at);
       if (need.needs_m() <= p.range_m) {
         ++look->uavs_without_use;
         continue;
       }
     } else {
-      need.way_m = Distance(p.at, places.tasks[At(look->site)].at);
+      need.way_m = p.agent->WayM(p.at, places.tasks[At(look->site)].at);
       need.cost_m = places.tasks[At(look->site)].cost_m;
       need.to_charge_m = places.task_to_charge_m[At(look->site)];
     }

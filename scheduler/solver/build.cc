@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/grid_index.h"
 #include "base/index.h"
+#include "model/place_index.h"
 #include "scheduler/solver/expected_costs.h"
 #include "scheduler/solver/levels.h"
 #include "scheduler/solver/parallel.h"
@@ -128,9 +128,8 @@ class Builder {
 
   BuiltInstance Build() {
     const auto start = Clock::now();
-    const GridIndex task_index(task_at_), charge_index(charge_at_);
-    FindUavWays(task_index, charge_index);
-    FindPartnerWays(task_index, charge_index);
+    FindUavWays();
+    FindPartnerWays();
     const auto found = Clock::now();
     ExpectedCosts();
     MeanCosts();
@@ -168,6 +167,11 @@ class Builder {
     return idle;
   }
 
+  WaysOf Of(AgentKind kind) const { return {site_.ways.get(), kind}; }
+  WaysOf PartnersOf(bool charging) const {
+    return Of(charging ? AgentKind::kVehicle : AgentKind::kWorker);
+  }
+
   double Share(std::size_t u) const {
     return uavs_[u]->range_full_m > 0 ? range_m_[u] / uavs_[u]->range_full_m : 0;
   }
@@ -184,10 +188,11 @@ class Builder {
   }
 
   /// Constraints (5) and (6), without regard to time: the expected costs need them so.
-  void FindUavWays(const GridIndex& task_index, const GridIndex& charge_index) {
+  void FindUavWays() {
+    const PlaceIndex tasks(task_at_, Of(AgentKind::kUav)), charges(charge_at_, Of(AgentKind::kUav));
     uav_to_task_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
       const LevelOf& level = uav_speeds_.levels[At(uav_speeds_.of_agent[u])];
-      task_index.Within(uav_at_[u], range_m_[u], [&](Index x, double metres) {
+      tasks.WithinFrom(uav_at_[u], range_m_[u], [&](Index x, double metres) {
         const TaskId task = tasks_[At(x)];
         if (!CanSense(range_m_[u], metres, site_.tasks[task.index()].cost_m,
                       site_.task_to_charge_m[task.index()])) {
@@ -198,27 +203,27 @@ class Builder {
     });
     uav_to_charge_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
       const LevelOf& level = uav_speeds_.levels[At(uav_speeds_.of_agent[u])];
-      charge_index.Within(uav_at_[u], range_m_[u], [&](Index y, double metres) {
+      charges.WithinFrom(uav_at_[u], range_m_[u], [&](Index y, double metres) {
         ways->push_back({static_cast<Index>(u), y, metres, level(metres)});
       });
     });
   }
 
   /// What can be reached before the agent must be done. Charging points only with a free place.
-  void FindPartnerWays(const GridIndex& task_index, const GridIndex& charge_index) {
+  void FindPartnerWays() {
     const auto find = [&](const std::vector<const AgentState*>& agents,
-                          const std::vector<Point>& at, const SpeedClasses& speeds,
-                          const GridIndex& index, bool charging) {
+                          const std::vector<Point>& at, const SpeedClasses& speeds, bool charging) {
       const std::size_t n_places = charging ? charge_at_.size() : task_at_.size();
       if (rules_.availability == Availability::kOverrun &&
           agents.size() * n_places > all_pairs_up_to_) {
         return NearWays(at, speeds, charging);
       }
+      const PlaceIndex index(charging ? charge_at_ : task_at_, PartnersOf(charging));
       return FindWays(agents.size(), [&](std::size_t i, std::vector<Way>* ways) {
         const LevelOf& level = speeds.levels[At(speeds.of_agent[i])];
         const TimeUs left = TimeLeft(*agents[i]);
         const double radius = ToSeconds(left) * agents[i]->speed_m_s * (1 + 1e-9) + 1;
-        index.Within(at[i], radius, [&](Index place, double metres) {
+        index.WithinFrom(at[i], radius, [&](Index place, double metres) {
           if (charging && site_of_charge_[At(place)] < 0) return;
           const TimeUs travel = TravelUs(metres, agents[i]->speed_m_s);
           if (travel == kNever || travel > left) return;
@@ -226,15 +231,15 @@ class Builder {
         });
       });
     };
-    worker_to_task_ = find(workers_, worker_at_, worker_speeds_, task_index, false);
-    vehicle_to_charge_ = find(vehicles_, vehicle_at_, vehicle_speeds_, charge_index, true);
+    worker_to_task_ = find(workers_, worker_at_, worker_speeds_, false);
+    vehicle_to_charge_ = find(vehicles_, vehicle_at_, vehicle_speeds_, true);
   }
 
   /// The nearest partners of each place, by whole levels, where time limits nothing.
   std::vector<Way> NearWays(const std::vector<Point>& at, const SpeedClasses& speeds,
                             bool charging) {
     const std::vector<Point>& places = charging ? charge_at_ : task_at_;
-    const GridIndex index(at);
+    const PlaceIndex index(at, PartnersOf(charging));
     double reach_m = 0;
     for (const LevelOf& level : speeds.levels) reach_m = std::max(reach_m, level.reach_m());
     if (rest_level_.empty()) rest_level_.assign(tasks_.size() + charges_.size(), 0);
@@ -244,7 +249,7 @@ class Builder {
       const std::size_t before = ways->size();
       for (std::int32_t most = 2;; most *= 2) {
         ways->resize(before);
-        index.Within(places[k], reach_m * most * (1 + 1e-9) + 1, [&](Index i, double metres) {
+        index.WithinTo(places[k], reach_m * most * (1 + 1e-9) + 1, [&](Index i, double metres) {
           const std::int32_t level = speeds.levels[At(speeds.of_agent[At(i)])](metres);
           if (level > most) return;
           ways->push_back({i, static_cast<Index>(k), metres, level});
@@ -294,7 +299,7 @@ class Builder {
     charge_by_uav_ = by_uav(uav_to_charge_, charge_at_.size(), true);
 
     const auto by_partner = [&](const std::vector<Point>& agents, const SpeedClasses& speeds,
-                                const std::vector<Point>& places) {
+                                const std::vector<Point>& places, bool charging) {
       std::vector<double> cost(places.size(), 0);
       if (agents.empty()) return cost;
       Queries to(places);
@@ -304,14 +309,15 @@ class Builder {
           if (At(speeds.of_agent[i]) == c) of_class.push_back(agents[i]);
         }
         const std::vector<double> sums =
-            LevelSums(of_class, speeds.levels[c], exact_up_to_).Sums(&to, threads_);
+            LevelSums(of_class, speeds.levels[c], PartnersOf(charging), exact_up_to_)
+                .Sums(&to, threads_);
         for (std::size_t i = 0; i < cost.size(); ++i) cost[i] += sums[i];
       }
       for (double& value : cost) value /= static_cast<double>(agents.size());
       return cost;
     };
-    task_by_worker_ = by_partner(worker_at_, worker_speeds_, task_at_);
-    charge_by_vehicle_ = by_partner(vehicle_at_, vehicle_speeds_, charge_at_);
+    task_by_worker_ = by_partner(worker_at_, worker_speeds_, task_at_, false);
+    charge_by_vehicle_ = by_partner(vehicle_at_, vehicle_speeds_, charge_at_, true);
   }
 
   /// One softmax mean for each (place, speed) that some way needs.
@@ -377,14 +383,17 @@ class Builder {
 
   void MeanCosts() {
     auto needs = NeedsOf(uav_at_, uav_speeds_, &uav_to_task_, &uav_to_charge_);
-    uav_tasks_ = Means(PlaceSums(task_at_, task_by_worker_, exact_up_to_), uav_speeds_, &needs);
+    uav_tasks_ = Means(PlaceSums(task_at_, task_by_worker_, Of(AgentKind::kUav), exact_up_to_),
+                       uav_speeds_, &needs);
     uav_charges_ =
-        Means(PlaceSums(charge_at_, charge_by_vehicle_, exact_up_to_), uav_speeds_, &needs);
+        Means(PlaceSums(charge_at_, charge_by_vehicle_, Of(AgentKind::kUav), exact_up_to_),
+              uav_speeds_, &needs);
     needs = NeedsOf(worker_at_, worker_speeds_, &worker_to_task_, nullptr);
-    worker_tasks_ = Means(PlaceSums(task_at_, task_by_uav_, exact_up_to_), worker_speeds_, &needs);
+    worker_tasks_ = Means(PlaceSums(task_at_, task_by_uav_, PartnersOf(false), exact_up_to_),
+                          worker_speeds_, &needs);
     needs = NeedsOf(vehicle_at_, vehicle_speeds_, nullptr, &vehicle_to_charge_);
-    vehicle_charges_ =
-        Means(PlaceSums(charge_at_, charge_by_uav_, exact_up_to_), vehicle_speeds_, &needs);
+    vehicle_charges_ = Means(PlaceSums(charge_at_, charge_by_uav_, PartnersOf(true), exact_up_to_),
+                             vehicle_speeds_, &needs);
   }
 
   void Assemble(BuiltInstance* built) {

@@ -236,8 +236,9 @@ void LevelsTo(Point from, std::span<const double> x_m, std::span<const double> y
 }
 
 PlaceSums::PlaceSums(std::span<const Point> places, std::span<const double> values,
-                     std::size_t exact_up_to) {
-  if (places.size() > exact_up_to) {
+                     const WaysOf& ways, std::size_t exact_up_to)
+    : ways_(ways) {
+  if (ways.straight() && places.size() > exact_up_to) {
     tree_.emplace_back(places, values);
     return;
   }
@@ -267,7 +268,11 @@ double PlaceSums::ExactMean(Point from, const LevelOf& level) const {
   const std::size_t n = x_m_.size();
   thread_local std::vector<std::int32_t> levels;
   levels.resize(n);
-  LevelsTo(from, x_m_, y_m_, level, levels.data());
+  if (ways_.straight()) {
+    LevelsTo(from, x_m_, y_m_, level, levels.data());
+  } else {
+    for (std::size_t i = 0; i < n; ++i) levels[i] = level(ways_.Length(from, {x_m_[i], y_m_[i]}));
+  }
   const std::int32_t least = *std::min_element(levels.begin(), levels.end());
   const auto& table = Exp();
   double mass = 0, sum = 0;
@@ -333,9 +338,10 @@ void PlaceSums::BlockMeans(const Queries& from, const Queries::Block& block, con
   }
 }
 
-LevelSums::LevelSums(std::span<const Point> agents, const LevelOf& level, std::size_t exact_up_to)
-    : level_(level) {
-  if (agents.size() > exact_up_to) {
+LevelSums::LevelSums(std::span<const Point> agents, const LevelOf& level, const WaysOf& ways,
+                     std::size_t exact_up_to)
+    : level_(level), ways_(ways) {
+  if (ways.straight() && agents.size() > exact_up_to) {
     tree_.emplace_back(agents, std::span<const double>());
     return;
   }
@@ -360,10 +366,16 @@ std::vector<double> LevelSums::Sums(Queries* to, int threads) const {
 }
 
 double LevelSums::ExactSum(Point to) const {
+  std::int64_t sum = 0;
+  if (!ways_.straight()) {
+    for (std::size_t i = 0; i < x_m_.size(); ++i) {
+      sum += level_(ways_.Length({x_m_[i], y_m_[i]}, to));
+    }
+    return static_cast<double>(sum);
+  }
   thread_local std::vector<std::int32_t> levels;
   levels.resize(x_m_.size());
   LevelsTo(to, x_m_, y_m_, level_, levels.data());
-  std::int64_t sum = 0;
   for (const std::int32_t k : levels) sum += k;
   return static_cast<double>(sum);
 }

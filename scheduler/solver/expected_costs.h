@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/geometry.h"
+#include "model/ways.h"
 #include "scheduler/solver/levels.h"
 #include "scheduler/solver/place_tree.h"
 
@@ -22,8 +23,9 @@ inline constexpr double kCostTolerance = 1e-3;
 /// Softmax means over places (open tasks, charging points) of their expected costs.
 class PlaceSums {
  public:
-  /// `values` has one entry a place; `exact_up_to` is there for tests.
-  PlaceSums(std::span<const Point> places, std::span<const double> values,
+  /// `values` has one entry a place; `exact_up_to` is there for tests. Where ways are not straight,
+  /// every sum is exact.
+  PlaceSums(std::span<const Point> places, std::span<const double> values, const WaysOf& ways,
             std::size_t exact_up_to = kExactPlaces);
 
   /// sum_x softmax(-level(x)) * value_x with the level of the way from each of `from`; 0 without
@@ -36,6 +38,7 @@ class PlaceSums {
   void BlockMeans(const Queries& from, const Queries::Block& block, const LevelOf& level,
                   std::vector<double>* means) const;
 
+  WaysOf ways_;
   std::vector<double> x_m_, y_m_, value_;
   std::vector<PlaceTree> tree_;  ///< one, or none where sums are exact
 };
@@ -43,7 +46,8 @@ class PlaceSums {
 /// Sums of levels over the agents of one speed.
 class LevelSums {
  public:
-  LevelSums(std::span<const Point> agents, const LevelOf& level,
+  /// Where ways are not straight, every sum is exact.
+  LevelSums(std::span<const Point> agents, const LevelOf& level, const WaysOf& ways,
             std::size_t exact_up_to = kExactPlaces);
 
   /// Sum over the agents of the level of their way to each of `to`. Source: the paper's Eq. 4-6,
@@ -55,11 +59,12 @@ class LevelSums {
   void BlockSums(const Queries& to, const Queries::Block& block, std::vector<double>* sums) const;
 
   LevelOf level_;
+  WaysOf ways_;
   std::vector<double> x_m_, y_m_;
   std::vector<PlaceTree> tree_;
 };
 
-/// Levels from one place to many, into `levels` [n].
+/// Levels of the straight lines from one place to many, into `levels` [n].
 void LevelsTo(Point from, std::span<const double> x_m, std::span<const double> y_m,
               const LevelOf& level, std::int32_t* levels);
 

@@ -92,7 +92,8 @@ std::int64_t CountNodes(const Instance& instance, int threads) {
            i < static_cast<std::size_t>(instance.uav_begin[s + 1]); ++i) {
         const auto& uav = instance.uav_arcs[i];
         if (uav.pair_gain == Instance::kNone) continue;
-        const TimeUs duration = uav.missing_m < 0 ? uav.duration_us : TravelUs(uav.missing_m, rate);
+        const TimeUs duration =
+            uav.missing_m < 0 ? uav.duration_us : ChargingUs(uav.missing_m, rate);
         const TimeUs uav_latest = instance.uavs[static_cast<std::size_t>(uav.uav)].latest_us;
         if (duration != kNever &&
             duration <= std::min(latest, uav_latest) - std::max(arrive, uav.arrive_us)) {

@@ -81,7 +81,7 @@ struct Instance {
     const TimeUs latest_uav = uavs[static_cast<std::size_t>(u.uav)].latest_us;
     const TimeUs latest = latest_uav < partner.latest_us ? latest_uav : partner.latest_us;
     const TimeUs duration =
-        u.missing_m < 0 ? u.duration_us : TravelUs(u.missing_m, partner.charge_rate_m_s);
+        u.missing_m < 0 ? u.duration_us : ChargingUs(u.missing_m, partner.charge_rate_m_s);
     return duration != kNever && duration <= latest - start;
   }
   static double PairWeight(const UavArc& u, const PartnerArc& p) {

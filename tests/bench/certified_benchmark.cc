@@ -63,7 +63,7 @@ void SoftmaxMean(benchmark::State& state) {
     places.push_back({random.Uniform(0, side), random.Uniform(0, side)});
     values.push_back(random.Uniform(1, 5));
   }
-  const scheduler::PlaceSums sums(places, values);
+  const scheduler::PlaceSums sums(places, values, {});
   const scheduler::LevelOf level(1000.0 / 60, Rules{});
   scheduler::Queries from(places);
   for (auto _ : state) benchmark::DoNotOptimize(sums.SoftmaxMeans(&from, level).front());

@@ -15,7 +15,7 @@ AgentState UavAtOrigin() {
   spec.range_full_m = 10'000;
   spec.range_m = 8'000;
   spec.online_until_us = 3600 * kSecondUs;
-  return StartOf(AgentKind::kUav, 0, spec);
+  return StartOf(AgentKind::kUav, 0, spec, StraightWays());
 }
 
 AgentState WorkerAt(Point at) {
@@ -23,7 +23,7 @@ AgentState WorkerAt(Point at) {
   spec.at = at;
   spec.speed_m_s = 5;
   spec.online_until_us = 3600 * kSecondUs;
-  return StartOf(AgentKind::kWorker, 0, spec);
+  return StartOf(AgentKind::kWorker, 0, spec, StraightWays());
 }
 
 Action Sense() {
@@ -79,7 +79,7 @@ TEST(Agent, ChargingFillsWhatIsMissingOnArrival) {
   spec.speed_m_s = 10;
   spec.charge_rate_m_s = 50;
   spec.online_until_us = 3600 * kSecondUs;
-  AgentState vehicle = StartOf(AgentKind::kVehicle, 2, spec);
+  AgentState vehicle = StartOf(AgentKind::kVehicle, 2, spec, StraightWays());
   Action charge;
   charge.kind = ActionKind::kCharge;
   charge.uav = UavId(0);
@@ -235,7 +235,7 @@ TEST(Feasibility, ConstraintsHoldWithEquality) {
   EXPECT_TRUE(CanSense(6000, 2000, 3000, 1000));
   EXPECT_FALSE(CanSense(5999, 2000, 3000, 1000));
   const std::vector<ChargingPoint> points = {{{0, 0}, 1}, {{10, 0}, 1}};
-  EXPECT_DOUBLE_EQ(NearestChargeDistance({7, 4}, points), 5);
+  EXPECT_DOUBLE_EQ(NearestChargeM(StraightWays(), {7, 4}, points), 5);
 }
 
 TEST(Feasibility, StrictEndsAtDowntimeOrLimit) {

@@ -109,7 +109,7 @@ TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
                                                "order"),
                                     kNow);
   EXPECT_EQ(joins.agent_id, 30);
-  AgentState agent = StartOf(AgentKind::kUav, 30, AgentSpec());
+  AgentState agent = StartOf(AgentKind::kUav, 30, AgentSpec(), StraightWays());
   Obey(&agent, joins, kNow, scenario);
   EXPECT_TRUE(agent.idle(kNow));
   EXPECT_EQ(PositionAt(agent, kNow), (Point{5000, 6000}));

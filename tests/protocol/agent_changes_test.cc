@@ -27,7 +27,8 @@ class AgentChangesTest : public testing::Test {
   std::vector<AgentState> StartAll(AgentKind kind) const {
     std::vector<AgentState> agents;
     for (const AgentSpec& spec : scenario_->agents(kind)) {
-      agents.push_back(StartOf(kind, static_cast<std::int32_t>(agents.size()), spec));
+      agents.push_back(
+          StartOf(kind, static_cast<std::int32_t>(agents.size()), spec, StraightWays()));
     }
     return agents;
   }

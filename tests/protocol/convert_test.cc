@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/model/manhattan_ways.h"
+
 namespace muster {
 namespace {
 
@@ -27,7 +29,7 @@ Scenario TwoOfEach() {
 }
 
 AgentState MovingUav(const Scenario& scenario) {
-  AgentState uav = StartOf(AgentKind::kUav, 1, scenario.uavs[1]);
+  AgentState uav = StartOf(AgentKind::kUav, 1, scenario.uavs[1], *scenario.ways);
   Action action;
   action.kind = ActionKind::kSense;
   action.uav = UavId(1);
@@ -55,7 +57,7 @@ TEST(Convert, AnAgentUnderWayComesBackAsItWas) {
 
 TEST(Convert, AFreeMoveUnderWayIsExtrapolated) {
   const Scenario scenario = TwoOfEach();
-  AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0]);
+  AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
   Action action;
   action.kind = ActionKind::kGoTo;
   action.uav = UavId(0);
@@ -65,6 +67,32 @@ TEST(Convert, AFreeMoveUnderWayIsExtrapolated) {
                              30 * kSecondUs, WireLimits(scenario));
   ASSERT_TRUE(back);
   EXPECT_NEAR(Distance(back->to, action.to), 0, 1e-6);
+}
+
+TEST(Convert, AFreeMoveOnABentWayComesBackWithItsGoalAndTheRestOfItsWay) {
+  const testing::InManhattan scope;
+  const Scenario scenario = TwoOfEach();
+  AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
+  const Point start = uav.to;
+  Action action;
+  action.kind = ActionKind::kGoTo;
+  action.uav = UavId(0);
+  action.to = {start.x_m + 600, start.y_m + 800};
+  Begin(&uav, action, 0, 0, {}, 1);
+  for (const double share : {0.1, 0.4, 0.5, 0.99}) {
+    const auto t = static_cast<TimeUs>(share * static_cast<double>(uav.arrive_us));
+    const agent_t wire = ToWire(uav, t, scenario.tasks);
+    EXPECT_EQ(wire.depart_us, uav.depart_us);
+    EXPECT_EQ(wire.range_at_departure_m, uav.range_at_departure_m);
+    const auto back = FromWire(wire, AgentKind::kUav, t, WireLimits(scenario));
+    ASSERT_TRUE(back);
+    EXPECT_NEAR(Distance(back->to, action.to), 0, 1e-6);
+    EXPECT_EQ(back->arrive_us, uav.arrive_us);
+    for (const TimeUs later : {t, (t + uav.arrive_us) / 2, uav.arrive_us}) {
+      EXPECT_NEAR(Distance(PositionAt(*back, later), PositionAt(uav, later)), 0, 1e-6) << later;
+      EXPECT_NEAR(RangeAt(*back, later, {}), RangeAt(uav, later, {}), 1e-6) << later;
+    }
+  }
 }
 
 TEST(Convert, ImpossibleReportsAreRefused) {
@@ -97,7 +125,8 @@ TEST(Convert, ImpossibleReportsAreRefused) {
     EXPECT_FALSE(FromWire(bad, AgentKind::kUav, t, limits)) << "lie " << i;
   }
   EXPECT_FALSE(FromWire(good, AgentKind::kVehicle, t, limits));
-  agent_t vehicle = ToWire(StartOf(AgentKind::kVehicle, 1, scenario.vehicles[1]), t, {});
+  agent_t vehicle =
+      ToWire(StartOf(AgentKind::kVehicle, 1, scenario.vehicles[1], *scenario.ways), t, {});
   EXPECT_TRUE(FromWire(vehicle, AgentKind::kVehicle, t, limits));
   vehicle.charge_rate_m_s = 0;
   EXPECT_FALSE(FromWire(vehicle, AgentKind::kVehicle, t, limits));
@@ -140,7 +169,7 @@ TEST(Convert, ActionsActivitiesAndRulingsRoundTrip) {
 /// A report of an agent of that class with that action under way, all ids the highest there are.
 agent_t Report(const Scenario& scenario, AgentKind kind, ActionKind action, std::int32_t target,
                std::int32_t partner) {
-  AgentState agent = StartOf(kind, 1, scenario.agents(kind)[1]);
+  AgentState agent = StartOf(kind, 1, scenario.agents(kind)[1], *scenario.ways);
   agent.depart_us = 100 * kSecondUs;
   agent.arrive_us = agent.busy_until_us = 200 * kSecondUs;
   agent.action = action;

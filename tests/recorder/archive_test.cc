@@ -38,7 +38,8 @@ class ArchiveTest : public ::testing::Test {
     states.kind = static_cast<std::int8_t>(kind);
     states.applied_decision = -1;
     for (std::size_t id = 0; id < scenario_.agents(kind).size(); ++id) {
-      const auto agent = StartOf(kind, static_cast<std::int32_t>(id), scenario_.agents(kind)[id]);
+      const auto agent =
+          StartOf(kind, static_cast<std::int32_t>(id), scenario_.agents(kind)[id], *scenario_.ways);
       states.agents.push_back(ToWire(agent, scenario_.rules.TimeOf(tick), scenario_.tasks));
     }
     states.n = static_cast<std::int32_t>(states.agents.size());

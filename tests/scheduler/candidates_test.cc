@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 
+#include "tests/model/manhattan_ways.h"
 #include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
 
@@ -139,6 +141,8 @@ TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
     rules.ceil_to_minutes = variant == "ceil_to_minutes";
     rules.mean_over_all = variant == "mean_over_all";
     const bool uniform = variant == "uniform";
+    std::optional<muster::testing::InManhattan> bent;
+    if (variant == "bent_ways") bent.emplace();
     testing::RandomSize size;
     size.times = variant == "expiring";
     const Situation situation = RandomSituation(seed, size, rules);
@@ -161,7 +165,7 @@ TEST_P(CandidatesAgainstReference, SameNodesSameWeights) {
 
 INSTANTIATE_TEST_SUITE_P(Rules, CandidatesAgainstReference,
                          ::testing::Values("strict", "overrun", "ceil_to_minutes", "mean_over_all",
-                                           "uniform", "expiring"),
+                                           "uniform", "expiring", "bent_ways"),
                          [](const auto& variant) { return variant.param; });
 
 }  // namespace

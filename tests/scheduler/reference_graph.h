@@ -71,8 +71,8 @@ class ReferenceGraph {
   TimeUs unit() const {
     return s_.site->rules.ceil_to_minutes ? kMinuteUs : s_.site->rules.interval_us;
   }
-  std::int64_t Count(Point from, Point to, double speed) const {
-    return Intervals(TravelUs(Distance(from, to), speed), unit());
+  std::int64_t Count(const AgentState& agent, Point from, Point to) const {
+    return Intervals(TravelUs(agent.WayM(from, to), agent.speed_m_s), unit());
   }
   static double Likelihood(double share) {
     return std::max(1e-6, (1 - std::exp(-share)) / (1 - std::exp(-1.0)));
@@ -80,11 +80,11 @@ class ReferenceGraph {
   double Share(const AgentState& uav) const { return s_.range_m(uav) / uav.range_full_m; }
   bool Senseable(const AgentState& uav, std::size_t x) const {
     const Task& task = s_.site->tasks[x];
-    return CanSense(s_.range_m(uav), Distance(uav.to, task.at), task.cost_m,
-                    NearestChargeDistance(task.at, s_.site->charging_points));
+    return CanSense(s_.range_m(uav), uav.WayM(uav.to, task.at), task.cost_m,
+                    NearestChargeM(*s_.site->ways, task.at, s_.site->charging_points));
   }
   bool Reachable(const AgentState& uav, std::size_t y) const {
-    return CanReachCharge(s_.range_m(uav), Distance(uav.to, s_.site->charging_points[y].at));
+    return CanReachCharge(s_.range_m(uav), uav.WayM(uav.to, s_.site->charging_points[y].at));
   }
 
   double UavCost(Point at, bool charge, std::size_t site) const {
@@ -93,7 +93,7 @@ class ReferenceGraph {
     for (const AgentState& uav : idle(AgentKind::kUav)) {
       if (!(charge ? Reachable(uav, site) : Senseable(uav, site))) continue;
       ++n;
-      sum += static_cast<double>(Count(uav.to, at, uav.speed_m_s)) /
+      sum += static_cast<double>(Count(uav, uav.to, at)) /
              Likelihood(charge ? 1 - Share(uav) : Share(uav));
     }
     if (idle(AgentKind::kUav).empty()) return 0;
@@ -106,19 +106,19 @@ class ReferenceGraph {
   double PartnerCost(Point at, AgentKind kind) const {
     double sum = 0;
     for (const AgentState& agent : idle(kind)) {
-      sum += static_cast<double>(Count(agent.to, at, agent.speed_m_s));
+      sum += static_cast<double>(Count(agent, agent.to, at));
     }
     return idle(kind).empty() ? 0 : sum / static_cast<double>(idle(kind).size());
   }
 
   /// The four sums: over tasks or charging points, of the costs by UAVs or by partners.
-  double Expected(Point from, double speed, bool charge, bool by_uav) const {
+  double Expected(const AgentState& agent, Point from, bool charge, bool by_uav) const {
     double norm = 0, sum = 0;
     const std::size_t n = charge ? s_.site->charging_points.size() : open_.size();
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t site = charge ? i : open_[i];
       const Point at = charge ? s_.site->charging_points[site].at : s_.site->tasks[site].at;
-      const double e = std::exp(-static_cast<double>(Count(from, at, speed)));
+      const double e = std::exp(-static_cast<double>(Count(agent, from, at)));
       norm += e;
       sum += e * (by_uav ? UavCost(at, charge, site)
                          : PartnerCost(at, charge ? AgentKind::kVehicle : AgentKind::kWorker));
@@ -126,28 +126,27 @@ class ReferenceGraph {
     return n == 0 ? 0 : sum / norm;
   }
   double Move(const AgentState& agent, Point to, bool charge, bool by_uav) const {
-    const double before = Expected(agent.to, agent.speed_m_s, charge, by_uav);
-    const double after = Expected(to, agent.speed_m_s, charge, by_uav);
+    const double before = Expected(agent, agent.to, charge, by_uav);
+    const double after = Expected(agent, to, charge, by_uav);
     const double gain = before == 0 && after == 0 ? 0 : (before - after) / before;
-    return Soft(gain) / static_cast<double>(Count(agent.to, to, agent.speed_m_s));
+    return Soft(gain) / static_cast<double>(Count(agent, agent.to, to));
   }
   double UavMove(const AgentState& uav, Point to, double range_after) const {
     const double share = range_after / uav.range_full_m;
     return share * Move(uav, to, false, false) + (1 - share) * Move(uav, to, true, false);
   }
   double PairTerm(double numerator, const AgentState& a, const AgentState& b, Point to) const {
-    return numerator / static_cast<double>(
-                           std::max(Count(a.to, to, a.speed_m_s), Count(b.to, to, b.speed_m_s)));
+    return numerator / static_cast<double>(std::max(Count(a, a.to, to), Count(b, b.to, to)));
   }
 
   bool Arrives(const AgentState& agent, Point to) const {
-    return s_.now_us + TravelUs(Distance(agent.to, to), agent.speed_m_s) <=
+    return s_.now_us + TravelUs(agent.WayM(agent.to, to), agent.speed_m_s) <=
            LatestEnd(agent, s_.site->rules);
   }
   bool ArrivesAtTask(const AgentState& agent, std::size_t x) const {
     const Task& task = s_.site->tasks[x];
     return Arrives(agent, task.at) &&
-           s_.now_us + TravelUs(Distance(agent.to, task.at), agent.speed_m_s) < task.expires_us;
+           s_.now_us + TravelUs(agent.WayM(agent.to, task.at), agent.speed_m_s) < task.expires_us;
   }
   bool Ends(AgentState uav, AgentState partner, const Action& action) const {
     const TimeUs latest =
@@ -179,7 +178,7 @@ class ReferenceGraph {
       Add(action, uav.to, Soft(0));
       for (const std::size_t x : open_) {
         const Point at = site.tasks[x].at;
-        const double way = Distance(uav.to, at);
+        const double way = uav.WayM(uav.to, at);
         if (!Senseable(uav, x) || !ArrivesAtTask(uav, x)) continue;
         Action move = action;
         move.task = TaskId(x);
@@ -203,7 +202,7 @@ class ReferenceGraph {
         Action move = action;
         move.charge = ChargeId(y);
         move.kind = ActionKind::kUavToCharge;
-        Add(move, at, UavMove(uav, at, range - Distance(uav.to, at)));
+        Add(move, at, UavMove(uav, at, range - uav.WayM(uav.to, at)));
         for (const AgentState& vehicle : idle(AgentKind::kVehicle)) {
           Action pair = move;
           pair.kind = ActionKind::kCharge;

@@ -61,7 +61,7 @@ class SituationBuilder {
       auto& agents = ByKind(kind, situation.uavs, situation.workers, situation.vehicles);
       std::int32_t id = 0;
       for (const AgentSpec& spec : scenario_.agents(kind)) {
-        const AgentState agent = StartOf(kind, id++, spec);
+        const AgentState agent = StartOf(kind, id++, spec, *scenario_.ways);
         if (agent.online(situation.now_us)) agents.push_back(agent);
       }
     }

@@ -158,11 +158,12 @@ TEST(ExpectedCosts, OneProbeByHandAndEqualProbesAgree) {
   // 0.7310585786 * 5 + 0.2689414214 * 10
   const Probe probe = {{0, 0}, 10};
   const Probe faster = {{0, 0}, 20};  // 1 and 1 intervals: the plain mean
-  const auto costs = ExpectedCosts({probe, faster, probe}, sites, Array({5, 10}), 10 * kMinuteUs);
+  const auto costs =
+      ExpectedCosts({probe, faster, probe}, sites, Array({5, 10}), 10 * kMinuteUs, {});
   EXPECT_NEAR(costs[0], 6.344707106849976, 1e-14);
   EXPECT_EQ(costs[1], 7.5);
   EXPECT_EQ(costs[2], costs[0]);
-  EXPECT_EQ(ExpectedCosts({probe}, {}, Array({}), kMinuteUs)[0], 0.0);
+  EXPECT_EQ(ExpectedCosts({probe}, {}, Array({}), kMinuteUs, {})[0], 0.0);
 }
 
 /// One UAV with half its range, one worker, one vehicle, two tasks, one charging point:

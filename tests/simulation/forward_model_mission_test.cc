@@ -53,7 +53,8 @@ TEST(ForwardModel, GivesTheMissionsOutcomes) {
     situation.charging_load.assign(scenario.charging_points.size(), 0);
     const auto start = [&](AgentKind kind, std::vector<AgentState>* agents) {
       for (const AgentSpec& spec : record.scenario()->agents(kind)) {
-        agents->push_back(StartOf(kind, static_cast<std::int32_t>(agents->size()), spec));
+        agents->push_back(
+            StartOf(kind, static_cast<std::int32_t>(agents->size()), spec, StraightWays()));
       }
     };
     start(AgentKind::kUav, &situation.uavs);

@@ -85,8 +85,8 @@ class Flight {
     scenario_.rules.tick_us = tick_s * kSecondUs;
     for (const AgentKind kind : kAgentKinds) {
       for (std::size_t i = 0; i < scenario_.agents(kind).size(); ++i) {
-        agents_[kind].push_back(
-            StartOf(kind, static_cast<std::int32_t>(i), scenario_.agents(kind)[i]));
+        agents_[kind].push_back(StartOf(kind, static_cast<std::int32_t>(i),
+                                        scenario_.agents(kind)[i], *scenario_.ways));
       }
     }
     world_ = agents_;

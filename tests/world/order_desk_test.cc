@@ -16,7 +16,7 @@ class OrderDeskTest : public ::testing::Test {
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentSpec& spec : scenario_.agents(kind)) {
         const auto id = static_cast<std::int32_t>(agents_[kind].size());
-        agents_[kind].push_back(StartOf(kind, id, spec));
+        agents_[kind].push_back(StartOf(kind, id, spec, StraightWays()));
       }
     }
   }

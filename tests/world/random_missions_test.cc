@@ -162,7 +162,8 @@ Outcome Play(const Drawn& drawn, TimeUs tick, TimeUs restart_at, bool one_half) 
   Agents agents;
   for (const AgentKind kind : kAgentKinds) {
     for (const AgentSpec& spec : s.agents(kind)) {
-      agents[kind].push_back(StartOf(kind, static_cast<std::int32_t>(agents[kind].size()), spec));
+      agents[kind].push_back(
+          StartOf(kind, static_cast<std::int32_t>(agents[kind].size()), spec, StraightWays()));
     }
   }
   auto referee = std::make_unique<Referee>(s);

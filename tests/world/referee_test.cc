@@ -33,7 +33,8 @@ Agents StartAgents(const Scenario& scenario) {
   Agents agents;
   for (const AgentKind kind : kAgentKinds) {
     for (std::size_t i = 0; i < scenario.agents(kind).size(); ++i) {
-      agents[kind].push_back(StartOf(kind, static_cast<std::int32_t>(i), scenario.agents(kind)[i]));
+      agents[kind].push_back(
+          StartOf(kind, static_cast<std::int32_t>(i), scenario.agents(kind)[i], *scenario.ways));
     }
   }
   return agents;

@@ -50,8 +50,8 @@ class RestoringTest : public ::testing::Test {
     states.applied_decision = static_cast<std::int32_t>(tick + 100);
     for (const std::int32_t id : ids) {
       const AgentSpec& spec = scenario_.agents(kind)[static_cast<std::size_t>(id)];
-      states.agents.push_back(
-          ToWire(StartOf(kind, id, spec), scenario_.rules.TimeOf(tick), scenario_.tasks));
+      states.agents.push_back(ToWire(StartOf(kind, id, spec, *scenario_.ways),
+                                     scenario_.rules.TimeOf(tick), scenario_.tasks));
     }
     states.n = static_cast<std::int32_t>(ids.size());
     return states;

@@ -132,7 +132,7 @@ Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed,
     for (AgentSpec spec : scenario.agents(kind)) {
       Random random(seed, Stream::kPolicy, static_cast<std::uint64_t>(id));
       spec.range_m = spec.range_full_m * std::min(1.0, random.Uniform(0.3, 1.3));
-      const AgentState agent = StartOf(kind, id++, spec);
+      const AgentState agent = StartOf(kind, id++, spec, *scenario.ways);
       if (agent.online(situation.now_us)) agents->push_back(agent);
     }
   };

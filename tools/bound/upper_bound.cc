@@ -32,7 +32,7 @@ class Relaxation {
     double least_cost_m = scenario.tasks.empty() ? 0 : scenario.tasks[0].cost_m;
     for (const Task& task : scenario.tasks) {
       least_cost_m = std::min(least_cost_m, task.cost_m);
-      to_charge_m_.push_back(NearestChargeDistance(task.at, scenario.charging_points));
+      to_charge_m_.push_back(NearestChargeM(*scenario.ways, task.at, scenario.charging_points));
     }
     for (const AgentSpec& uav : scenario.uavs) {
       uavs_.push_back(WindowOf(uav, SensingUs(least_cost_m, uav.speed_m_s)));
@@ -128,10 +128,10 @@ class Relaxation {
     return window;
   }
 
-  bool Can(const AgentSpec& agent, const Window& window, std::int32_t k, const Task& task,
-           double uav_speed_m_s) const {
+  bool Can(AgentKind kind, const AgentSpec& agent, const Window& window, std::int32_t k,
+           const Task& task, double uav_speed_m_s) const {
     if (k < window.first || k > window.last) return false;
-    double way_m = Distance(agent.at, task.at);
+    double way_m = scenario_.ways->Length(kind, agent.at, task.at);
     if (scenario_.rules.start_on_meeting) way_m = std::max(0.0, way_m - kCellDiagonal_m);
     const TimeUs travel_us = TravelUs(way_m, agent.speed_m_s);
     const TimeUs sensing_us = SensingUs(task.cost_m, uav_speed_m_s);
@@ -144,11 +144,11 @@ class Relaxation {
     const Task& task = scenario_.tasks[static_cast<std::size_t>(x)];
     return CanSense(std::max(uav.range_full_m, uav.range_m), 0, task.cost_m,
                     to_charge_m_[static_cast<std::size_t>(x)]) &&
-           Can(uav, uavs_[u], k, task, uav.speed_m_s);
+           Can(AgentKind::kUav, uav, uavs_[u], k, task, uav.speed_m_s);
   }
   bool WorkerCan(std::size_t w, std::int32_t k, std::int32_t x) const {
-    return Can(scenario_.workers[w], workers_[w], k, scenario_.tasks[static_cast<std::size_t>(x)],
-               fastest_m_s_);
+    return Can(AgentKind::kWorker, scenario_.workers[w], workers_[w], k,
+               scenario_.tasks[static_cast<std::size_t>(x)], fastest_m_s_);
   }
 
   const Scenario& scenario_;

@@ -50,7 +50,7 @@ class Check {
   explicit Check(const DriverCheckOptions& options)
       : options_(options),
         scenario_(SmallArea()),
-        agent_(StartOf(options.kind, 0, scenario_.agents(options.kind)[0])),
+        agent_(StartOf(options.kind, 0, scenario_.agents(options.kind)[0], *scenario_.ways)),
         program_(options.argv, scenario_, agent_, 0, options.rules),
         started_(Clock::now()) {}
 
@@ -230,7 +230,7 @@ class Check {
     const Point stopped = Place();
     Tick();
     Tick();
-    const double moved = Distance(stopped, Place());
+    const double moved = agent_.WayM(stopped, Place());
     if (goes_on() && moved > agent_.speed_m_s) {
       Wrong(fmt::format("it moved {:.0f} m after cancel", moved));
     }

@@ -225,7 +225,8 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
     const TaskId id(task);
     story.task = id;
     story.spec = log.scenario.tasks[id.index()];
-    story.to_charge_m = NearestChargeDistance(story.spec.at, log.scenario.charging_points);
+    story.to_charge_m =
+        NearestChargeM(*log.scenario.ways, story.spec.at, log.scenario.charging_points);
     if (log.last_world && id.index() < log.last_world->task_status.size()) {
       story.last_status = static_cast<TaskStatus>(log.last_world->task_status[id.index()]);
     }

@@ -35,7 +35,7 @@ std::vector<MeasuredLeg> MeasuredLegs::List(
       if (ByKind(key.kind, action.uav_id, action.worker_id, action.vehicle_id) != key.agent)
         continue;
       MeasuredLeg leg{key.kind, key.agent, key.decision, action.task_id, action.charge_id};
-      leg.way_m = Distance(*told.from, {action.x_m, action.y_m});
+      leg.way_m = scenario.ways->Length(key.kind, *told.from, {action.x_m, action.y_m});
       leg.sent_us = key.decision * scenario.rules.interval_us;
       const TimeUs way_us = TravelUs(leg.way_m, told.speed_m_s);
       if (way_us < kMeasuredSlackUs) continue;

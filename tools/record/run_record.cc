@@ -33,7 +33,7 @@ void Track::Add(std::int64_t tick, Point at, double range_left_m) {
   // Half at a time, so that each position moves a bounded number of times.
   const auto end = pending_.begin() + kWindow / 2;
   for (auto it = pending_.begin(); it != end; ++it) {
-    if (base_) length_m_ += Distance(base_->at, it->at);
+    if (base_) length_m_ += ways_.Length(base_->at, it->at);
     base_ = *it;
   }
   pending_.erase(pending_.begin(), end);
@@ -49,7 +49,7 @@ double Track::length_m() const {
   std::optional<Point> at;
   if (base_) at = base_->at;
   for (const Mark& mark : pending_) {
-    if (at) length += Distance(*at, mark.at);
+    if (at) length += ways_.Length(*at, mark.at);
     at = mark.at;
   }
   return length;
@@ -83,7 +83,7 @@ void RunRecord::Take(const Message& message) {
 void RunRecord::TakeScenario(const scenario_t& message) {
   if (!scenario_sha256_.empty()) return;
   scenario_sha256_ = message.sha256;
-  tracks_.resize(scenario()->uavs.size());
+  tracks_.assign(scenario()->uavs.size(), Track(*scenario()->ways));
   row_ = scenario()->row();
   said_.resize(row_.size());
 }

@@ -25,10 +25,12 @@
 
 namespace muster::tools {
 
-/// A UAV's way through the mission. Legs are straight and begin at ticks, so the flown distance is
-/// the sum of the straight lines between its positions at consecutive ticks.
+/// A UAV's track through the mission. Legs begin at ticks, so the flown distance is the sum of the
+/// ways between its positions at consecutive ticks.
 class Track {
  public:
+  /// The ways must outlive the track.
+  explicit Track(const Ways& ways) : ways_{&ways, AgentKind::kUav} {}
   /// Position at a tick. Ticks may come in any order within a window of 64; a tick that comes
   /// later than that is left out.
   void Add(std::int64_t tick, Point at, double range_left_m);
@@ -47,6 +49,7 @@ class Track {
   };
   Mark last() const { return pending_.empty() ? base_.value_or(Mark()) : pending_.back(); }
 
+  WaysOf ways_;
   std::vector<Mark> pending_;  // ascending by tick
   std::optional<Mark> base_;   // last tick that is summed up
   double length_m_ = 0;

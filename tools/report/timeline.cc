@@ -147,7 +147,8 @@ void Timeline::Move(Agent* agent, const agent_t& now, std::int64_t now_us) {
     if (last.arrive_us > agent->last_us && last.arrive_us < now_us &&
         now.depart_us == last.depart_us) {
       // Where it stands now is where that leg led; its range falls on the way only.
-      const double on_way = std::hypot(now.x_m - last.x_m, now.y_m - last.y_m);
+      const double on_way =
+          scenario_.ways->Length(AgentKind::kUav, {last.x_m, last.y_m}, {now.x_m, now.y_m});
       const double range =
           now.status == AgentStatus::kWaiting
               ? now.range_left_m

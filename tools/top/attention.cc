@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "base/geometry.h"
 #include "lcmtypes/words.h"
+#include "model/feasibility.h"
 #include "tools/host/progress.h"
 
 namespace muster::tools {
@@ -42,14 +41,6 @@ class Kind {
   std::vector<std::pair<double, Concern>> found_;
 };
 
-double ToCharging(const Scenario& scenario, Point at) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const ChargingPoint& point : scenario.charging_points) {
-    nearest = std::min(nearest, Distance(at, point.at));
-  }
-  return nearest;
-}
-
 /// By id: faults that were applied and have not ended.
 std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
   std::map<std::string, std::int64_t> since;
@@ -66,7 +57,8 @@ std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
 void AddRange(const Scenario& scenario, const std::string& name, const agent_t& uav, Kind* stranded,
               Kind* low) {
   if (!(uav.range_left_m < kLowRange * uav.range_full_m)) return;
-  const double nearest = ToCharging(scenario, {uav.x_m, uav.y_m});
+  const double nearest =
+      NearestChargeM(*scenario.ways, {uav.x_m, uav.y_m}, scenario.charging_points);
   if (!scenario.charging_points.empty() && uav.range_left_m < nearest) {
     stranded->Add(name,
                   fmt::format("{:.1f} km left, {:.1f} km to the nearest", uav.range_left_m / 1000,

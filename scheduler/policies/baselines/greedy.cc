@@ -15,12 +15,12 @@
 namespace muster::scheduler {
 namespace {
 
-/// The cells of an area and what they cost: the sum or least of the distances from a cell's centre
-/// to the targets. Of a large area only those are looked at that somebody can reach.
+/// The cells of an area and what they cost one agent class: the sum or least of the ways from a
+/// cell's centre to the targets. Of a large area only those are looked at that somebody can reach.
 class Cells {
  public:
-  Cells(const Site& site, const std::vector<Point>& targets, GreedyPolicy::Aim aim)
-      : site_(site), targets_(targets), aim_(aim) {}
+  Cells(const Site& site, AgentKind kind, const std::vector<Point>& targets, GreedyPolicy::Aim aim)
+      : site_(site), ways_{site.ways.get(), kind}, targets_(targets), aim_(aim) {}
 
   /// Calls visit(cell, centre) for each cell whose centre may be within `radius_m` of `middle`, row
   /// by row.
@@ -58,14 +58,15 @@ class Cells {
     double sum = 0;
     double least = std::numeric_limits<double>::infinity();
     for (const Point target : targets_) {
-      const double distance = Distance(centre, target);
-      sum += distance;
-      least = std::min(least, distance);
+      const double way_m = ways_.Length(centre, target);
+      sum += way_m;
+      least = std::min(least, way_m);
     }
     return aim_ == GreedyPolicy::Aim::kSum ? sum : least;
   }
 
   const Site& site_;
+  WaysOf ways_;
   const std::vector<Point>& targets_;
   GreedyPolicy::Aim aim_;
   int columns_ = Count(site_.width_m), rows_ = Count(site_.height_m);
@@ -87,7 +88,7 @@ class Stage {
     std::optional<Point> best;
     double least = 0;
     cells->Around(agent.to, reach, [&](std::int64_t cell, Point centre) {
-      const double way = Distance(agent.to, centre);
+      const double way = agent.WayM(agent.to, centre);
       if (way > range || TravelUs(way, agent.speed_m_s) > most_us) return;
       ++candidates_;
       const double cost = cells->CostOf(cell, centre);
@@ -130,10 +131,10 @@ Decision GreedyPolicy::Decide(const Situation& situation) {
   }
   Stage stage(situation);
   std::vector<Action> actions;
-  const auto decide = [&](const std::vector<AgentState>& agents, const std::vector<Point>& targets,
+  const auto decide = [&](AgentKind kind, const std::vector<Point>& targets,
                           std::vector<Point>* bound_for) {
-    Cells cells(site, targets, aim_);
-    for (const AgentState& agent : agents) {
+    Cells cells(site, kind, targets, aim_);
+    for (const AgentState& agent : situation.agents(kind)) {
       std::optional<Point> target;
       if (agent.idle(situation.now_us)) {
         if (!targets.empty()) target = stage.Choose(agent, &cells);
@@ -143,9 +144,9 @@ Decision GreedyPolicy::Decide(const Situation& situation) {
     }
   };
   std::vector<Point> bound_for;
-  decide(situation.uavs, open, &bound_for);
-  decide(situation.workers, open, nullptr);
-  decide(situation.vehicles, bound_for, nullptr);
+  decide(AgentKind::kUav, open, &bound_for);
+  decide(AgentKind::kWorker, open, nullptr);
+  decide(AgentKind::kVehicle, bound_for, nullptr);
   return MakeDecision(std::move(actions), stage.candidates());
 }
 

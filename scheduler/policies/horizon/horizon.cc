@@ -121,7 +121,7 @@ class Planner {
   }
 
   TimeUs Travel(const Participant& member, Point to) const {
-    return TravelUs(Distance(member.at, to), member.agent->speed_m_s);
+    return TravelUs(member.agent->WayM(member.at, to), member.agent->speed_m_s);
   }
 
   /// Whether the pair meets no later when the idle member leaves now and the pair is made once both
@@ -151,7 +151,7 @@ class Planner {
   void Go(const Match& match, AgentKind kind) {
     const Participant& member = Member(match, kind);
     const TimeUs travel = Travel(member, Place(match));
-    if (Distance(member.at, Place(match)) == 0) return;
+    if (member.at == Place(match)) return;
     Action action = Base(match);
     action.weight = 0;
     TimeUs arrive = situation_.now_us + travel;
@@ -161,9 +161,9 @@ class Planner {
       action.kind = ActionKind::kGoTo;
       if (arrive > NextDecision()) {
         // A little less than the interval allows, so that rounding does not make it longer.
-        action.to = Lerp(member.at, action.to,
-                         static_cast<double>(situation_.site->rules.interval_us - 1) /
-                             static_cast<double>(travel));
+        const double share = static_cast<double>(situation_.site->rules.interval_us - 1) /
+                             static_cast<double>(travel);
+        action.to = situation_.site->ways->PlaceAfter(kind, member.at, action.to, share);
         arrive = NextDecision();
       }
     }
@@ -191,7 +191,7 @@ class Planner {
   void Advance(const Match& match) {
     Participant& uav = Member(match, AgentKind::kUav);
     Participant& partner = Member(match, PartnerKindOf(match));
-    const double way = Distance(uav.at, Place(match));
+    const double way = uav.agent->WayM(uav.at, Place(match));
     if (match.charging) {
       uav.range_m = uav.agent->range_full_m;
       --open_.place[At(match.site)];

@@ -6,10 +6,10 @@
 #include <span>
 #include <utility>
 
-#include "base/grid_index.h"
 #include "base/index.h"
 #include "base/random.h"
 #include "model/feasibility.h"
+#include "model/place_index.h"
 #include "scheduler/policies/horizon/worths.h"
 #include "scheduler/solver/parallel.h"
 
@@ -52,19 +52,19 @@ struct Way {
   double metres;
 };
 
-/// The ways of one kind of agents to one kind of sites, by site, ascending by agent.
-class Ways {
+/// The ways of one class of agents to one kind of sites, by site, ascending by agent.
+class SiteWays {
  public:
   /// Those that reach allows, and reaches(mover, site, metres).
   template <class Reaches>
-  Ways(const std::vector<Mover>& movers, const GridIndex& sites, std::size_t n_sites, int threads,
-       const Reaches& reaches) {
+  SiteWays(const std::vector<Mover>& movers, const PlaceIndex& sites, std::size_t n_sites,
+           int threads, const Reaches& reaches) {
     std::array<std::vector<Way>, 2> halves;
     ParallelFor(movers.size(), threads, kManyAgents, [&](std::size_t begin, std::size_t end) {
       std::vector<Way>* found = &halves[begin == 0 ? 0 : 1];
       found->reserve(std::min((end - begin) * n_sites, kFewWays));
       for (std::size_t i = begin; i < end; ++i) {
-        sites.Within(movers[i].at, movers[i].reach_m, [&](std::int32_t s, double metres) {
+        sites.WithinFrom(movers[i].at, movers[i].reach_m, [&](std::int32_t s, double metres) {
           if (reaches(movers[i], At(s), metres)) {
             found->push_back({static_cast<std::int32_t>(i), s, metres});
           }
@@ -121,15 +121,19 @@ class PairFinder {
         workers_(MoversOf(participants.workers, settings)),
         vehicles_(MoversOf(participants.vehicles, settings)),
         pairs_(OpenAll(open)),
-        tasks_(TaskPlaces()),
-        charges_(ChargePlaces()),
+        task_at_(TaskPlaces()),
+        charge_at_(ChargePlaces()),
+        tasks_(task_at_, Of(AgentKind::kUav)),
         uavs_to_task_(uavs_, tasks_, n_tasks(), threads,
                       [&](const Mover& uav, std::size_t s, double way_m) {
                         return CanSense(uav.range_m, way_m, TaskAt(s).cost_m, ToChargeFrom(s));
                       }),
-        uavs_to_charge_(uavs_, charges_, n_charges(), threads, kAnybody),
-        workers_to_task_(workers_, tasks_, n_tasks(), threads, kAnybody),
-        vehicles_to_charge_(vehicles_, charges_, n_charges(), threads, kAnybody) {}
+        uavs_to_charge_(uavs_, PlaceIndex(charge_at_, Of(AgentKind::kUav)), n_charges(), threads,
+                        kAnybody),
+        workers_to_task_(workers_, PlaceIndex(task_at_, Of(AgentKind::kWorker)), n_tasks(), threads,
+                         kAnybody),
+        vehicles_to_charge_(vehicles_, PlaceIndex(charge_at_, Of(AgentKind::kVehicle)), n_charges(),
+                            threads, kAnybody) {}
 
   PossiblePairs Find() {
     Instance& instance = pairs_.instance;
@@ -193,6 +197,7 @@ class PairFinder {
     for (std::size_t k = 0; k < n_charges(); ++k) places.push_back(ChargeAt(k));
     return places;
   }
+  WaysOf Of(AgentKind kind) const { return {site_.ways.get(), kind}; }
   /// Mean distance between open tasks.
   double MeanWay() const {
     return std::sqrt(site_.width_m * site_.height_m /
@@ -229,7 +234,7 @@ class PairFinder {
   }
 
   /// Ways to the sites [begin, end).
-  std::size_t CountWays(const Ways& to_task, const Ways& to_charge, std::size_t begin,
+  std::size_t CountWays(const SiteWays& to_task, const SiteWays& to_charge, std::size_t begin,
                         std::size_t end) const {
     const auto charge = [&](std::size_t s) { return s < n_tasks() ? 0 : s - n_tasks(); };
     return to_task.count(std::min(begin, n_tasks()), std::min(end, n_tasks())) +
@@ -299,7 +304,7 @@ class PairFinder {
   /// The open tasks within the way that is expected to a next one, for a UAV of that speed.
   void FindNext(std::size_t s, double speed_m_s, Arcs* arcs) const {
     arcs->next.clear();
-    tasks_.Within(TaskAt(s).at, MeanWay(), [&](std::int32_t i, double way_m) {
+    tasks_.WithinFrom(TaskAt(s).at, MeanWay(), [&](std::int32_t i, double way_m) {
       if (At(i) == s) return;
       const double cost_m = TaskAt(At(i)).cost_m;
       arcs->next.emplace_back(way_m + cost_m + ToChargeFrom(At(i)),
@@ -367,7 +372,7 @@ class PairFinder {
       arc.arrive_us = uav.ready_us + TravelUs(way.metres, uav.speed_m_s);
       arc.missing_m = uav.range_full_m - (uav.range_m - way.metres);
       const TimeUs duration =
-          fastest_charge_m_s_ > 0 ? TravelUs(arc.missing_m, fastest_charge_m_s_) : kNever;
+          fastest_charge_m_s_ > 0 ? ChargingUs(arc.missing_m, fastest_charge_m_s_) : kNever;
       if (duration == kNever || arc.arrive_us + duration > uav.latest_us) continue;
       shortest = std::min(shortest, duration);
       arc.level = Level(arc.arrive_us, duration);
@@ -408,8 +413,9 @@ class PairFinder {
   Worths worths_;
   std::vector<Mover> uavs_, workers_, vehicles_;
   PossiblePairs pairs_;
-  GridIndex tasks_, charges_;  ///< the open ones, in the order of the sites
-  Ways uavs_to_task_, uavs_to_charge_, workers_to_task_, vehicles_to_charge_;
+  std::vector<Point> task_at_, charge_at_;  ///< of the open ones, in the order of the sites
+  PlaceIndex tasks_;                        ///< as UAVs reach them
+  SiteWays uavs_to_task_, uavs_to_charge_, workers_to_task_, vehicles_to_charge_;
   std::vector<double> charge_worth_;  ///< [n_uavs]
   double fastest_uav_m_s_ = 0, fastest_charge_m_s_ = 0;
 };
@@ -430,9 +436,9 @@ Match MatchOf(const PossiblePairs& pairs, const Participants& participants, std:
   match.site = pairs.site_ids[At(site)];
   match.weight = Instance::PairWeight(uav, partner);
   const TimeUs duration =
-      match.charging
-          ? TravelUs(uav.missing_m, participants.vehicles[At(match.partner)].agent->charge_rate_m_s)
-          : uav.duration_us;
+      match.charging ? ChargingUs(uav.missing_m,
+                                  participants.vehicles[At(match.partner)].agent->charge_rate_m_s)
+                     : uav.duration_us;
   match.end_us = std::max(uav.arrive_us, partner.arrive_us) + duration;
   return match;
 }

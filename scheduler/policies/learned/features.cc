@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/index.h"
@@ -61,7 +62,10 @@ class Observer {
     view.reach_m = agent.speed_m_s * ToSeconds(site_.rules.interval_us);
     const double range = s_.range_m(agent);
     const bool is_uav = agent.kind == AgentKind::kUav;
-    const double charge = NearestChargeDistance(agent.to, site_.charging_points);
+    double charge = std::numeric_limits<double>::infinity();
+    for (const ChargingPoint& point : site_.charging_points) {
+      charge = std::min(charge, agent.WayM(agent.to, point.at));
+    }
     const TimeUs until = std::min(agent.online_until_us, site_.rules.limit_us);
     view.own = {static_cast<float>(agent.to.x_m / site_.width_m),
                 static_cast<float>(agent.to.y_m / site_.height_m),
@@ -86,7 +90,7 @@ class Observer {
     if (agent.kind != AgentKind::kVehicle) {
       for (const std::int32_t x : open_) {
         const Task& task = site_.tasks[At(x)];
-        const double way = Distance(agent.to, task.at);
+        const double way = agent.WayM(agent.to, task.at);
         const bool is_uav = agent.kind == AgentKind::kUav;
         if (is_uav && !CanSense(range, way, task.cost_m, site_.task_to_charge_m[At(x)])) continue;
         if (!arrives(way, is_uav ? task.cost_m : 0)) continue;
@@ -96,7 +100,7 @@ class Observer {
     }
     if (agent.kind != AgentKind::kWorker) {
       for (const std::int32_t y : free_) {
-        const double way = Distance(agent.to, site_.charging_points[At(y)].at);
+        const double way = agent.WayM(agent.to, site_.charging_points[At(y)].at);
         if (agent.kind == AgentKind::kUav && !CanReachCharge(range, way)) continue;
         if (arrives(way, 0)) points.push_back({way, {PlaceOption::Kind::kCharge, y}});
       }
@@ -143,7 +147,7 @@ class Observer {
       const PlaceOption& option = view->options[k];
       if (option.kind == PlaceOption::Kind::kNone) continue;
       const Point place = PlaceOf(*view, option);
-      const double way = Distance(view->at, place);
+      const double way = site_.ways->Length(kind, view->at, place);
       const auto intervals = static_cast<float>(way / view->reach_m);
       PerKind<int> reaching;
       int nearer = 0;
@@ -155,7 +159,7 @@ class Observer {
       const AgentView* partner = nullptr;
       for (const AgentKind other_kind : kAgentKinds) {
         for (const AgentView& other : all.agents[other_kind]) {
-          const double distance = Distance(other.at, place);
+          const double distance = site_.ways->Length(other_kind, other.at, place);
           reaching[other_kind] += distance <= other.reach_m;
           if (other_kind == kind) {
             nearer += distance < way || (distance == way && other.id < view->id);
@@ -313,12 +317,12 @@ class Resolver {
     const TimeUs longest = std::min(rules_.interval_us, Left(agent));
     if (option.kind != PlaceOption::Kind::kStay && longest > 1) {
       const Point place = PlaceOf(option);
-      const TimeUs travel = TravelUs(Distance(agent.to, place), agent.speed_m_s);
+      const TimeUs travel = TravelUs(agent.WayM(agent.to, place), agent.speed_m_s);
       // A little less than the time allows, so that rounding does not make it longer.
-      action.to = travel <= longest
-                      ? place
-                      : Lerp(agent.to, place,
-                             static_cast<double>(longest - 1) / static_cast<double>(travel));
+      action.to = travel <= longest ? place
+                                    : agent.ways->PlaceAfter(kind, agent.to, place,
+                                                             static_cast<double>(longest - 1) /
+                                                                 static_cast<double>(travel));
       if (!(action.to == agent.to)) action.kind = ActionKind::kGoTo;
     }
     actions_.push_back(action);

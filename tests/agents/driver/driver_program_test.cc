@@ -22,7 +22,7 @@ class Drivers : public ::testing::Test {
     agent.online_until_us = kNever;
     agent.measured = true;
     scenario_.workers = {agent};
-    agent_ = StartOf(AgentKind::kWorker, 0, agent);
+    agent_ = StartOf(AgentKind::kWorker, 0, agent, StraightWays());
   }
   /// What is wrong with a program, words of sh, that has been told the time and has to move.
   std::string Problem(const std::string& body, DriverSession::Rules rules = {}) {
@@ -106,7 +106,8 @@ TEST_F(Drivers, HaveTheSameMomentToEnd) {
   {
     DriverPrograms drivers(commands, {});
     for (int i = 0; i < kDrivers; ++i) {
-      drivers.Begin(scenario_, StartOf(AgentKind::kWorker, i, scenario_.workers[0]), 0);
+      drivers.Begin(scenario_, StartOf(AgentKind::kWorker, i, scenario_.workers[0], StraightWays()),
+                    0);
     }
     drivers.Bye("it is over");
   }

@@ -47,7 +47,7 @@ Action Sense() {
 class Session {
  public:
   explicit Session(double rate = 0, AgentKind kind = AgentKind::kUav)
-      : agent_(StartOf(kind, 0, scenario_.agents(kind)[0])),
+      : agent_(StartOf(kind, 0, scenario_.agents(kind)[0], *scenario_.ways)),
         session_(scenario_, agent_, 0, 0, {.rate = rate}) {}
 
   /// What it is told up to that time, as JSON.
@@ -269,7 +269,7 @@ TEST(DriverSession, WordsOnWhatIsOffByTheTickAreLeftOut) {
 
 TEST(DriverSession, WhoMayBeSilentForLongMayGreetAsLate) {
   const Scenario scenario = Small();
-  const AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0]);
+  const AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
   const DriverSession session(scenario, uav, 0, 0, {.lost_after_us = 30 * kSecondUs});
   EXPECT_EQ(session.Silence(30 * kSecondUs), "");
   EXPECT_EQ(session.Silence(30 * kSecondUs + 1), "no hello within 30 s");

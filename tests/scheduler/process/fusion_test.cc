@@ -38,7 +38,7 @@ agent_states_t States(const Scenario& scenario, const std::vector<AgentState>& a
 std::vector<AgentState> Start(const Scenario& scenario, AgentKind kind) {
   std::vector<AgentState> agents;
   for (const AgentSpec& spec : scenario.agents(kind)) {
-    agents.push_back(StartOf(kind, static_cast<std::int32_t>(agents.size()), spec));
+    agents.push_back(StartOf(kind, static_cast<std::int32_t>(agents.size()), spec, StraightWays()));
   }
   return agents;
 }

@@ -3,14 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 
-#include "base/grid_index.h"
+#include "model/place_index.h"
 #include "scheduler/candidates.h"
 #include "scheduler/solver/actions.h"
 #include "scheduler/solver/levels.h"
 #include "scheduler/solver/nodes.h"
+#include "tests/model/manhattan_ways.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -72,6 +74,8 @@ TEST(BuildInstance, HasTheNodesAndWeightsOfTheExplicitGraph) {
     if (seed % 3 == 1) rules.availability = Availability::kOverrun;
     if (seed % 5 == 1) rules.ceil_to_minutes = true;
     if (seed % 7 == 1) rules.mean_over_all = true;
+    std::optional<muster::testing::InManhattan> bent;
+    if (seed % 2 == 1) bent.emplace();
     const Situation situation = RandomSituation(seed, {5, 6, 4, 8, 4, 16, seed % 4 == 3}, rules);
     std::map<Key, double> expected;
     const Candidates candidates = EnumerateCandidates(situation);
@@ -116,7 +120,7 @@ TEST(ListNodes, IsTheExplicitGraphInTheOrderOfAlgorithm1) {
   EXPECT_GT(total, 3000u);
 }
 
-TEST(GridIndex, NearestIsThatOfAPlainScan) {
+TEST(PlaceIndex, NearestIsThatOfAPlainScan) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Random random(seed, Stream::kTest);
     std::vector<Point> points(random.Below(40));
@@ -127,13 +131,14 @@ TEST(GridIndex, NearestIsThatOfAPlainScan) {
       p = {random.Uniform() * width, random.Uniform() * height};
       charges.push_back({p, 1});
     }
-    const GridIndex index(points);
+    const PlaceIndex index(points, {});
     for (int q = 0; q < 20; ++q) {
       const Point from = {random.Uniform(-3e4, 4e4), random.Uniform(-3e4, 4e4)};
-      ASSERT_EQ(index.Nearest(from), NearestChargeDistance(from, charges)) << "seed " << seed;
+      ASSERT_EQ(index.NearestFrom(from), NearestChargeM(StraightWays(), from, charges))
+          << "seed " << seed;
       const double radius = random.Uniform(0, 3e4);
       std::size_t within = 0, expected = 0;
-      index.Within(from, radius, [&](std::int32_t, double) { ++within; });
+      index.WithinFrom(from, radius, [&](std::int32_t, double) { ++within; });
       for (const Point& p : points) expected += Distance(from, p) <= radius;
       ASSERT_EQ(within, expected);
     }

@@ -23,17 +23,17 @@ TEST(PlaceSums, IsTheSoftmaxMeanWrittenOut) {
   const double expected = (2 * std::exp(-1) + 5 * std::exp(-2) + 11 * std::exp(-3)) /
                           (std::exp(-1) + std::exp(-2) + std::exp(-3));
   Queries from({{0, 0}, {0, 1e8}});
-  const std::vector<double> means = PlaceSums(places, values).SoftmaxMeans(&from, level);
+  const std::vector<double> means = PlaceSums(places, values, {}).SoftmaxMeans(&from, level);
   EXPECT_NEAR(means[0], expected, 1e-12);
   // All very far away: the nearest decide.
   EXPECT_NEAR(means[1], 11, 2);
-  EXPECT_EQ(PlaceSums({}, {}).SoftmaxMeans(&from, level)[0], 0);
+  EXPECT_EQ(PlaceSums({}, {}, {}).SoftmaxMeans(&from, level)[0], 0);
 }
 
 TEST(LevelSums, CountsEveryAgentsIntervals) {
   const LevelOf level(10, Rules{});
   Queries to({{0, 0}});
-  EXPECT_EQ(LevelSums(std::vector<Point>{{0, 0}, {6e3, 0}, {6001, 0}}, level).Sums(&to)[0], 4);
+  EXPECT_EQ(LevelSums(std::vector<Point>{{0, 0}, {6e3, 0}, {6001, 0}}, level, {}).Sums(&to)[0], 4);
 }
 
 /// Every weight of a decision, against the weight of staying (moves that hardly gain weigh next to
@@ -60,7 +60,7 @@ void ExpectWeightsWithinTolerance(bool towns) {
     for (AgentSpec spec : scenario.agents(kind)) {
       spec.online_from_us = 0;
       spec.range_m *= random.Uniform(0.2, 1);
-      agents->push_back(StartOf(kind, id++, spec));
+      agents->push_back(StartOf(kind, id++, spec, *scenario.ways));
     }
   };
   add(AgentKind::kUav, &situation.uavs);

@@ -24,7 +24,7 @@ inline Situation GeneratedSituation(const GeneratorSettings& settings, std::uint
   const auto add = [&](AgentKind kind, std::vector<AgentState>* agents) {
     std::int32_t id = 0;
     for (const AgentSpec& spec : scenario.agents(kind)) {
-      AgentState agent = StartOf(kind, id++, spec);
+      AgentState agent = StartOf(kind, id++, spec, *scenario.ways);
       if (kind == AgentKind::kUav) agent.range_at_departure_m *= random.Uniform(0.1, 1.3);
       agent.range_at_departure_m = std::min(agent.range_at_departure_m, agent.range_full_m);
       if (agent.online(situation.now_us)) agents->push_back(agent);

@@ -85,11 +85,13 @@ TEST(PlaceSums, OfManyPlacesAreThoseTheyWere) {
     at.push_back({3 * c.side_m, -c.side_m});  // from afar
     if (c.spread == Spread::kSpots) at.insert(at.end(), 40, at.front());
     Queries queries(at);
-    const std::vector<double> means = PlaceSums(places, values, 64).SoftmaxMeans(&queries, level);
-    const std::vector<double> sums = LevelSums(places, level, 64).Sums(&queries);
+    const std::vector<double> means =
+        PlaceSums(places, values, {}, 64).SoftmaxMeans(&queries, level);
+    const std::vector<double> sums = LevelSums(places, level, {}, 64).Sums(&queries);
     const std::vector<double> exact_means =
-        PlaceSums(places, values, kAlwaysExact).SoftmaxMeans(&queries, level);
-    const std::vector<double> exact_sums = LevelSums(places, level, kAlwaysExact).Sums(&queries);
+        PlaceSums(places, values, {}, kAlwaysExact).SoftmaxMeans(&queries, level);
+    const std::vector<double> exact_sums =
+        LevelSums(places, level, {}, kAlwaysExact).Sums(&queries);
     // Where all ways are whole intervals, what is taken together counts to either side.
     const double close = c.spread == Spread::kGrid ? 0.1 : kClose;
     double sum_of_means = 0, sum_of_sums = 0, weight = 1;
@@ -102,8 +104,8 @@ TEST(PlaceSums, OfManyPlacesAreThoseTheyWere) {
     }
     EXPECT_EQ(fmt::format("{:.11g} {:.11g}", sum_of_means, sum_of_sums), c.found);
     // Two threads change nothing, nor do the places' blocks, once made.
-    EXPECT_EQ(PlaceSums(places, values, 64).SoftmaxMeans(&queries, level, 2), means);
-    EXPECT_EQ(LevelSums(places, level, 64).Sums(&queries, 2), sums);
+    EXPECT_EQ(PlaceSums(places, values, {}, 64).SoftmaxMeans(&queries, level, 2), means);
+    EXPECT_EQ(LevelSums(places, level, {}, 64).Sums(&queries, 2), sums);
   }
 }
 
@@ -116,10 +118,10 @@ TEST(PlaceSums, OfTwoSpotsByHand) {
   values.insert(values.end(), 50, 10);
   Queries from(std::vector<Point>(20, {0, 0}));
   const double a = 100 * std::exp(-2), b = 50 * std::exp(-3);
-  for (const double mean : PlaceSums(places, values, 0).SoftmaxMeans(&from, level)) {
+  for (const double mean : PlaceSums(places, values, {}, 0).SoftmaxMeans(&from, level)) {
     EXPECT_NEAR(mean, (4 * a + 10 * b) / (a + b), 1e-6);
   }
-  for (const double sum : LevelSums(places, level, 0).Sums(&from)) EXPECT_EQ(sum, 350);
+  for (const double sum : LevelSums(places, level, {}, 0).Sums(&from)) EXPECT_EQ(sum, 350);
 }
 
 }  // namespace

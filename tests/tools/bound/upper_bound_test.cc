@@ -46,7 +46,7 @@ class BruteForce {
     const auto add = [&](AgentKind kind, std::vector<AgentState>* agents) {
       std::int32_t id = 0;
       for (const AgentSpec& spec : scenario_.agents(kind)) {
-        const AgentState agent = StartOf(kind, id++, spec);
+        const AgentState agent = StartOf(kind, id++, spec, StraightWays());
         if (agent.online(now) && agent.online_from_us > before) agents->push_back(agent);
       }
       std::sort(agents->begin(), agents->end(),

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/geometry.h"
+#include "model/per_kind.h"
+
+namespace muster {
+
+/// How the agents of a mission travel. Every length of a way, every place on one and so every
+/// travel time comes from here; only the auditor has its own. The scenario owns the object, and all
+/// processes of a mission hold equal ones.
+///
+/// This class is the plain case, in which everybody travels in a straight line. A derived class
+/// names the agent kinds whose ways may bend and answers for them.
+///
+/// What callers may rely on: a way is never shorter than the straight line, so a search by straight
+/// distance finds every place that is within reach. A way may be longer in one direction than in
+/// the other. The answer depends on the arguments alone and is safe to ask for in several threads.
+class Ways {
+ public:
+  Ways() = default;
+  Ways(const Ways&) = delete;
+  Ways& operator=(const Ways&) = delete;
+  virtual ~Ways() = default;
+
+  /// Whether all ways of that kind are straight lines.
+  bool straight(AgentKind kind) const { return !bends_[kind]; }
+
+  /// Metres from one place to the other; infinity where there is no way.
+  double Length(AgentKind kind, Point from, Point to) const {
+    return straight(kind) ? Distance(from, to) : BentLength(kind, from, to);
+  }
+  /// The place after that share (0 to 1) of the way.
+  Point PlaceAfter(AgentKind kind, Point from, Point to, double share) const {
+    return straight(kind) ? Lerp(from, to, share) : BentPlaceAfter(kind, from, to, share);
+  }
+  /// Metres travelled after that share of the way.
+  double LengthAfter(AgentKind kind, Point from, Point to, double share) const {
+    if (share >= 1) return Length(kind, from, to);
+    return straight(kind) ? Distance(from, Lerp(from, to, share))
+                          : share * BentLength(kind, from, to);
+  }
+  /// The places where the way changes direction, in order, without its two ends.
+  std::vector<Point> Corners(AgentKind kind, Point from, Point to) const {
+    return straight(kind) ? std::vector<Point>{} : BentCorners(kind, from, to);
+  }
+
+ protected:
+  explicit Ways(PerKind<bool> bends) : bends_(bends) {}
+
+ private:
+  virtual double BentLength(AgentKind kind, Point from, Point to) const;
+  virtual std::vector<Point> BentCorners(AgentKind kind, Point from, Point to) const;
+  Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
+
+  PerKind<bool> bends_ = {};
+};
+
+/// Straight lines for all.
+const Ways& StraightWays();
+
+/// The ways of a scenario that says nothing of them: straight ones.
+std::shared_ptr<const Ways> DefaultWays();
+
+/// For tests that code does not take ways to be straight: as long as it lives, DefaultWays() is
+/// what it was given.
+class ScopedDefaultWays {
+ public:
+  explicit ScopedDefaultWays(std::shared_ptr<const Ways> ways);
+  ~ScopedDefaultWays();
+  ScopedDefaultWays(const ScopedDefaultWays&) = delete;
+  ScopedDefaultWays& operator=(const ScopedDefaultWays&) = delete;
+
+ private:
+  std::shared_ptr<const Ways> before_;
+};
+
+/// The ways of one agent class. The ways must outlive it.
+struct WaysOf {
+  const Ways* ways = &StraightWays();
+  AgentKind kind = AgentKind::kUav;
+
+  bool straight() const { return ways->straight(kind); }
+  double Length(Point from, Point to) const { return ways->Length(kind, from, to); }
+};
+
+}  // namespace muster
