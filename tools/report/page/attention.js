@@ -110,7 +110,7 @@ function agentsInTrouble(run, t) {
 
 /** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
 function toCharging(run, place) {
-  const points = run.once("charging by x", () => run.charging.toSorted((a, b) => a.x - b.x));
+  const points = run.once("charging by x", () => [...run.charging].sort((a, b) => a.x - b.x));
   let middle = 0;
   for (let high = points.length; middle < high;) {
     const mid = (middle + high) >> 1;

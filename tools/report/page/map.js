@@ -217,7 +217,7 @@ export class MapView {
       const py = y(point.y);
       if (this.#inView(px, py)) this.sprites.stamp(c, `charging ${r}`, r * 2 + 3, px, py, (s) => chargingPoint(s, r));
     }
-    for (const { status, px, py } of this.sites.toSorted((a, b) => b.status - a.status)) {
+    for (const { status, px, py } of [...this.sites].sort((a, b) => b.status - a.status)) {
       this.sprites.stamp(c, `task${status} ${r}`, r * 2 + 3, px, py, (s) => taskMark(s, status, r));
     }
   }

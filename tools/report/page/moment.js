@@ -6,7 +6,7 @@ import { clockText } from "./time.js";
  * where the tasks done are furthest above the straight line from start to end.
  */
 export function tellingMoment(run) {
-  const first = faultBands(run).toSorted((a, b) => a.from - b.from)[0];
+  const first = [...faultBands(run)].sort((a, b) => a.from - b.from)[0];
   if (first) return { t: first.from, why: `the first failure: ${first.label}` };
   const total = run.tasksTotal;
   if (total === 0) return { t: 0, why: "the mission has no task" };

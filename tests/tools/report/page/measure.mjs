@@ -9,7 +9,7 @@ import { basename, join, resolve } from "node:path";
 const [work, ...pages] = process.argv.slice(2);
 const { chromium } = createRequire(join(resolve(work), "package.json"))("playwright-core");
 const REPEATS = Number(process.env.MUSTER_REPEATS ?? 3);
-const median = (values) => values.toSorted((a, b) => a - b)[values.length >> 1];
+const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1];
 
 /** The longest time between two frames while `step` is called for each of `n` frames; run in the page. */
 const longest = async ({ n, what }) => {

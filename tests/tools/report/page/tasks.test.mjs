@@ -84,7 +84,7 @@ test("what changed between two runs at 1:20: two steps", async (t) => {
   assert.ok(differ.length > 0);
   await soon(async () => assert.match(await page.locator("#differences h3").innerText(), new RegExp(`^Decision 8, 1:20:00: ${differ.length} agents are commanded otherwise than in b$`)));
   const names = await page.locator("#differences tbody tr td:first-child").allInnerTexts();
-  assert.deepEqual(names.toSorted(), differ.toSorted());
+  assert.deepEqual([...names].sort(), [...differ].sort());
   done(t, you.steps(), 2);
 });
 
