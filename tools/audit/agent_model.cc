@@ -14,7 +14,7 @@ Place AgentModel::At(std::int64_t t) const {
   if (t <= depart_us) return from;
   const double part =
       static_cast<double>(t - depart_us) / static_cast<double>(arrive_us - depart_us);
-  return {from.x_m + part * (to.x_m - from.x_m), from.y_m + part * (to.y_m - from.y_m)};
+  return ways->After(kind, from, to, part);
 }
 
 double AgentModel::RangeAt(std::int64_t t) const {

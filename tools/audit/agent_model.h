@@ -21,12 +21,13 @@ struct Activity {
   ActionKind action() const { return senses() ? ActionKind::kSense : ActionKind::kCharge; }
 };
 
-/// Where an agent must be and what range it must have left, by the audit's own arithmetic: straight
-/// legs at the scenario's speed, range spent per metre flown and for sensing, gained by charging.
+/// Where an agent must be and what range it must have left, by the audit's own arithmetic: legs at
+/// the scenario's speed, range spent per metre flown and for sensing, gained by charging.
 struct AgentModel {
   int kind = kUav;
   int id = -1;
   const Scenario::Agent* spec = nullptr;
+  const Ways* ways = nullptr;
 
   Place from, to;
   std::int64_t depart_us = 0, arrive_us = 0;
@@ -58,11 +59,12 @@ struct AgentModel {
   /// Metres; below 0 when the agent flew further than it could.
   double RangeAt(std::int64_t t) const;
   double RangeOnArrival() const {
-    const double range_m = range_at_departure_m - range_per_m * Way(from, to);
+    const double range_m = range_at_departure_m - range_per_m * WayM(from, to);
     return spec->measured ? std::max(0.0, range_m) : range_m;
   }
   /// Metres of the present leg behind it at t.
-  double MovedAt(std::int64_t t) const { return Way(from, At(t)); }
+  double MovedAt(std::int64_t t) const { return WayM(from, At(t)); }
+  double WayM(Place a, Place b) const { return ways->Length(kind, a, b); }
   AgentStatus StatusAt(std::int64_t t) const;
   /// Stands where it is at t, free.
   void StopAt(std::int64_t t);

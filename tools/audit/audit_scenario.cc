@@ -58,11 +58,11 @@ std::vector<Scenario::Agent> AgentsOf(const json& list, Class kind) {
   return agents;
 }
 
-/// Ways to the nearest of some places, in time that hardly grows with their number: only those less
-/// far to the east or west than the nearest so far are looked at.
+/// UAVs' ways to the nearest of some places, in time that hardly grows with their number: only
+/// those less far to the east or west than the nearest so far are looked at.
 class Nearest {
  public:
-  explicit Nearest(const std::vector<Scenario::Charge>& charges) {
+  Nearest(const std::vector<Scenario::Charge>& charges, const Ways& ways) : ways_(ways) {
     for (const Scenario::Charge& charge : charges) places_.push_back(charge.at);
     std::sort(places_.begin(), places_.end(),
               [](Place a, Place b) { return std::pair(a.x_m, a.y_m) < std::pair(b.x_m, b.y_m); });
@@ -75,23 +75,22 @@ class Nearest {
         std::lower_bound(places_.begin(), places_.end(), at.x_m,
                          [](const Place& place, double x_m) { return place.x_m < x_m; });
     for (auto east = middle; east != places_.end() && east->x_m - at.x_m <= nearest; ++east) {
-      nearest = std::min(nearest, Way(at, *east));
+      nearest = std::min(nearest, ways_.Length(kUav, at, *east));
     }
     for (auto west = middle; west != places_.begin();) {
       --west;
       if (at.x_m - west->x_m > nearest) break;
-      nearest = std::min(nearest, Way(at, *west));
+      nearest = std::min(nearest, ways_.Length(kUav, at, *west));
     }
     return nearest;
   }
 
  private:
+  const Ways& ways_;
   std::vector<Place> places_;  ///< from west to east
 };
 
 }  // namespace
-
-double Way(Place a, Place b) { return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m); }
 
 std::int64_t Scenario::TimeOf(std::int64_t tick) const {
   return tick >= last_tick() ? limit_us : tick * tick_us;
@@ -134,7 +133,7 @@ Scenario ParseScenario(const std::string& text) {
     }
     s.charges.push_back(charge);
   }
-  const Nearest charging(s.charges);
+  const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);
     Scenario::Task task{at, item.at("cost_km").get<double>() * kKm, charging.WayFrom(at)};
@@ -176,7 +175,7 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     Scenario::Task& task = order.new_task;
     task.at = PlaceOf(item);
     task.cost_m = item.value("cost_km", 3.0) * kKm;
-    task.to_charge_m = Nearest(scenario.charges).WayFrom(task.at);
+    task.to_charge_m = Nearest(scenario.charges, *scenario.ways).WayFrom(task.at);
     if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
     task.reported_us = std::max(task.reported_us, now_us);
     task.expires_us = time(item, "expires_min", "expires_in_min");

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "lcmtypes/words.h"
+#include "tools/audit/ways.h"
 
 namespace muster::tools::audit {
 
@@ -14,12 +16,6 @@ namespace muster::tools::audit {
 // scenario with its own parser and computes with its own types. SI units, microseconds.
 
 inline constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
-
-struct Place {
-  double x_m = 0;
-  double y_m = 0;
-};
-double Way(Place a, Place b);  ///< metres
 
 /// Classes of agents, as indices.
 enum Class : int {
@@ -65,6 +61,7 @@ struct Scenario {
   std::vector<Agent> agents[3];  ///< by class
   std::vector<Task> tasks;
   std::vector<Charge> charges;
+  std::shared_ptr<const Ways> ways = DefaultWays();
   /// How many of each list are vacant, for orders to fill.
   int room_tasks = 0, room_agents[3] = {};
   bool takes_orders() const {

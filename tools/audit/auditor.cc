@@ -184,6 +184,7 @@ void Auditor::TakeScenario(const scenario_t& message) {
       model.kind = kind;
       model.id = static_cast<int>(models_[kind].size());
       model.spec = &spec;
+      model.ways = scenario_->ways.get();
       model.from = model.to = spec.at;
       model.range_at_departure_m = spec.range_m;
       model.Anchor(spec.at, 0, spec.range_m);

@@ -90,7 +90,7 @@ bool Auditor::CheckNewActivity(const Activity& activity) {
   const Place site =
       task != nullptr ? task->at : scenario_->charges[static_cast<std::size_t>(activity.site)].at;
   for (const AgentModel* member : {&uav, &partner}) {
-    if (Way(member->to, site) > kTolerance_m) {
+    if (Apart(member->to, site) > kTolerance_m) {
       wrong(fmt::format("{} goes to ({:.3f}, {:.3f}) m, the place is ({:.3f}, {:.3f}) m",
                         member->name(), member->to.x_m, member->to.y_m, site.x_m, site.y_m));
     }

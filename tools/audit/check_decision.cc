@@ -130,7 +130,7 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
   const bool outside =
       a.kind == ActionKind::kGoTo &&
       (a.x_m < 0 || a.y_m < 0 || a.x_m > scenario_->width_m || a.y_m > scenario_->height_m);
-  if (Way(to, expected) > kTolerance_m || outside) {
+  if (Apart(to, expected) > kTolerance_m || outside) {
     Violate(now_us_, "decision",
             fmt::format("{}: leads to ({:.3f}, {:.3f}) m, expected {}", name, a.x_m, a.y_m,
                         outside ? "a place inside the area"
@@ -143,7 +143,8 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
   std::int64_t end = now_us_;
   std::int64_t latest = kForever;
   for (const AgentModel* member : members) {
-    end = std::max(end, now_us_ + DurationUs(Way(member->to, to), member->spec->speed_m_s));
+    end =
+        std::max(end, now_us_ + DurationUs(member->WayM(member->to, to), member->spec->speed_m_s));
     latest = std::min(latest, LatestEnd(*member));
   }
   if (task != nullptr && end >= task->expires_us) {
@@ -154,7 +155,7 @@ void Auditor::CheckAction(const action_t& a, const std::string& name) {
   if (a.uav_id >= 0) {
     const AgentModel& uav = *members[0];
     const double range = uav.RangeAt(now_us_);
-    const double way = Way(uav.to, to);
+    const double way = uav.WayM(uav.to, to);
     if (task != nullptr && way + task->cost_m + task->to_charge_m > range + kTolerance_m) {
       Violate(
           now_us_, "constraint-6",

@@ -42,7 +42,7 @@ agent_t Auditor::SeeTold(AgentModel* model, agent_t a) {
 }
 
 void Auditor::CheckWay(const AgentModel& model, Place from, Place to, double seconds) {
-  const double way = Way(from, to);
+  const double way = model.WayM(from, to);
   const double most = model.spec->speed_m_s * (std::max(0.0, seconds) + kSlack_s) + kTolerance_m;
   if (way <= most) return;
   Violate(now_us_, "speed",
@@ -61,13 +61,14 @@ void Auditor::CheckRangeTold(const AgentModel& model, double range_m, double mos
 void Auditor::CheckFromAnchor(const AgentModel& model, Place at, std::int64_t at_us,
                               double range_m) {
   CheckWay(model, model.anchor, at, Seconds(at_us - model.anchor_us));
-  CheckRangeTold(model, range_m, std::max(0.0, model.anchor_range_m - Way(model.anchor, at)));
+  CheckRangeTold(model, range_m,
+                 std::max(0.0, model.anchor_range_m - model.WayM(model.anchor, at)));
 }
 
 void Auditor::SeeStanding(AgentModel* model, const agent_t& a) {
   const Place here{a.x_m, a.y_m};
   const bool as_computed =
-      Way(model->to, here) <= kTolerance_m &&
+      Apart(model->to, here) <= kTolerance_m &&
       (model->kind != kUav || Near(a.range_left_m, std::max(0.0, model->RangeAt(now_us_))));
   if (as_computed && model->says_arrived) {
     if (!model->way_seen) Arrive(model, a);
@@ -85,7 +86,7 @@ void Auditor::SeeStanding(AgentModel* model, const agent_t& a) {
 void Auditor::SeeLeg(AgentModel* model, const agent_t& a) {
   const Place here{a.x_m, a.y_m};
   bool as_computed =
-      NearUs(a.arrive_us, model->arrive_us) && Way(model->At(now_us_), here) <= kTolerance_m;
+      NearUs(a.arrive_us, model->arrive_us) && Apart(model->At(now_us_), here) <= kTolerance_m;
   if (as_computed && model->kind == kUav) {
     SeeWind(model, a);
     as_computed = !model->way_seen || model->says_done ||

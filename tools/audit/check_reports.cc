@@ -142,7 +142,7 @@ void Auditor::CheckReport(AgentModel* model, const agent_t& a, std::int32_t appl
   const Place here{a.x_m, a.y_m};
   // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
   auto& [was, was_us] = was_[kind][id];
-  const double moved = Way(was, here);
+  const double moved = model->WayM(was, here);
   const double seconds = static_cast<double>(now_us_ - was_us) * 1e-6;
   const double most = model->spec->speed_m_s * seconds;
   if (moved > most + kTolerance_m && !model->spec->measured) {
@@ -178,7 +178,7 @@ void Auditor::NoteUav(std::int64_t tick, const agent_t& a) {
   if (failing_.contains({tick, a.id}) || tick <= final_range_tick_[id]) return;
   const Place here{a.x_m, a.y_m};
   std::optional<Place>& seen = last_seen_[kUav][id];
-  if (seen) flown_m_[id] += Way(*seen, here);
+  if (seen) flown_m_[id] += scenario_->ways->Length(kUav, *seen, here);
   seen = here;
   final_range_m_[id] = a.range_left_m;
   final_range_tick_[id] = tick;
@@ -247,7 +247,7 @@ void Auditor::ResolveCommand(AgentModel* model, const agent_t& a) {
   model->to = {action.x_m, action.y_m};
   model->depart_us = command.at_us;
   model->arrive_us =
-      command.at_us + DurationUs(Way(model->from, model->to), model->spec->speed_m_s);
+      command.at_us + DurationUs(model->WayM(model->from, model->to), model->spec->speed_m_s);
   // Which of two roundings is right does not matter; what follows rests on the reported one.
   if (NearUs(model->arrive_us, a.arrive_us)) model->arrive_us = a.arrive_us;
   model->range_at_departure_m = range_m;
@@ -292,7 +292,7 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
                         model.decision, what));
   };
   const Place expected = model.At(now_us_);
-  if (Way(expected, {a.x_m, a.y_m}) > kTolerance_m) {
+  if (Apart(expected, {a.x_m, a.y_m}) > kTolerance_m) {
     differs("motion",
             fmt::format("is at ({:.3f}, {:.3f}) m, its way leads it to ({:.3f}, {:.3f}) m", a.x_m,
                         a.y_m, expected.x_m, expected.y_m));
@@ -312,8 +312,8 @@ void Auditor::CheckMotion(const AgentModel& model, const agent_t& a) {
   if (!departs || !NearUs(a.arrive_us, model.arrive_us)) {
     differs("speed",
             fmt::format("reports a way of {:.3f} m in [{}, {}] us, at {:.6g} m/s it is [{}, {}] us",
-                        Way(model.from, model.to), a.depart_us, a.arrive_us, model.spec->speed_m_s,
-                        model.depart_us, model.arrive_us));
+                        model.WayM(model.from, model.to), a.depart_us, a.arrive_us,
+                        model.spec->speed_m_s, model.depart_us, model.arrive_us));
   }
   if (!NearUs(a.busy_until_us, model.busy_until_us)) {
     differs("motion", fmt::format("reports to be busy until {} us, expected {} us", a.busy_until_us,

@@ -75,6 +75,7 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   model.kind = kind;
   model.id = told.id;
   model.spec = &scenario.agents[kind][static_cast<std::size_t>(told.id)];
+  model.ways = scenario.ways.get();
   model.from = model.to = {told.x_m, told.y_m};
   model.depart_us = told_us;
   model.arrive_us = std::max(told_us, told.arrive_us);
@@ -83,7 +84,7 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   model.busy_until_us = told.busy_until_us;
   model.failed = told.status == AgentStatus::kFailed;
   if (told_us < told.arrive_us) {
-    const double moved = Way({told.from_x_m, told.from_y_m}, model.from);
+    const double moved = model.WayM({told.from_x_m, told.from_y_m}, model.from);
     model.to = EndOfWay(told, told_us, scenario);
     if (scenario.wind.high > 0 && moved > 0) {
       model.range_per_m = (told.range_at_departure_m - told.range_left_m) / moved;

@@ -31,7 +31,7 @@ TEST(AuditScenario, KnowsEachTasksNearestChargingPoint) {
     for (const Scenario::Task& task : scenario.tasks) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const Scenario::Charge& charge : scenario.charges) {
-        nearest = std::min(nearest, Way(task.at, charge.at));
+        nearest = std::min(nearest, Apart(task.at, charge.at));
       }
       EXPECT_EQ(task.to_charge_m, nearest) << n_charges << " charging points";
     }

@@ -1,0 +1,31 @@
+#include "tools/audit/ways.h"
+
+#include <cmath>
+#include <utility>
+
+namespace muster::tools::audit {
+namespace {
+
+std::shared_ptr<const Ways>& Default() {
+  static auto ways = std::make_shared<const Ways>();
+  return ways;
+}
+
+}  // namespace
+
+double Apart(Place a, Place b) { return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m); }
+
+double Ways::Length(int, Place from, Place to) const { return Apart(from, to); }
+
+Place Ways::After(int, Place from, Place to, double part) const {
+  return {from.x_m + part * (to.x_m - from.x_m), from.y_m + part * (to.y_m - from.y_m)};
+}
+
+std::shared_ptr<const Ways> DefaultWays() { return Default(); }
+
+ScopedDefaultWays::ScopedDefaultWays(std::shared_ptr<const Ways> ways)
+    : before_(std::exchange(Default(), std::move(ways))) {}
+
+ScopedDefaultWays::~ScopedDefaultWays() { Default() = std::move(before_); }
+
+}  // namespace muster::tools::audit

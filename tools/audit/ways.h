@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+
+namespace muster::tools::audit {
+
+struct Place {
+  double x_m = 0;
+  double y_m = 0;
+};
+
+/// Metres between two places in a straight line.
+double Apart(Place a, Place b);
+
+/// How agents travel, by the audit's own arithmetic: every length of a way and every place on one
+/// that the audit computes comes from here. This class is the plain case, straight lines.
+class Ways {
+ public:
+  virtual ~Ways() = default;
+  /// Metres from one place to the other for an agent of that class; never less than Apart.
+  virtual double Length(int kind, Place from, Place to) const;
+  /// The place after that part (0 to 1) of the way.
+  virtual Place After(int kind, Place from, Place to, double part) const;
+};
+
+/// The ways of a scenario that says nothing of them: straight ones.
+std::shared_ptr<const Ways> DefaultWays();
+
+/// For tests: as long as it lives, DefaultWays() is what it was given.
+class ScopedDefaultWays {
+ public:
+  explicit ScopedDefaultWays(std::shared_ptr<const Ways> ways);
+  ~ScopedDefaultWays();
+  ScopedDefaultWays(const ScopedDefaultWays&) = delete;
+  ScopedDefaultWays& operator=(const ScopedDefaultWays&) = delete;
+
+ private:
+  std::shared_ptr<const Ways> before_;
+};
+
+}  // namespace muster::tools::audit
