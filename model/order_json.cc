@@ -87,7 +87,7 @@ void ReadAgent(const ObjectReader& object, Order* order) {
 
 /// As messages carry it.
 std::string ReadName(const ObjectReader& top, std::string_view key) {
-  const std::string name = top.String(key);
+  std::string name = top.String(key);
   if (name.size() > kMostName || HasControls(name)) {
     top.Fail(key, name.size() > kMostName ? fmt::format("{} bytes", name.size()) : Printable(name),
              fmt::format("at most {} bytes without control characters", kMostName));

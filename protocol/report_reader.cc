@@ -4,7 +4,7 @@
 
 namespace muster {
 
-ReportReader::ReportReader(std::shared_ptr<const Scenario> scenario)
+ReportReader::ReportReader(const std::shared_ptr<const Scenario>& scenario)
     : told_{ToldAgents(scenario, AgentKind::kUav), ToldAgents(scenario, AgentKind::kWorker),
             ToldAgents(scenario, AgentKind::kVehicle)} {}
 

@@ -22,7 +22,7 @@ namespace muster {
 /// whole states.
 class ReportReader {
  public:
-  explicit ReportReader(std::shared_ptr<const Scenario> scenario);
+  explicit ReportReader(const std::shared_ptr<const Scenario>& scenario);
 
   /// With what a report says, or the reports that waited for it.
   using Visit = std::function<void(const agent_states_t&, const Packet&)>;

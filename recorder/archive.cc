@@ -86,7 +86,7 @@ void Archive::AddReport(const Packet& packet) {
   });
 }
 
-void Archive::Keep(std::string_view channel, const header_t& header, Kept kept) {
+void Archive::Keep(std::string_view channel, const header_t& header, const Kept& kept) {
   if (header.sim_us < 0 || header.sim_us > scenario_.rules.limit_us) return;
   const Source source{std::string(channel), header.sender};
   if (told_.size() >= kMostSources && !told_.contains(source)) return;

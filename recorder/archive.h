@@ -49,7 +49,7 @@ class Archive {
     auto operator<=>(const Source&) const = default;
   };
 
-  void Keep(std::string_view channel, const header_t& header, Kept kept);
+  void Keep(std::string_view channel, const header_t& header, const Kept& kept);
   void AddReport(const Packet& packet);
   /// Visits the bytes of messages that tell all of these.
   template <class Visit>

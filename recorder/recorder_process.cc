@@ -23,7 +23,7 @@ constexpr TimeUs kUnsaidUs = 5'000;
 RecorderProcess::RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal)
     : Process(identity, window),
       window_(window),
-      seal_(std::move(seal)),
+      seal_(seal),
       follower_(identity.run_id),
       idle_(kMarksIdleUs, kMarksIdleUs) {
   set_state(ProcessState::kReady);

@@ -201,7 +201,7 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
 std::string Sha256Of(const std::string& bytes) {
   gchar* hex = g_compute_checksum_for_data(
       G_CHECKSUM_SHA256, reinterpret_cast<const guchar*>(bytes.data()), bytes.size());
-  const std::string text = hex;
+  std::string text = hex;
   g_free(hex);
   return text;
 }

@@ -127,7 +127,8 @@ std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return kNone;
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(
+      std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 std::string LineOf(const std::string& name, const std::vector<const HardRow*>& rows) {

@@ -144,7 +144,7 @@ std::string NameOf(const PaperRun& run) {
 }
 
 std::string BuildName() {
-  const std::string commit = kCommit;
+  std::string commit = kCommit;
   if (commit != "unknown" && !commit.ends_with("-dirty")) return commit;
   std::ifstream self("/proc/self/exe", std::ios::binary);
   return commit + "-" + Sha256(std::string(std::istreambuf_iterator<char>(self), {})).substr(0, 12);

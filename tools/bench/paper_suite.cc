@@ -71,7 +71,7 @@ std::vector<PaperRun> PlanOf(const PaperOptions& options, const PaperScenarios& 
   if (!filter.with_imports) {
     Say("without --data: drawn places only, not {}\n", fmt::join(ImportedSettings::Names(), ", "));
   }
-  const std::vector<PaperRun> plan = PlanRuns(filter);
+  std::vector<PaperRun> plan = PlanRuns(filter);
   if (plan.empty()) throw InputError("options", "filters", "no run", "settings of the suite");
   return plan;
 }

@@ -74,7 +74,8 @@ void DecideAll(const Situation& situation, BenchRow row, const BenchOptions& opt
 std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("{:.9g}", value); }
 
 double Quantile(const std::vector<double>& sorted, double share) {
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
+  const auto at =
+      static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)));
   return sorted[at];
 }
 

@@ -30,6 +30,63 @@ bool HoldsAProcess(FaultKind kind) {
 
 double Rounded(double value, double unit) { return std::round(value / unit) * unit; }
 
+/// What is drawn for each fault, whether its kind has a use for it or not.
+struct Draws {
+  TimeUs minutes = 0;            ///< how long it lasts in mission time,
+  TimeUs real_us = 0;            ///< or in real time
+  bool in_mission_time = false;  ///< which of the two, for one that holds a process
+  std::uint32_t member = 0;      ///< of kMembers
+  double share = 0;              ///< of packets
+};
+
+/// Gives the fault a target and a duration. False where it has no target: there is no such agent,
+/// or it is down already.
+bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Random* random,
+                std::set<std::string>* felled, PlannedFault* fault) {
+  const auto hold = [&] {
+    (draws.in_mission_time ? fault->for_us : fault->for_real_us) =
+        draws.in_mission_time ? draws.minutes : draws.real_us;
+  };
+  switch (fault->kind) {
+    case FaultKind::kAgentFails:
+    case FaultKind::kAgentSilent: {
+      const AgentKind kind = kAgentKinds[random->Below(3)];
+      const std::size_t n = scenario.agents(kind).size();
+      if (n == 0) return false;
+      fault->target =
+          fmt::format("{}:{}", ToString(kind), random->Below(static_cast<std::uint32_t>(n)));
+      // An agent that has failed, or is lost with its process, cannot fail again.
+      if (!felled->insert(fault->target).second || is_held) return false;
+      if (fault->kind == FaultKind::kAgentSilent) fault->for_us = draws.minutes;
+      return true;
+    }
+    case FaultKind::kProcessKilled:
+    case FaultKind::kProcessStopped:
+      fault->target = kMembers[draws.member];
+      hold();
+      return true;
+    case FaultKind::kPartition:
+      fault->target =
+          fmt::format("{}|{}", kMembers[random->Below(kReplaceable)], process_name::kWorld);
+      hold();
+      return true;
+    case FaultKind::kDiskFull:
+      fault->target = process_name::kLogger;
+      fault->for_real_us = draws.real_us;
+      return true;
+    case FaultKind::kForeign:
+      fault->target = "*";
+      fault->for_us = draws.minutes;
+      return true;
+    default:
+      // A process that is held may hear nothing that could be hit.
+      fault->target = random->Below(2) == 0 || is_held ? "*" : kMembers[random->Below(5)];
+      fault->for_us = draws.minutes;
+      fault->probability = fault->kind == FaultKind::kDelay ? draws.share * 1e-2 : draws.share;
+      return true;
+  }
+}
+
 }  // namespace
 
 std::vector<FaultKind> AllSurvivableKinds() {
@@ -56,54 +113,18 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
     fault.id = fmt::format("r{}", plan.size());
     fault.kind = settings.kinds[random.Below(static_cast<std::uint32_t>(settings.kinds.size()))];
     fault.at_us = ToUs(Rounded(at_us * 1e-6, 6));  // a tenth of a minute
-    const TimeUs minutes = static_cast<TimeUs>(5 + random.Below(26)) * kMinuteUs;
-    const bool in_mission_time = settings.goes_on && random.Below(2) == 0;
-    const std::uint32_t pick = random.Below(in_mission_time ? kReplaceable : kMembers.size());
-    const double share = Rounded(random.Uniform(0.1, 0.4), 0.01);
-    const TimeUs real_us = ToUs(Rounded(random.Uniform(0.05, 0.5), 0.01));
+    Draws draws;
+    draws.minutes = static_cast<TimeUs>(5 + random.Below(26)) * kMinuteUs;
+    draws.in_mission_time = settings.goes_on && random.Below(2) == 0;
+    draws.member = random.Below(draws.in_mission_time ? kReplaceable : kMembers.size());
+    draws.share = Rounded(random.Uniform(0.1, 0.4), 0.01);
+    draws.real_us = ToUs(Rounded(random.Uniform(0.05, 0.5), 0.01));
     if (HoldsAProcess(fault.kind)) {
       if (fault.at_us < hold_over_us) continue;
-      hold_over_us = fault.at_us + (in_mission_time ? minutes : 0) + kBetweenHoldsUs;
+      hold_over_us = fault.at_us + (draws.in_mission_time ? draws.minutes : 0) + kBetweenHoldsUs;
     }
-    switch (fault.kind) {
-      case FaultKind::kAgentFails:
-      case FaultKind::kAgentSilent: {
-        const AgentKind kind = kAgentKinds[random.Below(3)];
-        const std::size_t n = scenario.agents(kind).size();
-        if (n == 0) continue;
-        fault.target =
-            fmt::format("{}:{}", ToString(kind), random.Below(static_cast<std::uint32_t>(n)));
-        // Who has failed, or is lost with its process, cannot fail again.
-        if (!felled.insert(fault.target).second || fault.at_us < hold_over_us) continue;
-        if (fault.kind == FaultKind::kAgentSilent) fault.for_us = minutes;
-        break;
-      }
-      case FaultKind::kProcessKilled:
-      case FaultKind::kProcessStopped:
-        fault.target = kMembers[pick];
-        (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
-        break;
-      case FaultKind::kPartition:
-        fault.target =
-            fmt::format("{}|{}", kMembers[random.Below(kReplaceable)], process_name::kWorld);
-        (in_mission_time ? fault.for_us : fault.for_real_us) = in_mission_time ? minutes : real_us;
-        break;
-      case FaultKind::kDiskFull:
-        fault.target = process_name::kLogger;
-        fault.for_real_us = real_us;
-        break;
-      case FaultKind::kForeign:
-        fault.target = "*";
-        fault.for_us = minutes;
-        break;
-      default:
-        // One that is held may hear nothing that could be hit.
-        fault.target =
-            random.Below(2) == 0 || fault.at_us < hold_over_us ? "*" : kMembers[random.Below(5)];
-        fault.for_us = minutes;
-        fault.probability = fault.kind == FaultKind::kDelay ? share * 1e-2 : share;
-        break;
-    }
+    if (!DrawTarget(draws, scenario, fault.at_us < hold_over_us, &random, &felled, &fault))
+      continue;
     // Whoever is held just when its packets begin to suffer cannot confirm that they do.
     const bool has_just_begun =
         std::any_of(plan.begin(), plan.end(), [&](const PlannedFault& other) {

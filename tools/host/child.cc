@@ -69,7 +69,7 @@ Child::Child(Child&& other) noexcept
       pid_(std::exchange(other.pid_, -1)),
       stdin_fd_(std::exchange(other.stdin_fd_, -1)),
       was_asked_(other.was_asked_),
-      end_(std::move(other.end_)) {}
+      end_(other.end_) {}
 
 Child::~Child() {
   if (stdin_fd_ >= 0) close(stdin_fd_);

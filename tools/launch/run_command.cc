@@ -71,7 +71,7 @@ std::string FindNetwork(const LaunchOptions& options) {
     case Network::Kind::kPrivate:
       return MissionUrl(7667);
     case Network::Kind::kHost: {
-      const std::string url = MissionUrl(FreePort());
+      std::string url = MissionUrl(FreePort());
       if (!options.quiet) Say("{}; using {}\n", network.detail, url);
       return url;
     }
@@ -160,6 +160,87 @@ void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& missi
   }
 }
 
+/// Throws InputError where hosts or faults do not fit the processes of the mission.
+void CheckMembers(const Scenario& scenario, LaunchOptions* options) {
+  std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
+  for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
+    names.push_back(process.name);
+  }
+  CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
+             options->faults);
+  if (options->logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
+  CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue",
+                 options->logger == Logger::kMuster);
+}
+
+std::optional<SealKey> KeyOf(const LaunchOptions& options, std::int64_t run_id) {
+  if (!options.sealed) return {};
+  return options.key_file.empty() ? SealKey::Fresh(run_id)
+                                  : SealKey::Load(options.key_file).Of(run_id, options.key_file);
+}
+
+std::unique_ptr<LossyBus> OpenBusOf(const LaunchOptions& options, const MissionIdentity& mission,
+                                    std::uint64_t seed) {
+  ProcessFlags flags;
+  flags.identity = {mission.run_id, std::string(LauncherNameWith(options.logger)), 0};
+  flags.lcm_url = mission.lcm_url;
+  flags.drop = options.drop;
+  flags.drop_seed = seed;
+  if (mission.key) flags.seal.emplace(*mission.key);
+  return OpenBus(flags);
+}
+
+/// The run directory with what is known before the mission: scenario, key, orders, manifest.
+RunDirectory MakeDirectory(const LaunchOptions& options, const Scenario& scenario,
+                           const std::vector<world::PlannedOrder>& orders, ManifestInput manifest,
+                           MissionIdentity* mission) {
+  RunDirectory directory =
+      options.out.empty()
+          ? RunDirectory::MakeNew("runs", RunStem(scenario.name, options.policy, scenario.seed))
+          : RunDirectory::Take(options.out);
+  manifest.scenario_json = ScenarioToJson(scenario);
+  mission->scenario_file = directory.File("scenario.json");
+  directory.Write("scenario.json", manifest.scenario_json);
+  if (mission->key) directory.WriteSecret(kSealKeyFile, mission->key->Text());
+  if (!orders.empty()) {
+    mission->orders_file = directory.File(kOrdersFile);
+    directory.Write(kOrdersFile, OrderLines(orders));
+  }
+  manifest.policy = options.policy;
+  manifest.seed = scenario.seed;
+  manifest.run_id = mission->run_id;
+  manifest.lcm_url = mission->lcm_url;
+  manifest.sealed = mission->key.has_value();
+  manifest.scenario_file = options.scenario_file;
+  directory.Write("manifest.json", ManifestJson(manifest));
+  if (!options.quiet) {
+    Say("recording in {}\n", directory.path());
+    PrintWhatToStart(options, *mission, directory);
+  }
+  return directory;
+}
+
+/// Writes the report, prints the summary and returns the exit code.
+int PrintOutcome(const MissionResult& result, const MissionIdentity& mission,
+                 const std::optional<LinkTraffic>& traffic, const RunDirectory& directory) {
+  PrintProblems(result);
+  int code = ExitCodeOf(result);
+  try {
+    directory.Write("report.json", Report(result.record).dump(2) + "\n");
+  } catch (const SystemError& error) {
+    Say("muster: {}\n", error.what());
+    code = kExitSystem;
+  }
+  fmt::print("{}", Summary(result.record));
+  if (traffic) fmt::print("{}", traffic->Text());
+  if (mission.key) {
+    fmt::print("{:<14} {} packets without the right tag refused; the key is {}\n", "sealed",
+               result.refused, directory.File(kSealKeyFile));
+  }
+  fmt::print("{:<14} {}\n", "run directory", directory.path());
+  return code;
+}
+
 }  // namespace
 
 int RunCommand(int argc, const char* const* argv) {
@@ -172,63 +253,21 @@ int RunCommand(int argc, const char* const* argv) {
   MarkDriven(options->drivers, &resolved);
   const Scenario scenario = std::move(resolved);
   const std::string lcm_logger = options->logger == Logger::kLcm ? FindLogger() : "";
-  std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
-  for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
-    names.push_back(process.name);
-  }
-  CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
-             options->faults);
-  if (options->logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
-  CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue",
-                 options->logger == Logger::kMuster);
+  CheckMembers(scenario, &*options);
   const StopSignals stop;
-  const Now start = HostNow();
+  ManifestInput manifest;
+  manifest.command_line = {argv, argv + argc};
+  manifest.start_wall_us = HostNow().wall_us;
   MissionIdentity mission;
-  mission.run_id = start.wall_us;
-  if (options->sealed) {
-    mission.key = options->key_file.empty()
-                      ? SealKey::Fresh(mission.run_id)
-                      : SealKey::Load(options->key_file).Of(mission.run_id, options->key_file);
-  }
+  mission.run_id = manifest.start_wall_us;
+  mission.key = KeyOf(*options, mission.run_id);
   // Before the network: its socket stays in the host's, where the browsers are.
   std::optional<LiveServer> server;
   if (options->live_port) server.emplace(*options->live_port);
   mission.lcm_url = FindNetwork(*options);
-  ProcessFlags flags;
-  flags.identity = {mission.run_id, std::string(LauncherNameWith(options->logger)), 0};
-  flags.lcm_url = mission.lcm_url;
-  flags.drop = options->drop;
-  flags.drop_seed = scenario.seed;
-  if (mission.key) flags.seal.emplace(*mission.key);
-  const std::unique_ptr<LossyBus> bus = OpenBus(flags);
-
+  const std::unique_ptr<LossyBus> bus = OpenBusOf(*options, mission, scenario.seed);
   const RunDirectory directory =
-      options->out.empty()
-          ? RunDirectory::MakeNew("runs", RunStem(scenario.name, options->policy, scenario.seed))
-          : RunDirectory::Take(options->out);
-  const std::string json = ScenarioToJson(scenario);
-  mission.scenario_file = directory.File("scenario.json");
-  directory.Write("scenario.json", json);
-  if (mission.key) directory.WriteSecret(kSealKeyFile, mission.key->Text());
-  if (!orders.empty()) {
-    mission.orders_file = directory.File(kOrdersFile);
-    directory.Write(kOrdersFile, OrderLines(orders));
-  }
-  ManifestInput manifest;
-  manifest.command_line = {argv, argv + argc};
-  manifest.policy = options->policy;
-  manifest.seed = scenario.seed;
-  manifest.run_id = mission.run_id;
-  manifest.lcm_url = mission.lcm_url;
-  manifest.sealed = mission.key.has_value();
-  manifest.scenario_file = options->scenario_file;
-  manifest.scenario_json = json;
-  manifest.start_wall_us = start.wall_us;
-  directory.Write("manifest.json", ManifestJson(manifest));
-  if (!options->quiet) {
-    Say("recording in {}\n", directory.path());
-    PrintWhatToStart(*options, mission, directory);
-  }
+      MakeDirectory(*options, scenario, orders, std::move(manifest), &mission);
 
   const std::vector<ProcessPlan> processes = PlanProcesses(*options, scenario, mission);
   MissionPlan plan = PlanMission(*options, processes, mission, scenario);
@@ -262,21 +301,7 @@ int RunCommand(int argc, const char* const* argv) {
 
   if (gate) gate->Close();
   orders_socket.reset();
-  PrintProblems(result);
-  int code = ExitCodeOf(result);
-  try {
-    directory.Write("report.json", Report(result.record).dump(2) + "\n");
-  } catch (const SystemError& error) {
-    Say("muster: {}\n", error.what());
-    code = kExitSystem;
-  }
-  fmt::print("{}", Summary(result.record));
-  if (traffic) fmt::print("{}", traffic->Text());
-  if (mission.key) {
-    fmt::print("{:<14} {} packets without the right tag refused; the key is {}\n", "sealed",
-               result.refused, directory.File(kSealKeyFile));
-  }
-  fmt::print("{:<14} {}\n", "run directory", directory.path());
+  const int code = PrintOutcome(result, mission, traffic, directory);
   if (server && stop.count() == 0) {
     std::fflush(stdout);
     Say("the page stays at {} until Ctrl-C\n", server->url());

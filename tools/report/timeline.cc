@@ -27,9 +27,8 @@ bool Straight(const Timeline::Stop& a, const Timeline::Stop& mid, const Timeline
 void Append(Growing<Timeline::Stop>* stops, const Timeline::Stop& stop) {
   auto& rows = stops->rows;
   if (!rows.empty() && stop.t_ms < rows.back().t_ms) return;
-  if (!rows.empty() && stop.t_ms == rows.back().t_ms) {
-    stops->ReplaceLast(stop);
-  } else if (rows.size() >= 2 && Straight(rows[rows.size() - 2], rows.back(), stop)) {
+  const bool again = !rows.empty() && stop.t_ms == rows.back().t_ms;
+  if (again || (rows.size() >= 2 && Straight(rows[rows.size() - 2], rows.back(), stop))) {
     stops->ReplaceLast(stop);
   } else {
     stops->Push(stop);

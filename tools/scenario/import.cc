@@ -463,9 +463,9 @@ class Importer {
                                        : std::max<TimeUs>(0, limit_us - online_us);
           const double part = static_cast<double>(record.since_us) /
                               static_cast<double>(std::min(limit_us, kDayUs));
+          const TimeUs steps = latest_us / kOnlineStepUs;
           agent.online_from_us =
-              static_cast<TimeUs>(part * static_cast<double>(latest_us / kOnlineStepUs)) *
-              kOnlineStepUs;
+              static_cast<TimeUs>(part * static_cast<double>(steps)) * kOnlineStepUs;
           agent.online_until_us = agent.online_from_us + online_us;
         }
         agents->push_back(agent);

@@ -132,9 +132,11 @@ void AddSettingsOptions(Options* options, bool may_be_rows) {
   AddNumberOptions(options, may_be_rows);
 }
 
-void AddNumberOptions(Options* options, bool may_be_rows) {
-  const GeneratorSettings defaults;
-  constexpr NumberRange kPositive = {1e-6, 1e6};
+namespace {
+
+constexpr NumberRange kPositive = {1e-6, 1e6};
+
+void AddCounts(Options* options) {
   options->Add("name", "TEXT", "Name of the scenario (default: the preset's)");
 
   options->Group("Number (default: the preset's; A:B is drawn per item)");
@@ -155,7 +157,9 @@ void AddNumberOptions(Options* options, bool may_be_rows) {
   options->Add("scale", "S", "Multiply the preset's area and counts, at the same density")
       .Number(kPositive)
       .Default(1);
+}
 
+void AddTaskTimes(Options* options, bool may_be_rows) {
   options->Group("Task in time (default: all known from the start, normal, never due)");
   options->Add(
       "arrivals", may_be_rows ? "rows|steady|bursts:N" : "steady|bursts:N",
@@ -170,7 +174,10 @@ void AddNumberOptions(Options* options, bool may_be_rows) {
       "may be none");
   options->Add("expires", "A[:B]",
                "Minutes from a task's report until it is gone; likewise by priority");
+}
 
+void AddUnpublished(Options* options) {
+  const GeneratorSettings defaults;
   options->Group("Unpublished setting");
   options->Add("uav-speed-km-per-min", "V", "Speed of UAVs")
       .Number(kPositive)
@@ -192,7 +199,10 @@ void AddNumberOptions(Options* options, bool may_be_rows) {
   options->Add("uptime", "HOW", "Online from: within: [0, limit - online time]; any: [0, limit]")
       .OneOf({"within", "any"})
       .Default("within");
+}
 
+void AddRules(Options* options) {
+  const GeneratorSettings defaults;
   options->Group("Rule");
   options->Add("interval", "MIN", "Minutes between decisions")
       .Number(Above0(kMaxMinutes))
@@ -211,12 +221,24 @@ void AddNumberOptions(Options* options, bool may_be_rows) {
   options->Flag("ceil-to-minutes", "Weights count minutes, not intervals");
   options->Flag("mean-over-all", "Eq. 4-5 and 4-7 divide by all idle UAVs");
   options->Flag("start-on-meeting", "Agents that meet in a cell start without a pair action");
+}
 
+void AddDisturbances(Options* options) {
   options->Group("Disturbance (off unless given)");
   options->Add("wind", "A[:B]", "Extra range per kilometre of a UAV's way");
   options->Add("communication-km", "A[:B]", "Range that an action costs a UAV");
   options->Add("agent-failure", "A[:B]", "Probability that an agent fails at a decision");
   options->Add("match-failure", "A[:B]", "Probability that a pair's match fails");
+}
+
+}  // namespace
+
+void AddNumberOptions(Options* options, bool may_be_rows) {
+  AddCounts(options);
+  AddTaskTimes(options, may_be_rows);
+  AddUnpublished(options);
+  AddRules(options);
+  AddDisturbances(options);
 }
 
 GeneratorSettings SettingsFrom(const Arguments& arguments, const GeneratorSettings& base,

@@ -23,7 +23,7 @@ constexpr std::int64_t kAnneal = 500, kAnnealOfQtran = 1200;
 constexpr std::string_view kNodeValue = "node-value";
 
 std::string MethodIn(const Arguments& arguments) {
-  const std::string method = arguments.Get("policy");
+  std::string method = arguments.Get("policy");
   if (method == "marl") return "qmix";
   if (method == kNodeValue) return method;
   if (std::find(kMethodNames.begin(), kMethodNames.end(), method) != kMethodNames.end()) {
@@ -81,7 +81,7 @@ std::optional<TrainOptions> ParseTrainOptions(int argc, const char* const* argv)
   train.random = arguments->Has("random");
   train.quiet = arguments->Has("quiet");
   // A scenario that cannot be trained on is an error before anything starts.
-  learning::PracticeMission(Generate(settings.scenario, 1));
+  [[maybe_unused]] const learning::PracticeMission probe(Generate(settings.scenario, 1));
   return train;
 }
 

@@ -76,7 +76,7 @@ class Reader {
   }
   std::string Text(std::uint64_t n) {
     if (n > bytes_.size() - at_) Fail("a file cut short");
-    const std::string text = bytes_.substr(at_, n);
+    std::string text = bytes_.substr(at_, n);
     at_ += n;
     return text;
   }

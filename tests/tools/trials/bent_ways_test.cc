@@ -79,8 +79,8 @@ TEST(BentWays, MissionsWithKillsAndLossAreAuditedAndDecidedAgain) {
   const InManhattan bent;
   const audit::ScopedDefaultWays audited(std::make_shared<const AuditedManhattan>());
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    // Not with free moves: a process that starts again finds the goal of one, but not where it began,
-    // and so tells it anew from where it was last seen.
+    // Not with free moves: a process that starts again finds the goal of one, but not where it
+    // began, and so tells it anew from where it was last seen.
     SoakSettings settings;
     settings.policy = seed % 3 == 0 ? "certified" : seed % 3 == 1 ? "horizon" : "rollout";
     for (const std::string& finding : FindingsOf(DrawMission(settings, seed))) {
