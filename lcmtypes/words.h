@@ -12,7 +12,7 @@
 namespace muster {
 
 // The wire's words: what the numbers of the types' fields mean, and the names that reports, plans
-// and exports use for them. docs/wire.md lists the same. Numbers and names do not change.
+// and exports use for them. docs/reference/wire.md lists the same. Numbers and names do not change.
 
 /// An agent class: agent_states_t.kind, agent_changes_t.kind, ruling_t.agent_kind.
 enum class AgentKind : std::int8_t { kUav = 0, kWorker = 1, kVehicle = 2 };

@@ -121,8 +121,8 @@ std::optional<TimeUs> RunsDryAt(const AgentState& uav);
 std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
                                 std::span<const Task> tasks);
 
-/// Sensing or charging of a pair whose legs are both known (exact, docs/mission.md). Source:
-/// constraints (2) and (4); it starts at the later arrival.
+/// Sensing or charging of a pair whose legs are both known (exact, docs/reference/mission.md).
+/// Source: constraints (2) and (4); it starts at the later arrival.
 Activity PlanActivity(const AgentState& uav, const AgentState& partner,
                       std::span<const Task> tasks);
 

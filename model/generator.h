@@ -44,7 +44,7 @@ using Delays = std::array<std::optional<DrawRange>, kPriorities>;
 /// What a random scenario is made from, in the units of the paper's Table 1 (km, min): this
 /// describes a data set; the scenario made from it is in SI. The paper does not publish the speeds,
 /// the full range, `placement`, `uptime` and `start_fraction`: those are ours
-/// (docs/scenario-format.md).
+/// (docs/reference/scenario-format.md).
 struct GeneratorSettings {
   std::string name;
   double width_km = 30;

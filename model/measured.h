@@ -9,8 +9,9 @@
 
 namespace muster {
 
-/// What a measured agent says of itself (docs/drivers.md). The process that holds the agent applies
-/// it before it reports the agent's state for a tick: all others take that state as it is told.
+/// What a measured agent says of itself (docs/guide/drivers.md). The process that holds the agent
+/// applies it before it reports the agent's state for a tick: all others take that state as it is
+/// told.
 struct MeasuredReport {
   enum class Kind : std::int8_t {
     kPlace,    ///< where it is, and perhaps when it expects to arrive

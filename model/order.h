@@ -24,7 +24,7 @@ enum class OrderKind : std::int8_t {
 /// "task_add"
 std::string_view ToString(OrderKind kind);
 
-/// What somebody asks of a running mission (docs/orders.md).
+/// What somebody asks of a running mission (docs/guide/orders.md).
 struct Order {
   std::string id, issuer;
   TimeUs not_before_us = 0;

@@ -31,7 +31,7 @@ struct AgentSpec {
   bool measured = false;  ///< its reports count, in the place of computation (measured.h)
 };
 
-/// How much a task matters. docs/scenario-format.md has what each is worth.
+/// How much a task matters. docs/reference/scenario-format.md has what each is worth.
 enum class Priority : std::int8_t { kLow = 0, kNormal = 1, kHigh = 2, kEmergency = 3 };
 inline constexpr std::size_t kPriorities = 4;
 

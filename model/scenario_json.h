@@ -7,8 +7,8 @@
 
 namespace muster {
 
-/// Reads a scenario file, version 1 (docs/scenario-format.md). Throws InputError naming `file`,
-/// key, value found and value expected; SystemError when the file cannot be read.
+/// Reads a scenario file, version 1 (docs/reference/scenario-format.md). Throws InputError naming
+/// `file`, key, value found and value expected; SystemError when the file cannot be read.
 Scenario LoadScenario(const std::string& file);
 
 /// The same from text; `file` is only for messages.

@@ -85,9 +85,10 @@ void AddProcessOptions(Options* options, std::string_view default_name) {
             "none records")
       .Integer(0, std::numeric_limits<int>::max())
       .Default(0);
-  options->Add("key", "FILE",
-               "The mission is sealed, and this is its key (docs/seal.md); -: the first line of "
-               "stdin");
+  options->Add(
+      "key", "FILE",
+      "The mission is sealed, and this is its key (docs/guide/seal.md); -: the first line of "
+      "stdin");
   options->Add("drop", "P", "Share of received packets to drop, 0 to 1").Number({0, 1}).Default(0);
   options->Add("drop-seed", "N", "Seed of --drop").Seed().Default(1);
   options->Quiet();

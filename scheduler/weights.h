@@ -9,9 +9,9 @@
 
 namespace muster::scheduler {
 
-/// Weights of the conflict graph's nodes: Eq. 4-1 to 4-19 of the paper, as docs/scheduling.md reads
-/// them. All times in these equations are counts of decision intervals (of minutes with
-/// Rules::ceil_to_minutes), at least 1.
+/// Weights of the conflict graph's nodes: Eq. 4-1 to 4-19 of the paper, as
+/// docs/reference/scheduling.md reads them. All times in these equations are counts of decision
+/// intervals (of minutes with Rules::ceil_to_minutes), at least 1.
 
 template <class T>
 using Table = Eigen::Array<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -59,7 +59,8 @@ int Main(int argc, char** argv) {
            "Or as many messages as are together no larger: only with muster-recorder")
       .Integer(0, 1 << 30)
       .Default(0);
-  options.Add("orders", "FILE", "Orders to take in the course of the mission (docs/orders.md)");
+  options.Add("orders", "FILE",
+              "Orders to take in the course of the mission (docs/guide/orders.md)");
   AddProcessOptions(&options, process_name::kWorld);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

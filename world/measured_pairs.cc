@@ -1,4 +1,4 @@
-// The referee's part in pairs of which a partner is measured (docs/mission.md).
+// The referee's part in pairs of which a partner is measured (docs/reference/mission.md).
 #include <fmt/format.h>
 
 #include <algorithm>

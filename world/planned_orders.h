@@ -13,7 +13,7 @@ struct PlannedOrder {
   std::string json;
 };
 
-/// Reads them, a line each, in the wire's form (docs/orders.md): every one has an id. Throws
+/// Reads them, a line each, in the wire's form (docs/guide/orders.md): every one has an id. Throws
 /// InputError, SystemError.
 std::vector<PlannedOrder> ReadPlannedOrders(const std::string& file);
 

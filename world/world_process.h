@@ -33,9 +33,9 @@ struct WorldOptions {
   std::vector<PlannedOrder> orders = {};
 };
 
-/// The world: clock and referee of a mission in lockstep (docs/mission.md). It alone asks again:
-/// while it waits, it repeats what the others may lack, and each answers a repeated clock with its
-/// answer.
+/// The world: clock and referee of a mission in lockstep (docs/reference/mission.md). It alone asks
+/// again: while it waits, it repeats what the others may lack, and each answers a repeated clock
+/// with its answer.
 class WorldProcess : public Process {
  public:
   /// `json` is the scenario's file text, published as it is.

@@ -55,7 +55,7 @@ int Run(AgentKind kind, int argc, char** argv) {
   options
       .Add("driver", "[ID=]COMMAND",
            "A program that takes the part of that agent, or of all of this process, which the "
-           "scenario has as measured (docs/drivers.md)")
+           "scenario has as measured (docs/guide/drivers.md)")
       .Repeated();
   AddRateOption(&options);
   options.Add("lost-after", "SECONDS", "A driver that owes an answer for so long has failed")

@@ -19,9 +19,10 @@ namespace muster::agents {
 /// First and last id, both included; none: all agents of the class.
 using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 
-/// Some or all agents of one class in lockstep (docs/mission.md). It advances when it holds the
-/// clock, the world's verdict on its present tick and the decision that must be in force, publishes
-/// its states, or what of them has changed, and publishes them again when the clock is repeated.
+/// Some or all agents of one class in lockstep (docs/reference/mission.md). It advances when it
+/// holds the clock, the world's verdict on its present tick and the decision that must be in force,
+/// publishes its states, or what of them has changed, and publishes them again when the clock is
+/// repeated.
 class AgentProcess : public Follower {
  public:
   /// A class of up to `most_whole` agents always tells whole states: one message, and readable as

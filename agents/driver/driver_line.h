@@ -11,7 +11,7 @@
 
 namespace muster::agents {
 
-/// The protocol's version (docs/drivers.md).
+/// The protocol's version (docs/guide/drivers.md).
 inline constexpr int kDriverVersion = 1;
 /// A line's length, in either direction.
 inline constexpr std::size_t kLongestDriverLine = 64 << 10;

@@ -21,12 +21,12 @@ std::vector<std::string> DriverCommand(std::string_view command) {
   const auto words = WordsOf(command);
   if (!words || words->empty()) {
     throw InputError("command line", "driver", Quote(command),
-                     "a command, its quotation marks closed (docs/drivers.md)");
+                     "a command, its quotation marks closed (docs/guide/drivers.md)");
   }
   const auto program = FindProgram(words->front());
   if (!program) {
     throw InputError("command line", "driver", Quote(words->front()),
-                     "a program: a path, or a name in PATH (docs/drivers.md)");
+                     "a program: a path, or a name in PATH (docs/guide/drivers.md)");
   }
   std::vector<std::string> argv = *words;
   argv.front() = *program;

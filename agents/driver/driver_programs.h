@@ -10,7 +10,7 @@
 
 namespace muster::agents {
 
-/// The drivers of a process's measured agents, a program each (docs/drivers.md).
+/// The drivers of a process's measured agents, a program each (docs/guide/drivers.md).
 class DriverPrograms : public DriverPort {
  public:
   /// Of one agent; no id: of all that have none of their own.

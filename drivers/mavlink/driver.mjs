@@ -1,4 +1,4 @@
-// One UAV's driver: lines of the mission (docs/drivers.md) on one side, MAVLink on the other, as a function of what it hears and
+// One UAV's driver: lines of the mission (docs/guide/drivers.md) on one side, MAVLink on the other, as a function of what it hears and
 // of the time. Sockets, clocks and files, and the greeting, are in main.mjs.
 import { common, FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";

@@ -5,8 +5,8 @@ import { parseArgs } from "node:util";
 
 const HELP = `node main.mjs --connect LINK --system N [OPTION...]
 
-Takes a UAV's part in a mission (docs/drivers.md) with an autopilot that speaks MAVLink, ArduPilot's Copter or PX4
-(docs/mavlink.md).
+Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that speaks MAVLink, ArduPilot's Copter or PX4
+(docs/guide/mavlink.md).
 
   --connect LINK      udpin:[HOST:]PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:PATH:BAUD
   --system N          the autopilot's system id, 1 to 250

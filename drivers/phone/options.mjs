@@ -4,8 +4,8 @@ import { parseArgs } from "node:util";
 
 const HELP = `node main.mjs [OPTION...]
 
-Takes a worker's or vehicle's part in a mission (docs/drivers.md) with the phone of a person, who opens the link that is printed
-(docs/phone.md).
+Takes a worker's or vehicle's part in a mission (docs/guide/drivers.md) with the phone of a person, who opens the link that is printed
+(docs/guide/phone.md).
 
   --port N            of the page; 0: a free one (default: 0)
   --listen ADDRESS    of this machine, that the phone can reach; others in that network can, too (default: 127.0.0.1)

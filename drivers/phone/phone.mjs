@@ -1,4 +1,4 @@
-// One person's part: lines of the mission (docs/drivers.md) on one side, what the phone's page sends on the other, as a function
+// One person's part: lines of the mission (docs/guide/drivers.md) on one side, what the phone's page sends on the other, as a function
 // of what it hears and of the time. Sockets, clocks and files are elsewhere.
 import { randomUUID } from "node:crypto";
 import { MissionMap } from "../places.mjs";

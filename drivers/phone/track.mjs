@@ -15,7 +15,7 @@ export class Track {
   #fix = null;  // {at, mission_s} seen last, and not told yet
   #isArrived = false;  // since the last tick
 
-  /** `hello`: of docs/drivers.md. */
+  /** `hello`: of docs/guide/drivers.md. */
   constructor(hello) {
     this.speed_m_s = hello.speed_m_s;
     this.rate = hello.rate ?? 0;

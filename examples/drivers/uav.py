@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A driver in Python: a UAV that flies straight to where it is sent, as it is told to (docs/drivers.md).
+"""A driver in Python: a UAV that flies straight to where it is sent, as it is told to (docs/guide/drivers.md).
 
 Try it: muster drive --check examples/drivers/uav.py
 --late P: it flies P % longer. --silent FROM:UNTIL: it says nothing between these minutes. --dies MINUTE: it ends then.

@@ -3,7 +3,7 @@
 
 The other processes notice no difference: same states, same digest as with muster-worker. What it
 leaves out: going on where an earlier start of it was killed, answering a world that was, and
-failed matches (a disturbance of some scenarios). docs/mission.md and docs/wire.md say the rest.
+failed matches (a disturbance of some scenarios). docs/reference/mission.md and docs/reference/wire.md say the rest.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""The tag behind each message of a sealed mission (docs/seal.md): keyed BLAKE2b of Python's own
+"""The tag behind each message of a sealed mission (docs/guide/seal.md): keyed BLAKE2b of Python's own
 hashlib, over the channel's name, a NUL and the message."""
 
 import hashlib

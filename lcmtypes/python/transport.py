@@ -1,7 +1,7 @@
 """LCM's UDP multicast and its log files, without LCM's own Python module (Debian has none).
 
 LCM and EventLog have the names and the calls of `import lcm` that they share with it, so either
-will do. Format: docs/wire.md, and udp_multicast_protocol.md of lcm-proj/lcm.
+will do. Format: docs/reference/wire.md, and udp_multicast_protocol.md of lcm-proj/lcm.
 """
 
 import re

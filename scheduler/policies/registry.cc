@@ -109,7 +109,7 @@ const Row kPolicies[] = {
     {{kAblation, "kwta-5", "kwta with K = 5"}, &Kwta<5>},
     {{kAblation, "kwta-10", "kwta with K = 10"}, &Kwta<10>},
     {{kAblation, "horizon-learned",
-      "horizon-steps whose weightings were learned (docs/learned.md)"},
+      "horizon-steps whose weightings were learned (docs/guide/learned.md)"},
      &LearnedHorizon},
     {{kAblation, "rollout-learned", "rollout-steps over the learned weightings alone"},
      &LearnedRollout},
@@ -178,7 +178,7 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
   options
       ->Add("expect-arrivals", "RATE",
             "rollout, rollout-steps: so many more tasks an hour will be reported, to be reckoned "
-            "with (docs/scheduling.md; default: 0)")
+            "with (docs/reference/scheduling.md; default: 0)")
       .Number({0, kMostExpectedPerHour});
   return policy;
 }

@@ -27,7 +27,7 @@ struct PolicyInfo {
 };
 
 /// The policy of a mission that names none: of all, it gets most done on Random_1 within 50 ms a
-/// decision (docs/ablation.md).
+/// decision (docs/results/ablation.md).
 inline constexpr std::string_view kDefaultPolicy = "rollout-steps";
 
 /// All policies, in the order in which they are listed to users.
@@ -41,8 +41,8 @@ Option& AddPolicyOption(Options* options, std::string_view help = "How to decide
 std::string PolicyFrom(const Arguments& arguments);
 void AddDeadlineOption(Options* options);
 
-/// Whether a policy of that name is a program of the user's (docs/external-schedulers.md). A log
-/// may name any: only who is told so by the user makes such a policy.
+/// Whether a policy of that name is a program of the user's (docs/guide/external-schedulers.md). A
+/// log may name any: only who is told so by the user makes such a policy.
 bool IsExternal(std::string_view name);
 
 /// "rollout" of "rollout:expect=12"; the whole name where it expects nothing.

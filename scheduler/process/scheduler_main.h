@@ -15,7 +15,7 @@ struct OwnPolicy {
   std::function<std::unique_ptr<Policy>()> make;
 };
 
-/// The body of muster-scheduler, and of a scheduler program of your own (docs/installing.md):
+/// The body of muster-scheduler, and of a scheduler program of your own (docs/guide/installing.md):
 /// --policy takes the names in `own` besides ours; without it the first of `own` decides. Returns
 /// the exit code.
 int SchedulerMain(int argc, char** argv, const std::vector<OwnPolicy>& own = {});

@@ -14,9 +14,9 @@ namespace muster::scheduler {
 /// as an argument since only the edge may look at a clock.
 using Stopwatch = TimeUs (*)();
 
-/// The scheduler in lockstep (docs/mission.md): on a decision tick it fuses what it heard, decides
-/// and publishes; when the clock is repeated it publishes the same again. It keeps nothing that it
-/// could not make again.
+/// The scheduler in lockstep (docs/reference/mission.md): on a decision tick it fuses what it
+/// heard, decides and publishes; when the clock is repeated it publishes the same again. It keeps
+/// nothing that it could not make again.
 class SchedulerProcess : public Follower {
  public:
   /// `policy_name` is what its decisions bear.

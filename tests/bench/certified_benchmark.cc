@@ -1,4 +1,4 @@
-// Micro-benchmarks of a decision's parts. Not a test: times are for docs/benchmarks.md.
+// Micro-benchmarks of a decision's parts. Not a test: times are for docs/results/benchmarks.md.
 #include <benchmark/benchmark.h>
 
 #include "base/random.h"

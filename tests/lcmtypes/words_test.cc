@@ -11,7 +11,7 @@
 namespace muster {
 namespace {
 
-/// Calls visit(word, where): the field that holds it, as docs/wire.md says.
+/// Calls visit(word, where): the field that holds it, as docs/reference/wire.md says.
 template <class Visit>
 void ForEachWord(Visit visit) {
   visit(AgentKind::kVehicle,

@@ -1,5 +1,5 @@
 // What tells the methods apart: games whose joint values some of them cannot represent
-// (docs/learned.md). Rashid et al. 2018 and 2020, Wang et al. 2021 have the games.
+// (docs/guide/learned.md). Rashid et al. 2018 and 2020, Wang et al. 2021 have the games.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -594,7 +594,7 @@ std::string ReadAll(const std::string& path) {
 }
 
 TEST(ScenarioJson, TheDocumentationsExamplesAreValid) {
-  const std::string page = ReadAll(MUSTER_SOURCE_DIR "/docs/scenario-format.md");
+  const std::string page = ReadAll(MUSTER_SOURCE_DIR "/docs/reference/scenario-format.md");
   std::vector<Scenario> examples;
   for (std::size_t begin = 0; (begin = page.find("```json\n", begin)) != page.npos;) {
     const std::size_t end = page.find("```", begin + 8);

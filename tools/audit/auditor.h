@@ -21,7 +21,7 @@ namespace muster::tools::audit {
 /// One thing that a log shows and that must not be.
 struct Violation {
   std::int64_t at_us = 0;  ///< mission time
-  std::string invariant;   ///< a row of docs/audit.md
+  std::string invariant;   ///< a row of docs/reference/audit.md
   std::string text;        ///< ids and values
 };
 
@@ -42,9 +42,9 @@ struct Facts {
   std::int64_t interval_us = 0;
 };
 
-/// Checks a mission's log, packet by packet, against every invariant of docs/audit.md. It follows
-/// the agents by its own arithmetic from what was commanded and ruled, one tick after the other,
-/// and compares each report, activity, status and event with that. Memory grows with agents,
+/// Checks a mission's log, packet by packet, against every invariant of docs/reference/audit.md. It
+/// follows the agents by its own arithmetic from what was commanded and ruled, one tick after the
+/// other, and compares each report, activity, status and event with that. Memory grows with agents,
 /// decisions, events and gaps; a tick is dropped when it has been checked.
 ///
 /// Checking of ticks stops at the first one that breaks an invariant: what follows would follow

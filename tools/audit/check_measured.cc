@@ -1,5 +1,5 @@
-// Measured agents (docs/mission.md): what they report is told, not computed. It must be possible,
-// and the activities that they take part in must begin and end as they say.
+// Measured agents (docs/reference/mission.md): what they report is told, not computed. It must be
+// possible, and the activities that they take part in must begin and end as they say.
 #include <fmt/format.h>
 
 #include <algorithm>

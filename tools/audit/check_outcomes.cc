@@ -138,7 +138,7 @@ void Auditor::CheckTasks(const world_state_t& world) {
   std::int32_t done = 0;
   for (std::size_t x = 0; x < task_status_.size(); ++x) {
     done += task_status_[x] == TaskStatus::kDone ? 1 : 0;
-    const int said = world.task_status[x];
+    const std::int8_t said = world.task_status[x];
     if (said == task_status_[x]) continue;
     Violate(now_us_, "task-status",
             fmt::format("task:{} is said to be {}, it is {}", x, TaskWords(said),

@@ -10,8 +10,8 @@
 
 namespace muster::tools {
 
-/// Settings on the places of real data sets (docs/import.md), out of the tables of a data folder,
-/// each read once.
+/// Settings on the places of real data sets (docs/guide/import.md), out of the tables of a data
+/// folder, each read once.
 class ImportedSettings {
  public:
   /// "": no data folder. Throws InputError when the folder lacks a table.

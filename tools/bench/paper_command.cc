@@ -22,9 +22,10 @@ void AddPaperOptions(Options* options) {
       .List()
       .OneOf({"strict", "overrun"})
       .Default("strict,overrun");
-  options->Add("data", "DIR",
-               "also arrivals: folder with the tables of imported places (docs/import.md); without "
-               "it drawn places only");
+  options->Add(
+      "data", "DIR",
+      "also arrivals: folder with the tables of imported places (docs/guide/import.md); without "
+      "it drawn places only");
   options->Flag("list-jobs",
                 "Print the runs as commands, one a line, for GNU parallel or a Slurm array");
   options->Add("merge", "DIR...", "Put the rows of such jobs' folders together").List();

@@ -34,7 +34,7 @@ GeneratorSettings Table6(const std::string& setting) {
   return settings;
 }
 
-/// Readings of the paper's section 5.3.4 (docs/paper-results.md).
+/// Readings of the paper's section 5.3.4 (docs/results/paper-results.md).
 Disturbances DisturbancesOf(const std::string& name) {
   Disturbances d;
   if (name == "wind") d.wind = {0.1, 0.4};

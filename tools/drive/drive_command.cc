@@ -57,7 +57,7 @@ void PrintJson(const DriverCheckResult& result) {
 int DriveCommand(int argc, const char* const* argv) {
   Options options("muster drive",
                   "Plays a mission's part against a driver of an agent and says what it does wrong "
-                  "(docs/drivers.md).");
+                  "(docs/guide/drivers.md).");
   options.Add("check", "COMMAND", "The driver: a program and its arguments")
       .Required("a program and its arguments");
   options.Add("class", "CLASS", "The agent that it drives")

@@ -103,7 +103,7 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
 std::string ToText(const TaskStory& story);
 std::string ToText(const AgentStory& story);
 
-/// The same facts for tools (docs/explain.md).
+/// The same facts for tools (docs/guide/explain.md).
 nlohmann::ordered_json ToJson(const TaskStory& story);
 nlohmann::ordered_json ToJson(const AgentStory& story);
 

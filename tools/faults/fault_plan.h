@@ -10,7 +10,7 @@
 
 namespace muster::tools {
 
-/// What a fault must lead to; scored after the mission (docs/faults.md).
+/// What a fault must lead to; scored after the mission (docs/guide/faults.md).
 struct Expectations {
   std::optional<int> detected_within_ticks;
   std::optional<int> partner_released_within_decisions;
@@ -19,7 +19,7 @@ struct Expectations {
   bool same_decisions = false;                 ///< and outcomes, as without any fault
 };
 
-/// One fault to inject (docs/faults.md).
+/// One fault to inject (docs/guide/faults.md).
 struct PlannedFault {
   std::string id;
   FaultKind kind = FaultKind::kLoss;

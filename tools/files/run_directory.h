@@ -6,7 +6,7 @@
 
 namespace muster::tools {
 
-/// Where one mission leaves what it leaves behind (docs/running.md).
+/// Where one mission leaves what it leaves behind (docs/guide/running.md).
 class RunDirectory {
  public:
   /// Makes `path` with its parents, or takes it when it exists and is empty. Throws InputError when

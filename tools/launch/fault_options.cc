@@ -8,7 +8,7 @@ void AddFaultOptions(Options* options) {
   options->Add("drop", "P", "Share of received packets that each process drops, 0 to 1")
       .Number({0, 1, false, true})
       .Default(0);
-  options->Add("faults", "FILE", "Fault plan (docs/faults.md)");
+  options->Add("faults", "FILE", "Fault plan (docs/guide/faults.md)");
   options->Add("fault", "FAULT", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45")
       .List();
   options

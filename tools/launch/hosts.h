@@ -19,7 +19,7 @@ struct Host {
   double mbit_s = 0;                   ///< what its link carries each way; 0: not known
 };
 
-/// A host list, version 1 (docs/hosts.md).
+/// A host list, version 1 (docs/guide/hosts.md).
 struct HostList {
   std::string lcm_url;
   std::vector<Host> hosts;

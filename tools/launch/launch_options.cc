@@ -80,21 +80,22 @@ void AddLaunchOptions(Options* options) {
   options
       ->Add("program", "ROLE=FILE,...",
             "Your own program in place of muster-ROLE, with the same options, e.g. "
-            "worker=./my-worker (docs/installing.md)")
+            "worker=./my-worker (docs/guide/installing.md)")
       .List();
   options
-      ->Add("driver", "AGENT=COMMAND",
-            "A program that takes an agent's part (docs/drivers.md), e.g. uav:3='./my-driver'")
+      ->Add(
+          "driver", "AGENT=COMMAND",
+          "A program that takes an agent's part (docs/guide/drivers.md), e.g. uav:3='./my-driver'")
       .Repeated();
   options
       ->Add("logger", "lcm|muster",
             "Who writes the log: stock lcm-logger, or muster-recorder, which takes less of the "
-            "processors (docs/running.md)")
+            "processors (docs/guide/running.md)")
       .OneOf({"lcm", "muster"})
       .Default("muster");
   options->Flag("take-orders",
                 "Take orders while it goes on (muster task, muster agent, muster feed; "
-                "docs/orders.md)");
+                "docs/guide/orders.md)");
   options
       ->Add("room", "WHAT=N,...",
             "How many tasks and agents orders may add, e.g. task=500,uav=2 (default with "
@@ -102,10 +103,11 @@ void AddLaunchOptions(Options* options) {
       .List();
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
-  options->Add("hosts", "FILE", "Which process runs on which host (docs/hosts.md)");
-  options->Flag("seal",
-                "Only who has the mission's key is believed (docs/seal.md): a fresh one, kept in "
-                "seal.key of the run directory; with --hosts by default");
+  options->Add("hosts", "FILE", "Which process runs on which host (docs/guide/hosts.md)");
+  options->Flag(
+      "seal",
+      "Only who has the mission's key is believed (docs/guide/seal.md): a fresh one, kept in "
+      "seal.key of the run directory; with --hosts by default");
   options->Add("key", "FILE", "Seal it with the key in that file, which its owner alone can read");
   options->Flag("no-seal", "With --hosts: whoever speaks is believed");
   options

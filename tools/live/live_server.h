@@ -14,7 +14,7 @@ inline constexpr int kDefaultLivePort = 8087;
 
 /// Serves the page and what happens on it (server-sent events) to browsers of this host: GET over
 /// HTTP/1.1, one request a connection. With a gate, whoever has the token may give orders: POST
-/// /orders (docs/orders.md). One thread waits for nobody: it serves at most kMostClients
+/// /orders (docs/guide/orders.md). One thread waits for nobody: it serves at most kMostClients
 /// at a time, and each of them has kPatience for a request, and to take what it is sent.
 class LiveServer {
  public:

@@ -8,9 +8,9 @@
 
 namespace muster::tools {
 
-/// Writes tables into the new folder `out` (docs/logs.md): agents.csv, decisions.csv, actions.csv,
-/// events.csv, tasks.csv, processes.csv. RFC 4180, a header line each, SI units, mission time in
-/// seconds. Throws InputError when `out` exists or the log has no scenario.
+/// Writes tables into the new folder `out` (docs/guide/logs.md): agents.csv, decisions.csv,
+/// actions.csv, events.csv, tasks.csv, processes.csv. RFC 4180, a header line each, SI units,
+/// mission time in seconds. Throws InputError when `out` exists or the log has no scenario.
 void ExportCsv(LogSource* source, const std::string& out);
 
 /// Writes sites.geojson (tasks with the time each was done, charging points), positions.geojson

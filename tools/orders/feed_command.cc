@@ -313,7 +313,7 @@ int FeedCommand(int argc, const char* const* argv) {
   Options options(
       "muster feed",
       "Gives a running mission tasks and orders as they come: rows of CSV, GeoJSON or JSON lines "
-      "with a place each become tasks; a line with \"order\" is an order (docs/orders.md).");
+      "with a place each become tasks; a line with \"order\" is an order (docs/guide/orders.md).");
   options.Positional("run", "RUN")
       .Required("the run directory of a mission, or with --out a scenario");
   options.Positional("file", "FILE|-").Required("a file, or - for stdin");

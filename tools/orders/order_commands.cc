@@ -118,7 +118,7 @@ int TaskCommand(int argc, const char* const* argv) {
   Options options(
       "muster task",
       "Adds a task to a running mission, changes it, cancels it, holds it or lets it go "
-      "on (docs/orders.md). The mission was started with muster run --take-orders.");
+      "on (docs/guide/orders.md). The mission was started with muster run --take-orders.");
   options.Positional("what", "add|change|cancel|hold|resume")
       .OneOf({"add", "change", "cancel", "hold", "resume"})
       .Required("add, change, cancel, hold or resume");
@@ -187,7 +187,7 @@ int AgentCommand(int argc, const char* const* argv) {
   Options options(
       "muster agent",
       "Has an agent join a running mission, leave it when what is under way is done, or "
-      "hand that back and leave at once (recall; docs/orders.md).");
+      "hand that back and leave at once (recall; docs/guide/orders.md).");
   options.Positional("what", "join|leave|recall")
       .OneOf({"join", "leave", "recall"})
       .Required("join, leave or recall");

@@ -53,7 +53,8 @@ class MeasuredLegs {
   std::map<Key, Told> told_;
 };
 
-/// As report.json has it (docs/report-format.md): one row per agent that was sent somewhere.
+/// As report.json has it (docs/reference/report-format.md): one row per agent that was sent
+/// somewhere.
 nlohmann::ordered_json ToJson(const std::vector<MeasuredLeg>& legs);
 
 }  // namespace muster::tools

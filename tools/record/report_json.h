@@ -11,9 +11,9 @@ namespace muster::tools {
 
 inline constexpr int kReportVersion = 1;
 
-/// report.json of a run (docs/report-format.md): what was decided, what came of it, how complete
-/// its log is. `muster run` and `muster simulate` write the same. Numbers are written with as many
-/// digits as reading them back bit for bit takes; an unknown bound is null.
+/// report.json of a run (docs/reference/report-format.md): what was decided, what came of it, how
+/// complete its log is. `muster run` and `muster simulate` write the same. Numbers are written with
+/// as many digits as reading them back bit for bit takes; an unknown bound is null.
 nlohmann::ordered_json Report(const RunRecord& record);
 
 /// Name of an event kind in reports: "sensing_done", ...; the number when unknown.

@@ -35,7 +35,7 @@ struct Service {
 /// one than the mission knew.
 Service ServiceOf(const RunRecord& record, const Scenario& scenario);
 
-/// As report.json has it (docs/report-format.md).
+/// As report.json has it (docs/reference/report-format.md).
 nlohmann::ordered_json ToJson(const Service& service);
 
 }  // namespace muster::tools

@@ -26,9 +26,10 @@ struct PageCursor {
   PerKind<std::vector<AgentSpec>> told_agents;
 };
 
-/// What the page is to learn: everything at first, later what is new or changed (docs/report.md
-/// describes it; tools/report/page/src/run.js reads it). `with_report`: report.json's numbers too,
-/// without its long lists, which the chunk has in another form. The feed must be ready.
+/// What the page is to learn: everything at first, later what is new or changed
+/// (docs/guide/report.md describes it; tools/report/page/src/run.js reads it). `with_report`:
+/// report.json's numbers too, without its long lists, which the chunk has in another form. The feed
+/// must be ready.
 nlohmann::ordered_json PageChunk(const MissionFeed& feed, const std::string& name,
                                  PageCursor* cursor, bool with_report);
 

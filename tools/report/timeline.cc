@@ -220,7 +220,7 @@ void Timeline::TakeWorld(const world_state_t& world, std::int64_t now_us) {
   const std::int64_t t_ms = Ms(now_us);
   if (world.task_status.size() != tasks_.size()) return;
   for (std::size_t x = 0; x < tasks_.size(); ++x) {
-    const int status = world.task_status[x];
+    const std::int8_t status = world.task_status[x];
     const auto& rows = tasks_[x].rows;
     const int before = rows.empty() ? 0 : rows.back().status;
     if (status != before) tasks_[x].Push({t_ms, status});

@@ -44,9 +44,10 @@ MissionOptions ReadRuleOptions(const Arguments& arguments) {
 void AddMissionOptions(Options* options) {
   AddRuleOptions(options);
   scheduler::AddPolicyOption(options);
-  options->Add("orders", "FILE",
-               "Orders to give in the course of the mission, a line of JSON each (docs/orders.md); "
-               "-: from stdin");
+  options->Add(
+      "orders", "FILE",
+      "Orders to give in the course of the mission, a line of JSON each (docs/guide/orders.md); "
+      "-: from stdin");
   options->Add("seed", "N", "Seed of the mission's chances (default: the scenario's)").Seed();
   options->Out("DIR", "Run directory, new or empty");
   options->Quiet();

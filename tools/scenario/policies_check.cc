@@ -18,7 +18,7 @@ namespace muster::tools {
 int PoliciesCheck(int argc, const char* const* argv) {
   Options options("muster policies check",
                   "Plays a mission's first decisions with a scheduler of yours and says what it "
-                  "does wrong (docs/external-schedulers.md).");
+                  "does wrong (docs/guide/external-schedulers.md).");
   options.Positional("command", "COMMAND").Required("a program and its arguments");
   options.Add("scenario", "FILE", "Scenario (default: Random_1, as muster scenario draws it)");
   options.Add("decisions", "N", "Decisions to ask for").Integer(1, 10'000).Default(6);

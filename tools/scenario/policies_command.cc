@@ -41,9 +41,9 @@ std::string_view Heading(PolicyGroup group) {
 }
 
 constexpr std::string_view kOutside =
-    "a program of yours, in any language (docs/external-schedulers.md)";
+    "a program of yours, in any language (docs/guide/external-schedulers.md)";
 constexpr std::string_view kLearned =
-    "a model that muster train made, in its folder (docs/learned.md)";
+    "a model that muster train made, in its folder (docs/guide/learned.md)";
 
 void PrintText() {
   for (const PolicyGroup group : scheduler::kPolicyGroups) {

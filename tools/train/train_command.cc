@@ -59,7 +59,7 @@ int TrainCommand(int argc, const char* const* argv) {
     throw InputError(
         "muster train: there is no muster-train beside this program: it needs libtorch (apt-get "
         "install libtorch-dev libopenblas0-pthread) and is built by scripts/train-baselines, or as "
-        "target muster-train (docs/learned.md)");
+        "target muster-train (docs/guide/learned.md)");
   }
   // One thread, from the moment that the libraries are loaded: two are slower here.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);

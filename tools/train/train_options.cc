@@ -37,10 +37,11 @@ std::string MethodIn(const Arguments& arguments) {
 }  // namespace
 
 std::optional<TrainOptions> ParseTrainOptions(int argc, const char* const* argv) {
-  Options options("muster train",
-                  "Trains a learned policy of the paper's appendix B on missions in this process; "
-                  "use it with --policy learned:MODEL (docs/learned.md). Ctrl-C keeps the best "
-                  "model so far, the same command goes on.");
+  Options options(
+      "muster train",
+      "Trains a learned policy of the paper's appendix B on missions in this process; "
+      "use it with --policy learned:MODEL (docs/guide/learned.md). Ctrl-C keeps the best "
+      "model so far, the same command goes on.");
   options
       .Add("policy", "NAME",
            fmt::format("What to train: {}; {}: the coefficients of horizon-learned, without "

@@ -178,7 +178,7 @@ int FaultsCommand(int argc, const char* const* argv) {
       {"drop", "writes a plan by which a share of all agents fails", Drop},
       {"soak", "audits missions under random plans, by the thousand", SoakCommand},
   };
-  return RunCommandOf(argv[0], "Faults on purpose (docs/faults.md)", commands, argc, argv);
+  return RunCommandOf(argv[0], "Faults on purpose (docs/guide/faults.md)", commands, argc, argv);
 }
 
 }  // namespace muster::tools

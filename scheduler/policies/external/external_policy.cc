@@ -116,7 +116,7 @@ ExternalPolicy::ExternalPolicy(std::string_view name) {
   const auto program = FindProgram(argv_.front());
   if (!program) {
     throw InputError("policy", "external", Quote(argv_.front()),
-                     "a program: a path, or a name in PATH (docs/external-schedulers.md)");
+                     "a program: a path, or a name in PATH (docs/guide/external-schedulers.md)");
   }
   argv_.front() = *program;
 }

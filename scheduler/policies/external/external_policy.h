@@ -17,10 +17,11 @@ namespace muster::scheduler {
 /// A policy of that name is a program of the user's: the rest of the name is its command.
 inline constexpr std::string_view kExternalPrefix = "external:";
 
-/// A program that decides, as docs/external-schedulers.md has it. An answer that is late, cannot be
-/// read or breaks a rule is refused: everybody stays, and Decision::refused says why. A program
-/// that ends is started again and asked again, one that hangs is ended and started again for the
-/// next decision; one that has failed kMostFailures times in a row is left alone from then on.
+/// A program that decides, as docs/guide/external-schedulers.md has it. An answer that is late,
+/// cannot be read or breaks a rule is refused: everybody stays, and Decision::refused says why. A
+/// program that ends is started again and asked again, one that hangs is ended and started again
+/// for the next decision; one that has failed kMostFailures times in a row is left alone from then
+/// on.
 class ExternalPolicy : public Policy {
  public:
   /// `name` with the prefix. Throws InputError when there is no such program, or when the name is

@@ -15,8 +15,8 @@ struct GraphWishes {
   bool edges = false;  ///< and the pairs of nodes that conflict
 };
 
-/// A situation as the lines of docs/external-schedulers.md have it: seconds, metres, ids of the
-/// scenario. `candidates`: of that situation, when nodes or edges are wished for.
+/// A situation as the lines of docs/guide/external-schedulers.md have it: seconds, metres, ids of
+/// the scenario. `candidates`: of that situation, when nodes or edges are wished for.
 nlohmann::ordered_json ToJson(const Situation& situation);
 void AddGraph(const Situation& situation, const Candidates& candidates, const GraphWishes& wishes,
               nlohmann::ordered_json* json);

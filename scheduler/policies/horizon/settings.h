@@ -13,7 +13,7 @@ struct Jitter {
 
 /// What `horizon` weighs and which of its ingredients are on. Source of all of them: ours.
 struct HorizonSettings {
-  // Ingredients; docs/ablation.md shows what each brings.
+  // Ingredients; docs/results/ablation.md shows what each brings.
 
   /// A pair's duration is that of its ways, the waiting and the sensing or charging; off: the
   /// longer way alone, as in the paper's weights.

@@ -105,7 +105,7 @@ std::string ReadWhole(const std::string& file, const std::string& folder) {
   std::ifstream in(file, std::ios::binary);
   if (!in) {
     throw InputError("policy", "learned", folder,
-                     "the folder of a model of muster train (docs/learned.md)");
+                     "the folder of a model of muster train (docs/guide/learned.md)");
   }
   return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -1,4 +1,4 @@
-// What goes wrong in flight: what the UAV does, what the mission hears, and within what time (docs/mavlink.md has the table).
+// What goes wrong in flight: what the UAV does, what the mission hears, and within what time (docs/guide/mavlink.md has the table).
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { common } from "../../../drivers/mavlink/frames.mjs";

@@ -84,7 +84,7 @@ const std::map<std::string, const char*> kBrokenElsewhere = {
     {"seal", "SealRunTest.TheFirstMessageThatWasChangedIsNamed"}};
 
 TEST(Audit, EveryRuleOfTheDocumentIsBrokenBySomeMutation) {
-  std::ifstream document(MUSTER_SOURCE_DIR "/docs/audit.md");
+  std::ifstream document(MUSTER_SOURCE_DIR "/docs/reference/audit.md");
   ASSERT_TRUE(document);
   std::set<std::string> rules;
   for (std::string line; std::getline(document, line);) {

@@ -201,7 +201,8 @@ TEST(Horizon, StepsBringFarPairsNearerWithoutBindingThem) {
   }
 }
 
-/// Worth of the best next task close by, as docs/scheduling.md defines it; 0 when there is none.
+/// Worth of the best next task close by, as docs/reference/scheduling.md defines it; 0 when there
+/// is none.
 double WorthOfNext(const Situation& situation, const Participant& uav, std::size_t task,
                    const HorizonSettings& settings) {
   const Site& site = *situation.site;
@@ -228,7 +229,7 @@ double WorthOfNext(const Situation& situation, const Participant& uav, std::size
   return settings.chain_worth / fewest;
 }
 
-/// Worth of sensing as docs/scheduling.md defines it; negative when it cannot be.
+/// Worth of sensing as docs/reference/scheduling.md defines it; negative when it cannot be.
 double WorthOfSensing(const Situation& situation, const Participant& uav, const Participant& worker,
                       std::size_t task, const HorizonSettings& settings) {
   const Site& site = *situation.site;

@@ -20,7 +20,8 @@ using testing::RandomSituation;
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-/// Every agent at every site, one after the other, by the definitions of docs/scheduling.md.
+/// Every agent at every site, one after the other, by the definitions of
+/// docs/reference/scheduling.md.
 class Trial {
  public:
   Trial(const Situation& situation, const Participants& participants,

@@ -1,4 +1,4 @@
-// node pictures.mjs MUSTER WORK IMAGES [NAME]: takes the pictures of docs/report.md, or that one. WORK holds playwright-core.
+// node pictures.mjs MUSTER WORK IMAGES [NAME]: takes the pictures of docs/guide/report.md, or that one. WORK holds playwright-core.
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
