@@ -1,31 +1,31 @@
 #include "protocol/agent_changes.h"
 
 #include <algorithm>
-#include <bit>
+#include <cstring>
 
 #include "base/check.h"
 #include "lcmtypes/channels.h"
 #include "model/feasibility.h"
+#include "muster/fields.h"
 
 namespace muster {
 namespace {
 
 constexpr std::size_t kListedPerMessage = 256;
 
+struct BitComparison {
+  bool same = true;
+  template <class T>
+  void operator()(const char*, const T& a, const T& b) {
+    same = same && std::memcmp(&a, &b, sizeof(T)) == 0;
+  }
+};
+
 /// Bit for bit.
 bool Same(const agent_t& a, const agent_t& b) {
-  const auto same = [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-  };
-  return a.id == b.id && same(a.x_m, b.x_m) && same(a.y_m, b.y_m) &&
-         same(a.speed_m_s, b.speed_m_s) && same(a.range_left_m, b.range_left_m) &&
-         same(a.range_full_m, b.range_full_m) && same(a.charge_rate_m_s, b.charge_rate_m_s) &&
-         same(a.from_x_m, b.from_x_m) && same(a.from_y_m, b.from_y_m) &&
-         same(a.range_at_departure_m, b.range_at_departure_m) && a.depart_us == b.depart_us &&
-         a.arrive_us == b.arrive_us && a.online_from_us == b.online_from_us &&
-         a.online_until_us == b.online_until_us && a.busy_until_us == b.busy_until_us &&
-         a.status == b.status && a.action == b.action && a.target_id == b.target_id &&
-         a.partner_id == b.partner_id && a.decision == b.decision;
+  BitComparison comparison;
+  VisitFields(comparison, a, b);
+  return comparison.same;
 }
 
 /// A report tells the goal of a free move only but for rounding, so who is on one is always listed:

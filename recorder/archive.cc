@@ -92,8 +92,7 @@ void Archive::Keep(std::string_view channel, const header_t& header, const Kept&
   if (told_.size() >= kMostSources && !told_.contains(source)) return;
   const TimeUs tick_us = scenario_.rules.tick_us;
   Told& told = told_[source];
-  told[(header.sim_us + tick_us - 1) / tick_us].try_emplace({header.boot_id, header.seq},
-                                                            std::move(kept));
+  told[(header.sim_us + tick_us - 1) / tick_us].try_emplace({header.boot_id, header.seq}, kept);
   Forget(source, &told);
 }
 

@@ -8,12 +8,14 @@
 #include <exception>
 #include <limits>
 #include <string>
+#include <type_traits>
 
 #include "base/check.h"
 #include "base/text.h"
 #include "lcmtypes/bounds.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/words.h"
+#include "muster/fields.h"
 
 namespace muster {
 namespace {
@@ -56,102 +58,89 @@ class Scanner {
     return Skip(n);
   }
 
-  /// A count and so many elements of `element_bytes` each.
-  bool SkipArray(std::uint64_t element_bytes) {
-    std::int32_t count = 0;
-    return ReadInt32(&count) && count >= 0 &&
-           Skip(static_cast<std::uint64_t>(count) * element_bytes);
-  }
-
   std::size_t left() const { return rest_.size(); }
 
  private:
   Bytes rest_;
 };
 
-/// Encoded size of a type without strings and arrays, fingerprint not counted.
+/// Whether a type has neither strings nor arrays.
 template <class T>
-std::uint64_t FixedBytes() {
-  return static_cast<std::uint64_t>(T()._getEncodedSizeNoHash());
-}
+bool HasFixedSize();
 
-// One overload a type: its members in the order of its .lcm file. The pointer only picks it.
-bool Scan(Scanner& in, const header_t*) {
-  return in.Skip(8) && in.SkipString() && in.Skip(8 + 8 + 8 + 8);
-}
-bool ScanHeader(Scanner& in) { return Scan(in, static_cast<const header_t*>(nullptr)); }
-
-bool Scan(Scanner& in, const agent_changes_t*) {
-  return ScanHeader(in) && in.Skip(1 + 8 + 4 + 8 + 4 + 4) && in.SkipArray(FixedBytes<agent_t>());
-}
-bool Scan(Scanner& in, const agent_states_t*) {
-  return ScanHeader(in) && in.Skip(1 + 8 + 4) && in.SkipArray(FixedBytes<agent_t>());
-}
-bool Scan(Scanner& in, const clock_t*) { return ScanHeader(in) && in.Skip(8 + 8 + 8 + 4 + 4 + 1); }
-bool Scan(Scanner& in, const event_t*) {
-  return ScanHeader(in) && in.Skip(1 + 8 + 5 * 4) && in.SkipString() && in.SkipString();
-}
-bool Scan(Scanner& in, const fault_t*) {
-  return ScanHeader(in) && in.SkipString() && in.Skip(1) && in.SkipString() && in.Skip(8 + 8 + 8);
-}
-bool Scan(Scanner& in, const log_status_t*) {
-  std::int32_t n = 0;
-  if (!ScanHeader(in) || !in.ReadInt32(&n) || n < 0) return false;
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (!in.SkipString() || !in.Skip(8 + 8)) return false;
-  }
-  return true;
-}
-bool Scan(Scanner& in, const order_t*) {
-  return ScanHeader(in) && in.SkipString() && in.SkipString() && in.SkipString();
-}
-bool Scan(Scanner& in, const orders_t*) {
-  std::int32_t n = 0;
-  if (!ScanHeader(in) || !in.Skip(8 + 8) || !in.ReadInt32(&n) || n < 0) return false;
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (!in.SkipString() || !in.SkipString() || !in.SkipString() || !in.Skip(4 + 1 + 4)) {
-      return false;
+struct FixedSize {
+  bool is = true;
+  template <class T>
+  void operator()(const char*, const T&) {
+    if constexpr (std::is_same_v<T, std::string>) {
+      is = false;
+    } else if constexpr (!std::is_arithmetic_v<T>) {
+      is = is && HasFixedSize<T>();
     }
   }
-  if (!in.ReadInt32(&n) || n < 0) return false;
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (!in.SkipString() || !in.SkipString() || !in.SkipString()) return false;
+  void Count(const char*, std::int32_t) {}
+  template <class T>
+  void Array(const char*, const std::vector<T>&, std::int32_t) {
+    is = false;
   }
-  return true;
+};
+
+template <class T>
+bool HasFixedSize() {
+  const T any{};
+  FixedSize size;
+  VisitFields(size, any);
+  return size.is;
 }
-bool Scan(Scanner& in, const order_book_t*) {
-  std::int32_t n = 0;
-  if (!ScanHeader(in) || !in.Skip(8) || !in.ReadInt32(&n) || n < 0) return false;
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (!Scan(in, static_cast<const orders_t*>(nullptr))) return false;
+
+/// Encoded size of an element; 0: it differs from one to the next.
+template <class T>
+std::uint64_t FixedBytes() {
+  if constexpr (std::is_arithmetic_v<T>) {
+    return sizeof(T);
+  } else {
+    static const std::uint64_t bytes =
+        HasFixedSize<T>() ? static_cast<std::uint64_t>(T()._getEncodedSizeNoHash()) : 0;
+    return bytes;
   }
-  return true;
 }
-bool Scan(Scanner& in, const process_status_t*) {
-  return ScanHeader(in) && in.SkipString() && in.SkipString() && in.Skip(4 + 1 + 8 + 4 * 8 + 8 + 8);
-}
-bool Scan(Scanner& in, const request_t*) { return ScanHeader(in) && in.SkipString(); }
-bool Scan(Scanner& in, const restore_t*) {
-  return ScanHeader(in) && in.SkipString() && in.Skip(8) && in.SkipArray(1);
-}
-bool Scan(Scanner& in, const answer_t*) {
-  return ScanHeader(in) && in.SkipString() && in.Skip(8 + 8) && in.SkipString() && in.Skip(8) &&
-         in.SkipArray(1);
-}
-bool Scan(Scanner& in, const rulings_t*) {
-  return ScanHeader(in) && in.Skip(8) && in.SkipArray(FixedBytes<ruling_t>());
-}
-bool Scan(Scanner& in, const scenario_t*) {
-  return ScanHeader(in) && in.SkipString() && in.SkipString();
-}
-bool Scan(Scanner& in, const schedule_t*) {
-  return ScanHeader(in) && in.Skip(4 + 8) && in.SkipString() && in.Skip(8 + 8 + 8 + 8) &&
-         in.SkipArray(FixedBytes<action_t>());
-}
-bool Scan(Scanner& in, const world_state_t*) {
-  return ScanHeader(in) && in.Skip(8 + 4) && in.SkipArray(1) &&
-         in.SkipArray(FixedBytes<activity_t>());
-}
+
+/// Goes over the bytes of a message field by field. The message that it visits takes up the counts
+/// of arrays alone.
+class FieldScanner {
+ public:
+  explicit FieldScanner(Scanner* in) : in_(*in) {}
+  bool ok() const { return ok_; }
+
+  template <class T>
+  void operator()(const char*, T& field) {
+    if (!ok_) return;
+    if constexpr (std::is_same_v<T, std::string>) {
+      ok_ = in_.SkipString();
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      ok_ = in_.Skip(sizeof(T));
+    } else {
+      VisitFields(*this, field);
+    }
+  }
+  void Count(const char*, std::int32_t& count) { ok_ = ok_ && in_.ReadInt32(&count) && count >= 0; }
+  template <class T>
+  void Array(const char*, const std::vector<T>&, std::int32_t count) {
+    if (!ok_) return;
+    if (const std::uint64_t bytes = FixedBytes<T>(); bytes > 0) {
+      ok_ = in_.Skip(static_cast<std::uint64_t>(count) * bytes);
+      return;
+    }
+    if constexpr (!std::is_arithmetic_v<T>) {
+      T element{};
+      for (std::int32_t i = 0; i < count && ok_; ++i) VisitFields(*this, element);
+    }
+  }
+
+ private:
+  Scanner& in_;
+  bool ok_ = true;
+};
 
 std::uint64_t ReadFingerprint(Bytes bytes) {
   std::uint64_t value = 0;
@@ -168,7 +157,10 @@ std::optional<std::size_t> BytesBehind(Bytes bytes) {
   }
   if (ReadFingerprint(bytes) != static_cast<std::uint64_t>(T::getHash())) return std::nullopt;
   Scanner in(bytes.subspan(kFingerprintBytes));
-  if (!Scan(in, static_cast<const T*>(nullptr))) return std::nullopt;
+  T counts{};
+  FieldScanner fields(&in);
+  VisitFields(fields, counts);
+  if (!fields.ok()) return std::nullopt;
   return in.left();
 }
 
@@ -198,32 +190,32 @@ const TypeRow* FindType(std::string_view name) {
   return nullptr;
 }
 
-bool HasCount(std::int64_t count, std::size_t size) {
-  return count >= 0 && static_cast<std::size_t>(count) == size;
-}
+/// Whether each count is its array's length: generated encoders read `count` elements whatever the
+/// array's length.
+struct CountCheck {
+  bool holds = true;
+  template <class T>
+  void operator()(const char*, const T& field) {
+    if constexpr (!std::is_arithmetic_v<T> && !std::is_same_v<T, std::string>) {
+      VisitFields(*this, field);
+    }
+  }
+  void Count(const char*, std::int32_t) {}
+  template <class T>
+  void Array(const char*, const std::vector<T>& array, std::int32_t count) {
+    holds = holds && count >= 0 && static_cast<std::size_t>(count) == array.size();
+    if constexpr (!std::is_arithmetic_v<T>) {
+      if (FixedBytes<T>() > 0) return;
+      for (const T& element : array) VisitFields(*this, element);
+    }
+  }
+};
 
-// Generated encoders read `count` elements whatever the array's length.
 template <class T>
-bool CountsHold(const T&) {
-  return true;
-}
-bool CountsHold(const agent_changes_t& m) { return HasCount(m.n, m.agents.size()); }
-bool CountsHold(const agent_states_t& m) { return HasCount(m.n, m.agents.size()); }
-bool CountsHold(const log_status_t& m) { return HasCount(m.n, m.marks.size()); }
-bool CountsHold(const restore_t& m) { return HasCount(m.n, m.data.size()); }
-bool CountsHold(const answer_t& m) { return HasCount(m.n, m.data.size()); }
-bool CountsHold(const orders_t& m) {
-  return HasCount(m.n_taken, m.taken.size()) && HasCount(m.n_refused, m.refused.size());
-}
-bool CountsHold(const order_book_t& m) {
-  return HasCount(m.n, m.ticks.size()) &&
-         std::all_of(m.ticks.begin(), m.ticks.end(),
-                     [](const orders_t& orders) { return CountsHold(orders); });
-}
-bool CountsHold(const rulings_t& m) { return HasCount(m.n, m.rulings.size()); }
-bool CountsHold(const schedule_t& m) { return HasCount(m.n, m.actions.size()); }
-bool CountsHold(const world_state_t& m) {
-  return HasCount(m.n_tasks, m.task_status.size()) && HasCount(m.n_activities, m.activities.size());
+bool CountsHold(const T& message) {
+  CountCheck check;
+  VisitFields(check, message);
+  return check.holds;
 }
 
 bool In(std::int64_t value, std::int64_t low, std::int64_t high) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 
 namespace muster {
 namespace {

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "muster/fields.h"
 #include "scheduler/policies/registry.h"
 #include "scheduler/process/scheduler_process.h"
 
@@ -63,12 +64,15 @@ class Scheduler {
 class Comparison {
  public:
   template <class T>
-  void Field(const std::string& name, const T& again, const T& logged) {
+  void operator()(const char* field, const T& again, const T& logged) {
     if (result_.empty() && !Same(again, logged)) {
-      result_ = fmt::format("{} is {}, the log says {}", name, Text(again), Text(logged));
+      result_ =
+          fmt::format("{}{} is {}, the log says {}", within, field, Text(again), Text(logged));
     }
   }
   std::string result() const { return result_; }
+
+  std::string within;  ///< what the fields belong to, for the text
 
  private:
   static bool Same(double a, double b) {
@@ -134,27 +138,18 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
 
 std::string FirstDifference(const schedule_t& again, const schedule_t& logged) {
   Comparison compare;
-  compare.Field("decision", again.decision, logged.decision);
-  compare.Field("tick", again.tick, logged.tick);
-  compare.Field("policy", again.policy, logged.policy);
+  compare("decision", again.decision, logged.decision);
+  compare("tick", again.tick, logged.tick);
+  compare("policy", again.policy, logged.policy);
   for (std::size_t i = 0; i < again.actions.size() && i < logged.actions.size(); ++i) {
-    const action_t& a = again.actions[i];
-    const action_t& b = logged.actions[i];
-    const auto name = [i](const char* field) { return fmt::format("actions[{}].{}", i, field); };
-    compare.Field(name("kind"), a.kind, b.kind);
-    compare.Field(name("uav_id"), a.uav_id, b.uav_id);
-    compare.Field(name("worker_id"), a.worker_id, b.worker_id);
-    compare.Field(name("vehicle_id"), a.vehicle_id, b.vehicle_id);
-    compare.Field(name("task_id"), a.task_id, b.task_id);
-    compare.Field(name("charge_id"), a.charge_id, b.charge_id);
-    compare.Field(name("x_m"), a.x_m, b.x_m);
-    compare.Field(name("y_m"), a.y_m, b.y_m);
-    compare.Field(name("weight"), a.weight, b.weight);
+    compare.within = fmt::format("actions[{}].", i);
+    VisitFields(compare, again.actions[i], logged.actions[i]);
   }
-  compare.Field("n", again.n, logged.n);
-  compare.Field("weight", again.weight, logged.weight);
-  compare.Field("bound", again.bound, logged.bound);
-  compare.Field("candidates", again.candidates, logged.candidates);
+  compare.within.clear();
+  compare("n", again.n, logged.n);
+  compare("weight", again.weight, logged.weight);
+  compare("bound", again.bound, logged.bound);
+  compare("candidates", again.candidates, logged.candidates);
   return compare.result();
 }
 
