@@ -107,7 +107,7 @@ enum class EventKind : std::int8_t {
   kStateUnknown = 25,  ///< a world starts again, and nobody can tell what a lost process did last
 };
 
-/// fault_t.kind
+/// fault_t.kind. Each has a row in protocol/fault_kinds.cc.
 enum class FaultKind : std::int8_t {
   kAgentFails = 0,
   kAgentSilent = 1,
@@ -141,15 +141,6 @@ constexpr bool IsOutcome(EventKind kind) {
 }
 /// Whether a report leaves the kind out where nothing of it happened: kinds of few missions.
 constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
-
-/// Kinds that a process sees in the packets that it receives, and confirms.
-constexpr bool IsPacketFault(FaultKind kind) {
-  return (kind >= FaultKind::kPartition && kind <= FaultKind::kCorruption) ||
-         kind == FaultKind::kForeign;
-}
-constexpr bool IsAgentFault(FaultKind kind) {
-  return kind == FaultKind::kAgentFails || kind == FaultKind::kAgentSilent;
-}
 
 /// Names of the processes of which a mission has one. Those of agents are named by their class,
 /// "uav", or several "uav-1", "uav-2", ...

@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "protocol/fault_kinds.h"
 
 namespace muster {
 namespace {
@@ -45,9 +45,9 @@ std::optional<std::pair<std::set<std::string>, std::set<std::string>>> SidesOf(
 }
 
 bool Concerns(const fault_t& fault, const std::string& name) {
-  const auto kind = static_cast<FaultKind>(fault.kind);
-  if (kind == FaultKind::kPartition) return !OtherSide(fault.target, name).empty();
-  return IsPacketFault(kind) && (fault.target == "*" || fault.target == name);
+  const FaultRow& row = RowOf(static_cast<FaultKind>(fault.kind));
+  if (row.target == FaultTarget::kSides) return !OtherSide(fault.target, name).empty();
+  return row.of_packets() && (fault.target == "*" || fault.target == name);
 }
 
 std::string HitsText(const std::string& name, std::int64_t packets) {
@@ -99,54 +99,17 @@ std::optional<event_t> FaultSwitch::Take(const fault_t& fault) {
 }
 
 std::int64_t FaultSwitch::Hits(FaultKind kind) const {
-  const PacketFaultCounters& counters = bus_->counters();
-  switch (kind) {
-    case FaultKind::kPartition:
-      return counters.unheard;
-    case FaultKind::kLoss:
-      return counters.lost;
-    case FaultKind::kDuplication:
-      return counters.duplicated;
-    case FaultKind::kDelay:
-      return counters.delayed;
-    case FaultKind::kReordering:
-      return counters.reordered;
-    case FaultKind::kCorruption:
-      return counters.corrupted;
-    case FaultKind::kForeign:
-      return rejected_();
-    default:
-      return 0;
-  }
+  const FaultRow& row = RowOf(kind);
+  return row.hits != nullptr ? bus_->counters().*row.hits : rejected_();
 }
 
 void FaultSwitch::SetBus() {
   PacketFaults faults = always_;
   for (const auto& [id, active] : active_) {
     const fault_t& fault = active.fault;
-    const double p = fault.probability;
-    switch (static_cast<FaultKind>(fault.kind)) {
-      case FaultKind::kPartition:
-        faults.unheard.merge(OtherSide(fault.target, name_));
-        break;
-      case FaultKind::kLoss:
-        faults.loss = std::max(faults.loss, p);
-        break;
-      case FaultKind::kDuplication:
-        faults.duplication = std::max(faults.duplication, p);
-        break;
-      case FaultKind::kDelay:
-        faults.delay_us = std::max(faults.delay_us, ToUs(p));
-        break;
-      case FaultKind::kReordering:
-        faults.reorder = std::max(faults.reorder, p);
-        break;
-      case FaultKind::kCorruption:
-        faults.corrupt = std::max(faults.corrupt, p);
-        break;
-      default:
-        break;
-    }
+    const FaultRow& row = RowOf(static_cast<FaultKind>(fault.kind));
+    if (row.apply != nullptr) row.apply(fault.probability, &faults);
+    if (row.target == FaultTarget::kSides) faults.unheard.merge(OtherSide(fault.target, name_));
   }
   bus_->SetFaults(faults);
 }

@@ -5,16 +5,9 @@
 #include <algorithm>
 #include <csignal>
 
+#include "protocol/fault_kinds.h"
+
 namespace muster::tools {
-namespace {
-
-/// Confirmed when the target dies of it.
-bool Kills(FaultKind kind) {
-  return kind == FaultKind::kProcessKilled || kind == FaultKind::kDiskFull;
-}
-
-}  // namespace
-
 FaultInjector::FaultInjector(FaultPlan plan, std::vector<std::string> names)
     : names_(std::move(names)) {
   for (PlannedFault& fault : plan) {
@@ -25,16 +18,11 @@ FaultInjector::FaultInjector(FaultPlan plan, std::vector<std::string> names)
 
 void FaultInjector::Begin(Injection* injection, TimeUs monotonic_us, FaultActions* actions) {
   const PlannedFault& fault = injection->fault;
-  if (fault.kind == FaultKind::kProcessKilled || fault.kind == FaultKind::kProcessStopped) {
-    const bool kill = fault.kind == FaultKind::kProcessKilled;
-    // One that does not run now is signalled when it does again.
-    if (!actions->SignalProcess(fault.target, kill ? SIGKILL : SIGSTOP)) return;
-    if (kill && (fault.for_real_us > 0 || fault.for_us > 0)) actions->HoldRestart(fault.target);
-  }
-  if (fault.kind == FaultKind::kDiskFull) {
-    actions->HoldRestart(fault.target);
-    actions->SetDiskFull(true);
-  }
+  const FaultRow& row = RowOf(fault.kind);
+  // A process that does not run now is signalled when it runs again.
+  if (row.begin_signal != 0 && !actions->SignalProcess(fault.target, row.begin_signal)) return;
+  if (row.kills && (fault.for_real_us > 0 || fault.for_us > 0)) actions->HoldRestart(fault.target);
+  if (row.target == FaultTarget::kLog) actions->SetDiskFull(true);
   injection->phase = Phase::kActive;
   injection->begin = actions->Publish(ToWire(fault));
   injection->repeat.Start(monotonic_us);
@@ -45,20 +33,21 @@ void FaultInjector::End(Injection* injection, TimeUs monotonic_us, FaultActions*
   const PlannedFault& fault = injection->fault;
   injection->phase = Phase::kOver;
   injection->until_real_us = kNever;
-  if (IsAgentFault(fault.kind)) return;
-  if (fault.kind == FaultKind::kProcessStopped) actions->SignalProcess(fault.target, SIGCONT);
-  if (fault.kind == FaultKind::kDiskFull) actions->SetDiskFull(false);
-  if (Kills(fault.kind)) actions->ReleaseRestart(fault.target);
+  const FaultRow& row = RowOf(fault.kind);
+  if (row.of_agents()) return;
+  if (row.end_signal != 0) actions->SignalProcess(fault.target, row.end_signal);
+  if (row.target == FaultTarget::kLog) actions->SetDiskFull(false);
+  if (row.kills) actions->ReleaseRestart(fault.target);
   fault_t end = ToWire(fault);
   end.at_us = mission_us_;
   end.for_us = 0;
   injection->end = actions->Publish(end);
   injection->repeat.Start(monotonic_us);
-  if (!IsPacketFault(fault.kind)) actions->Confirm(EventKind::kFaultEnded, fault.id);
+  if (!row.of_packets()) actions->Confirm(EventKind::kFaultEnded, fault.id);
 }
 
 bool FaultInjector::Owed(const Injection& injection, const FaultActions& actions) const {
-  if (injection.phase == Phase::kWaiting || !IsPacketFault(injection.fault.kind)) return false;
+  if (injection.phase == Phase::kWaiting || !RowOf(injection.fault.kind).of_packets()) return false;
   const fault_t wire = ToWire(injection.fault);
   return std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
     if (!Concerns(wire, name) || actions.IsGone(name)) return false;
@@ -80,7 +69,7 @@ void FaultInjector::Step(TimeUs mission_us, TimeUs monotonic_us, FaultActions* a
                 (fault.for_us > 0 && mission_us >= fault.at_us + fault.for_us))) {
       End(&injection, monotonic_us, actions);
     }
-    if (injection.phase == Phase::kActive && fault.kind == FaultKind::kProcessStopped &&
+    if (injection.phase == Phase::kActive && RowOf(fault.kind).begin_signal == SIGSTOP &&
         !injection.confirmed && actions->IsStopped(fault.target)) {
       injection.confirmed = true;
       actions->Confirm(EventKind::kFaultApplied, fault.id);
@@ -96,7 +85,7 @@ bool FaultInjector::OnDeath(const std::string& name, FaultActions* actions) {
   bool planned = false;
   for (Injection& injection : injections_) {
     const PlannedFault& fault = injection.fault;
-    if (!Kills(fault.kind) || fault.target != name || injection.confirmed) continue;
+    if (!RowOf(fault.kind).kills || fault.target != name || injection.confirmed) continue;
     if (injection.phase == Phase::kWaiting) continue;
     planned = injection.confirmed = true;
     actions->Confirm(EventKind::kFaultApplied, fault.id);
@@ -141,7 +130,7 @@ std::vector<std::string> FaultInjector::WithoutEffect() const {
       add("its time did not come");
     } else if (injection.applied.empty()) {
       add("nobody has confirmed it");
-    } else if (IsPacketFault(fault.kind) && injection.hits == 0 &&
+    } else if (RowOf(fault.kind).of_packets() && injection.hits == 0 &&
                injection.applied == injection.ended) {  // else a start died with its count
       add("it hit no packet");
     }

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "base/text_file.h"
 #include "model/agent.h"
+#include "protocol/fault_kinds.h"
 
 namespace muster::tools {
 namespace {
@@ -21,7 +22,6 @@ using Json = nlohmann::json;
 
 constexpr double kLongestMin = 1e6;
 constexpr double kLongest_s = 3600;
-constexpr double kMostDamaged = 0.2;  // of packets
 
 [[noreturn]] void Refuse(const PlannedFault& fault, std::string_view key, std::string_view found,
                          std::string_view expected) {
@@ -35,15 +35,13 @@ bool Deafens(const PlannedFault& fault) {
 
 /// While it lasts, the mission waits for somebody.
 bool HoldsTheClock(const PlannedFault& fault) {
-  return fault.kind == FaultKind::kProcessKilled || fault.kind == FaultKind::kProcessStopped ||
-         fault.kind == FaultKind::kPartition || fault.kind == FaultKind::kDiskFull ||
-         Deafens(fault);
+  return RowOf(fault.kind).holds_clock || Deafens(fault);
 }
 
 /// No mission goes on without its target, whatever --on-loss says.
 bool NeverMissed(const PlannedFault& fault) {
   const std::string& target = fault.target;
-  if (const auto sides = SidesOf(target); sides && fault.kind == FaultKind::kPartition) {
+  if (const auto sides = SidesOf(target)) {
     const auto across = [](const auto& one, const auto& other) {
       return one.count(process_name::kWorld) > 0 && other.count(process_name::kRecorder) > 0;
     };
@@ -58,10 +56,6 @@ bool NeverMissed(const PlannedFault& fault) {
   Refuse(fault, "target", fault.target, fmt::format("{} for {}", expected, ToString(fault.kind)));
 }
 
-void SetKind(PlannedFault* fault, const std::string& name) {
-  fault->kind = KindByName(name, fault->where, "kind");
-}
-
 double InRange(const PlannedFault& fault, std::string_view key, double value, double longest,
                bool zero) {
   if (!std::isfinite(value) || value > longest || value < 0 || (value == 0 && !zero)) {
@@ -71,31 +65,26 @@ double InRange(const PlannedFault& fault, std::string_view key, double value, do
   return value;
 }
 
-/// What belongs to its kind, and nothing else.
+/// The value of a plan, in the wire's unit.
+void SetValue(std::string_view key, double value, PlannedFault* fault) {
+  const FaultRow& row = RowOf(fault->kind);
+  if (row.value_key.empty()) Refuse(*fault, key, fmt::format("{}", value), "none for this kind");
+  fault->probability = InRange(*fault, key, value, row.value_most, false) * row.value_unit;
+}
+
+/// It has all that its kind needs, and times that its kind can have.
 void CheckShape(const PlannedFault& fault) {
-  const bool holds_clock = HoldsTheClock(fault) && fault.kind != FaultKind::kProcessKilled;
-  if (holds_clock && fault.for_real_us == 0 && fault.for_us == 0) {
-    Refuse(fault, "for_s", "nothing", "how long, in real seconds");
-  }
-  if (IsAgentFault(fault.kind) && fault.for_real_us > 0) {
+  const FaultRow& row = RowOf(fault.kind);
+  if (row.of_agents() && fault.for_real_us > 0) {
     Refuse(fault, "for_s", fmt::format("{}", ToSeconds(fault.for_real_us)),
            "for_min: agents fail in mission time");
   }
-  if (fault.kind == FaultKind::kAgentSilent && fault.for_us == 0) {
-    Refuse(fault, "for_min", "nothing", "minutes until it comes back");
+  if ((row.must_end || Deafens(fault)) && fault.for_real_us == 0 && fault.for_us == 0) {
+    Refuse(fault, row.of_agents() ? "for_min" : "for_s", "nothing",
+           row.of_agents() ? "minutes until it comes back" : "how long, in real seconds");
   }
-  const bool has_share = IsPacketFault(fault.kind) && fault.kind != FaultKind::kPartition &&
-                         fault.kind != FaultKind::kForeign;
-  if (fault.kind == FaultKind::kCorruption && fault.probability > kMostDamaged) {
-    Refuse(fault, "probability", fmt::format("{}", fault.probability),
-           fmt::format("at most {} for corruption: of more, lies outlast the truth", kMostDamaged));
-  }
-  if (has_share != (fault.probability > 0)) {
-    const char* key = fault.kind == FaultKind::kDelay ? "delay_ms" : "probability";
-    Refuse(fault, key, has_share ? "nothing" : "a value",
-           !has_share                        ? "none for this kind"
-           : fault.kind == FaultKind::kDelay ? "milliseconds above 0"
-                                             : "a share of packets above 0");
+  if (!row.value_key.empty() && fault.probability == 0) {
+    Refuse(fault, row.value_key, "nothing", fmt::format("a number above 0 to {}", row.value_most));
   }
 }
 
@@ -111,7 +100,7 @@ Expectations ReadExpectations(const PlannedFault& fault, const Json& json) {
     if (key == "detected_within_ticks" || key == "partner_released_within_decisions") {
       const double n = number(kLongestMin);
       if (n != std::floor(n)) Refuse(fault, path, value.dump(), "an integer");
-      if (key[0] == 'd' && IsPacketFault(fault.kind)) {
+      if (key[0] == 'd' && RowOf(fault.kind).of_packets()) {
         Refuse(fault, path, value.dump(), "none: nobody is missed for a fault on packets");
       }
       (key[0] == 'd' ? expect.detected_within_ticks : expect.partner_released_within_decisions) =
@@ -150,9 +139,9 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
     if (!value.is_number()) Refuse(fault, key, value.dump(), "a number");
     return value.get<double>();
   };
-  SetKind(&fault, text("kind"));
+  fault.kind = KindByName(text("kind"), where, "kind");
   fault.target = text("target");
-  const bool delay = fault.kind == FaultKind::kDelay;
+  const std::string_view value_key = RowOf(fault.kind).value_key;
   for (const auto& [key, value] : json.items()) {
     if (key == "kind" || key == "target") continue;
     if (key == "id") {
@@ -165,14 +154,12 @@ PlannedFault FromJson(const Json& json, const std::string& where, std::size_t nu
       fault.for_us = ToUs(InRange(fault, key, number_of("for_min"), kLongestMin, false) * 60);
     } else if (key == "for_s") {
       fault.for_real_us = ToUs(InRange(fault, key, number_of("for_s"), kLongest_s, false));
-    } else if (key == "probability" && !delay) {
-      fault.probability = InRange(fault, key, number_of("probability"), 1, false);
-    } else if (key == "delay_ms" && delay) {
-      fault.probability = InRange(fault, key, number_of("delay_ms"), 1000, false) * 1e-3;
+    } else if (key == value_key) {
+      SetValue(key, number_of(key.c_str()), &fault);
     } else {
       Refuse(fault, key, value.dump(),
-             fmt::format("only kind, target, at_min, for_min, for_s, {}, id, expect",
-                         delay ? "delay_ms" : "probability"));
+             fmt::format("only kind, target, at_min, for_min, for_s, id, expect{}{}",
+                         value_key.empty() ? "" : ", ", value_key));
     }
   }
   if (!json.contains("at_min")) Refuse(fault, "at_min", "nothing", "minutes of mission time");
@@ -239,7 +226,7 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
   if (colon == std::string::npos || at == std::string::npos || at < colon + 2) {
     throw InputError("command line", "--fault", text, kForm);
   }
-  SetKind(&fault, text.substr(0, colon));
+  fault.kind = KindByName(text.substr(0, colon), fault.where, "kind");
   fault.target = text.substr(colon + 1, at - colon - 1);
   std::string_view rest = std::string_view(text).substr(at + 1);
   const auto take = [&](std::string_view ends) {
@@ -262,9 +249,7 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
   }
   if (!rest.empty() && rest.front() == '=') {
     rest.remove_prefix(1);
-    const bool delay = fault.kind == FaultKind::kDelay;
-    fault.probability =
-        InRange(fault, "VALUE", take(""), delay ? 1000 : 1, false) * (delay ? 1e-3 : 1);
+    SetValue("VALUE", take(""), &fault);
   }
   if (!rest.empty()) throw InputError("command line", "--fault", text, kForm);
   CheckShape(fault);
@@ -280,9 +265,9 @@ void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& name
   const std::string_view launcher =
       recorder_writes ? process_name::kLauncher : process_name::kRecorder;
   const std::string logger = recorder_writes ? process_name::kRecorder : process_name::kLogger;
-  // The launcher cannot be started again, and damaged numbers would make it wait for what never
-  // was.
-  const bool with_launcher = IsPacketFault(fault.kind) && fault.kind != FaultKind::kCorruption;
+  const FaultRow& row = RowOf(fault.kind);
+  // The launcher cannot be started again.
+  const bool with_launcher = row.of_packets() && !row.damages;
   std::vector<std::string_view> known;
   for (const std::string& name : names) {
     if (with_launcher || name != launcher) known.push_back(name);
@@ -291,35 +276,44 @@ void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& name
   const auto is_process = [&](std::string_view name) {
     return std::find(known.begin(), known.end(), name) != known.end();
   };
-  if (IsAgentFault(fault.kind)) {
-    for (const AgentKind kind : kAgentKinds) {
-      const std::size_t n = scenario.agents(kind).size();
-      for (std::size_t id = 0; id < n; ++id) {
-        if (target == fmt::format("{}:{}", ToString(kind), id)) return;
+  switch (row.target) {
+    case FaultTarget::kAgent:
+      for (const AgentKind kind : kAgentKinds) {
+        const std::size_t n = scenario.agents(kind).size();
+        for (std::size_t id = 0; id < n; ++id) {
+          if (target == fmt::format("{}:{}", ToString(kind), id)) return;
+        }
       }
+      RefuseTarget(fault, "an agent of the scenario, e.g. uav:3,");
+    case FaultTarget::kSides: {
+      const auto sides = SidesOf(target);
+      const auto are_known = [&](const std::set<std::string>& side) {
+        return !side.empty() && std::all_of(side.begin(), side.end(), is_process);
+      };
+      const auto twice = [&](const std::string& name) { return sides->second.count(name) > 0; };
+      if (!sides || !are_known(sides->first) || !are_known(sides->second) ||
+          std::any_of(sides->first.begin(), sides->first.end(), twice)) {
+        RefuseTarget(fault, fmt::format("ONE+...|OTHER+... of {},", processes));
+      }
+      return;
     }
-    RefuseTarget(fault, "an agent of the scenario, e.g. uav:3,");
-  } else if (fault.kind == FaultKind::kPartition) {
-    const auto sides = SidesOf(target);
-    const auto are_known = [&](const std::set<std::string>& side) {
-      return !side.empty() && std::all_of(side.begin(), side.end(), is_process);
-    };
-    const auto twice = [&](const std::string& name) { return sides->second.count(name) > 0; };
-    if (!sides || !are_known(sides->first) || !are_known(sides->second) ||
-        std::any_of(sides->first.begin(), sides->first.end(), twice)) {
-      RefuseTarget(fault, fmt::format("ONE+...|OTHER+... of {},", processes));
-    }
-  } else if (fault.kind == FaultKind::kDiskFull) {
-    if (target != logger) RefuseTarget(fault, logger);
-  } else if (fault.kind == FaultKind::kForeign) {
-    if (target != "*") RefuseTarget(fault, "* (everybody hears them)");
-  } else if (IsPacketFault(fault.kind)) {
-    if (target != "*" && !is_process(target)) {
-      RefuseTarget(fault, fmt::format("* or one of {},", processes));
-    }
-  } else if (target != logger && !is_process(target)) {
-    RefuseTarget(fault, recorder_writes ? fmt::format("one of {},", processes)
-                                        : fmt::format("one of {}, {},", processes, logger));
+    case FaultTarget::kLog:
+      if (target != logger) RefuseTarget(fault, logger);
+      return;
+    case FaultTarget::kEverybody:
+      if (target != "*") RefuseTarget(fault, "* (all processes receive them)");
+      return;
+    case FaultTarget::kReceivers:
+      if (target != "*" && !is_process(target)) {
+        RefuseTarget(fault, fmt::format("* or one of {},", processes));
+      }
+      return;
+    case FaultTarget::kProcess:
+      if (target != logger && !is_process(target)) {
+        RefuseTarget(fault, recorder_writes ? fmt::format("one of {},", processes)
+                                            : fmt::format("one of {}, {},", processes, logger));
+      }
+      return;
   }
 }
 
@@ -384,10 +378,10 @@ std::string ToJson(const FaultPlan& plan) {
                                   {"at_min", ToMinutes(fault.at_us)}};
     if (fault.for_us > 0) row["for_min"] = ToMinutes(fault.for_us);
     if (fault.for_real_us > 0) row["for_s"] = ToSeconds(fault.for_real_us);
-    if (fault.probability > 0 && fault.kind == FaultKind::kDelay) {
-      row["delay_ms"] = std::round(fault.probability * 1e6) / 1e3;
-    } else if (fault.probability > 0) {
-      row["probability"] = fault.probability;
+    if (const FaultRow& kind = RowOf(fault.kind); fault.probability > 0) {
+      row[std::string(kind.value_key)] =
+          kind.value_unit == 1 ? fault.probability
+                               : std::round(fault.probability * (1e3 / kind.value_unit)) / 1e3;
     }
     faults.push_back(std::move(row));
   }
@@ -401,7 +395,7 @@ std::string ToJson(const FaultPlan& plan) {
 std::vector<std::string> OutagesOf(const FaultPlan& plan) {
   std::vector<std::string> outages;
   for (const PlannedFault& fault : plan) {
-    if (!IsAgentFault(fault.kind)) continue;
+    if (!RowOf(fault.kind).of_agents()) continue;
     outages.push_back(fmt::format("{}:{}:{}:{}", fault.target, fault.at_us,
                                   fault.for_us > 0 ? fault.at_us + fault.for_us : kNever,
                                   fault.id));

@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "model/agent.h"
+#include "protocol/fault_kinds.h"
 
 namespace muster::tools {
 namespace {
@@ -22,11 +23,6 @@ constexpr std::uint32_t kReplaceable = 4;  ///< of those: without these a missio
 constexpr TimeUs kBetweenHoldsUs = 3 * kMinuteUs;
 /// Apart from the draws for packets, which count from 0.
 constexpr std::uint64_t kPlanEntity = std::uint64_t{1} << 40;
-
-bool HoldsAProcess(FaultKind kind) {
-  return kind == FaultKind::kProcessKilled || kind == FaultKind::kProcessStopped ||
-         kind == FaultKind::kPartition || kind == FaultKind::kDiskFull;
-}
 
 double Rounded(double value, double unit) { return std::round(value / unit) * unit; }
 
@@ -47,9 +43,9 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Rand
     (draws.in_mission_time ? fault->for_us : fault->for_real_us) =
         draws.in_mission_time ? draws.minutes : draws.real_us;
   };
-  switch (fault->kind) {
-    case FaultKind::kAgentFails:
-    case FaultKind::kAgentSilent: {
+  const FaultRow& row = RowOf(fault->kind);
+  switch (row.target) {
+    case FaultTarget::kAgent: {
       const AgentKind kind = kAgentKinds[random->Below(3)];
       const std::size_t n = scenario.agents(kind).size();
       if (n == 0) return false;
@@ -57,43 +53,45 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Rand
           fmt::format("{}:{}", ToString(kind), random->Below(static_cast<std::uint32_t>(n)));
       // An agent that has failed, or is lost with its process, cannot fail again.
       if (!felled->insert(fault->target).second || is_held) return false;
-      if (fault->kind == FaultKind::kAgentSilent) fault->for_us = draws.minutes;
+      if (row.must_end) fault->for_us = draws.minutes;
       return true;
     }
-    case FaultKind::kProcessKilled:
-    case FaultKind::kProcessStopped:
+    case FaultTarget::kProcess:
       fault->target = kMembers[draws.member];
       hold();
       return true;
-    case FaultKind::kPartition:
+    case FaultTarget::kSides:
       fault->target =
           fmt::format("{}|{}", kMembers[random->Below(kReplaceable)], process_name::kWorld);
       hold();
       return true;
-    case FaultKind::kDiskFull:
+    case FaultTarget::kLog:
       fault->target = process_name::kLogger;
       fault->for_real_us = draws.real_us;
       return true;
-    case FaultKind::kForeign:
+    case FaultTarget::kEverybody:
       fault->target = "*";
       fault->for_us = draws.minutes;
       return true;
-    default:
+    case FaultTarget::kReceivers:
       // A process that is held may hear nothing that could be hit.
       fault->target = random->Below(2) == 0 || is_held ? "*" : kMembers[random->Below(5)];
       fault->for_us = draws.minutes;
-      fault->probability = fault->kind == FaultKind::kDelay ? draws.share * 1e-2 : draws.share;
+      fault->probability = draws.share * row.value_drawn;
       return true;
   }
+  return false;
 }
 
 }  // namespace
 
 std::vector<FaultKind> AllSurvivableKinds() {
-  return {FaultKind::kAgentFails,     FaultKind::kAgentSilent, FaultKind::kProcessKilled,
-          FaultKind::kProcessStopped, FaultKind::kPartition,   FaultKind::kLoss,
-          FaultKind::kDuplication,    FaultKind::kDelay,       FaultKind::kReordering,
-          FaultKind::kDiskFull,       FaultKind::kForeign};
+  std::vector<FaultKind> kinds;
+  for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    if (!RowOf(kind).damages) kinds.push_back(kind);
+  }
+  return kinds;
 }
 
 FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings) {
@@ -113,27 +111,28 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
     fault.id = fmt::format("r{}", plan.size());
     fault.kind = settings.kinds[random.Below(static_cast<std::uint32_t>(settings.kinds.size()))];
     fault.at_us = ToUs(Rounded(at_us * 1e-6, 6));  // a tenth of a minute
+    const FaultRow& row = RowOf(fault.kind);
     Draws draws;
     draws.minutes = static_cast<TimeUs>(5 + random.Below(26)) * kMinuteUs;
     draws.in_mission_time = settings.goes_on && random.Below(2) == 0;
     draws.member = random.Below(draws.in_mission_time ? kReplaceable : kMembers.size());
     draws.share = Rounded(random.Uniform(0.1, 0.4), 0.01);
     draws.real_us = ToUs(Rounded(random.Uniform(0.05, 0.5), 0.01));
-    if (HoldsAProcess(fault.kind)) {
+    if (row.holds_clock) {
       if (fault.at_us < hold_over_us) continue;
       hold_over_us = fault.at_us + (draws.in_mission_time ? draws.minutes : 0) + kBetweenHoldsUs;
     }
     if (!DrawTarget(draws, scenario, fault.at_us < hold_over_us, &random, &felled, &fault))
       continue;
-    // Whoever is held just when its packets begin to suffer cannot confirm that they do.
+    // A process that is held just when its packets begin to suffer cannot confirm it.
     const bool has_just_begun =
         std::any_of(plan.begin(), plan.end(), [&](const PlannedFault& other) {
-          return IsPacketFault(other.kind) && other.at_us + kBetweenHoldsUs > fault.at_us &&
+          return RowOf(other.kind).of_packets() && other.at_us + kBetweenHoldsUs > fault.at_us &&
                  fault.target.find(other.target) != std::string::npos;
         });
-    if (HoldsAProcess(fault.kind) && has_just_begun) continue;
+    if (row.holds_clock && has_just_begun) continue;
     // Nobody waits for the scheduler before the next decision: a hold in real time lasts till then.
-    if (HoldsAProcess(fault.kind) && fault.for_us == 0 &&
+    if (row.holds_clock && fault.for_us == 0 &&
         fault.target.starts_with(process_name::kScheduler)) {
       const TimeUs interval_us = scenario.rules.interval_us;
       hold_over_us = (fault.at_us / interval_us + 1) * interval_us + kBetweenHoldsUs;

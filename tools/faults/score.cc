@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "model/agent.h"
 #include "protocol/convert.h"
+#include "protocol/fault_kinds.h"
 #include "protocol/process.h"
 #include "tools/record/digest.h"
 
@@ -41,23 +42,23 @@ class Case {
 
   std::string Effect() const {
     if (applied_ == nullptr) return "";
-    if (IsPacketFault(fault_.kind)) {
+    const FaultRow& row = RowOf(fault_.kind);
+    if (row.of_packets()) {
       return packets_ == 0 ? "" : fmt::format("{} packets", packets_);
     }
-    if (IsAgentFault(fault_.kind)) return felled_.empty() ? "" : "agent failed";
-    return fault_.kind == FaultKind::kProcessStopped ? "stopped" : "killed";
+    return row.of_agents() && felled_.empty() ? "" : std::string(row.effect);
   }
 
   /// How long until all was well again.
   std::string Recovery() const {
     if (applied_ == nullptr) return "";
-    if (IsAgentFault(fault_.kind)) {
+    if (RowOf(fault_.kind).of_agents()) {
       const auto [done, open] = Interrupted();
       if (open > 0) return fmt::format("{} task{} left open", open, open == 1 ? "" : "s");
       if (done < 0) return "";
       return fmt::format("task done after {:.1f} min", ToMinutes(done - fault_.at_us));
     }
-    if (IsPacketFault(fault_.kind) && fault_.kind != FaultKind::kPartition) return "";
+    if (RowOf(fault_.kind).of_packets() && !RowOf(fault_.kind).holds_clock) return "";
     const std::int64_t from = applied_->header.wall_us;
     for (const event_t& event : record_.events()) {
       const bool target =
@@ -84,13 +85,13 @@ class Case {
       }
     };
     for (const event_t& event : record_.events()) {
-      if (IsAgentFault(fault_.kind) && event.kind == EventKind::kAgentFailed &&
+      if (RowOf(fault_.kind).of_agents() && event.kind == EventKind::kAgentFailed &&
           event.detail == fault_.id) {
         take(event);
       }
       const bool target =
           event.detail == fault_.target || event.detail.rfind(fault_.target + " ", 0) == 0;
-      if (!IsAgentFault(fault_.kind) && event.kind == EventKind::kProcessLost && target)
+      if (!RowOf(fault_.kind).of_agents() && event.kind == EventKind::kProcessLost && target)
         take(event);
     }
     if (!said_us) return -1;

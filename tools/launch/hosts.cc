@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -13,6 +14,7 @@
 #include "base/text.h"
 #include "base/text_file.h"
 #include "lcmtypes/bus/multicast.h"
+#include "protocol/fault_kinds.h"
 
 namespace muster::tools {
 namespace {
@@ -169,7 +171,7 @@ void CheckHosts(const HostList& list, const std::string& file,
   }
   for (const PlannedFault& fault : faults) {
     const Host* host = list.Of(fault.target);
-    if (fault.kind == FaultKind::kProcessStopped && host != nullptr && !host->ssh.empty()) {
+    if (RowOf(fault.kind).begin_signal == SIGSTOP && host != nullptr && !host->ssh.empty()) {
       throw InputError(fault.where, "target", fault.target,
                        "a process that ssh does not stand before: it cannot be stopped from here");
     }

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "protocol/fault_kinds.h"
 #include "tools/faults/foreign_packets.h"
 #include "tools/launch/supervisor_state.h"
 
@@ -226,8 +227,7 @@ SentPacket Supervisor::Publish(const fault_t& fault) {
   const Now now = host_->now();
   Say(fmt::format("fault {} {}: {} {}", fault.fault_id, fault.for_us == 0 ? "ends" : "begins",
                   ToString<FaultKind>(fault.kind), fault.target));
-  // The recorder counts what it hears: damaged headers would make it wait for what never was.
-  if (fault.kind != FaultKind::kCorruption) {
+  if (!RowOf(static_cast<FaultKind>(fault.kind)).damages) {
     if (std::optional<event_t> event = own_faults_.Take(fault)) recorder_.Announce(*event, now);
   }
   return recorder_.Publish(fault, now);

@@ -13,6 +13,7 @@
 #include "base/check.h"
 #include "base/program.h"
 #include "model/scenario_json.h"
+#include "protocol/fault_kinds.h"
 #include "protocol/sender.h"
 #include "simulation/simulator.h"
 #include "simulation/start_process.h"
@@ -37,7 +38,7 @@ constexpr TimeUs kPatienceUs = 30 * kMinuteUs;
 std::vector<world::Outage> OutagesIn(const FaultPlan& plan) {
   std::vector<world::Outage> outages;
   for (const PlannedFault& fault : plan) {
-    if (!IsAgentFault(fault.kind)) continue;
+    if (!RowOf(fault.kind).of_agents()) continue;
     world::Outage& outage = outages.emplace_back();
     const std::size_t colon = fault.target.find(':');
     for (const AgentKind kind : kAgentKinds) {

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "lcmtypes/bus/codec.h"
+#include "protocol/fault_kinds.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
 #include "tools/explain/redecide.h"
@@ -92,7 +93,7 @@ VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
   // Who has failed by chance, or has run dry on the way, cannot fail by order.
   const Disturbances& chances = mission.scenario.disturbances;
   if (chances.agent_failure.on() || chances.wind.on() || chances.communication_m.on()) {
-    std::erase_if(plan.kinds, IsAgentFault);
+    std::erase_if(plan.kinds, [](FaultKind kind) { return RowOf(kind).of_agents(); });
   }
   plan.goes_on = mission.goes_on;
   mission.faults = DrawPlan(mission.scenario, plan);

@@ -88,7 +88,7 @@ TEST(FaultPlan, BadPlansNameFileKeyValueAndWhatIsExpected) {
       {R"({"kind": "agent_silent", "target": "uav:2", "at_min": 1, "for_min": 1})",
        "target: found uav:2"},
       {R"({"kind": "agent_fails", "target": "uav:1", "at_min": 1, "probability": 0.5})",
-       "probability: found a value"},
+       "probability: found 0.5, expected only kind"},
       {R"({"kind": "agent_fails", "target": "uav:1", "at_min": "1"})", "at_min: found \"1\""},
       {R"({"kind": "agent_fails", "target": "uav:1", "at_min": 1, "oops": 1})", "oops: found 1"},
       {R"(7)", "found 7"},

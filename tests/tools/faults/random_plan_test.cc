@@ -6,6 +6,7 @@
 #include <set>
 
 #include "model/generator.h"
+#include "protocol/fault_kinds.h"
 
 namespace muster::tools {
 namespace {
@@ -45,10 +46,21 @@ TEST(RandomPlan, HoldsNobodyWhosePacketsHaveJustBegunToSuffer) {
     for (std::size_t i = 0; i < plan.size(); ++i) {
       if (plan[i].kind != FaultKind::kProcessKilled) continue;
       for (std::size_t j = 0; j < i; ++j) {
-        if (!IsPacketFault(plan[j].kind) || plan[j].target != plan[i].target) continue;
+        if (!RowOf(plan[j].kind).of_packets() || plan[j].target != plan[i].target) continue;
         EXPECT_GE(plan[i].at_us - plan[j].at_us, 3 * kMinuteUs);
       }
     }
+  }
+}
+
+TEST(RandomPlan, DrawsWhatAPlanFileMayHold) {
+  const Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    const FaultPlan plan =
+        DrawPlan(scenario, {.seed = 3, .rate_per_hour = 30, .kinds = {kind}, .goes_on = true});
+    EXPECT_FALSE(plan.empty()) << ToString(kind);
+    EXPECT_EQ(ParseFaultPlan(ToJson(plan), "plan").size(), plan.size()) << ToString(kind);
   }
 }
 
