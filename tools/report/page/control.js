@@ -1,9 +1,9 @@
 import { byId, element } from "./dom.js";
 import { isWater } from "./coast.js";
 import { OrderForm } from "./order_form.js";
-import { Orders, orderWords, tokenOf } from "./orders.js";
-import { FAILED, OFFLINE, statusAt, taskStatusAt } from "./run.js";
-import { CANCELLED, DONE, EXPIRED, HELD, OPEN, RESERVED } from "./story.js";
+import { Orders, orderEffect, orderWords, ordersOf, tokenOf } from "./orders.js";
+import { FAILED, statusAt, taskStatusAt } from "./run.js";
+import { CANCELLED, DONE, EXPIRED } from "./story.js";
 import { clockText } from "./time.js";
 
 const KEPT = "muster-token";
@@ -87,11 +87,8 @@ export class Control {
     const { run } = this.state;
     const words = orderWords(order);
     if (order.order === "task_add" && isWater(run, order.task.x_km * 1000, order.task.y_km * 1000)) return `${words}. The place is in water`;
-    if (order.order === "task_cancel") return `${words}: nobody will do it, and whoever is on the way is called off`;
-    if (order.order === "task_hold") return `${words}: nobody is sent to it until it is resumed`;
-    if (order.order === "agent_recall") return `${words}: it hands back what it is at and leaves the mission at once, from where it is`;
-    if (order.order === "agent_leave") return `${words}: it is sent nowhere any more, and goes when what it is at is done`;
-    return words;
+    const effect = orderEffect(order);
+    return effect ? `${words}: ${effect}` : words;
   }
 
   /** What can be ordered of what is selected, at the newest time. */
@@ -100,17 +97,13 @@ export class Control {
       const task = run.tasks[selected.id];
       const status = taskStatusAt(task, run.nowMs);
       if ([DONE, EXPIRED, CANCELLED].includes(status)) return [];
-      const simple = (text, order) => [text, () => this.form.simple({ order, task: task.id })];
-      return [["Change …", () => this.form.change(run, task)],
-        status === HELD ? simple("Resume", "task_resume") : [OPEN, RESERVED].includes(status) ? simple("Hold", "task_hold") : null,
-        simple("Cancel task", "task_cancel")].filter(Boolean);
+      return ordersOf("task", status).map(([text, order]) => [text, () => (order === "task_change" ? this.form.change(run, task) : this.form.simple({ order, task: task.id }))]);
     }
     if (selected.type !== "agent") return [];
     const agent = run.agents[selected.index];
     const status = statusAt(agent, run.nowMs);
     if (status === FAILED) return [];
-    return [status === OFFLINE ? null : ["Recall", () => this.form.simple({ order: "agent_recall", agent: agent.label })],
-      ["Let it leave", () => this.form.simple({ order: "agent_leave", agent: agent.label })]].filter(Boolean);
+    return ordersOf("agent", status).map(([text, order]) => [text, () => this.form.simple({ order, agent: agent.label })]);
   }
 
   #drawCard() {

@@ -1,25 +1,41 @@
 import { number } from "./dom.js";
 import { clockText } from "./time.js";
-import { PRIORITIES } from "./story.js";
+import { OFFLINE } from "./run.js";
+import { HELD, OPEN, PRIORITIES, RESERVED } from "./story.js";
 
 const AGAIN_MS = 1000; // between two questions for an order that is pending
 
+const changes = (fields) => [["priority", (v) => `priority ${PRIORITIES[v]}`], ["due_min", (v) => `due ${clockText(v * 60000)}`],
+  ["expires_min", (v) => `expires ${clockText(v * 60000)}`], ["name", (v) => `name ${v}`]]
+  .filter(([key]) => fields[key] !== undefined).map(([key, words]) => words(fields[key])).join(", ");
+
+/**
+ * All that is particular to one kind of order. `words(order)`: what it asks for. `more`: what follows from it, told before it is
+ * given. `button`: shown on the card of a task or an agent (`on`) whose status passes `when`.
+ */
+const KINDS = {
+  task_add: { words: ({ task }) => `add a task at ${number(task.x_km, 1)}, ${number(task.y_km, 1)} km: ${number(task.cost_km, 1)} km of range, ${changes(task)}` },
+  task_change: { words: (order) => `change task ${order.task}: ${changes(order)}`, on: "task", button: "Change …" },
+  task_resume: { words: ({ task }) => `resume task ${task}`, on: "task", button: "Resume", when: (status) => status === HELD },
+  task_hold: { words: ({ task }) => `hold task ${task}`, more: "nobody is sent to it until it is resumed", on: "task", button: "Hold", when: (status) => [OPEN, RESERVED].includes(status) },
+  task_cancel: { words: ({ task }) => `cancel task ${task}`, more: "nobody will do it, and all who are on the way are called off", on: "task", button: "Cancel task" },
+  agent_recall: { words: ({ agent }) => `recall ${agent}`, more: "it hands back what it is at and leaves the mission at once, from where it is", on: "agent", button: "Recall", when: (status) => status !== OFFLINE },
+  agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
+};
+
 /** What an order asks for, as a sentence without its verb's subject: "cancel task 12". */
 export function orderWords(order) {
-  const { task, agent } = order;
-  const changes = (fields) => [["priority", (v) => `priority ${PRIORITIES[v]}`], ["due_min", (v) => `due ${clockText(v * 60000)}`],
-    ["expires_min", (v) => `expires ${clockText(v * 60000)}`], ["name", (v) => `name ${v}`]]
-    .filter(([key]) => fields[key] !== undefined).map(([key, words]) => words(fields[key])).join(", ");
-  switch (order.order) {
-    case "task_add": return `add a task at ${number(task.x_km, 1)}, ${number(task.y_km, 1)} km: ${number(task.cost_km, 1)} km of range, ${changes(task)}`;
-    case "task_change": return `change task ${task}: ${changes(order)}`;
-    case "task_cancel": return `cancel task ${task}`;
-    case "task_hold": return `hold task ${task}`;
-    case "task_resume": return `resume task ${task}`;
-    case "agent_recall": return `recall ${agent}`;
-    case "agent_leave": return `let ${agent} leave`;
-    default: return order.order;
-  }
+  return KINDS[order.order]?.words(order) ?? order.order;
+}
+
+/** What follows from an order; undefined: nothing that its words leave out. */
+export function orderEffect(order) {
+  return KINDS[order.order]?.more;
+}
+
+/** What can be ordered of a task or an agent (`on`) of that status: [button, kind] each. */
+export function ordersOf(on, status) {
+  return Object.entries(KINDS).filter(([, kind]) => kind.on === on && (kind.when?.(status) ?? true)).map(([name, kind]) => [kind.button, name]);
 }
 
 /** The token of an address "#token=..."; null: it has none. */
