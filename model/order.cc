@@ -11,10 +11,6 @@
 namespace muster {
 namespace {
 
-constexpr std::string_view kOrderNames[] = {"task_add",    "task_change", "task_cancel",
-                                            "task_hold",   "task_resume", "agent_join",
-                                            "agent_leave", "agent_recall"};
-
 /// As the one item of a scenario, so that the file's rules are the order's.
 template <class Item>
 void CheckItem(const Scenario& scenario, std::vector<Item> Scenario::*list, Item item) {
@@ -95,19 +91,16 @@ std::int32_t AddAgent(const Order& order, TimeUs t, Scenario* scenario) {
 
 }  // namespace
 
-std::string_view ToString(OrderKind kind) { return kOrderNames[static_cast<std::size_t>(kind)]; }
-
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
   TakenOrder taken{order, order.task_id, order.agent_id};
-  switch (order.kind) {
-    case OrderKind::kTaskAdd:
+  switch (RowOf(order.kind).subject) {
+    case OrderSubject::kNewTask:
       taken.task_id = AddTask(order, t, scenario);
       return taken;
-    case OrderKind::kAgentJoin:
+    case OrderSubject::kNewAgent:
       taken.agent_id = AddAgent(order, t, scenario);
       return taken;
-    case OrderKind::kAgentLeave:
-    case OrderKind::kAgentRecall:
+    case OrderSubject::kAgent:
       if (order.agent_id < 0 ||
           static_cast<std::size_t>(order.agent_id) >= scenario->n_agents(order.agent_kind)) {
         throw InputError(fmt::format("there is no {}:{}: the last is {}",
@@ -115,10 +108,7 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
                                      scenario->n_agents(order.agent_kind) - 1));
       }
       return taken;
-    case OrderKind::kTaskChange:
-    case OrderKind::kTaskCancel:
-    case OrderKind::kTaskHold:
-    case OrderKind::kTaskResume:
+    case OrderSubject::kTask:
       break;
   }
   if (order.task_id < 0 || static_cast<std::size_t>(order.task_id) >= scenario->n_tasks()) {
@@ -134,12 +124,13 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
 void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario) {
   const Order& order = taken.order;
   if (agent->kind != order.agent_kind || agent->id != taken.agent_id) return;
-  if (order.kind == OrderKind::kAgentJoin) {
+  const OrderSubject subject = RowOf(order.kind).subject;
+  if (subject == OrderSubject::kNewAgent) {
     *agent =
         StartOf(agent->kind, agent->id,
                 scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)], *scenario.ways);
   }
-  if (order.kind == OrderKind::kAgentLeave || order.kind == OrderKind::kAgentRecall) {
+  if (subject == OrderSubject::kAgent) {
     const bool busy = agent->busy_until_us != kNever && agent->busy_until_us > t;
     agent->online_until_us = std::min(agent->online_until_us, busy ? agent->busy_until_us : t);
   }

@@ -7,22 +7,10 @@
 #include <utility>
 
 #include "model/agent.h"
+#include "model/order_kinds.h"
 #include "model/scenario.h"
 
 namespace muster {
-
-enum class OrderKind : std::int8_t {
-  kTaskAdd,
-  kTaskChange,
-  kTaskCancel,
-  kTaskHold,
-  kTaskResume,
-  kAgentJoin,
-  kAgentLeave,
-  kAgentRecall,
-};
-/// "task_add"
-std::string_view ToString(OrderKind kind);
 
 /// What somebody asks of a running mission (docs/guide/orders.md).
 struct Order {
@@ -60,7 +48,7 @@ struct TakenOrder {
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t);
 
 /// What of an order that was taken at t concerns an agent itself, once it is settled by that tick's
-/// verdict: whoever joins is there, whoever leaves goes when what is under way is done.
+/// verdict: an agent that joins is there; one that leaves goes when what is under way is done.
 void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario);
 
 /// Reads an order, one JSON object. Throws InputError naming `where`, key, value and what was

@@ -7,11 +7,6 @@
 namespace muster {
 namespace {
 
-constexpr OrderKind kKinds[] = {OrderKind::kTaskAdd,    OrderKind::kTaskChange,
-                                OrderKind::kTaskCancel, OrderKind::kTaskHold,
-                                OrderKind::kTaskResume, OrderKind::kAgentJoin,
-                                OrderKind::kAgentLeave, OrderKind::kAgentRecall};
-
 /// What a task takes whose cost nobody gave: the usual one of the paper's Table 1.
 constexpr double kUsualCost_m = 3000;
 
@@ -20,12 +15,12 @@ constexpr std::size_t kMostName = 200;
 
 OrderKind ReadKind(const ObjectReader& top) {
   const std::string name = top.String("order");
-  for (const OrderKind kind : kKinds) {
-    if (name == ToString(kind)) return kind;
+  std::string names;
+  for (const OrderRow& row : kOrderRows) {
+    if (name == row.name) return row.kind;
+    names += fmt::format("{}{}", names.empty() ? "one of " : ", ", row.name);
   }
-  top.Fail("order", top.Required("order", "").Shown(),
-           "task_add, task_change, task_cancel, task_hold, task_resume, agent_join, agent_leave "
-           "or agent_recall");
+  top.Fail("order", top.Required("order", "").Shown(), names);
 }
 
 std::optional<TimeUs> OptionalTime(const ObjectReader& object, std::string_view key) {
@@ -124,12 +119,12 @@ Order ParseOrder(std::string_view json, const std::string& where) {
   if (top.Optional("id") != nullptr) order.id = ReadName(top, "id");
   if (top.Optional("issuer") != nullptr) order.issuer = ReadName(top, "issuer");
   order.not_before_us = OptionalTime(top, "at_min").value_or(0);
-  switch (order.kind) {
-    case OrderKind::kTaskAdd:
+  switch (RowOf(order.kind).subject) {
+    case OrderSubject::kNewTask:
       top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
       ReadTask(top.Child("task"), &order);
       return order;
-    case OrderKind::kAgentJoin: {
+    case OrderSubject::kNewAgent: {
       top.AllowOnly({"id", "issuer", "at_min", "order", "class", "agent"});
       const auto kind = FromString<AgentKind>(top.String("class"));
       if (!kind) top.Fail("class", top.Required("class", "").Shown(), "uav, worker or vehicle");
@@ -137,20 +132,18 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       ReadAgent(top.Child("agent"), &order);
       return order;
     }
-    case OrderKind::kAgentLeave:
-    case OrderKind::kAgentRecall:
+    case OrderSubject::kAgent:
       top.AllowOnly({"id", "issuer", "at_min", "order", "agent"});
       ReadAgentName(top, &order);
       return order;
-    case OrderKind::kTaskChange:
+    case OrderSubject::kTask:
+      if (order.kind != OrderKind::kTaskChange) {
+        top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
+        break;
+      }
       top.AllowOnly({"id", "issuer", "at_min", "order", "task", "priority", "due_min", "due_in_min",
                      "expires_min", "expires_in_min", "name"});
       ReadChange(top, &order);
-      break;
-    case OrderKind::kTaskCancel:
-    case OrderKind::kTaskHold:
-    case OrderKind::kTaskResume:
-      top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
       break;
   }
   order.task_id = static_cast<std::int32_t>(

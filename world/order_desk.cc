@@ -37,11 +37,8 @@ void CheckTask(const Order& order, TaskStatus status) {
     throw InputError(fmt::format("task {} is {}{}", order.task_id, ToString(status), why));
   };
   if (IsOver(status)) refuse("");
-  if (order.kind == OrderKind::kTaskResume && status != TaskStatus::kHeld) refuse(", not held");
-  if (order.kind != OrderKind::kTaskHold) return;
-  if (status == TaskStatus::kHeld) refuse(" already");
-  if (status == TaskStatus::kSensing) refuse(" under way: cancel ends it");
-  if (status == TaskStatus::kUnreported) refuse(": nobody is sent there yet");
+  const std::string_view against = RowOf(order.kind).against(status);
+  if (!against.empty()) refuse(against);
 }
 
 void CheckAgent(const Order& order, TimeUs t, const AgentState& agent) {

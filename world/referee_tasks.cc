@@ -56,22 +56,17 @@ void Referee::TakeIn(TimeUs t, Agents* agents) {
 void Referee::Obey(TimeUs t, Agents* agents) {
   for (const TakenOrder& taken : orders_) {
     const AgentKey agent{taken.order.agent_kind, taken.agent_id};
-    switch (taken.order.kind) {
-      case OrderKind::kTaskAdd:
+    switch (RowOf(taken.order.kind).subject) {
+      case OrderSubject::kNewTask:
         break;
-      case OrderKind::kTaskChange:
-      case OrderKind::kTaskCancel:
-      case OrderKind::kTaskHold:
-      case OrderKind::kTaskResume:
+      case OrderSubject::kTask:
         ObeyOfTask(taken, t);
         break;
-      case OrderKind::kAgentJoin:
+      case OrderSubject::kNewAgent:
         EmitOrder(Event::Kind::kAgentJoined, t, agent, taken.order);
         break;
-      case OrderKind::kAgentRecall:
-        Recall(taken, t, agents);
-        [[fallthrough]];
-      case OrderKind::kAgentLeave:
+      case OrderSubject::kAgent:
+        if (taken.order.kind == OrderKind::kAgentRecall) Recall(taken, t, agents);
         EmitOrder(Event::Kind::kAgentLeaves, t, agent, taken.order);
         break;
     }

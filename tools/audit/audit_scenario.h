@@ -87,7 +87,7 @@ struct AuditOrder {
 
   bool is_add() const { return what == "task_add"; }
   bool is_join() const { return what == "agent_join"; }
-  bool is_agents() const { return what == "agent_leave" || what == "agent_recall" || is_join(); }
+  bool is_agents() const { return what.starts_with("agent_"); }
 };
 
 /// Of what was taken at `now_us`; which task or agent it is about, the message says. Throws

@@ -105,6 +105,17 @@ void AddCommonOptions(Options* options) {
   options->Json();
 }
 
+/// The kinds of orders about tasks or agents, without "task_" or "agent_" in front.
+void AddWhat(std::string_view about, Options* options) {
+  std::vector<std::string> words;
+  for (const OrderRow& row : kOrderRows) {
+    if (row.name.starts_with(about)) words.emplace_back(row.name.substr(about.size()));
+  }
+  options->Positional("what", fmt::format("{}", fmt::join(words, "|")))
+      .OneOf(words)
+      .Required(fmt::format("one of {}", fmt::join(words, ", ")));
+}
+
 int ToTaskId(const Arguments& arguments) {
   if (!arguments.Has("task")) {
     throw InputError("command line", "TASK", "nothing", "the id of a task");
@@ -119,9 +130,7 @@ int TaskCommand(int argc, const char* const* argv) {
       "muster task",
       "Adds a task to a running mission, changes it, cancels it, holds it or lets it go "
       "on (docs/guide/orders.md). The mission was started with muster run --take-orders.");
-  options.Positional("what", "add|change|cancel|hold|resume")
-      .OneOf({"add", "change", "cancel", "hold", "resume"})
-      .Required("add, change, cancel, hold or resume");
+  AddWhat("task_", &options);
   options.Positional("run", "RUN").Required("the run directory of a mission");
   options.Positional("task", "[TASK]").Integer(0, INT32_MAX);
   AddPlaceOptions(&options);
@@ -188,9 +197,7 @@ int AgentCommand(int argc, const char* const* argv) {
       "muster agent",
       "Has an agent join a running mission, leave it when what is under way is done, or "
       "hand that back and leave at once (recall; docs/guide/orders.md).");
-  options.Positional("what", "join|leave|recall")
-      .OneOf({"join", "leave", "recall"})
-      .Required("join, leave or recall");
+  AddWhat("agent_", &options);
   options.Positional("run", "RUN").Required("the run directory of a mission");
   options.Positional("agent", "CLASS|AGENT")
       .Required("uav, worker or vehicle to join; an agent as uav:3 to leave");
