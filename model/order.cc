@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/check.h"
 #include "model/scenario_json.h"
@@ -10,6 +11,9 @@
 
 namespace muster {
 namespace {
+
+static_assert(std::all_of(std::begin(kOrderRows), std::end(kOrderRows),
+                          [](const OrderRow& row) { return &row == &RowOf(row.kind); }));
 
 /// As the one item of a scenario, so that the file's rules are the order's.
 template <class Item>

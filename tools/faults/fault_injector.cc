@@ -129,7 +129,7 @@ std::vector<std::string> FaultInjector::WithoutEffect() const {
     if (injection.phase == Phase::kWaiting) {
       add("its time did not come");
     } else if (injection.applied.empty()) {
-      add("nobody has confirmed it");
+      add("no process has confirmed it");
     } else if (RowOf(fault.kind).of_packets() && injection.hits == 0 &&
                injection.applied == injection.ended) {  // else a start died with its count
       add("it hit no packet");

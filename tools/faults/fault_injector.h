@@ -18,7 +18,7 @@ namespace muster::tools {
 class FaultActions {
  public:
   virtual ~FaultActions() = default;
-  /// Publishes it; what is returned can be sent again.
+  /// Publishes the fault; the returned packet can be sent again.
   virtual SentPacket Publish(const fault_t& fault) = 0;
   virtual void SendAgain(const SentPacket& packet) = 0;
   /// Confirms what the launcher itself does, 13 applied or 14 ended.
@@ -38,11 +38,13 @@ class FaultActions {
   virtual std::int64_t BootOf(const std::string& name) const = 0;
 };
 
-/// Injects a plan's faults when they are due and sees to it that each is confirmed, by whom it
-/// hits: a fault on packets is published until every process that it concerns, in its present
-/// start, has said by event_t that it has applied it, and likewise when it ends, with the number of
-/// packets hit; the world says when an agent has failed; a signal is confirmed when the process is
-/// seen to be dead or stopped.
+/// Injects a plan's faults when they are due and waits until each is confirmed.
+/// - A fault on packets is published until every process that it concerns, in its present start,
+/// has
+///   said by event_t that it has applied it. Its end is published in the same way; each process
+///   then says how many packets were hit.
+/// - The world says when an agent has failed.
+/// - The launcher confirms a signal when it sees that the process is dead or stopped.
 class FaultInjector {
  public:
   /// `names`: the mission's processes.
@@ -54,12 +56,12 @@ class FaultInjector {
   void OnEvent(const event_t& event);
   /// Ends everything that is under way: the mission is over.
   void EndAll(TimeUs monotonic_us, FaultActions* actions);
-  /// Nothing is under way, and everybody has said so.
+  /// No fault is under way, and all processes have confirmed that.
   bool Settled(const FaultActions& actions) const;
 
-  /// The faults of the plan that nobody has confirmed, or that hit nothing: id and why.
+  /// The faults of the plan that were not confirmed, or that hit nothing: id and why.
   std::vector<std::string> WithoutEffect() const;
-  /// A process has ended. True: by the plan, and its restart is of the plan's making.
+  /// A process has ended. True: the plan ended it, so its restart does not count against it.
   bool OnDeath(const std::string& name, FaultActions* actions);
   /// Foreign packets are to be sent now.
   bool foreign() const;
@@ -80,7 +82,7 @@ class FaultInjector {
 
   void Begin(Injection* injection, TimeUs monotonic_us, FaultActions* actions);
   void End(Injection* injection, TimeUs monotonic_us, FaultActions* actions);
-  /// Somebody has not confirmed yet what was said last.
+  /// A process has not confirmed yet what was published last.
   bool Owed(const Injection& injection, const FaultActions& actions) const;
 
   std::vector<Injection> injections_;

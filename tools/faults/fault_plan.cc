@@ -38,7 +38,7 @@ bool HoldsTheClock(const PlannedFault& fault) {
   return RowOf(fault.kind).holds_clock || Deafens(fault);
 }
 
-/// No mission goes on without its target, whatever --on-loss says.
+/// No mission goes on without its target, not even with --on-loss continue.
 bool NeverMissed(const PlannedFault& fault) {
   const std::string& target = fault.target;
   if (const auto sides = SidesOf(target)) {
@@ -101,7 +101,8 @@ Expectations ReadExpectations(const PlannedFault& fault, const Json& json) {
       const double n = number(kLongestMin);
       if (n != std::floor(n)) Refuse(fault, path, value.dump(), "an integer");
       if (key[0] == 'd' && RowOf(fault.kind).of_packets()) {
-        Refuse(fault, path, value.dump(), "none: nobody is missed for a fault on packets");
+        Refuse(fault, path, value.dump(),
+               "none: a fault on packets makes no process count as lost");
       }
       (key[0] == 'd' ? expect.detected_within_ticks : expect.partner_released_within_decisions) =
           static_cast<int>(n);
@@ -340,16 +341,17 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
     const std::string whom = fmt::format("{} of {}", ToString(fault.kind), fault.target);
     if (!goes_on) {
       Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
-             fmt::format("for_s, real seconds, for {}: the mission's clock stands still meanwhile, "
-                         "unless by --on-loss continue it goes on without an agent process or the "
-                         "scheduler",
+             fmt::format("for_s, real seconds, for {}: the mission's clock stands still while it "
+                         "lasts. Only with --on-loss continue does a mission go on without an "
+                         "agent process or the scheduler",
                          whom));
     }
     if (NeverMissed(fault)) {
-      Refuse(fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
-             fmt::format("for_s, real seconds, for {}: the mission's clock stands still without "
-                         "world or recorder",
-                         whom));
+      Refuse(
+          fault, "for_min", fmt::format("{}", ToMinutes(fault.for_us)),
+          fmt::format("for_s, real seconds, for {}: the mission's clock stands still without the "
+                      "world or the recorder",
+                      whom));
     }
   }
   std::stable_sort(plan->begin(), plan->end(),

@@ -131,7 +131,7 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
                  fault.target.find(other.target) != std::string::npos;
         });
     if (row.holds_clock && has_just_begun) continue;
-    // Nobody waits for the scheduler before the next decision: a hold in real time lasts till then.
+    // A mission waits for the scheduler only at decisions: a hold in real time lasts till the next.
     if (row.holds_clock && fault.for_us == 0 &&
         fault.target.starts_with(process_name::kScheduler)) {
       const TimeUs interval_us = scenario.rules.interval_us;

@@ -18,13 +18,13 @@ struct RandomPlanSettings {
 /// Every kind but corruption, which may truly change decisions.
 std::vector<FaultKind> AllSurvivableKinds();
 
-/// Draws a plan for a mission of one process per class: times from a Poisson process, kind, target,
-/// duration and strength uniformly. Faults that hold a process overlap with no other fault of that
-/// sort: world and agents keep each other's state, and two of them at a time may be lost for good.
+/// Draws a plan for a mission of one process per class: times from a Poisson process; kind, target,
+/// duration and strength uniformly. At most one fault at a time holds a process: the world and the
+/// agents keep each other's state, and with two of them gone it may be lost for good.
 FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings);
 
-/// That share of each agent class, rounded, fails for good at that time; who is drawn from the
-/// seed, the larger share containing the smaller one.
+/// That share of each agent class, rounded, fails for good at that time. The seed decides which
+/// agents fail; with the same seed a larger share includes the agents of a smaller one.
 FaultPlan DropPlan(const Scenario& scenario, double share, TimeUs at_us, std::uint64_t seed);
 
 }  // namespace muster::tools

@@ -67,7 +67,7 @@ class Case {
         return fmt::format("back after {:.2f} s", ToSeconds(event.header.wall_us - from));
       }
     }
-    // Nobody was missed: the clock went on by itself.
+    // No process was missed: the clock went on by itself.
     const std::int64_t over = ended_ == nullptr ? from : ended_->header.wall_us;
     for (const auto& [t, wall_us] : evidence_.clock_wall_us) {
       if (wall_us < over) continue;
@@ -76,7 +76,7 @@ class Case {
     return "";
   }
 
-  /// Ticks from the fault until somebody said so; -1: nobody did.
+  /// Ticks from the fault until the mission reported it; -1: it never did.
   std::int64_t DetectedTicks() const {
     std::optional<TimeUs> said_us;
     const auto take = [&](const event_t& event) {

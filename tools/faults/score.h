@@ -37,7 +37,7 @@ struct FaultScore {
 };
 
 /// Scores every fault of the plan: that it had a visible effect, and each of its expectations. An
-/// expectation that had nothing to show it on (no partner, no task under way) is not met.
+/// expectation without anything to test it on (no partner, no task under way) is not met.
 std::vector<FaultScore> ScoreFaults(const FaultPlan& plan, const FaultEvidence& evidence);
 
 /// As a table for people, aligned.

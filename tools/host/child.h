@@ -18,7 +18,7 @@ struct ChildSpec {
   bool append = false;            ///< keep what output_file holds
   bool hold_stdin = false;        ///< stdin is a pipe that stays open, and tells it our end
   DiskWaits disk_waits = DiskWaits::kAsIs;
-  std::string input = {};  ///< a line for its stdin, which nobody else reads; else /dev/null
+  std::string input = {};  ///< a line for its stdin, which only it reads; "": /dev/null
 };
 
 /// How a process ended.
@@ -49,7 +49,7 @@ class Child {
   /// Reaps it if it has ended; never waits. Its end, once known, stays known.
   const std::optional<ChildEnd>& Poll();
   void Signal(int signal);
-  /// Continues it if a signal holds it, then sends SIGTERM. One whose stdin is held gets that
+  /// Continues it if a signal holds it, then sends SIGTERM. A child whose stdin is held gets that
   /// closed instead: what it stands for ends, then itself.
   void AskToEnd();
   /// Whether a signal holds it now.

@@ -227,7 +227,7 @@ HostCheck CheckGuard() {
   if (problem.empty()) return check;
   check.result = Result::kWarn;
   check.found = fmt::format("{} ({})", own_problem ? "none" : "not on lcm-logger's", problem);
-  check.advice = "one malformed datagram on a mission's port ends whoever has none";
+  check.advice = "one malformed datagram on a mission's port ends every process without a guard";
   return check;
 }
 

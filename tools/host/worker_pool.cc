@@ -41,7 +41,7 @@ Worker Start(std::size_t task, const std::function<std::string(std::size_t)>& wo
   const pid_t pid = fork();
   if (pid < 0) throw SystemError(fmt::format("fork: {}", std::strerror(errno)));
   if (pid == 0) {
-    // Nobody is left behind when this program is killed.
+    // No child is left behind when this program is killed.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
     close(ends[0]);

@@ -6,10 +6,10 @@
 
 namespace muster::tools {
 
-/// Runs work(0) to work(n - 1), each in a process of its own, up to `jobs` at a time: what one does
-/// to its memory, or its crash, touches no other. In this process, in the order in which they end,
+/// Runs work(0) to work(n - 1), each in a process of its own, up to `jobs` at a time, so that a
+/// crash of one does not touch the others. In this process, in the order in which they end,
 /// `done(i, text)` takes what work(i) returned, or `failed(i, why)` is told how it ended instead.
-/// Where `stop` holds no further one is started. This process must be single-threaded. Throws
+/// While `stop` holds, no further process is started. This process must be single-threaded. Throws
 /// SystemError when no process can be started.
 void RunInProcesses(
     std::size_t n, int jobs, const std::function<std::string(std::size_t)>& work,

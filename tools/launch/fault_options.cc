@@ -13,8 +13,8 @@ void AddFaultOptions(Options* options) {
       .List();
   options
       ->Add("on-loss", "wait|continue",
-            "When an agent process or the scheduler is lost: wait for it, or continue without it "
-            "until it is back")
+            "What to do when an agent process or the scheduler is lost: wait for it, or continue "
+            "without it until it is back")
       .OneOf({"wait", "continue"})
       .Default("wait");
   options->Add("lost-after", "S", "Seconds of silence after which a process is lost")
@@ -22,7 +22,7 @@ void AddFaultOptions(Options* options) {
       .Default(5);
   options
       ->Add("restarts", "N",
-            "How often each process that ends by itself is started again; 0: it ends the mission")
+            "How often each process that ends by itself is started again. With 0 the mission ends")
       .Integer(0, std::numeric_limits<int>::max())
       .Default(5);
 }

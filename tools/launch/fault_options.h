@@ -7,7 +7,7 @@
 
 namespace muster::tools {
 
-/// What is to happen to a mission, and how it takes it: the same for `muster run` and `muster
+/// The faults of a mission and how it responds to them: the same for `muster run` and `muster
 /// simulate`.
 struct FaultOptions {
   double drop = 0;               ///< share of received packets that each process drops

@@ -32,13 +32,13 @@ struct HostList {
 HostList ParseHosts(std::string_view json, const std::string& file);
 HostList LoadHosts(const std::string& file);
 
-/// Throws InputError where a host has a process that the mission has not, a process is on two, or
-/// the plan wants one stopped that no signal of this machine reaches.
+/// Throws InputError where a host lists a process that the mission does not have, two hosts list
+/// the same process, or the plan stops a process that no signal from this machine reaches.
 void CheckHosts(const HostList& list, const std::string& file,
                 const std::vector<std::string>& processes, const FaultPlan& faults);
 
-/// The same program, started on that host. argv[0] and its arguments reach it unchanged, whatever
-/// characters they have. Over ssh the program ends when its ssh does, and the other way round.
+/// The same program, started on that host. argv[0] and its arguments reach it unchanged,
+/// special characters included. Over ssh, the program ends when its ssh ends, and ssh with it.
 ChildSpec OnHost(const Host& host, ChildSpec spec);
 
 }  // namespace muster::tools

@@ -106,18 +106,18 @@ void AddLaunchOptions(Options* options) {
   options->Add("hosts", "FILE", "Which process runs on which host (docs/guide/hosts.md)");
   options->Flag(
       "seal",
-      "Only who has the mission's key is believed (docs/guide/seal.md): a fresh one, kept in "
-      "seal.key of the run directory; with --hosts by default");
-  options->Add("key", "FILE", "Seal it with the key in that file, which its owner alone can read");
-  options->Flag("no-seal", "With --hosts: whoever speaks is believed");
+      "Accept only messages that were sealed with the mission's key (docs/guide/seal.md). The "
+      "key is new, and kept in seal.key of the run directory. Default with --hosts");
+  options->Add("key", "FILE", "Seal with the key in FILE, which only its owner may read");
+  options->Flag("no-seal", "With --hosts: accept messages without a seal");
   options
       ->Add("live", "PORT",
-            "Show the mission in browsers of this host, and keep the page after its end until "
-            "Ctrl-C; PORT 0: any free one")
+            "Show the mission in browsers of this host. The page stays after the mission's end "
+            "until Ctrl-C. PORT 0: any free port")
       .Integer(0, 65535)
       .Implied(fmt::to_string(kDefaultLivePort));
   options->Flag("control",
-                "With --live: whoever opens the printed address may give orders there, too");
+                "With --live: everyone who opens the printed address may also give orders there");
 }
 
 std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {

@@ -31,7 +31,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::map<std::string, std::string> programs;
   std::vector<DriverPlan> drivers;
   Logger logger = Logger::kMuster;
-  bool recorded = true;          ///< false: nobody waits for a log, and none is written
+  bool recorded = true;          ///< false: no log is written or waited for
   bool takes_orders = false;     ///< while it goes on
   bool control = false;          ///< the live page may give them
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
@@ -48,17 +48,16 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
 /// The driven agents are measured. Throws InputError where the scenario has no such agent.
 void MarkDriven(const std::vector<DriverPlan>& drivers, Scenario* scenario);
 
-/// Messages that one process may have out and not in the log (--window) where lcm-logger writes it.
-/// It queues 30, so the windows of all who talk at once stay below that together, as far as they
-/// can.
+/// How many messages a process may have sent that are not in the log yet (--window), where
+/// lcm-logger writes it. lcm-logger queues 30 messages, so the windows of all processes that send
+/// at once add up to less than 30 where that is possible.
 inline constexpr int kLoggerQueue = 30;
 inline constexpr int kProcessWindow = 3;
-/// Of each agents' process and the scheduler; 0: nothing is recorded.
+/// The window of each agent process and of the scheduler; 0: nothing is recorded.
 int WindowOf(const LaunchOptions& options);
 
-/// One process of a mission: program (absolute, or in the folder of `muster`) and its arguments.
-/// With
-/// `--key -` among them it is to get the key on its stdin.
+/// One process of a mission: its program (absolute, or in the folder of `muster`) and arguments. A
+/// process with `--key -` among them gets the key on its stdin.
 struct ProcessPlan {
   std::string name;
   std::string program;

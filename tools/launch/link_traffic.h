@@ -16,8 +16,8 @@ namespace muster::tools {
 std::int64_t WireBytes(const Packet& packet);
 
 /// What the links of a mission's hosts carry, from the log: LCM sends to all, so a host's link
-/// carries what its processes say, and what all others say. What is lost before the recorder is not
-/// in it.
+/// carries what its processes say, and what all others say. Packets lost
+/// before the recorder are not counted.
 class LinkTraffic {
  public:
   /// `here`: what the host of the launcher, the recorder and all that `hosts` does not name is

@@ -25,7 +25,7 @@ class MissionHost {
   virtual LossyBus& bus() = 0;
   /// After an outage: for who does not see to its own sockets.
   virtual void OnNetworkBack() {}
-  /// How often whoever runs the mission has asked to stop it.
+  /// How often the user has asked to stop the mission.
   virtual int stops_asked() const = 0;
 
   /// Starts it for the `starts`-th time after the first. The logger writes to a new file each time.
@@ -51,7 +51,7 @@ class MissionHost {
   /// nothing.
   virtual std::string TornTail(std::int64_t starts) const = 0;
 
-  /// For whoever looks on.
+  /// For the display.
   virtual void Say(const std::string& line) = 0;
   /// `lag_ticks`: ticks heard and not in the log yet. `at_end`: the last word.
   virtual void Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) = 0;

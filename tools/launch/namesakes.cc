@@ -24,7 +24,7 @@ std::size_t HashOf(const Packet& packet) {
 std::string Namesakes::Contradiction(const Packet& packet, const header_t& header,
                                      const Known& known, Start* start) {
   if (header.boot_id >= known.starts) {
-    return fmt::format("nobody has made start {} of it", header.boot_id);
+    return fmt::format("it claims start {}, which never happened", header.boot_id);
   }
   const std::int64_t logged = std::max(known.logged, start->logged);
   if (header.seq >= kFar && header.seq - kFar >= logged) {

@@ -14,8 +14,8 @@
 
 namespace muster::tools {
 
-/// Notices that two speak under one name: two living processes by what they say of themselves,
-/// about once a second (host and pid); whoever else by numbers that one sender does not give.
+/// Notices two senders with the same name: two living processes by the host and pid that each
+/// reports about once a second, other senders by sequence numbers that cannot come from one sender.
 class Namesakes {
  public:
   /// A sender goes on only when the log has all but a few of its messages; numbers that are so far
@@ -44,7 +44,7 @@ class Namesakes {
     std::optional<Self> self;
     std::map<std::int64_t, std::size_t> recent;  ///< by number: hash of the message
     std::int64_t newest_seq = -1, newest_wall_us = 0;
-    std::int64_t logged = 0;  ///< as the recorder says: whoever reads the log may be behind
+    std::int64_t logged = 0;  ///< as the recorder says: a reader of the log may be behind
   };
   void NoteMarks(const Packet& packet);
   /// What is wrong with the message, in words; "": nothing.

@@ -10,11 +10,11 @@
 
 namespace muster::tools {
 
-/// Says in the mission what comes through the gate, again and again until the log has the world's
+/// Publishes each order that comes through the gate, and repeats it until the log has the world's
 /// answer.
 class OrderRelay {
  public:
-  /// `gate` may be null: nobody gives orders.
+  /// `gate` may be null: there are no orders.
   explicit OrderRelay(OrderGate* gate) : gate_(gate) {}
 
   void Step(const Now& now, Recorder* speaker);

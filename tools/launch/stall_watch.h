@@ -25,8 +25,8 @@ class Patience {
   TimeUs said_after_us_ = 0;
 };
 
-/// Notices, from what is heard on the bus, that the mission's clock stands, and for whom, and that
-/// it falls behind its rate.
+/// Notices, from the messages on the bus, that the mission's clock stands still (and for which
+/// processes it waits), and that it falls behind its rate.
 class StallWatch {
  public:
   /// `processes`: the mission's, by name; they are looked for in that order. `rate`: mission

@@ -24,7 +24,7 @@ constexpr TimeUs kHeartbeatUs = kSecondUs;
 // lcm-logger does not tell that it has written: its file is looked at.
 constexpr TimeUs kLookBehindUs = 300;
 constexpr TimeUs kLookUs = 20'000;
-// Nobody waits for the launcher to have read what the recorder has written.
+// The mission does not wait until the launcher has read what the recorder has written.
 constexpr TimeUs kReadUs = 5'000;
 constexpr TimeUs kForeignUs = 2'000;
 /// An outage of the network may last that long for each time that a process may be started.
@@ -175,7 +175,7 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
   if (!request || request->header.run_id != plan_.run_id) return;
   std::vector<answer_t> answers = archive_.Answer(*request, now.monotonic_us);
   if (!answers.empty() && !archive_.AnswersAtOnce(*request)) {
-    Say(fmt::format("nobody told {} how things stand on {}: told it what was last heard",
+    Say(fmt::format("no process answered {} about {}: it got what was last heard",
                     request->header.sender, request->channel));
   }
   for (answer_t& answer : answers) recorder_.Answer(std::move(answer), now);
@@ -187,7 +187,7 @@ void Supervisor::SeeToEnd(const Now& now) {
     Say(*line);
   if (!end_watch_.hopeless(now.monotonic_us)) return;
   for (const Recorder::Gap& gap : recorder_.gaps()) {
-    Say(fmt::format("{} in the log: given up, nobody says them", TextOf(gap)));
+    Say(fmt::format("{} in the log: given up, no process can send them again", TextOf(gap)));
     recorder_.GiveUp(gap);
   }
 }
@@ -242,8 +242,8 @@ void Supervisor::SayOfProcess(const event_t& said) {
   } else if (said.kind == EventKind::kProcessBack) {
     Say(fmt::format("{} takes part again at {:.1f} min", who, at_min));
   } else if (said.kind == EventKind::kStateUnknown) {
-    Say(fmt::format(
-        "nobody can tell what {} did last: its agents stay where they were last heard of", who));
+    Say(fmt::format("what {} did last is not known: its agents stay where they were last heard of",
+                    who));
   }
 }
 

@@ -49,7 +49,7 @@ struct MissionPlan {
 
 enum class MissionEnd {
   kComplete,     ///< to the limit, everybody's end in the log
-  kInterrupted,  ///< by whoever runs it
+  kInterrupted,  ///< by the user
   kFailed,       ///< a process ended by itself once too often, or never spoke
 };
 
@@ -69,10 +69,10 @@ int ExitCodeOf(const MissionResult& result);
 /// What went wrong, on stderr.
 void PrintProblems(const MissionResult& result);
 
-/// Starts the processes, takes the recorder's part, injects the plan's faults, starts again who
-/// ended by itself (and says so, also by event_t), waits for the end or until it is asked to stop,
-/// then stops everybody in order: the processes, the recorder, the logger. Asked a second time, it
-/// kills them. Nothing of it is left when it returns or throws. Throws what the host throws.
+/// Starts the processes, acts as the recorder, and injects the plan's faults. Restarts a process
+/// that has ended by itself, and reports this also as event_t. At the mission's end, or when it is
+/// asked to stop, it stops the processes, then the recorder, then the logger. Asked a second time,
+/// it kills them. No process is left when it returns or throws. Throws what the host throws.
 MissionResult Supervise(const MissionPlan& plan, MissionHost* host);
 
 }  // namespace muster::tools

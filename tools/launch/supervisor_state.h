@@ -40,15 +40,15 @@ class Supervisor : private FaultActions {
   /// Turns until `done` holds; false when the time is over or a second signal came first.
   template <class Condition>
   bool TurnUntil(Condition done, TimeUs longest_us);
-  /// Takes note of who says something in this mission.
+  /// Takes note of who sends messages in this mission.
   void OnMember(const Packet& packet, const Now& now);
-  /// Says, now and then, for whom and what a mission waits that has not begun, or has ended.
+  /// Reports now and then what a mission waits for that has not begun, or has ended.
   void SayWait(const Now& now);
   /// Whom and what a mission that has ended still waits for.
   std::string Open() const;
   /// Without those who are silent after the mission's end.
   void LeaveBehind(const Now& now);
-  /// Gives up, after the end, what nobody can say.
+  /// Gives up, after the end, messages that no process can send again.
   void SeeToEnd(const Now& now);
   void LookAtNetwork();
   /// The network has been gone for as long as it may.
@@ -85,7 +85,7 @@ class Supervisor : private FaultActions {
   bool IsGone(const std::string& name) const override;
   std::int64_t BootOf(const std::string& name) const override;
   std::string Obituary(const Member& member, const ChildEnd& end) const;
-  /// Signals and waits; kills whoever does not end.
+  /// Signals and waits; kills processes that do not end.
   void Stop(const std::vector<Member*>& members);
   void CloseLog();
 

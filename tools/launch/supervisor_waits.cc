@@ -1,4 +1,4 @@
-// For whom and what a mission waits before its beginning and after its end.
+// What a mission waits for before its beginning and after its end.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ std::string Supervisor::Open() const {
 
 void Supervisor::SayWait(const Now& now) {
   const bool ended = stall_watch_.ended() || logged_.end_announced();
-  // Whoever was held up itself has heard nobody meanwhile.
+  // A launcher that was held up itself has heard no messages meanwhile.
   const bool was_held_up = now.monotonic_us > turned_us_ + kSecondUs;
   turned_us_ = now.monotonic_us;
   if (ended && (end_heard_us_ == kNever || was_held_up)) end_heard_us_ = now.monotonic_us;
@@ -60,7 +60,7 @@ void Supervisor::SayWait(const Now& now) {
                     !silent.empty()
                         ? fmt::format("the first word of {} in the log", fmt::join(silent, ", "))
                     : recorder_.behind() ? fmt::format("{} to write", members_.front().name)
-                                         : "agents that nobody reports yet"));
+                                         : "agents that no process reports yet"));
   }
 }
 

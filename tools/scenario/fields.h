@@ -45,8 +45,8 @@ std::optional<TimeUs> TimeOfDay(std::string_view text);
 /// Which of the first two numbers of a date like 05/07/2010 is the day.
 enum class DateOrder { kUnknown, kDayFirst, kMonthFirst };
 
-/// What dates of one column tell of it: one of them has a number over 12 in the month's place of
-/// the other order, and none in its own.
+/// The order that the dates of one column show: one date has a number over 12 where the other order
+/// has the month, and no date has one where this order has it.
 class DateOrderFinder {
  public:
   void Look(std::string_view text);

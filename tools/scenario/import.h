@@ -14,7 +14,7 @@
 
 namespace muster::tools {
 
-/// Where the rows of tasks, charging points or agents are and which they are.
+/// Which rows become tasks, charging points or agents, and where they are.
 struct ImportRole {
   std::optional<std::pair<std::string, std::string>> at;  ///< columns, if not the table's own
   std::vector<RowFilter> where;                           ///< beside ImportRequest::where
@@ -57,13 +57,13 @@ struct ImportResult {
 ///   origin, and counted in 1 km cells.
 /// - Tasks are the cells with the most rows, charging points those with the most among the cells
 ///   that are no tasks (then among tasks); ties: the southern, then the western cell first.
-/// - With `are_reports` tasks are rows instead, drawn from those of the mission's period of the
-/// day,
-///   which is then the tasks' busiest: each in its cell's centre (or where it is, with
-///   Placement::kContinuous), reported at its time. More tasks of the same seed are these and
-///   others.
-/// - A task has the priority, name and external id of its row; a cell's task those of its most
-///   urgent row, the first of them. A blank priority is drawn.
+/// - With `are_reports` tasks are rows instead, drawn from the rows of the mission's period of the
+///   day, which is then the busiest period of the tasks. Each task is in its cell's centre (with
+///   Placement::kContinuous: at its own place) and is reported at its row's time. With the same
+///   seed, a larger number of tasks includes those of a smaller number.
+/// - A task has the priority, name and external id of its row; a cell's task has those of the
+/// cell's
+///   most urgent row (of several, the first). A blank priority is drawn.
 /// - Each agent stands where a row drawn for it is. With times, rows are of the mission's period of
 ///   the day, and an agent comes online at its row's part of the period: that part of [0, limit] or
 ///   of [0, limit - its online time] (Uptime). Without, its uptime is drawn as in Generate.

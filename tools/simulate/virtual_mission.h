@@ -28,18 +28,19 @@ struct VirtualMission {
   std::function<void(const simulation::VirtualLogger::Event&, std::int64_t start)> on_logged = {};
   /// What the launcher says of faults, deaths and restarts.
   std::function<void(const std::string&)> say = {};
-  /// How often whoever runs it has asked to stop.
+  /// How often the user has asked to stop.
   std::function<int()> stops_asked = {};
 };
 
-/// What `muster run` does with real processes over LCM, in this process over a virtual network: the
-/// processes' cores, the launcher's supervision, lcm-logger (as with --logger lcm). A function of
-/// its arguments: no clock of the host enters, so schedules say that they took no time. It fails
-/// when it has not ended after half an hour of network time beside what its faults last.
+/// Runs in this process, over a virtual network, what `muster run` does with real processes over
+/// LCM: the processes' cores, the launcher's supervision and lcm-logger (as with --logger lcm). The
+/// result is a function of the arguments: no clock of the host enters, so schedules say that they
+/// took no time. The mission fails when it takes longer than half an hour of network time plus the
+/// time that its faults last.
 MissionResult RunVirtualMission(const VirtualMission& mission);
 
-/// The digest of the same mission where only agents fail: what it must have when it waits for
-/// everybody.
+/// The digest of the same mission with agent failures alone. A mission that waits for lost
+/// processes must have this digest.
 std::string UndisturbedDigest(const VirtualMission& mission);
 
 }  // namespace muster::tools
