@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -15,10 +16,43 @@ namespace {
 /// Our files nest four deep. The limit keeps garbage from exhausting the stack.
 constexpr std::size_t kMaxDepth = 16;
 
+/// Reads the text for the parser, and knows how far it has come.
+class Cursor {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  Cursor(const char* at, const char** reached) : at_(at), reached_(reached) {}
+  reference operator*() const { return *at_; }
+  Cursor& operator++() {
+    *reached_ = ++at_;
+    return *this;
+  }
+  bool operator==(const Cursor& other) const { return at_ == other.at_; }
+  bool operator!=(const Cursor& other) const { return at_ != other.at_; }
+
+ private:
+  const char* at_;
+  const char** reached_;
+};
+
 /// Receives the events of nlohmann's parser and builds the tree.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
-  TreeBuilder(std::string_view json, std::string_view file) : json_(json), file_(file) {}
+  TreeBuilder(std::string_view json, std::string_view file)
+      : json_(json),
+        file_(file),
+        reached_(json.data()),
+        counted_(json.data()),
+        has_lines_(json.substr(0, json.find_last_not_of("\r\n") + 1).find('\n') != json.npos) {}
+
+  void Parse() {
+    nlohmann::json::sax_parse(Cursor(json_.data(), &reached_),
+                              Cursor(json_.data() + json_.size(), &reached_), this);
+  }
 
   JsonValue Take() { return std::move(root_); }
 
@@ -105,7 +139,40 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
                                                       : &parent->members.back().value;
     }
     value->type = type;
+    if (has_lines_) Locate(value);
     return value;
+  }
+
+  /// The parser has read the value's last character, or the first one of what it has parts of; of a
+  /// number one more.
+  void Locate(JsonValue* value) {
+    const char* at = reached_ - 1;
+    if (value->type == JsonValue::Type::kNumber && at > json_.data() && !IsOfNumber(*at)) --at;
+    const auto is_inside = [&](char c) {
+      return value->type == JsonValue::Type::kNumber ? IsOfNumber(c) : c >= 'a' && c <= 'z';
+    };
+    if (value->type == JsonValue::Type::kString) {
+      do {
+        --at;
+      } while (*at != '"' || IsEscaped(at));
+    } else if (value->type != JsonValue::Type::kArray && value->type != JsonValue::Type::kObject) {
+      while (at > json_.data() && is_inside(at[-1])) --at;
+    }
+    for (; counted_ < at; ++counted_) {
+      if (*counted_ != '\n') continue;
+      ++line_;
+      line_begin_ = counted_ + 1;
+    }
+    value->line = line_;
+    value->column = static_cast<std::uint32_t>(at - line_begin_) + 1;
+  }
+  static bool IsOfNumber(char c) {
+    return (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.' || c == 'e' || c == 'E';
+  }
+  bool IsEscaped(const char* quote) const {
+    int backslashes = 0;
+    for (const char* at = quote; at > json_.data() && at[-1] == '\\'; --at) ++backslashes;
+    return backslashes % 2 == 1;
   }
 
   bool Open(JsonValue::Type type) {
@@ -132,6 +199,11 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
   std::string_view json_;
   std::string_view file_;
+  const char* reached_;  ///< how far the parser has read
+  const char* counted_;  ///< how far lines are counted
+  const char* line_begin_ = json_.data();
+  std::uint32_t line_ = 1;
+  bool has_lines_;  ///< more than one, so positions help
   JsonValue root_;
   /// From the root down. A parent's vector grows only while none of its elements is open, so the
   /// pointers hold.
@@ -145,6 +217,10 @@ const JsonValue* JsonValue::Find(std::string_view key) const {
     if (name == key) return &value;
   }
   return nullptr;
+}
+
+std::string JsonValue::Position() const {
+  return line == 0 ? "" : fmt::format(" (line {}, column {})", line, column);
 }
 
 std::string JsonValue::Shown() const {
@@ -172,7 +248,7 @@ std::string JsonValue::Shown() const {
 
 JsonValue ParseJson(std::string_view json, std::string_view file) {
   TreeBuilder builder(json, file);
-  nlohmann::json::sax_parse(json, &builder);
+  builder.Parse();
   return builder.Take();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,9 +17,14 @@ struct JsonValue {
   std::string text;  ///< a string's content or a number as written
   std::vector<JsonValue> items;
   std::vector<Member> members;
+  /// Where it begins in the text, from 1; line 0: the text has one line alone.
+  std::uint32_t line = 0, column = 0;
 
   /// The member of that key; nullptr when there is none.
   const JsonValue* Find(std::string_view key) const;
+
+  /// " (line 3, column 12)", for messages; "" in a text of one line.
+  std::string Position() const;
 
   /// How a message shows it: a number or a short string as written, else "an object", ...
   std::string Shown() const;

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "base/number_text.h"
 #include "base/random.h"
 #include "base/text.h"
 #include "model/scenario_json.h"
-#include "model/scenario_units.h"
 
 namespace muster {
 namespace {

@@ -6,8 +6,8 @@
 #include <iterator>
 
 #include "base/check.h"
+#include "base/number_text.h"
 #include "model/scenario_json.h"
-#include "model/scenario_units.h"
 
 namespace muster {
 namespace {

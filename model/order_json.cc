@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include "base/check.h"
+#include "base/object_reader.h"
 #include "base/text.h"
-#include "model/object_reader.h"
 #include "model/order.h"
+#include "model/task_reader.h"
 
 namespace muster {
 namespace {
@@ -20,11 +22,11 @@ OrderKind ReadKind(const ObjectReader& top) {
     if (name == row.name) return row.kind;
     names += fmt::format("{}{}", names.empty() ? "one of " : ", ", row.name);
   }
-  top.Fail("order", top.Required("order", "").Shown(), names);
+  top.Fail("order", *top.Optional("order"), names);
 }
 
 std::optional<TimeUs> OptionalTime(const ObjectReader& object, std::string_view key) {
-  if (object.Optional(key) == nullptr) return {};
+  if (!object.Has(key)) return {};
   return object.Time(key, kMinute);
 }
 
@@ -37,8 +39,7 @@ void ReadTask(const ObjectReader& object, Order* order) {
                     "expires_min", "expires_in_min", "revisit_min", "priority", "name",
                     "external_id", "source"});
   order->task.at = ReadPlace(object);
-  order->task.cost_m =
-      object.Optional("cost_km") == nullptr ? kUsualCost_m : object.Number("cost_km", kKm);
+  order->task.cost_m = !object.Has("cost_km") ? kUsualCost_m : object.Number("cost_km", kKm);
   ReadTaskTimes(object, &order->task);
   order->due_in_us = OptionalTime(object, "due_in_min");
   order->expires_in_us = OptionalTime(object, "expires_in_min");
@@ -47,8 +48,8 @@ void ReadTask(const ObjectReader& object, Order* order) {
 void ReadChange(const ObjectReader& top, Order* order) {
   Task task;
   ReadTaskTimes(top, &task);
-  if (top.Optional("priority") != nullptr) order->priority = task.priority;
-  if (top.Optional("name") != nullptr) order->name = task.name;
+  if (top.Has("priority")) order->priority = task.priority;
+  if (top.Has("name")) order->name = task.name;
   order->due_us = OptionalTime(top, "due_min");
   order->expires_us = OptionalTime(top, "expires_min");
   order->due_in_us = OptionalTime(top, "due_in_min");
@@ -62,8 +63,7 @@ void ReadAgent(const ObjectReader& object, Order* order) {
       object.AllowOnly({"x_km", "y_km", "speed_km_per_min", "full_range_km", "range_km",
                         "online_from_min", "online_until_min"});
       agent.range_full_m = object.Number("full_range_km", kKm);
-      agent.range_m = object.Optional("range_km") == nullptr ? agent.range_full_m
-                                                             : object.Number("range_km", kKm);
+      agent.range_m = !object.Has("range_km") ? agent.range_full_m : object.Number("range_km", kKm);
       break;
     case AgentKind::kWorker:
       object.AllowOnly({"x_km", "y_km", "speed_km_per_min", "online_from_min", "online_until_min"});
@@ -99,7 +99,7 @@ void ReadAgentName(const ObjectReader& top, Order* order) {
   const bool is_id = !digits.empty() && digits.size() < 10 &&
                      digits.find_first_not_of("0123456789") == std::string::npos;
   if (!kind || !is_id) {
-    top.Fail("agent", top.Required("agent", "").Shown(), "an agent, as \"uav:3\"");
+    top.Fail("agent", *top.Optional("agent"), "an agent, as \"uav:3\"");
   }
   order->agent_kind = *kind;
   order->agent_id = std::stoi(digits);
@@ -116,8 +116,8 @@ Order ParseOrder(std::string_view json, const std::string& where) {
   const ObjectReader top(tree, "", where);
   Order order;
   order.kind = ReadKind(top);
-  if (top.Optional("id") != nullptr) order.id = ReadName(top, "id");
-  if (top.Optional("issuer") != nullptr) order.issuer = ReadName(top, "issuer");
+  if (top.Has("id")) order.id = ReadName(top, "id");
+  if (top.Has("issuer")) order.issuer = ReadName(top, "issuer");
   order.not_before_us = OptionalTime(top, "at_min").value_or(0);
   switch (RowOf(order.kind).subject) {
     case OrderSubject::kNewTask:
@@ -127,7 +127,7 @@ Order ParseOrder(std::string_view json, const std::string& where) {
     case OrderSubject::kNewAgent: {
       top.AllowOnly({"id", "issuer", "at_min", "order", "class", "agent"});
       const auto kind = FromString<AgentKind>(top.String("class"));
-      if (!kind) top.Fail("class", top.Required("class", "").Shown(), "uav, worker or vehicle");
+      if (!kind) top.Fail("class", *top.Optional("class"), "uav, worker or vehicle");
       order.agent_kind = *kind;
       ReadAgent(top.Child("agent"), &order);
       return order;
@@ -146,8 +146,7 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       ReadChange(top, &order);
       break;
   }
-  order.task_id = static_cast<std::int32_t>(
-      top.Integer("task", top.Required("task", "a task's id"), 0, INT32_MAX));
+  order.task_id = static_cast<std::int32_t>(top.Integer("task", 0, INT32_MAX));
   return order;
 }
 

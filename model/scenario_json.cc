@@ -12,10 +12,12 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/check.h"
 #include "base/json_tree.h"
+#include "base/number_text.h"
+#include "base/object_reader.h"
 #include "base/text_file.h"
-#include "model/object_reader.h"
-#include "model/scenario_units.h"
+#include "model/task_reader.h"
 
 namespace muster {
 namespace {
@@ -30,7 +32,7 @@ Point ReadPoint(const ObjectReader& object) {
 class IdCounter {
  public:
   void Take(const ObjectReader& object) {
-    const std::int64_t id = object.Integer("id", object.Required("id", "an integer"), 0, INT32_MAX);
+    const std::int64_t id = object.Integer("id", 0, INT32_MAX);
     const bool is_new = seen_.insert(id).second;
     if (id != next_) {
       object.Fail("id", fmt::format("{}{}", id, is_new ? "" : " again"),
@@ -62,7 +64,7 @@ std::vector<AgentSpec> ReadAgents(const ObjectReader& top, std::string_view list
       object.AllowOnly({"id", "x_km", "y_km", "speed_km_per_min", "charge_km_per_min",
                         "online_from_min", "online_until_min", "measured"});
     }
-    if (version == 1 && object.Optional("measured") != nullptr) {
+    if (version == 1 && object.Has("measured")) {
       object.Fail("measured", "in version 1", "version 2");
     }
     ids.Take(object);
@@ -122,7 +124,7 @@ std::vector<ChargingPoint> ReadChargingPoints(const ObjectReader& top) {
       if (capacity->type == JsonValue::Type::kNull) {
         point.capacity = std::nullopt;
       } else {
-        point.capacity = static_cast<int>(object.Integer("capacity", *capacity, 1, INT32_MAX));
+        point.capacity = static_cast<int>(object.ReadInteger("capacity", *capacity, 1, INT32_MAX));
       }
     }
     points.push_back(point);
@@ -132,13 +134,13 @@ std::vector<ChargingPoint> ReadChargingPoints(const ObjectReader& top) {
 
 /// What rules have in version 2 only.
 void ReadOpenRules(const ObjectReader& object, Rules* rules) {
-  if (object.Optional("late_worth") != nullptr) {
+  if (object.Has("late_worth")) {
     rules->late_worth = object.Number("late_worth", kOne);
   }
-  if (object.Optional("patience_min") != nullptr) {
+  if (object.Has("patience_min")) {
     rules->patience_us = object.Time("patience_min", kMinute);
   }
-  if (object.Optional("priority_worth") == nullptr) return;
+  if (!object.Has("priority_worth")) return;
   const std::vector<JsonValue>& worths = object.Array("priority_worth");
   if (worths.size() != kPriorities) {
     object.Fail("priority_worth", fmt::format("an array of {}", worths.size()),
@@ -159,15 +161,14 @@ void ReadRules(const ObjectReader& object, int version, Rules* rules) {
                       "start_on_meeting", "priority_worth", "late_worth", "patience_min"});
     ReadOpenRules(object, rules);
   }
-  if (object.Optional("availability") != nullptr) {
+  if (object.Has("availability")) {
     const std::string name = object.String("availability");
     if (name != "strict" && name != "overrun") {
-      object.Fail("availability", object.Optional("availability")->Shown(),
-                  "\"strict\" or \"overrun\"");
+      object.Fail("availability", *object.Optional("availability"), "\"strict\" or \"overrun\"");
     }
     rules->availability = name == "strict" ? Availability::kStrict : Availability::kOverrun;
   }
-  if (object.Optional("tick_s") != nullptr) rules->tick_us = object.Time("tick_s", kSecond);
+  if (object.Has("tick_s")) rules->tick_us = object.Time("tick_s", kSecond);
   rules->ceil_to_minutes = object.Boolean("ceil_to_minutes", rules->ceil_to_minutes);
   rules->mean_over_all = object.Boolean("mean_over_all", rules->mean_over_all);
   rules->start_on_meeting = object.Boolean("start_on_meeting", rules->start_on_meeting);
@@ -177,14 +178,15 @@ Room ReadRoom(const ObjectReader& object) {
   object.AllowOnly({"tasks", "uavs", "workers", "vehicles"});
   const auto count = [&](std::string_view key) {
     const JsonValue* value = object.Optional(key);
-    return value == nullptr ? std::size_t{0}
-                            : static_cast<std::size_t>(object.Integer(key, *value, 0, kMostRoom));
+    return value == nullptr
+               ? std::size_t{0}
+               : static_cast<std::size_t>(object.ReadInteger(key, *value, 0, kMostRoom));
   };
   return {count("tasks"), {count("uavs"), count("workers"), count("vehicles")}};
 }
 
 Disturbances::Interval ReadInterval(const ObjectReader& object, std::string_view key, Unit unit) {
-  if (object.Optional(key) == nullptr) return {};
+  if (!object.Has(key)) return {};
   const std::vector<JsonValue>& ends = object.Array(key);
   if (ends.size() != 2) {
     object.Fail(key, fmt::format("an array of {}", ends.size()), "[low, high]");
@@ -207,7 +209,7 @@ std::uint64_t ReadSeed(const ObjectReader& top) {
   errno = 0;
   const unsigned long long seed = is_digits ? std::strtoull(value.text.c_str(), nullptr, 10) : 0;
   if (!is_digits || errno == ERANGE) {
-    top.Fail("seed", value.Shown(), "an integer in [0, 18446744073709551615]");
+    top.Fail("seed", value, "an integer in [0, 18446744073709551615]");
   }
   return seed;
 }
@@ -358,17 +360,17 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   // The version first: another version's keys would only confuse.
   const JsonValue& number = top.Required("version", "1 or 2");
   if (number.type != JsonValue::Type::kNumber || (number.text != "1" && number.text != "2")) {
-    top.Fail("version", number.Shown(), "1 or 2");
+    top.Fail("version", number, "1 or 2");
   }
   const int version = number.text == "1" ? 1 : 2;
   top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "start",
                  "origin", "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
                  "charging_points", "room"});
-  if (version == 1 && top.Optional("room") != nullptr) {
+  if (version == 1 && top.Has("room")) {
     top.Fail("room", "in version 1", "version 2");
   }
   Scenario scenario;
-  if (top.Optional("room") != nullptr) scenario.room = ReadRoom(top.Child("room"));
+  if (top.Has("room")) scenario.room = ReadRoom(top.Child("room"));
   scenario.name = top.String("name");
   scenario.seed = ReadSeed(top);
   const std::vector<JsonValue>& area = top.Array("area_km");
@@ -379,18 +381,18 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   scenario.height_m = top.ReadNumber("area_km[1]", area[1], kKm);
   scenario.rules.interval_us = top.Time("interval_min", kMinute);
   scenario.rules.limit_us = top.Time("limit_min", kMinute);
-  if (top.Optional("start") != nullptr) {
+  if (top.Has("start")) {
     scenario.start = ParseMoment(top.String("start"));
-    if (!scenario.start) top.Fail("start", top.Optional("start")->Shown(), kMomentExpected);
+    if (!scenario.start) top.Fail("start", *top.Optional("start"), kMomentExpected);
   }
-  if (top.Optional("origin") != nullptr) {
+  if (top.Has("origin")) {
     const ObjectReader origin = top.Child("origin");
     origin.AllowOnly({"latitude_deg", "longitude_deg"});
     scenario.origin =
         Origin{origin.Number("latitude_deg", kOne), origin.Number("longitude_deg", kOne)};
   }
-  if (top.Optional("rules") != nullptr) ReadRules(top.Child("rules"), version, &scenario.rules);
-  if (top.Optional("disturbances") != nullptr) {
+  if (top.Has("rules")) ReadRules(top.Child("rules"), version, &scenario.rules);
+  if (top.Has("disturbances")) {
     scenario.disturbances = ReadDisturbances(top.Child("disturbances"));
   }
   scenario.uavs = ReadAgents(top, "uavs", AgentKind::kUav, version);

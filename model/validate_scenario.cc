@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/number_text.h"
 #include "lcmtypes/bounds.h"
 #include "model/scenario_json.h"
-#include "model/scenario_units.h"
 
 namespace muster {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/number_text.h"
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "model/scenario_json.h"
-#include "model/scenario_units.h"
 
 namespace muster::world {
 namespace {

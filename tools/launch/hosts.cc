@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <iterator>
 #include <map>
 
 #include "base/check.h"
-#include "base/json_tree.h"
-#include "base/text.h"
+#include "base/object_reader.h"
 #include "base/text_file.h"
 #include "lcmtypes/bus/multicast.h"
 #include "protocol/fault_kinds.h"
@@ -19,90 +17,43 @@
 namespace muster::tools {
 namespace {
 
-/// An object of the file, its keys taken one by one.
-class Object {
- public:
-  Object(const JsonValue& value, std::string file, std::string at)
-      : value_(value), file_(std::move(file)), at_(std::move(at)) {
-    if (value.type != JsonValue::Type::kObject) Refuse("", value.Shown(), "an object");
+/// A text that ssh and ip do not take for an option; "" where the key is not there.
+std::string Text(const ObjectReader& object, std::string_view key) {
+  if (!object.Has(key)) return "";
+  std::string text = object.String(key);
+  if (text.empty() || text.front() == '-') {
+    object.Fail(key, *object.Optional(key), "a text that does not begin with -");
   }
+  return text;
+}
 
-  std::string Text(std::string_view key, bool needed) {
-    const JsonValue* value = Take(key, needed);
-    if (value == nullptr) return "";
-    if (value->type != JsonValue::Type::kString || value->text.empty()) {
-      Refuse(key, value->Shown(), "a text");
-    }
-    // Neither may be taken for an option of ssh or ip.
-    if (value->text.front() == '-') Refuse(key, value->text, "a text that does not begin with -");
-    return value->text;
-  }
-  /// A number above 0; 0 where the key is not there.
-  double Positive(std::string_view key) {
-    const JsonValue* value = Take(key, false);
-    if (value == nullptr) return 0;
-    const double number =
-        value->type == JsonValue::Type::kNumber ? ToNumber(value->text).value_or(0) : 0;
-    if (!(number > 0) || std::isinf(number)) Refuse(key, value->Shown(), "a number above 0");
-    return number;
-  }
-  const std::vector<JsonValue>& List(std::string_view key) {
-    const JsonValue* value = Take(key, true);
-    if (value->type != JsonValue::Type::kArray || value->items.empty()) {
-      Refuse(key, value->Shown(), "a list that is not empty");
-    }
-    return value->items;
-  }
-  void ExpectVersion() {
-    const JsonValue* value = Take("version", true);
-    if (value->type != JsonValue::Type::kNumber || value->text != "1") {
-      Refuse("version", value->Shown(), "1");
-    }
-  }
-  void ExpectNoMore() const {
-    for (const JsonValue::Member& member : value_.members) {
-      if (std::find(taken_.begin(), taken_.end(), member.name) == taken_.end()) {
-        Refuse(member.name, "it", fmt::format("one of {}", fmt::join(taken_, ", ")));
-      }
-    }
-  }
-  [[noreturn]] void Refuse(std::string_view key, const std::string& found,
-                           const std::string& expected) const {
-    throw InputError(file_, at_ + std::string(key), found, expected);
-  }
+const std::vector<JsonValue>& List(const ObjectReader& object, std::string_view key) {
+  const std::vector<JsonValue>& list = object.Array(key);
+  if (list.empty()) object.Fail(key, "an empty list", "a list that is not empty");
+  return list;
+}
 
- private:
-  const JsonValue* Take(std::string_view key, bool needed) {
-    taken_.emplace_back(key);
-    const JsonValue* value = value_.Find(key);
-    if (value == nullptr && needed) Refuse(key, "nothing", "a value");
-    return value;
-  }
-
-  const JsonValue& value_;
-  std::string file_;
-  std::string at_;
-  std::vector<std::string> taken_;
-};
-
-Host ReadHost(const JsonValue& json, const std::string& file, std::size_t i) {
-  Object object(json, file, fmt::format("hosts[{}].", i));
+Host ReadHost(const ObjectReader& object) {
+  object.AllowOnly({"name", "ssh", "netns", "folder", "processes", "mbit_s"});
   Host host;
-  host.name = object.Text("name", true);
-  host.ssh = object.Text("ssh", false);
-  host.netns = object.Text("netns", false);
-  host.folder = object.Text("folder", false);
-  for (const JsonValue& process : object.List("processes")) {
+  static_cast<void>(object.Required("name", "a text"));
+  host.name = Text(object, "name");
+  host.ssh = Text(object, "ssh");
+  host.netns = Text(object, "netns");
+  host.folder = Text(object, "folder");
+  for (const JsonValue& process : List(object, "processes")) {
     if (process.type != JsonValue::Type::kString) {
-      object.Refuse("processes", process.Shown(), "names of processes, such as uav or scheduler");
+      object.Fail("processes", process, "names of processes, such as uav or scheduler");
     }
     host.processes.push_back(process.text);
   }
-  host.mbit_s = object.Positive("mbit_s");
-  object.ExpectNoMore();
+  if (object.Has("mbit_s")) {
+    host.mbit_s = object.Number("mbit_s");
+    if (!(host.mbit_s > 0)) object.Fail("mbit_s", *object.Optional("mbit_s"), "a number above 0");
+  }
   if (host.ssh.empty() == host.netns.empty()) {
-    object.Refuse("ssh", host.ssh.empty() ? "neither ssh nor netns" : "ssh and netns",
-                  "one of the two");
+    object.Fail("ssh", host.ssh.empty() ? "neither ssh nor netns" : "ssh and netns",
+                "one of the two");
   }
   return host;
 }
@@ -133,18 +84,20 @@ const Host* HostList::Of(std::string_view process) const {
 
 HostList ParseHosts(std::string_view json, const std::string& file) {
   const JsonValue value = ParseJson(json, file);
-  Object object(value, file, "");
-  object.ExpectVersion();
+  const ObjectReader object(value, "", file);
+  object.AllowOnly({"version", "lcm_url", "hosts"});
+  object.Expect("version", 1);
   HostList list;
-  list.lcm_url = object.Text("lcm_url", false);
+  list.lcm_url = Text(object, "lcm_url");
   if (list.lcm_url.empty()) list.lcm_url = MissionUrl(7667, 1);
   const MulticastUrl url = ParseMulticastUrl(list.lcm_url, file + ": lcm_url");
   if (url.ttl < 1) {
-    object.Refuse("lcm_url", list.lcm_url, "a URL with ttl=1 or more: ttl=0 leaves no host");
+    object.Fail("lcm_url", list.lcm_url, "a URL with ttl=1 or more: ttl=0 leaves no host");
   }
-  const std::vector<JsonValue>& hosts = object.List("hosts");
-  for (std::size_t i = 0; i < hosts.size(); ++i) list.hosts.push_back(ReadHost(hosts[i], file, i));
-  object.ExpectNoMore();
+  const std::vector<JsonValue>& hosts = List(object, "hosts");
+  for (std::size_t i = 0; i < hosts.size(); ++i) {
+    list.hosts.push_back(ReadHost(object.Element("hosts", hosts[i], i)));
+  }
   return list;
 }
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "base/number_text.h"
 #include "model/scenario_json.h"
-#include "model/scenario_units.h"
 #include "protocol/mission_reader.h"
 
 namespace muster::tools {

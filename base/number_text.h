@@ -6,9 +6,9 @@
 
 namespace muster {
 
-// Numbers of a scenario file. Conversions are done in long double (64 bits of fraction or more)
-// from the text itself and rounded once to double, so that every double has a text that gives it:
-// with double arithmetic one in sixteen speeds could not be written down.
+// Numbers of our files and the units they are in. Conversions are done in long double (64 bits of
+// fraction or more) from the text itself and rounded once to double, so that every double has a
+// text that gives it: with double arithmetic one in sixteen speeds could not be written down.
 
 /// A file's unit is `numerator / denominator` of ours.
 struct Unit {
@@ -21,7 +21,7 @@ inline constexpr Unit kKmPerMin{1000, 60};
 inline constexpr long double kMinute = kMinuteUs;
 inline constexpr long double kSecond = kSecondUs;
 
-/// The longest time that a scenario may name: 1,900 years; far from the end of int64 microseconds.
+/// The longest time that a file may name: 1,900 years; far from the end of int64 microseconds.
 inline constexpr double kMaxMinutes = 1e9;
 
 double FromText(const std::string& text, Unit unit);

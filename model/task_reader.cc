@@ -1,13 +1,13 @@
-#include "model/object_reader.h"
+#include "model/task_reader.h"
 
 namespace muster {
 
 void ReadTaskTimes(const ObjectReader& object, Task* task) {
   const auto time = [&](std::string_view key, TimeUs* t) {
-    if (object.Optional(key) != nullptr) *t = object.Time(key, kMinute);
+    if (object.Has(key)) *t = object.Time(key, kMinute);
   };
   const auto text = [&](std::string_view key, std::string* value) {
-    if (object.Optional(key) != nullptr) *value = object.String(key);
+    if (object.Has(key)) *value = object.String(key);
   };
   time("reported_min", &task->reported_us);
   time("due_min", &task->due_us);
@@ -15,7 +15,7 @@ void ReadTaskTimes(const ObjectReader& object, Task* task) {
   time("revisit_min", &task->revisit_us);
   if (const JsonValue* priority = object.Optional("priority")) {
     task->priority = static_cast<Priority>(
-        object.Integer("priority", *priority, 0, static_cast<std::int64_t>(kPriorities) - 1));
+        object.ReadInteger("priority", *priority, 0, static_cast<std::int64_t>(kPriorities) - 1));
   }
   text("name", &task->name);
   text("external_id", &task->external_id);

@@ -1,4 +1,4 @@
-#include "model/scenario_units.h"
+#include "base/number_text.h"
 
 #include <fmt/format.h>
 
