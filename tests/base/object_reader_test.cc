@@ -22,22 +22,27 @@ std::string Refusal(const std::string& json, const std::function<void(const Obje
 }
 
 TEST(ObjectReader, NamesFileKeyLineColumnFoundAndExpected) {
-  const std::string json = "{\n  \"a\": [{\"n\": 1}, {\"n\": \"two\"}],\n  \"b\":  -12.5,\n  \"c\": tru";
+  const std::string json =
+      "{\n  \"a\": [{\"n\": 1}, {\"n\": \"two\"}],\n  \"b\":  -12.5,\n  \"c\": tru";
   const std::string whole = json + "e,\n \"d\": \"say \\\"no\\\" \\\\\"\n}\n";
   const auto second = [](const ObjectReader& top) {
     const auto& items = top.Array("a");
     top.Element("a", items[1], 1).Integer("n", 0, 9);
   };
   EXPECT_EQ(Refusal(whole, second),
-            "f.json: a[1].n (line 2, column 24): found \"two\", expected an integer in [0, 9]");
+            "f.json: a[1].n (line 2, column 25): found \"two\", expected an integer in [0, 9]");
   EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.Number("b", kOne, 0, 1); }),
             "f.json: b (line 3, column 9): found -12.5, expected a number in [0, 1]");
   EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.String("c"); }),
             "f.json: c (line 4, column 8): found true, expected a string");
   EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.Boolean("d", false); }),
             "f.json: d (line 5, column 7): found \"say \\\"no\\\" \\\\\", expected true or false");
-  EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.AllowOnly({"a", "b", "c"}); }),
-            "f.json: top level (line 5, column 7): found the unknown key \"d\", expected only a, b, c");
+  EXPECT_EQ(
+      Refusal(whole,
+              [](const ObjectReader& top) {
+                top.AllowOnly({"a", "b", "c"});
+              }),
+      "f.json: top level (line 5, column 7): found the unknown key \"d\", expected only a, b, c");
   EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.Child("a"); }),
             "f.json: a (line 2, column 8): found an array of 2, expected an object");
   EXPECT_EQ(Refusal(whole, [](const ObjectReader& top) { top.Required("e", "a value"); }),

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/object_reader.h"
 #include "base/text.h"
 #include "base/text_file.h"
 #include "model/agent.h"
@@ -17,8 +18,6 @@
 
 namespace muster::tools {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr double kLongestMin = 1e6;
 constexpr double kLongest_s = 3600;
@@ -88,86 +87,69 @@ void CheckShape(const PlannedFault& fault) {
   }
 }
 
-Expectations ReadExpectations(const PlannedFault& fault, const Json& json) {
-  if (!json.is_object()) Refuse(fault, "expect", json.dump(), "an object");
+Expectations ReadExpectations(const PlannedFault& fault, const ObjectReader& object) {
+  object.AllowOnly({"detected_within_ticks", "partner_released_within_decisions",
+                    "tasks_finished_by_min", "completion_rate", "same_decisions"});
+  const auto count = [&](std::string_view key) {
+    return static_cast<int>(object.Integer(key, 0, static_cast<std::int64_t>(kLongestMin)));
+  };
   Expectations expect;
-  for (const auto& [key, value] : json.items()) {
-    const std::string path = "expect." + key;
-    const auto number = [&, &found = value](double most) {
-      if (!found.is_number()) Refuse(fault, path, found.dump(), "a number");
-      return InRange(fault, path, found.get<double>(), most, true);
-    };
-    if (key == "detected_within_ticks" || key == "partner_released_within_decisions") {
-      const double n = number(kLongestMin);
-      if (n != std::floor(n)) Refuse(fault, path, value.dump(), "an integer");
-      if (key[0] == 'd' && RowOf(fault.kind).of_packets()) {
-        Refuse(fault, path, value.dump(),
-               "none: a fault on packets makes no process count as lost");
-      }
-      (key[0] == 'd' ? expect.detected_within_ticks : expect.partner_released_within_decisions) =
-          static_cast<int>(n);
-    } else if (key == "tasks_finished_by_min") {
-      expect.tasks_finished_by_us = ToUs(number(kLongestMin) * 60);
-    } else if (key == "completion_rate") {
-      expect.completion_rate = number(1);
-    } else if (key == "same_decisions") {
-      if (value != true) Refuse(fault, path, value.dump(), "true");
-      expect.same_decisions = true;
-    } else {
-      Refuse(fault, path, value.dump(),
-             "only detected_within_ticks, partner_released_within_decisions, "
-             "tasks_finished_by_min, completion_rate, same_decisions");
+  if (object.Has("detected_within_ticks")) {
+    expect.detected_within_ticks = count("detected_within_ticks");
+    if (RowOf(fault.kind).of_packets()) {
+      object.Fail("detected_within_ticks", *object.Optional("detected_within_ticks"),
+                  "none: a fault on packets makes no process count as lost");
     }
+  }
+  if (object.Has("partner_released_within_decisions")) {
+    expect.partner_released_within_decisions = count("partner_released_within_decisions");
+  }
+  if (object.Has("tasks_finished_by_min")) {
+    expect.tasks_finished_by_us =
+        ToUs(object.Number("tasks_finished_by_min", kOne, 0, kLongestMin) * 60);
+  }
+  if (object.Has("completion_rate")) {
+    expect.completion_rate = object.Number("completion_rate", kOne, 0, 1);
+  }
+  if (object.Has("same_decisions")) {
+    if (!object.Boolean("same_decisions", true)) object.Fail("same_decisions", "false", "true");
+    expect.same_decisions = true;
   }
   return expect;
 }
 
-PlannedFault FromJson(const Json& json, const std::string& where, std::size_t number) {
+std::string TextOf(const ObjectReader& object, std::string_view key) {
+  std::string text = object.String(key);
+  if (text.empty()) object.Fail(key, *object.Optional(key), "a text");
+  return text;
+}
+
+PlannedFault ReadFault(const ObjectReader& object, const std::string& where, std::size_t number) {
   PlannedFault fault;
   fault.where = where;
-  fault.id = fmt::format("f{}", number);
-  if (!json.is_object()) throw InputError(where, "", json.dump(), "an object");
-  const auto text = [&](const char* key) -> std::string {
-    const auto found = json.find(key);
-    if (found == json.end()) Refuse(fault, key, "nothing", "a text");
-    if (!found->is_string() || found->get<std::string>().empty()) {
-      Refuse(fault, key, found->dump(), "a text");
-    }
-    return found->get<std::string>();
-  };
-  const auto number_of = [&](const char* key) -> double {
-    const Json& value = json.at(key);
-    if (!value.is_number()) Refuse(fault, key, value.dump(), "a number");
-    return value.get<double>();
-  };
-  fault.kind = KindByName(text("kind"), where, "kind");
-  fault.target = text("target");
+  fault.id = object.Has("id") ? TextOf(object, "id") : fmt::format("f{}", number);
+  fault.kind = KindByName(TextOf(object, "kind"), where, "kind");
+  fault.target = TextOf(object, "target");
   const std::string_view value_key = RowOf(fault.kind).value_key;
-  for (const auto& [key, value] : json.items()) {
-    if (key == "kind" || key == "target") continue;
-    if (key == "id") {
-      fault.id = text("id");
-    } else if (key == "expect") {
-      fault.expect = ReadExpectations(fault, value);
-    } else if (key == "at_min") {
-      fault.at_us = ToUs(InRange(fault, key, number_of("at_min"), kLongestMin, true) * 60);
-    } else if (key == "for_min") {
-      fault.for_us = ToUs(InRange(fault, key, number_of("for_min"), kLongestMin, false) * 60);
-    } else if (key == "for_s") {
-      fault.for_real_us = ToUs(InRange(fault, key, number_of("for_s"), kLongest_s, false));
-    } else if (key == value_key) {
-      SetValue(key, number_of(key.c_str()), &fault);
-    } else {
-      Refuse(fault, key, value.dump(),
-             fmt::format("only kind, target, at_min, for_min, for_s, id, expect{}{}",
-                         value_key.empty() ? "" : ", ", value_key));
-    }
+  if (value_key.empty()) {
+    object.AllowOnly({"kind", "target", "at_min", "for_min", "for_s", "id", "expect"});
+  } else {
+    object.AllowOnly({"kind", "target", "at_min", "for_min", "for_s", "id", "expect", value_key});
   }
-  if (!json.contains("at_min")) Refuse(fault, "at_min", "nothing", "minutes of mission time");
+  const auto time = [&](std::string_view key, double longest, bool zero) {
+    return InRange(fault, key, object.Number(key), longest, zero);
+  };
+  fault.at_us = ToUs(time("at_min", kLongestMin, true) * 60);
+  if (object.Has("for_min")) fault.for_us = ToUs(time("for_min", kLongestMin, false) * 60);
+  if (object.Has("for_s")) fault.for_real_us = ToUs(time("for_s", kLongest_s, false));
+  if (!value_key.empty() && object.Has(value_key)) {
+    SetValue(value_key, object.Number(value_key), &fault);
+  }
   if (fault.for_us > 0 && fault.for_real_us > 0) {
-    Refuse(fault, "for_s", json.at("for_s").dump(), "one of for_min and for_s");
+    object.Fail("for_s", *object.Optional("for_s"), "one of for_min and for_s");
   }
   CheckShape(fault);
+  if (object.Has("expect")) fault.expect = ReadExpectations(fault, object.Child("expect"));
   return fault;
 }
 
@@ -185,30 +167,14 @@ FaultKind KindByName(const std::string& name, const std::string& file, std::stri
 }
 
 FaultPlan ParseFaultPlan(const std::string& text, const std::string& file) {
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    throw InputError(fmt::format("{}: not JSON (byte {})", file, error.byte));
-  } catch (const Json::out_of_range&) {
-    throw InputError(fmt::format("{}: a number is too large", file));
-  }
-  const auto refuse = [&](const char* key, const std::string& found, const char* expected) {
-    throw InputError(file, key, found, expected);
-  };
-  if (!json.is_object()) refuse("file", "no object", "{\"version\": 1, \"faults\": [...]}");
-  for (const auto& [key, value] : json.items()) {
-    if (key != "version" && key != "faults") refuse(key.c_str(), "it", "only version and faults");
-  }
-  if (!json.contains("version") || json["version"] != 1) {
-    refuse("version", json.contains("version") ? json["version"].dump() : "nothing", "1");
-  }
-  if (!json.contains("faults") || !json["faults"].is_array()) {
-    refuse("faults", json.contains("faults") ? json["faults"].dump() : "nothing", "a list");
-  }
+  const JsonValue tree = ParseJson(text, file);
+  const ObjectReader top(tree, "", file);
+  top.AllowOnly({"version", "faults"});
+  top.Expect("version", 1);
   FaultPlan plan;
-  for (const Json& item : json["faults"]) {
-    plan.push_back(FromJson(item, fmt::format("{}: faults[{}]", file, plan.size()), plan.size()));
+  for (const JsonValue& item : top.Array("faults")) {
+    const std::string where = fmt::format("{}: faults[{}]", file, plan.size());
+    plan.push_back(ReadFault(ObjectReader(item, "", where), where, plan.size()));
   }
   return plan;
 }
