@@ -84,7 +84,7 @@ TEST_F(Drive, SilenceDeathAndNonsenseAreWrong) {
        "id 99 was never given"},
       {"version=1", "version=2", "version: found 2, expected 1"},
       {"say(type=\"state\", at=me, mission_s=now, expected",
-       "say(type=\"state\", mission_s=now, expected", "at: found nothing"},
+       "say(type=\"state\", mission_s=now, expected", "at: found no such key"},
       {"part = min(1, ", "part = min(1, 1.5 * ", "are faster than its 16.6667 m/s"},
       {"say(type=\"done\"", "say(type=\"finished\"", "type: found \"finished\""},
       {"leg = work = None", "pass", "m after cancel"},
