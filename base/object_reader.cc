@@ -43,11 +43,10 @@ double ObjectReader::Number(std::string_view key, Unit unit, double low, double 
 
 double ObjectReader::ReadNumber(std::string_view key, const JsonValue& value, Unit unit, double low,
                                 double high) const {
-  const double amount =
-      value.type == Type::kNumber ? FromText(value.text, kOne) : std::nan("");
+  const double amount = value.type == Type::kNumber ? FromText(value.text, kOne) : std::nan("");
   if (amount >= low && amount <= high) return FromText(value.text, unit);
   Fail(key, value,
-       low == -kMost  ? std::string("a number")
+       low == -kMost   ? std::string("a number")
        : high == kMost ? fmt::format("a number of at least {}", low)
                        : fmt::format("a number in [{}, {}]", low, high));
 }
@@ -111,7 +110,10 @@ ObjectReader ObjectReader::Element(std::string_view list, const JsonValue& item,
 void ObjectReader::Fail(std::string_view key, std::string_view found,
                         std::string_view expected) const {
   const std::string path = PathOf(key);
-  throw InputError(file_, (path.empty() ? "top level" : path) + value_.Position(), found, expected);
+  const JsonValue* value = Optional(key);
+  throw InputError(file_,
+                   (path.empty() ? "top level" : path) + (value ? *value : value_).Position(),
+                   found, expected);
 }
 
 void ObjectReader::Fail(std::string_view key, const JsonValue& found,

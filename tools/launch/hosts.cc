@@ -29,7 +29,7 @@ std::string Text(const ObjectReader& object, std::string_view key) {
 
 const std::vector<JsonValue>& List(const ObjectReader& object, std::string_view key) {
   const std::vector<JsonValue>& list = object.Array(key);
-  if (list.empty()) object.Fail(key, "an empty list", "a list that is not empty");
+  if (list.empty()) object.Fail(key, *object.Optional(key), "a list that is not empty");
   return list;
 }
 

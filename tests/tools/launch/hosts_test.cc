@@ -52,15 +52,16 @@ TEST(Hosts, ALinkMayHaveARate) {
 
 TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]})")), "");
-  EXPECT_EQ(ErrorOf("{}"), "hosts.json: version: found nothing, expected a value");
+  EXPECT_EQ(ErrorOf("{}"), "hosts.json: version: found no such key, expected 1");
   EXPECT_EQ(ErrorOf(R"({"version": 2, "hosts": []})"), "hosts.json: version: found 2, expected 1");
   EXPECT_EQ(ErrorOf(R"({"version": 1, "hosts": []})"),
             "hosts.json: hosts: found an array of 0, expected a list that is not empty");
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "processes": ["uav"]})")),
             "hosts.json: hosts[0].ssh: found neither ssh nor netns, expected one of the two");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "ssh": "-oProxyCommand=x", "processes": ["uav"]})")),
-            "hosts.json: hosts[0].ssh: found -oProxyCommand=x, expected a text that does not begin "
-            "with -");
+  EXPECT_EQ(
+      ErrorOf(Hosts(R"({"name": "a", "ssh": "-oProxyCommand=x", "processes": ["uav"]})")),
+      "hosts.json: hosts[0].ssh: found \"-oProxyCommand=x\", expected a text that does not begin "
+      "with -");
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uavs"]})")),
             "hosts.json: host a: processes: found uavs, expected processes of the mission: world, "
             "uav, scheduler");
@@ -70,10 +71,12 @@ TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
             "too");
   EXPECT_EQ(ErrorOf(R"({"version": 1, "lcm_url": "udpm://239.255.76.67:7667?ttl=0", "hosts": [
                         {"name": "a", "netns": "a", "processes": ["uav"]}]})"),
-            "hosts.json: lcm_url: found udpm://239.255.76.67:7667?ttl=0, expected a URL with ttl=1 "
+            "hosts.json: lcm_url (line 1, column 27): found udpm://239.255.76.67:7667?ttl=0, "
+            "expected a URL with ttl=1 "
             "or more: ttl=0 leaves no host");
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
-            "hosts.json: hosts[0].port: found it, expected one of name, ssh, netns, folder, "
+            "hosts.json: hosts[0]: found the unknown key \"port\", expected only name, ssh, netns, "
+            "folder, "
             "processes, mbit_s");
 }
 
