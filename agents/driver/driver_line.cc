@@ -33,7 +33,9 @@ std::optional<TimeUs> Time(const ObjectReader& object, std::string_view key) {
 }
 
 /// The number of what it was told.
-std::int64_t Id(const ObjectReader& object) { return object.Integer("id", 1, std::int64_t{1} << 53); }
+std::int64_t Id(const ObjectReader& object) {
+  return object.Integer("id", 1, std::int64_t{1} << 53);
+}
 
 std::string Text(const ObjectReader& object, std::string_view key) {
   std::string text = object.String(key);
