@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -78,39 +79,6 @@ std::map<std::int32_t, const activity_t*> LatestSensing(const Timeline& timeline
   return latest;
 }
 
-/// Why a task will be late or lost, with how near that is; none when nothing speaks for it.
-/// `start_us`: planned, of a pair on its way; kNever: nobody is.
-std::optional<std::pair<double, std::string>> RiskOf(const Task& task, TimeUs start_us,
-                                                     TimeUs now_us, TimeUs soon_us) {
-  const auto minutes = [](TimeUs us) { return fmt::format("{:.0f} min", ToSeconds(us) / 60); };
-  const bool on_way = start_us != kNever;
-  if (on_way && !task.AllowsStart(start_us)) {
-    return {{7, fmt::format("starts at {}, expires at {}", ClockText(start_us),
-                            ClockText(task.expires_us))}};
-  }
-  if (on_way && start_us > task.due_us) {
-    return {{3, fmt::format("starts at {}, {} too late", ClockText(start_us),
-                            minutes(start_us - task.due_us))}};
-  }
-  if (on_way) return {};
-  // Sooner is worse, by less than what tells the kinds apart.
-  const auto nearness = [&](TimeUs left_us) {
-    return 1 - ToSeconds(left_us) / std::max(1.0, ToSeconds(soon_us));
-  };
-  if (task.expires_us != kNever && task.expires_us - now_us <= soon_us) {
-    const TimeUs left_us = std::max<TimeUs>(0, task.expires_us - now_us);
-    return {{6 + nearness(left_us), fmt::format("expires in {}", minutes(left_us))}};
-  }
-  if (task.due_us <= now_us) {
-    return {{5, fmt::format("was due {} ago", minutes(now_us - task.due_us))}};
-  }
-  if (task.due_us != kNever && task.due_us - now_us <= soon_us) {
-    return {{4 + nearness(task.due_us - now_us),
-             fmt::format("due in {}", minutes(task.due_us - now_us))}};
-  }
-  return {};
-}
-
 /// Adds the tasks that will be late or lost, and those that nobody is sent to or that were not
 /// done.
 void AddTasks(const Timeline& timeline, Kind* at_risk, Kind* undone) {
@@ -133,13 +101,11 @@ void AddTasks(const Timeline& timeline, Kind* at_risk, Kind* undone) {
       continue;
     }
     const auto sensing = latest.find(static_cast<std::int32_t>(i));
-    const bool on_way = status == TaskStatus::kReserved && sensing != latest.end();
-    const auto risk = status == TaskStatus::kOpen || on_way
-                          ? RiskOf(task, on_way ? sensing->second->start_us : kNever, now_us,
-                                   2 * scenario.rules.interval_us)
-                          : std::nullopt;
-    if (risk) {
-      at_risk->Add(who, kWords[priority] + risk->second, matters + risk->first);
+    const auto start_us = status == TaskStatus::kReserved && sensing != latest.end()
+                              ? std::optional<TimeUs>(sensing->second->start_us)
+                              : std::nullopt;
+    if (const auto risk = RiskOf(task, status, start_us, now_us, scenario.rules.interval_us)) {
+      at_risk->Add(who, kWords[priority] + risk->note, matters + risk->harm);
     } else if (late && status == TaskStatus::kOpen) {
       undone->Add(who, "", matters);
     }
@@ -147,6 +113,38 @@ void AddTasks(const Timeline& timeline, Kind* at_risk, Kind* undone) {
 }
 
 }  // namespace
+
+std::optional<TaskRisk> RiskOf(const Task& task, TaskStatus status, std::optional<TimeUs> start_us,
+                               TimeUs now_us, TimeUs interval_us) {
+  const auto minutes = [](TimeUs us) {
+    return fmt::format("{} min", std::llround(ToSeconds(us) / 60));
+  };
+  if (status == TaskStatus::kReserved) {
+    if (!start_us) return {};  // a live mission may not have told yet when it starts
+    if (!task.AllowsStart(*start_us)) {
+      return TaskRisk{7, fmt::format("starts at {}, expires at {}", ClockText(*start_us),
+                                     ClockText(task.expires_us))};
+    }
+    if (*start_us <= task.due_us) return {};
+    return TaskRisk{3, fmt::format("starts at {}, {} too late", ClockText(*start_us),
+                                   minutes(*start_us - task.due_us))};
+  }
+  if (status != TaskStatus::kOpen && status != TaskStatus::kHeld) return {};
+  const TimeUs soon_us = 2 * interval_us;
+  const char* const why = status == TaskStatus::kHeld ? "held by an order" : "nobody is on the way";
+  // Sooner is worse, by less than what tells the kinds apart.
+  const auto nearness = [&](TimeUs left_us) { return 1 - ToSeconds(left_us) / ToSeconds(soon_us); };
+  if (task.expires_us != kNever && task.expires_us - now_us <= soon_us) {
+    const TimeUs left_us = std::max<TimeUs>(0, task.expires_us - now_us);
+    return TaskRisk{6 + nearness(left_us), fmt::format("expires in {}, {}", minutes(left_us), why)};
+  }
+  if (task.due_us <= now_us) {
+    return TaskRisk{5, fmt::format("was due {} ago, {}", minutes(now_us - task.due_us), why)};
+  }
+  if (task.due_us == kNever || task.due_us - now_us > soon_us) return {};
+  return TaskRisk{4 + nearness(task.due_us - now_us),
+                  fmt::format("due in {}, {}", minutes(task.due_us - now_us), why)};
+}
 
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent) {
   const Scenario& scenario = timeline.scenario();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,24 @@ struct Concern {
   bool bad = true;   ///< red; else of note only
 };
 
+/// Why a task will be late or lost, and how much that harms.
+struct TaskRisk {
+  double harm = 0;
+  std::string note;
+};
+
+/// The risk of a task of that status; none when nothing speaks for one. `start_us`: of the sensing
+/// by the pair that is on its way, where that is known. The page has the same rule (`timeRisk` in
+/// attention.js); tests/tools/top/task_risks.json holds both to the same cases.
+std::optional<TaskRisk> RiskOf(const Task& task, TaskStatus status, std::optional<TimeUs> start_us,
+                               TimeUs now_us, TimeUs interval_us);
+
 /// What needs attention at the newest time that `timeline` knows: kinds in the page's order, the
-/// most harmful first, each by harm. `silent`: processes that have said nothing for long. A task is
-/// at risk when it is due or expires within two intervals and nobody is on the way, or when the
-/// pair that is on the way starts too late; priority weighs most. Others that nobody is sent to
-/// count from half of the mission's time on. Time grows with agents and tasks, and with charging
-/// points for each UAV that is low.
+/// most harmful first, each by harm. `silent`: processes that have sent nothing for long. A task is
+/// at risk when it is due or expires within two intervals and no pair is on the way (also when an
+/// order holds it), or when the pair that is on the way starts too late; priority weighs most. From
+/// half of the mission's time on, other tasks without a pair count too. Time grows with agents and
+/// tasks, and with charging points for each UAV that is low.
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent);
 
 }  // namespace muster::tools

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -93,12 +94,40 @@ TEST(Attention, ATaskIsAtRiskWhenItsStartIsTooLateOrNobodyIsOnTheWay) {
   using Lines = std::vector<std::string>;
   EXPECT_EQ(told(8, 25, 1, 4), Lines()) << "in time, and not soon";
   EXPECT_EQ(told(5, 0, 1, 4), Lines({"tasks at risk: task 0 starts at 0:07:12, 2 min too late"}));
-  EXPECT_EQ(told(5, 6, 1, 4), Lines({"tasks at risk: task 1 due in 2 min",
+  EXPECT_EQ(told(5, 6, 1, 4), Lines({"tasks at risk: task 1 due in 2 min, nobody is on the way",
                                      "tasks at risk: task 0 starts at 0:07:12, 2 min too late"}));
-  EXPECT_EQ(told(5, 6, 0, 4), Lines({"tasks at risk: task 0 starts at 0:07:12, 2 min too late",
-                                     "tasks at risk: task 1 low, due in 2 min"}))
+  EXPECT_EQ(told(5, 6, 0, 4),
+            Lines({"tasks at risk: task 0 starts at 0:07:12, 2 min too late",
+                   "tasks at risk: task 1 low, due in 2 min, nobody is on the way"}))
       << "priority weighs most";
-  EXPECT_EQ(told(0, 2, 3, 4), Lines({"tasks at risk: task 1 emergency, was due 2 min ago"}));
+  EXPECT_EQ(told(0, 2, 3, 4),
+            Lines({"tasks at risk: task 1 emergency, was due 2 min ago, nobody is on the way"}));
+}
+
+/// The page's run.test.mjs holds `timeRisk` to the same cases.
+TEST(Attention, RisksAreThoseOfTheCasesThatThePageHasToo) {
+  std::ifstream in(MUSTER_SOURCE_DIR "/tests/tools/top/task_risks.json");
+  const auto cases = nlohmann::json::parse(in);
+  std::size_t risks = 0;
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.dump());
+    const auto time = [&](const char* key) {
+      return static_cast<TimeUs>(one.at(key).get<double>() * static_cast<double>(kMinuteUs));
+    };
+    Task task;
+    if (one.contains("due_min")) task.due_us = time("due_min");
+    if (one.contains("expires_min")) task.expires_us = time("expires_min");
+    const auto status = FromString<TaskStatus>(one.at("status").get<std::string>());
+    ASSERT_TRUE(status);
+    const auto start = one.contains("start_min") ? std::optional(time("start_min")) : std::nullopt;
+    const auto risk = RiskOf(task, *status, start, time("now_min"), time("interval_min"));
+    ASSERT_EQ(risk.has_value(), one.contains("harm"));
+    if (!risk) continue;
+    EXPECT_NEAR(risk->harm, one.at("harm").get<double>(), 1e-9);
+    EXPECT_EQ(risk->note, one.at("note").get<std::string>());
+    ++risks;
+  }
+  EXPECT_GT(risks, 8u);
 }
 
 TEST(Attention, ATaskThatExpiresIsWorseThanOneThatIsLate) {
@@ -113,8 +142,8 @@ TEST(Attention, ATaskThatExpiresIsWorseThanOneThatIsLate) {
   };
   using Lines = std::vector<std::string>;
   EXPECT_EQ(told(7, 100), Lines({"tasks at risk: task 0 starts at 0:07:12, expires at 0:07:00",
-                                 "tasks at risk: task 1 was due 3 min ago"}));
-  EXPECT_EQ(told(8, 14), Lines({"tasks at risk: task 1 expires in 10 min"}));
+                                 "tasks at risk: task 1 was due 3 min ago, nobody is on the way"}));
+  EXPECT_EQ(told(8, 14), Lines({"tasks at risk: task 1 expires in 10 min, nobody is on the way"}));
 }
 
 TEST(Attention, TasksThatNobodyReportedAreNotMissed) {

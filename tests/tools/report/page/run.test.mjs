@@ -1,9 +1,10 @@
 // The page's logic, without a browser: node --test run.test.mjs
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
 import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
-import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
+import { attentionAt, forecastAt, timeRisk } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { cellWords, countCells } from "../../../../tools/report/page/map_crowd.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
@@ -482,4 +483,17 @@ test("names keep away from what is taken, and places of a small area are told to
   assert.equal(place([{ left: 0, top: 60, wide: 400, high: 80 }]), undefined);
   assert.equal(placeWords({ scenario: { width_m: 100, height_m: 100 } }, { x: 12, y: 99 }), "0.012, 0.099 km");
   assert.equal(placeWords({ scenario: { width_m: 30000, height_m: 100 } }, { x: 12, y: 99 }), "0.0, 0.1 km");
+});
+
+// attention_test.cc holds `muster top` to the same cases.
+test("the risk of a task is that of the terminal", () => {
+  const statuses = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
+  const ms = (minutes) => (minutes === undefined ? null : minutes * 60_000);
+  const cases = JSON.parse(readFileSync(new URL("../../top/task_risks.json", import.meta.url)));
+  for (const one of cases) {
+    const now = { status: statuses.indexOf(one.status), activity: one.start_min === undefined ? null : { start: ms(one.start_min) } };
+    const risk = timeRisk({ intervalMs: ms(one.interval_min) }, { due: ms(one.due_min), expires: ms(one.expires_min) }, now, ms(one.now_min));
+    assert.equal(risk?.note, one.note, JSON.stringify(one));
+    if (risk) assert.ok(Math.abs(risk.harm - one.harm) < 1e-9, JSON.stringify(one));
+  }
 });
