@@ -1,7 +1,8 @@
 #include "protocol/agent_changes.h"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 
 #include "base/check.h"
 #include "lcmtypes/channels.h"
@@ -15,9 +16,12 @@ constexpr std::size_t kListedPerMessage = 256;
 
 struct BitComparison {
   bool same = true;
-  template <class T>
-  void operator()(const char*, const T& a, const T& b) {
-    same = same && std::memcmp(&a, &b, sizeof(T)) == 0;
+  void operator()(const char*, double a, double b) {
+    same = same && std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  }
+  template <class Integer>
+  void operator()(const char*, Integer a, Integer b) {
+    same = same && a == b;
   }
 };
 

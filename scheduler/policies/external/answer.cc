@@ -18,7 +18,7 @@ constexpr std::string_view kLine = "its line";
 
 /// An object of that type.
 ObjectReader ReadObject(const JsonValue& root, std::string_view type) {
-  const ObjectReader object(root, "", kLine);
+  ObjectReader object(root, "", kLine);
   const std::string expected = fmt::format("\"{}\"", type);
   const JsonValue& said = object.Required("type", expected);
   if (said.type != Type::kString || said.text != type) object.Fail("type", said, expected);
