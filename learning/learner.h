@@ -9,7 +9,7 @@
 
 namespace muster::learning {
 
-/// Hyper-parameters common to all methods. Sources: docs/guide/learned.md.
+/// Hyper-parameters common to all methods. Sources: docs/reference/learned.md.
 struct LearnerSettings {
   MethodSettings method;
   double learning_rate = 5e-4;

@@ -106,7 +106,7 @@ class Qplex : public Joiner {
   std::shared_ptr<QplexMixer> mixer_;
 };
 
-/// QTRAN-base. The reference's losses, not the paper's formulas: docs/guide/learned.md.
+/// QTRAN-base. The reference's losses, not the paper's formulas: docs/reference/learned.md.
 class Qtran : public Joiner {
  public:
   Qtran(const MethodSettings& settings, const Problem& problem) : settings_(settings) {

@@ -14,7 +14,7 @@ enum class Method { kMadl, kQmix, kCwQmix, kOwQmix, kQtran, kQplex, kMfQmix, kSq
 /// One of scheduler::learned::kMethodNames, or "marl", the paper's name of qmix. Throws InputError.
 Method MethodOf(const std::string& name);
 
-/// What methods are trained with. Sources: docs/guide/learned.md.
+/// What methods are trained with. Sources: docs/reference/learned.md.
 struct MethodSettings {
   Method method = Method::kQmix;
   double gamma = 0.99;

@@ -17,7 +17,7 @@ struct TrainSettings {
   std::int64_t episodes = 0;  ///< ends after so many, too; 0: by time alone
   std::string folder;
   bool resume = true;  ///< go on from a checkpoint, where there is one
-  // Sources: docs/guide/learned.md.
+  // Sources: docs/reference/learned.md.
   int batch = 8;              ///< episodes
   int replay = 1000;          ///< episodes
   int target_every = 100;     ///< episodes

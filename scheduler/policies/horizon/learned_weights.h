@@ -16,7 +16,7 @@ inline constexpr std::size_t kSituationFeatures = 5;
 /// exponential of these times the features of the situation. All 0: the hand-set ones.
 using WeightCoefficients = std::array<std::array<double, kSituationFeatures>, kLearnedWeightings>;
 
-/// Found on simulated missions of Random_1, 3, 8 and 10 (docs/guide/learned.md#a-learned-value).
+/// Found on simulated missions of Random_1, 3, 8 and 10 (docs/results/learned.md#a-learned-value).
 extern const WeightCoefficients kLearnedWeights;
 
 /// 1; share of the mission's time that is left; tasks for each UAV, on a scale of logarithms; mean

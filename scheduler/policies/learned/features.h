@@ -35,7 +35,7 @@ struct AgentView {
 };
 
 /// What the networks of one decision see. Source: the paper's appendix B (maps, location, urgency,
-/// id); options instead of cells, their features: ours, docs/guide/learned.md.
+/// id); options instead of cells, their features: ours, docs/reference/learned.md.
 struct Observation {
   /// [kMaps x rows x columns]: UAVs, workers, vehicles, urgency of the UAVs in 1/32, open tasks,
   /// charging points with a free place, by cell, at most 255.

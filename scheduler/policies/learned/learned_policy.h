@@ -13,7 +13,7 @@ inline constexpr std::string_view kLearnedPrefix = "learned:";
 
 /// Decides with a model of `muster train`: each agent takes the option that its own network values
 /// most, without a word between them. Source: the paper's appendix B (decentralised execution);
-/// options and the pairs that come of them: ours, docs/guide/learned.md.
+/// options and the pairs that come of them: ours, docs/reference/learned.md.
 class LearnedPolicy : public Policy {
  public:
   /// `name` with the prefix. Throws InputError when there is no model.
