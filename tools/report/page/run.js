@@ -20,7 +20,7 @@ function splice(list, from, fresh) {
   for (const value of fresh) list.push(value);
 }
 
-/** One mission, as the chunks tell it (docs/guide/report.md): the first makes it, later ones add to it. */
+/** One mission, as the chunks tell it (docs/reference/report-format.md): the first makes it, later ones add to it. */
 export class Run {
   constructor() {
     this.name = "";
