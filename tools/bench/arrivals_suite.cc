@@ -71,22 +71,20 @@ Scenario ArrivalsScenario(ImportedSettings* imported, const std::string& arrival
                                          : Drawn(arrivals, load, seed);
 }
 
-void RunArrivals(const ArrivalsOptions& options,
+void RunArrivals(const BenchOptions& options,
                  const std::function<void(const ArrivalsRow&)>& report) {
   ImportedSettings imported(options.data);
-  const auto first_seed = static_cast<std::uint64_t>(options.first_seed);
   // What cannot be flown is said before the first mission.
   for (const std::string& arrivals : options.instances) {
     for (const double load : options.loads) {
-      ArrivalsScenario(&imported, arrivals, load, first_seed);
+      ArrivalsScenario(&imported, arrivals, load, static_cast<std::uint64_t>(options.first_seed));
     }
   }
   for (const std::string& arrivals : options.instances) {
     for (const double load : options.loads) {
-      for (int i = 0; i < options.seeds; ++i) {
-        const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+      for (const std::uint64_t seed : options.AllSeeds()) {
         const std::string json = ScenarioToJson(ArrivalsScenario(&imported, arrivals, load, seed));
-        for (const std::string& policy : options.policies) {
+        for (const std::string& policy : options.methods) {
           RunRecord record;
           Simulate(json, policy, [&](const Packet& packet) { record.Add(packet); });
           report({arrivals, load, seed, policy, ServiceOf(record, *record.scenario())});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/bench/imported_settings.h"
+#include "tools/bench/suites.h"
 #include "tools/record/service.h"
 
 namespace muster::tools {
@@ -20,15 +21,6 @@ struct ArrivalsRow {
   Service service;
 };
 
-struct ArrivalsOptions {
-  std::vector<std::string> policies;
-  std::vector<std::string> instances;  ///< of ArrivalsInstances
-  std::vector<double> loads;
-  int seeds = 10;
-  int first_seed = 1;
-  std::string data;  ///< folder with the tables of imported settings; "": none
-};
-
 /// Those that can be flown; with data the imported settings too, whose tasks are rows of their
 /// tables, reported at their own times: the larger the load, the more of the rows.
 std::vector<std::string> ArrivalsInstances(bool has_data);
@@ -38,9 +30,10 @@ std::vector<std::string> ArrivalsInstances(bool has_data);
 Scenario ArrivalsScenario(ImportedSettings* imported, const std::string& arrivals, double load,
                           std::uint64_t seed);
 
-/// Flies the missions in virtual time, policies of one mission one after the other. Throws
-/// InputError, as ArrivalsScenario does, before the first.
-void RunArrivals(const ArrivalsOptions& options,
+/// Flies the missions in virtual time, policies of one mission one after the other; of the options:
+/// methods, instances (of ArrivalsInstances), loads, seeds, data. Throws InputError, as
+/// ArrivalsScenario does, before the first.
+void RunArrivals(const BenchOptions& options,
                  const std::function<void(const ArrivalsRow&)>& report);
 
 std::string ArrivalsCsvHeader();

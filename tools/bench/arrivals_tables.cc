@@ -1,121 +1,86 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <optional>
 #include <utility>
 
 #include "scheduler/policies/registry.h"
 #include "tools/bench/arrivals_suite.h"
+#include "tools/bench/plot.h"
+#include "tools/bench/sheet.h"
+#include "tools/bench/statistics.h"
 
 namespace muster::tools {
 namespace {
 
-/// Of a mission; NaN: nothing to tell, as there were no such tasks.
+/// A figure of a mission; kNotKnown where it had no such tasks.
 using Metric = std::function<double(const Service&)>;
 
-double Percent(double part, double all) { return all > 0 ? 100 * part / all : std::nan(""); }
+double Percent(double part, double all) { return all > 0 ? 100 * part / all : kNotKnown; }
 
 double WorthPercent(const Service& s) { return Percent(s.worth_done, s.worth_all); }
 double OnTimePercent(const Service& s) { return Percent(s.on_time(), s.reported()); }
 double LateResponseMin(const Service& s) { return s.response_quantile_s(0.9) / 60; }
 
-struct Mean {
-  double of = 0;
-  double error = 0;  ///< standard error; NaN: fewer than two values
-};
-
-/// Of those that are numbers; no value: none is.
-std::optional<Mean> MeanOf(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return std::nullopt;
-  const auto n = static_cast<double>(values.size());
-  Mean mean;
-  for (const double value : values) mean.of += value / n;
-  double squares = 0;
-  for (const double value : values) squares += (value - mean.of) * (value - mean.of);
-  mean.error = n > 1 ? std::sqrt(squares / (n - 1) / n) : std::nan("");
-  return mean;
-}
-
-template <class T>
-void AddOnce(const T& item, std::vector<T>* list) {
-  if (std::find(list->begin(), list->end(), item) == list->end()) list->push_back(item);
-}
+using ArrivalsLine = std::pair<std::string, double>;  ///< arrivals, load
+using RowsOfLine = std::vector<const ArrivalsRow*>;
 
 /// The rows by mission and policy, each in the order in which they came.
-class Grid {
- public:
-  explicit Grid(const std::vector<ArrivalsRow>& rows) : rows_(rows) {
-    for (const ArrivalsRow& row : rows) {
-      AddOnce({row.arrivals, row.load}, &lines);
-      AddOnce(row.arrivals, &arrivals);
-      AddOnce(row.policy, &policies);
+struct Grid {
+  explicit Grid(const std::vector<ArrivalsRow>& rows)
+      : lines(GroupsOf(
+            rows, [](const ArrivalsRow& row) { return ArrivalsLine(row.arrivals, row.load); })) {
+    for (const auto& group : GroupsOf(rows, [](const ArrivalsRow& row) { return row.policy; })) {
+      policies.push_back(group.first);
+      if (group.first == scheduler::kDefaultPolicy) reference = group.first;
     }
-    reference =
-        std::find(policies.begin(), policies.end(), scheduler::kDefaultPolicy) == policies.end()
-            ? (policies.empty() ? "" : policies.front())
-            : std::string(scheduler::kDefaultPolicy);
+    if (reference.empty() && !policies.empty()) reference = policies.front();
   }
 
-  /// Of that line and policy, seed by seed.
-  std::vector<double> Values(const std::pair<std::string, double>& line, const std::string& policy,
-                             const Metric& metric) const {
-    std::vector<double> values;
-    for (const ArrivalsRow& row : rows_) {
-      if (row.arrivals == line.first && row.load == line.second && row.policy == policy) {
-        values.push_back(metric(row.service));
-      }
-    }
-    return values;
-  }
-
-  std::vector<std::pair<std::string, double>> lines;  ///< arrivals, load
-  std::vector<std::string> arrivals, policies;
+  std::vector<std::pair<ArrivalsLine, RowsOfLine>> lines;
+  std::vector<std::string> policies;
   std::string reference;  ///< policy that the others are compared with
-
- private:
-  const std::vector<ArrivalsRow>& rows_;
 };
 
+/// What a policy made of the missions, seed by seed.
+std::vector<double> ValuesBy(const std::string& policy, RowsOfLine missions, const Metric& metric) {
+  std::erase_if(missions, [&](const ArrivalsRow* row) { return row->policy != policy; });
+  return ValuesOf(missions, [&](const ArrivalsRow& row) { return metric(row.service); });
+}
+
 std::string MeanCell(const std::vector<double>& values, int digits) {
-  const auto mean = MeanOf(values);
-  return mean ? fmt::format("{:.{}f}", mean->of, digits) : "";
+  const Moments moments = MomentsOf(values);
+  return moments.n > 0 ? fmt::format("{:.{}f}", moments.mean, digits) : "";
 }
 
 /// "(-13.3 ± 1.1)": the mean of the differences, both lists by seed.
 std::string DifferenceCell(std::vector<double> values, const std::vector<double>& reference) {
   for (std::size_t i = 0; i < values.size() && i < reference.size(); ++i) values[i] -= reference[i];
-  const auto mean = MeanOf(values);
-  if (!mean) return "";
-  return std::isnan(mean->error) ? fmt::format(" ({:+.1f})", mean->of)
-                                 : fmt::format(" ({:+.1f} ± {:.1f})", mean->of, mean->error);
+  const Moments moments = MomentsOf(values);
+  if (moments.n == 0) return "";
+  return moments.n == 1 ? fmt::format(" ({:+.1f})", moments.mean)
+                        : fmt::format(" ({:+.1f} ± {:.1f})", moments.mean, moments.standard_error);
 }
 
 /// A table with one cell for each line and policy.
 std::string TableOf(const Grid& grid, const std::string& title,
-                    const std::function<std::string(const std::pair<std::string, double>&,
-                                                    const std::string&)>& cell) {
-  std::string text = title + "\n\n| arrivals | load |";
-  for (const std::string& policy : grid.policies) text += fmt::format(" `{}` |", policy);
-  text += "\n| --- | --- |";
-  for (std::size_t i = 0; i < grid.policies.size(); ++i) text += " --- |";
-  text += "\n";
-  for (const auto& line : grid.lines) {
-    text += fmt::format("| {} | {} |", line.first, line.second);
-    for (const std::string& policy : grid.policies) text += " " + cell(line, policy) + " |";
-    text += "\n";
+                    const std::function<std::string(const RowsOfLine&, const std::string&)>& cell) {
+  std::string columns = "arrivals|load";
+  for (const std::string& policy : grid.policies) columns += "|`" + policy + "`";
+  Sheet sheet(columns);
+  for (const auto& [line, missions] : grid.lines) {
+    std::string cells = fmt::format("{}|{}", line.first, line.second);
+    for (const std::string& policy : grid.policies) cells += "|" + cell(missions, policy);
+    sheet.Add(cells);
   }
-  return text;
+  return title + "\n\n" + sheet.Markdown();
 }
 
 std::string Compared(const Grid& grid, const std::string& title, const Metric& metric) {
-  return TableOf(grid, title, [&](const auto& line, const std::string& policy) {
-    const auto values = grid.Values(line, policy, metric);
+  return TableOf(grid, title, [&](const RowsOfLine& missions, const std::string& policy) {
+    const auto values = ValuesBy(policy, missions, metric);
     std::string cell = MeanCell(values, 1);
     if (policy != grid.reference) {
-      cell += DifferenceCell(values, grid.Values(line, grid.reference, metric));
+      cell += DifferenceCell(values, ValuesBy(grid.reference, missions, metric));
     }
     return cell;
   });
@@ -128,14 +93,14 @@ std::string SummaryOf(const std::vector<ArrivalsRow>& rows) {
   std::string text = Compared(grid, "worth done, %", &WorthPercent);
   text += "\n" + Compared(grid, "sensed on time, %", &OnTimePercent);
   text += "\n" + TableOf(grid, "on time of low, normal, high priority and emergencies, %",
-                         [&](const auto& line, const std::string& policy) {
+                         [&](const RowsOfLine& missions, const std::string& policy) {
                            std::string cell;
                            for (std::size_t p = 0; p < kPriorities; ++p) {
                              const auto on_time = [p](const Service& s) {
                                return Percent(s.by_priority[p].on_time, s.by_priority[p].reported);
                              };
                              cell += (p == 0 ? "" : ", ") +
-                                     MeanCell(grid.Values(line, policy, on_time), 0);
+                                     MeanCell(ValuesBy(policy, missions, on_time), 0);
                            }
                            return cell;
                          });
@@ -145,29 +110,29 @@ std::string SummaryOf(const std::vector<ArrivalsRow>& rows) {
 
 std::string ArrivalsPlot(const std::vector<ArrivalsRow>& rows, const std::string& svg_file) {
   const Grid grid(rows);
-  const std::size_t columns = grid.arrivals.size() < 3 ? grid.arrivals.size() : 3;
-  const std::size_t lines = columns == 0 ? 0 : (grid.arrivals.size() + columns - 1) / columns;
-  std::string text = fmt::format(
-      "set terminal svg size {},{} noenhanced background 'white'\nset output '{}'\n"
-      "set multiplot layout {},{}\nset xlabel 'load'\nset ylabel 'share of the worth'\n"
-      "set xrange [0:*]\nset yrange [0:1]\nset key bottom left samplen 1.5 spacing 0.8\n",
-      420 * columns, 380 * lines, svg_file, lines, columns);
-  for (std::size_t a = 0; a < grid.arrivals.size(); ++a) {
-    std::string plot;
-    for (std::size_t i = 0; i < grid.policies.size(); ++i) {
-      text += fmt::format("$of_{}_{} << EOD\n", a, i);
-      for (const auto& line : grid.lines) {
-        const auto mean = MeanOf(grid.Values(line, grid.policies[i], &WorthPercent));
-        if (line.first != grid.arrivals[a] || !mean) continue;
-        text += fmt::format("{} {:.4f}\n", line.second, mean->of / 100);
+  Plot plot;
+  const auto groups = GroupsOf(rows, [](const ArrivalsRow& row) { return row.arrivals; });
+  for (const auto& group : groups) {
+    Chart& chart = plot.charts.emplace_back();
+    chart.settings = fmt::format("set title '{}'\n", group.first);
+    for (const std::string& policy : grid.policies) {
+      Curve curve{"", "with linespoints", policy};
+      for (const auto& [line, missions] : grid.lines) {
+        const Moments moments = MomentsOf(ValuesBy(policy, missions, &WorthPercent));
+        if (line.first != group.first || moments.n == 0) continue;
+        curve.points += fmt::format("{} {:.4f}\n", line.second, moments.mean / 100);
       }
-      text += "EOD\n";
-      plot += fmt::format("{}$of_{}_{} with linespoints title '{}'", i == 0 ? "" : ", ", a, i,
-                          grid.policies[i]);
+      if (!curve.points.empty()) chart.curves.push_back(curve);
     }
-    text += fmt::format("set title '{}'\nplot {}\n", grid.arrivals[a], plot);
   }
-  return text + "unset multiplot\n";
+  const int n = static_cast<int>(plot.charts.size());
+  plot.columns = std::clamp(n, 1, 3);
+  plot.width = 420 * plot.columns;
+  plot.height = 380 * ((n + plot.columns - 1) / plot.columns);
+  plot.settings =
+      "set xlabel 'load'\nset ylabel 'share of the worth'\nset xrange [0:*]\nset yrange [0:1]\n"
+      "set key bottom left samplen 1.5 spacing 0.8\n";
+  return ScriptOf(plot, svg_file);
 }
 
 }  // namespace muster::tools

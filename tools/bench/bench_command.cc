@@ -4,33 +4,32 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
+#include "base/text.h"
+#include "protocol/run_process.h"
 #include "scheduler/policies/registry.h"
 #include "tools/bench/arrivals_suite.h"
 #include "tools/bench/hard_suite.h"
 #include "tools/bench/mission_suite.h"
-#include "tools/bench/missions_command.h"
 #include "tools/bench/paper_command.h"
+#include "tools/bench/sheet.h"
 #include "tools/bench/suites.h"
+#include "tools/files/pending_file.h"
 #include "tools/host/progress.h"
+#include "tools/host/stop_signals.h"
 
 namespace muster::tools {
 namespace {
 
-void WriteWhole(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw SystemError(fmt::format("{}: cannot be written", file));
-}
+constexpr int kMostProcesses = 64;
 
 void AddBenchOptions(Options* options) {
   options
@@ -55,7 +54,7 @@ void AddBenchOptions(Options* options) {
       .Default("0.5,1,2");
   options->Add("methods", "NAME,...", "Policies (default: certified; paper, arrivals: several)")
       .List();
-  options->Add("seeds", "N", "Scenarios of each setting (default: 1; paper, arrivals: 10)")
+  options->Add("seeds", "N", "Scenarios of each setting (default: 10; decisions, scale: 1)")
       .Integer(1, 10'000);
   options->Add("cbc", "WHAT", "hard: what COIN-OR CBC is asked for, where it is installed")
       .OneOf({"nothing", "relaxation", "optimum"})
@@ -64,119 +63,203 @@ void AddBenchOptions(Options* options) {
   options->Add("repetitions", "N", "Runs of each decision").Integer(1, 10'000).Default(1);
   options->Add("threads", "N", "certified: 1 or 2").Integer(1, 2).Default(1);
   options->Out("FILE", "CSV file; paper: folder for rows, tables and page");
-  options->Add("plot", "FILE", "gnuplot script that draws time against size from the CSV file");
+  options->Add("plot", "FILE", "gnuplot script that draws the results, with --out");
+  options->Group("Suite missions");
+  options->Add("processes", "N,...", "Processes of each agent class")
+      .List()
+      .Integer(1, kMostProcesses)
+      .Default("1,2,4,12");
+  options
+      ->Add(
+          "runs", "HOW,...",
+          "muster, lcm: over LCM, and who writes the log; none: over LCM without a log; simulate: "
+          "in one process")
+      .List()
+      .OneOf({"muster", "lcm", "none", "simulate"})
+      .Default("simulate,muster,none");
+  options->Add("limit", "MIN", "Minutes of mission (default: the setting's)")
+      .Number(Above0(100'000));
+  AddPaperOptions(options);
 }
 
-BenchOptions ReadBenchOptions(const Arguments& arguments) {
+/// `methods`, `seeds`: where the command line does not say them.
+BenchOptions ReadBenchOptions(const Arguments& arguments, const std::vector<std::string>& methods,
+                              int seeds) {
   BenchOptions bench;
-  bench.methods = arguments.All("methods");
-  if (bench.methods.empty()) bench.methods = {"certified"};
+  bench.methods = arguments.Has("methods") ? arguments.All("methods") : methods;
   for (const std::string& method : bench.methods) scheduler::MakePolicy(method);
   bench.instances = arguments.All("instances");
-  for (const std::string& name : bench.instances) PresetByName(name);
-  if (bench.instances.empty()) {
-    for (const GeneratorSettings& preset : Presets()) bench.instances.push_back(preset.name);
-  }
   bench.scales = arguments.All<double>("scales");
+  bench.loads = arguments.All<double>("loads");
+  bench.seeds = seeds;
   arguments.Read("seeds", &bench.seeds);
   bench.first_seed = arguments.Get<int>("first-seed");
   bench.repetitions = arguments.Get<int>("repetitions");
   bench.threads = arguments.Get<int>("threads");
-  if (arguments.Has("availability")) {
-    const auto modes = arguments.All("availability");
-    if (modes.size() != 1) {
-      throw InputError("command line", "--availability", fmt::format("{}", fmt::join(modes, ",")),
-                       "strict or overrun");
-    }
-    if (modes[0] == "overrun") bench.availability = Availability::kOverrun;
+  arguments.Read("data", &bench.data);
+  for (const double n : arguments.All<double>("processes")) {
+    bench.processes.push_back(static_cast<int>(n));
   }
+  bench.runs = arguments.All("runs");
+  arguments.Read("limit", &bench.limit_min);
   return bench;
 }
 
-int HardCommand(const Arguments& arguments, const std::string& suite) {
-  HardOptions options;
-  arguments.Read("seeds", &options.seeds);
-  options.first_seed = arguments.Get<int>("first-seed");
-  options.threads = arguments.Get<int>("threads");
-  const auto ask = arguments.Get("cbc");
-  options.ask = ask == "nothing"      ? AskCbc::kNothing
-                : ask == "relaxation" ? AskCbc::kRelaxation
-                                      : AskCbc::kOptimum;
-  std::ofstream csv;
-  if (arguments.Has("out")) {
-    csv.open(arguments.Get("out"));
-    if (!csv) throw SystemError(fmt::format("{}: cannot be written", arguments.Get("out")));
-    csv << HardCsvHeader();
-  }
-  std::vector<HardRow> rows;
-  const auto report = [&](const HardRow& row) {
+/// One value of an option that takes several in other suites.
+void CheckOne(const std::vector<std::string>& values, const char* option, const char* expected) {
+  if (values.size() == 1) return;
+  throw InputError("command line", option, fmt::format("{}", fmt::join(values, ",")), expected);
+}
+
+/// Hands `run` what takes its rows: each goes to the CSV file at once. Prints their summary.
+template <class Row, class Run>
+std::vector<Row> RunSuite(const Arguments& arguments, const std::string& csv_header,
+                          const Run& run) {
+  RowFile csv(arguments.Has("out") ? arguments.Get("out") : "", csv_header);
+  std::vector<Row> rows;
+  run([&](const Row& row) {
     rows.push_back(row);
-    if (csv.is_open()) csv << ToCsv(row) << std::flush;
-  };
-  fmt::print("seeds {} to {}; times are processor time\n", options.first_seed,
-             options.first_seed + options.seeds - 1);
-  if (suite == "hard") {
-    for (const HardFamily& family : HardFamilies()) {
-      fmt::print("{}: {}\n", family.name, family.flags);
-    }
-    if (!RunHard(options, report)) {
-      fmt::print("COIN-OR CBC (libCbcSolver.so.3) is not installed: nothing to compare with\n");
-    }
-  } else {
-    fmt::print("{}", RandomSettingsLimits());
-    RunRandomSettings(options, report);
-  }
-  if (csv.is_open() && !csv) throw SystemError("the CSV file cannot be written");
+    csv.Add(ToCsv(row));
+  });
   fmt::print("{}", SummaryOf(rows));
+  return rows;
+}
+
+/// `script`: of the names of CSV and SVG file.
+template <class Script>
+void WritePlot(const Arguments& arguments, const Script& script) {
+  if (!arguments.Has("plot")) return;
+  const auto csv = arguments.Get("out");
+  WriteFile(arguments.Get("plot"), script(csv, csv + ".svg"));
+}
+
+int DecisionsCommand(const Arguments& arguments, bool scale) {
+  BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 1);
+  for (const std::string& name : bench.instances) PresetByName(name);
+  if (bench.instances.empty()) {
+    for (const GeneratorSettings& preset : Presets()) bench.instances.push_back(preset.name);
+  }
+  if (arguments.Has("availability")) {
+    const auto modes = arguments.All("availability");
+    CheckOne(modes, "--availability", "strict or overrun");
+    if (modes[0] == "overrun") bench.availability = Availability::kOverrun;
+  }
+  WritePlot(arguments, &PlotScript);
+  RunSuite<BenchRow>(arguments, CsvHeader(), [&](const auto& report) {
+    scale ? RunScale(bench, report) : RunDecisions(bench, report);
+  });
   return kExitOk;
 }
 
-int ArrivalsCommand(const Arguments& arguments) {
-  ArrivalsOptions options;
-  options.policies = arguments.All("methods");
-  if (options.policies.empty()) {
-    options.policies = {"kwta", "mpq", "certified", "horizon", "rollout", "rollout-steps"};
+int HardCommand(const Arguments& arguments, bool random) {
+  BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 10);
+  const auto ask = arguments.Get("cbc");
+  if (ask == "nothing") bench.ask = AskCbc::kNothing;
+  if (ask == "relaxation") bench.ask = AskCbc::kRelaxation;
+  fmt::print("seeds {} to {}; times are processor time\n", bench.first_seed,
+             bench.first_seed + bench.seeds - 1);
+  if (random) fmt::print("{}", RandomSettingsLimits());
+  for (const HardFamily& family : HardFamilies()) {
+    if (!random) fmt::print("{}: {}\n", family.name, family.flags);
   }
-  for (const std::string& policy : options.policies) scheduler::MakePolicy(policy);
-  arguments.Read("data", &options.data);
-  options.instances = arguments.All("instances");
-  const auto known = ArrivalsInstances(!options.data.empty());
-  for (const std::string& name : options.instances) {
+  RunSuite<HardRow>(arguments, HardCsvHeader(), [&](const auto& report) {
+    if (random) {
+      RunRandomSettings(bench, report);
+    } else if (!RunHard(bench, report)) {
+      fmt::print("COIN-OR CBC (libCbcSolver.so.3) is not installed: nothing to compare with\n");
+    }
+  });
+  return kExitOk;
+}
+
+int MissionsCommand(const Arguments& arguments) {
+  BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 1);
+  CheckOne(bench.methods, "--methods", "one policy");
+  if (!arguments.Has("scales")) bench.scales.clear();
+  if (bench.instances.empty() && bench.scales.empty()) bench.instances = {"Random_1", "Random_29"};
+  for (const std::string& name : bench.instances) PresetByName(name);
+  const int most = *std::max_element(bench.processes.begin(), bench.processes.end());
+  WritePlot(arguments,
+            [&](const auto& csv, const auto& svg) { return MissionPlotScript(csv, svg, most); });
+  const StopSignals stop;
+  const auto rows = RunSuite<MissionRow>(arguments, MissionCsvHeader(), [&](const auto& report) {
+    RunMissionSuite(
+        bench,
+        [&](const MissionRow& row) {
+          report(row);
+          if (arguments.Has("quiet")) return;
+          Say("{}, {} a class, {}: {:.2f} s, {}\n", row.instance, row.processes, row.run,
+              row.figures.wall_s, row.figures.end);
+        },
+        [&] { return stop.count() > 0; });
+  });
+  const std::vector<std::string> problems = ProblemsOf(rows);
+  for (const std::string& problem : problems) fmt::print("{}\n", problem);
+  if (stop.count() > 0) return kExitInterrupted;
+  return problems.empty() ? kExitOk : kExitCheckFailed;
+}
+
+int ArrivalsCommand(const Arguments& arguments) {
+  BenchOptions bench = ReadBenchOptions(
+      arguments, {"kwta", "mpq", "certified", "horizon", "rollout", "rollout-steps"}, 10);
+  const auto known = ArrivalsInstances(!bench.data.empty());
+  for (const std::string& name : bench.instances) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw InputError("command line", "--instances", name,
                      fmt::format("{}{}", fmt::join(known, ", "),
-                                 options.data.empty() ? "; with --data those of its tables" : ""));
+                                 bench.data.empty() ? "; with --data those of its tables" : ""));
   }
-  if (options.instances.empty()) options.instances = known;
-  options.loads = arguments.All<double>("loads");
-  arguments.Read("seeds", &options.seeds);
-  options.first_seed = arguments.Get<int>("first-seed");
-  std::string csv = ArrivalsCsvHeader();
-  std::vector<ArrivalsRow> rows;
-  ProgressPrinter progress(stderr, StyleFor(stderr, false));
-  const std::size_t n = options.instances.size() * options.loads.size() *
-                        static_cast<std::size_t>(options.seeds) * options.policies.size();
-  const auto start = std::chrono::steady_clock::now();
-  RunArrivals(options, [&](const ArrivalsRow& row) {
-    rows.push_back(row);
-    csv += ToCsv(row);
-    const auto took_us = std::chrono::duration_cast<std::chrono::microseconds>(
-                             std::chrono::steady_clock::now() - start)
-                             .count();
-    if (progress.due(took_us)) {
-      progress.Show(fmt::format("{} of {} missions", rows.size(), n), took_us);
-    }
+  if (bench.instances.empty()) bench.instances = known;
+  ProgressPrinter progress(stderr, StyleFor(stderr, arguments.Has("quiet")));
+  const std::size_t n = bench.instances.size() * bench.loads.size() *
+                        static_cast<std::size_t>(bench.seeds) * bench.methods.size();
+  const TimeUs start_us = MonotonicUs();
+  std::size_t flown = 0;
+  const auto rows = RunSuite<ArrivalsRow>(arguments, ArrivalsCsvHeader(), [&](const auto& report) {
+    RunArrivals(bench, [&](const ArrivalsRow& row) {
+      report(row);
+      const TimeUs took_us = MonotonicUs() - start_us;
+      ++flown;
+      if (progress.due(took_us)) progress.Show(fmt::format("{} of {} missions", flown, n), took_us);
+    });
+    progress.Break();
   });
-  progress.Break();
-  if (arguments.Has("out")) {
-    const auto file = arguments.Get("out");
-    WriteWhole(file, csv);
-    if (arguments.Has("plot")) {
-      WriteWhole(arguments.Get("plot"), ArrivalsPlot(rows, file + ".svg"));
-    }
-  }
-  fmt::print("{}", SummaryOf(rows));
+  WritePlot(arguments, [&](const auto&, const auto& svg) { return ArrivalsPlot(rows, svg); });
   return kExitOk;
+}
+
+/// Which suites take an option; all take --out and --quiet.
+constexpr std::pair<const char*, const char*> kTakenBy[] = {
+    {"instances", "decisions missions arrivals paper paper-long"},
+    {"scales", "scale missions"},
+    {"loads", "arrivals"},
+    {"methods", "decisions scale missions arrivals paper paper-long"},
+    {"seeds", "decisions scale hard random arrivals paper paper-long"},
+    {"cbc", "hard"},
+    {"repetitions", "decisions scale missions"},
+    {"threads", "decisions scale hard random"},
+    {"plot", "decisions scale missions arrivals"},
+    {"processes", "missions"},
+    {"runs", "missions"},
+    {"limit", "missions"},
+    {"availability", "scale paper paper-long"},
+    {"data", "arrivals paper paper-long"},
+    {"jobs", "paper paper-long"},
+    {"list-jobs", "paper paper-long"},
+    {"merge", "paper paper-long"},
+};
+
+/// Throws InputError where an option is given that the suite does not take.
+void CheckTaken(const std::string& suite, const Arguments& arguments) {
+  for (const auto& [option, suites] : kTakenBy) {
+    const std::vector<std::string> takers = Split(suites, ' ');
+    if (!arguments.Has(option) || std::count(takers.begin(), takers.end(), suite) > 0) continue;
+    throw InputError("command line", fmt::format("--{}", option), "suite " + suite,
+                     fmt::format("--suite {}", fmt::join(takers, ", ")));
+  }
+  if (arguments.Has("plot") && !arguments.Has("out")) {
+    throw InputError("command line", "--out", "nothing", "the CSV file that --plot draws");
+  }
 }
 
 }  // namespace
@@ -184,56 +267,16 @@ int ArrivalsCommand(const Arguments& arguments) {
 int BenchCommand(int argc, const char* const* argv) {
   Options options("muster bench", "Times decisions and missions; writes one CSV row a run.");
   AddBenchOptions(&options);
-  AddMissionSuiteOptions(&options);
-  AddPaperOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const auto suite = arguments->Get("suite");
-  if (suite == "paper" || suite == "paper-long") return PaperCommand(*arguments);
-  if (arguments->Has("merge")) {
-    throw InputError("command line", "--merge", "suite " + suite, "--suite paper");
-  }
-  if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite);
-  if (arguments->Has("plot") && !arguments->Has("out")) {
-    throw InputError("command line", "--out", "nothing", "the CSV file that --plot draws");
-  }
+  CheckTaken(suite, *arguments);
+  if (suite == "decisions" || suite == "scale")
+    return DecisionsCommand(*arguments, suite == "scale");
+  if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite == "random");
+  if (suite == "missions") return MissionsCommand(*arguments);
   if (suite == "arrivals") return ArrivalsCommand(*arguments);
-  if (suite == "missions") {
-    if (arguments->Has("plot")) {
-      const auto file = arguments->Get("out");
-      const auto processes = arguments->All<double>("processes");
-      WriteWhole(arguments->Get("plot"),
-                 MissionPlotScript(
-                     file, file + ".svg",
-                     static_cast<int>(*std::max_element(processes.begin(), processes.end()))));
-    }
-    return MissionsCommand(*arguments);
-  }
-  const BenchOptions bench = ReadBenchOptions(*arguments);
-
-  std::ofstream csv;
-  if (arguments->Has("out")) {
-    const auto file = arguments->Get("out");
-    csv.open(file);
-    if (!csv) throw SystemError(fmt::format("{}: cannot be written", file));
-    csv << CsvHeader();
-    if (arguments->Has("plot")) {
-      WriteWhole(arguments->Get("plot"), PlotScript(file, file + ".svg"));
-    }
-  }
-  std::vector<BenchRow> rows;
-  const auto report = [&](const BenchRow& row) {
-    rows.push_back(row);
-    if (csv.is_open()) csv << ToCsv(row) << std::flush;
-  };
-  if (suite == "decisions") {
-    RunDecisions(bench, report);
-  } else {
-    RunScale(bench, report);
-  }
-  if (csv.is_open() && !csv) throw SystemError("the CSV file cannot be written");
-  fmt::print("{}", SummaryOf(rows));
-  return kExitOk;
+  return PaperCommand(*arguments);
 }
 
 }  // namespace muster::tools

@@ -6,27 +6,22 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "base/random.h"
-#include "lcmtypes/bus/bus.h"
-#include "model/scenario_json.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/registry.h"
 #include "scheduler/solver/nodes.h"
-#include "simulation/simulator.h"
 #include "tools/bench/general_solver.h"
-#include "tools/bench/suites.h"
-#include "tools/graph/situations.h"
+#include "tools/bench/sheet.h"
+#include "tools/bench/statistics.h"
 
 namespace muster::tools {
 namespace {
 
 using scheduler::Situation;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCbcSeconds = 120;
 constexpr double kProven = 1e-9;  ///< gap, relative, that is rounding
 
@@ -52,7 +47,7 @@ void EqualSpeeds(GeneratorSettings* settings, double km_per_min) {
       settings->vehicle_speed_km_per_min = km_per_min;
 }
 
-HardRow Decide(const Situation& situation, const HardOptions& options, HardRow row) {
+HardRow Decide(const Situation& situation, const BenchOptions& options, HardRow row) {
   scheduler::SolverLimits limits;
   limits.threads = options.threads;
   scheduler::CertifiedProfile profile;
@@ -66,8 +61,8 @@ HardRow Decide(const Situation& situation, const HardOptions& options, HardRow r
   row.weight = decision.weight;
   row.bound = decision.bound;
   row.relaxation = profile.relaxation;
-  row.cbc_relaxation = row.cbc_relaxation_s = row.cbc_optimum = row.cbc_optimum_s = kNone;
-  row.others = kNone;
+  row.cbc_relaxation = row.cbc_relaxation_s = row.cbc_optimum = row.cbc_optimum_s = kNotKnown;
+  row.others = kNotKnown;
   return row;
 }
 
@@ -75,11 +70,11 @@ void Ask(const Situation& situation, AskCbc ask, GeneralSolver* cbc, HardRow* ro
   if (cbc == nullptr || ask == AskCbc::kNothing) return;
   const scheduler::ArcNodes graph = scheduler::ListNodes(situation);
   const auto shares = cbc->Heaviest(graph.nodes, graph.elements, true, kCbcSeconds);
-  row->cbc_relaxation = shares.weight.value_or(kNone);
+  row->cbc_relaxation = shares.weight.value_or(kNotKnown);
   row->cbc_relaxation_s = shares.cpu_s;
   if (ask != AskCbc::kOptimum) return;
   const auto whole = cbc->Heaviest(graph.nodes, graph.elements, false, kCbcSeconds);
-  row->cbc_optimum = whole.weight.value_or(kNone);
+  row->cbc_optimum = whole.weight.value_or(kNotKnown);
   row->cbc_optimum_s = whole.cpu_s;
 }
 
@@ -122,46 +117,42 @@ GeneratorSettings RandomSettings(std::uint64_t seed, Availability* availability)
   return settings;
 }
 
-std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("{:.9g}", value); }
+using Rows = std::vector<const HardRow*>;
 
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return kNone;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(
-      std::lround(share * static_cast<double>(values.size() - 1)))];
+std::string LineOf(const std::string& name, const Rows& rows) {
+  const auto cpu_ms = ValuesOf(rows, [](const HardRow& row) { return row.cpu_s * 1e3; });
+  const auto gap = ValuesOf(rows, [](const HardRow& row) { return row.gap(); });
+  const auto nodes = ValuesOf(rows, [](const HardRow& row) { return row.nodes; });
+  // Known of rows for which CBC has an answer.
+  const auto loss = ValuesOf(
+      rows, [](const HardRow& row) { return (row.cbc_optimum - row.weight) / row.cbc_optimum; });
+  const auto off = ValuesOf(rows, [](const HardRow& row) {
+    return std::abs(row.relaxation - row.cbc_relaxation) / row.cbc_relaxation;
+  });
+  const auto cbc_ms = ValuesOf(rows, [](const HardRow& row) {
+    return std::isnan(row.cbc_relaxation) ? kNotKnown : row.cbc_relaxation_s * 1e3;
+  });
+  const auto ratio = ValuesOf(rows, [](const HardRow& row) {
+    return std::isnan(row.cbc_relaxation) ? kNotKnown : row.cpu_s / row.cbc_relaxation_s;
+  });
+  return fmt::format("{}|{}|{:.0f}|{:.2f}|{:.1f}|{:.1g}|{:.2f}|{}|{}|{}|{}", name, rows.size(),
+                     Quantile(nodes, 1), Quantile(cpu_ms, 0.5), Quantile(cpu_ms, 1),
+                     Quantile(gap, 1), PercentUpTo(1e-3, gap), Shown("{:.1g}", Quantile(loss, 1)),
+                     Shown("{:.1g}", Quantile(off, 1)), Shown("{:.2f}", Quantile(cbc_ms, 0.5)),
+                     Shown("{:.2f}", Quantile(ratio, 0.5)));
 }
 
-std::string LineOf(const std::string& name, const std::vector<const HardRow*>& rows) {
-  std::vector<double> ms, cbc_ms, ratio;
-  double gap = 0, loss = kNone, difference = kNone, worst = 0;
-  std::int64_t nodes = 0;
-  std::size_t small = 0;
+/// The five rows with the most of it.
+std::string MostOf(const char* what, Rows rows, double (*measure)(const HardRow&)) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [&](const HardRow* a, const HardRow* b) { return measure(*a) > measure(*b); });
+  rows.resize(std::min<std::size_t>(5, rows.size()));
+  std::string text = what;
   for (const HardRow* row : rows) {
-    ms.push_back(row->cpu_s * 1e3);
-    worst = std::max(worst, row->cpu_s * 1e3);
-    nodes = std::max(nodes, row->nodes);
-    gap = std::max(gap, row->gap());
-    small += row->gap() <= 1e-3;
-    if (!std::isnan(row->cbc_relaxation)) {
-      cbc_ms.push_back(row->cbc_relaxation_s * 1e3);
-      ratio.push_back(row->cpu_s / row->cbc_relaxation_s);
-    }
-    // fmax: NaN is passed over.
-    loss = std::fmax(loss, (row->cbc_optimum - row->weight) / row->cbc_optimum);
-    difference = std::fmax(difference,
-                           std::abs(row->relaxation - row->cbc_relaxation) / row->cbc_relaxation);
+    text += fmt::format(" {} seed {} decision {} ({} nodes, {:.0f} ms, {:.1g});", row->family,
+                        row->seed, row->decision, row->nodes, row->cpu_s * 1e3, row->gap());
   }
-  const auto share = [](double value) {
-    return std::isnan(value) ? std::string("-") : fmt::format("{:.1g}", value);
-  };
-  const auto time = [](double value) {
-    return std::isnan(value) ? std::string("-") : fmt::format("{:.2f}", value);
-  };
-  return fmt::format(
-      "{:<14} {:>5} {:>8} {:>9.2f} {:>8.1f} {:>8.1g} {:>9.2f} {:>8} {:>8} {:>8} {:>7}\n", name,
-      rows.size(), nodes, Quantile(ms, 0.5), worst, gap,
-      100.0 * static_cast<double>(small) / static_cast<double>(rows.size()), share(loss),
-      share(difference), time(Quantile(cbc_ms, 0.5)), time(Quantile(ratio, 0.5)));
+  return text + "\n";
 }
 
 }  // namespace
@@ -194,20 +185,16 @@ const std::vector<HardFamily>& HardFamilies() {
   return families;
 }
 
-bool RunHard(const HardOptions& options, const std::function<void(const HardRow&)>& report) {
+bool RunHard(const BenchOptions& options, const std::function<void(const HardRow&)>& report) {
   const auto cbc = options.ask == AskCbc::kNothing ? nullptr : GeneralSolver::Load();
   for (const HardFamily& family : HardFamilies()) {
-    for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
-      SituationRecorder recorder;
-      const Scenario scenario = Generate(family.settings, static_cast<std::uint64_t>(seed));
-      Simulate(ScenarioToJson(scenario), "certified",
-               [&](const Packet& packet) { recorder.Add(packet); });
-      for (const Situation& situation : recorder.Situations()) {
+    for (const std::uint64_t seed : options.AllSeeds()) {
+      for (const Situation& situation : SituationsOf(family.settings, seed)) {
         const std::int32_t d = situation.decision;
         if (d != 2 && d != 4 && d != 8 && d != 12) continue;
         HardRow row;
         row.family = family.name;
-        row.seed = static_cast<std::uint64_t>(seed);
+        row.seed = seed;
         row = Decide(situation, options, row);
         Ask(situation, options.ask, cbc.get(), &row);
         report(row);
@@ -217,12 +204,12 @@ bool RunHard(const HardOptions& options, const std::function<void(const HardRow&
   return options.ask == AskCbc::kNothing || cbc != nullptr;
 }
 
-void RunRandomSettings(const HardOptions& options,
+void RunRandomSettings(const BenchOptions& options,
                        const std::function<void(const HardRow&)>& report) {
-  for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
+  for (const std::uint64_t seed : options.AllSeeds()) {
     HardRow row;
     row.family = "random";
-    row.seed = static_cast<std::uint64_t>(seed);
+    row.seed = seed;
     Availability availability;
     const GeneratorSettings settings = RandomSettings(row.seed, &availability);
     const Situation situation = MidMission(settings, row.seed, availability);
@@ -265,41 +252,24 @@ std::string ToCsv(const HardRow& row) {
 }
 
 std::string SummaryOf(const std::vector<HardRow>& rows) {
-  std::string text =
-      fmt::format("{:<14} {:>5} {:>8} {:>9} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>7}\n", "family",
-                  "runs", "nodes<=", "median_ms", "max_ms", "gap<=", "gap<=.1%", "loss<=", "LP_off",
-                  "CBC_LP", "ours/LP");
-  std::vector<std::pair<std::string, std::vector<const HardRow*>>> groups;
-  std::vector<const HardRow*> all;
+  Sheet sheet("family|runs|nodes<=|median_ms|max_ms|gap<=|gap<=.1%|loss<=|LP_off|CBC_LP|ours/LP");
+  Rows all;
   std::size_t not_reached = 0, asked = 0, below = 0;
   for (const HardRow& row : rows) {
-    if (groups.empty() || groups.back().first != row.family) groups.push_back({row.family, {}});
-    groups.back().second.push_back(&row);
     all.push_back(&row);
     not_reached += std::isnan(row.relaxation);
     asked += !std::isnan(row.others);
     below += row.others > row.weight * (1 + kProven);
   }
-  for (const auto& [name, of_group] : groups) text += LineOf(name, of_group);
-  if (groups.size() > 1) text += LineOf("all", all);
-  text += fmt::format(
-      "{} of {} relaxations not reached; {} decisions not proven within 1e-9 compared with mpq, "
-      "ils "
-      "and kwta, {} below\n",
-      not_reached, rows.size(), asked, below);
-  for (const bool by_time : {true, false}) {
-    const auto measure = [&](const HardRow* row) { return by_time ? row->cpu_s : row->gap(); };
-    std::stable_sort(all.begin(), all.end(),
-                     [&](auto* a, auto* b) { return measure(a) > measure(b); });
-    text += by_time ? "slowest:" : "largest gaps:";
-    for (std::size_t k = 0; k < std::min<std::size_t>(5, all.size()); ++k) {
-      text += fmt::format(" {} seed {} decision {} ({} nodes, {:.0f} ms, {:.1g});", all[k]->family,
-                          all[k]->seed, all[k]->decision, all[k]->nodes, all[k]->cpu_s * 1e3,
-                          all[k]->gap());
-    }
-    text += '\n';
-  }
-  return text;
+  const auto groups = GroupsOf(rows, [](const HardRow& row) { return row.family; });
+  for (const auto& [name, group] : groups) sheet.Add(LineOf(name, group));
+  if (groups.size() > 1) sheet.Add(LineOf("all", all));
+  return fmt::format(
+             "{}{} of {} relaxations not reached; {} decisions not proven within 1e-9 compared "
+             "with mpq, ils and kwta, {} below\n",
+             sheet.Text(), not_reached, rows.size(), asked, below) +
+         MostOf("slowest:", all, [](const HardRow& row) { return row.cpu_s; }) +
+         MostOf("largest gaps:", all, [](const HardRow& row) { return row.gap(); });
 }
 
 }  // namespace muster::tools

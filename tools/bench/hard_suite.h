@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "model/generator.h"
+#include "tools/bench/suites.h"
 
 namespace muster::tools {
 
@@ -34,22 +34,13 @@ struct HardRow {
   double gap() const { return bound > 0 ? (bound - weight) / bound : 0; }
 };
 
-enum class AskCbc { kNothing, kRelaxation, kOptimum };
-
-struct HardOptions {
-  int seeds = 10;
-  int first_seed = 1;
-  int threads = 1;
-  AskCbc ask = AskCbc::kOptimum;
-};
-
-/// Decisions 2, 4, 8 and 12 of missions of each family, decided by `certified` on the way.
-/// Returns false when CBC was to be asked and is not installed.
-bool RunHard(const HardOptions& options, const std::function<void(const HardRow&)>& report);
+/// Decisions 2, 4, 8 and 12 of missions of each family by `certified`; of the options: seeds,
+/// threads, ask. Returns false when CBC was to be asked and is not installed.
+bool RunHard(const BenchOptions& options, const std::function<void(const HardRow&)>& report);
 
 /// One decision an hour into a mission of settings drawn by the seed, for each seed; where the gap
 /// is above 1e-9, mpq, ils and kwta are asked as well.
-void RunRandomSettings(const HardOptions& options,
+void RunRandomSettings(const BenchOptions& options,
                        const std::function<void(const HardRow&)>& report);
 /// What they are drawn from, for a person.
 std::string RandomSettingsLimits();

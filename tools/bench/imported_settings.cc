@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "base/check.h"
 #include "base/sha256.h"
+#include "tools/files/pending_file.h"
 #include "tools/scenario/import.h"
 
 namespace muster::tools {
@@ -66,10 +66,7 @@ const ImportedSettings::Places& ImportedSettings::Load(const std::string& name) 
   const auto known = places_.find(file);
   if (known != places_.end()) return known->second;
   const std::string path = (std::filesystem::path(data_folder_) / file).string();
-  Places places{ReadTable(path), ""};
-  std::ifstream in(path, std::ios::binary);
-  places.sha256 = Sha256(std::string(std::istreambuf_iterator<char>(in), {}));
-  return places_.emplace(file, std::move(places)).first->second;
+  return places_.emplace(file, Places{ReadTable(path), Sha256(ReadFile(path))}).first->second;
 }
 
 Scenario ImportedSettings::Make(const std::string& name, const GeneratorSettings& settings,

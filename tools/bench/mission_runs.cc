@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <muster/clock_t.hpp>
 #include <muster/process_status_t.hpp>
 #include <nlohmann/json.hpp>
@@ -21,6 +19,7 @@
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
 #include "protocol/run_process.h"
+#include "tools/files/pending_file.h"
 #include "tools/host/child.h"
 #include "tools/host/network_namespace.h"
 #include "tools/launch/launch_options.h"
@@ -36,11 +35,6 @@ constexpr useconds_t kLookUs = 5'000;
 constexpr TimeUs kLongestUs = 60 * kMinuteUs;  // of one mission, wall time
 constexpr TimeUs kEndUs = 10 * kSecondUs;      // to end when asked to
 constexpr std::string_view kSimulate = "simulate";
-
-std::string ReadWhole(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// Of all children that have been waited for, and theirs.
 rusage ChildrenUsage() {
@@ -90,7 +84,7 @@ void AddKind(const std::string& process, double cpu_s, std::int64_t peak_bytes,
 
 /// What report.json says of a mission over LCM, and its log.
 void ReadRun(const MissionSetting& setting, const std::string& run, MissionFigures* figures) {
-  const Json report = Json::parse(ReadWhole(run + "/report.json"), nullptr, false);
+  const Json report = Json::parse(ReadFile(run + "/report.json"), nullptr, false);
   if (report.is_discarded()) return;
   figures->wall_s = report["wall_s"].get<double>();
   figures->digest = report["digest"].get<std::string>();
@@ -190,8 +184,8 @@ class UnloggedMission {
 
 /// Fills in what the kernel has counted since the network was made.
 void ReadNetwork(MissionFigures* figures) {
-  const std::string udp = ReadWhole("/proc/self/net/snmp");
-  const std::string ip = ReadWhole("/proc/self/net/netstat");
+  const std::string udp = ReadFile("/proc/self/net/snmp");
+  const std::string ip = ReadFile("/proc/self/net/netstat");
   figures->sent_datagrams = KernelCounter(udp, "Udp", "OutDatagrams");
   figures->received_datagrams = KernelCounter(udp, "Udp", "InDatagrams");
   figures->buffer_errors = KernelCounter(udp, "Udp", "RcvbufErrors");

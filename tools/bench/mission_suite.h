@@ -2,27 +2,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/bench/mission_runs.h"
+#include "tools/bench/suites.h"
 
 namespace muster::tools {
 
-/// Whole missions, each as `muster run` or `muster simulate` runs it.
-struct MissionSuite {
-  std::vector<std::string> instances;  ///< presets
-  std::vector<double> scales;          ///< times Random_29, behind them
-  std::vector<int> processes;          ///< of each agent class
-  std::vector<std::string> runs;       ///< as MissionSetting::run
-  std::string policy;
-  std::optional<double> limit_min;  ///< of mission; none: the setting's
-  int repetitions = 1;
-  std::uint64_t seed = 1;
-};
-
-/// One mission: a CSV row.
+/// A whole mission, as `muster run` or `muster simulate` runs it: a CSV row.
 struct MissionRow {
   std::string instance;
   double size = 1;  ///< times the preset's
@@ -35,11 +23,13 @@ struct MissionRow {
   MissionFigures figures;
 };
 
-/// Runs them one after the other, all of a repetition before the next one; `simulate` once, however
-/// many processes. Each mission's files are gone when the next one begins. Throws SystemError where
-/// no private network can be had. `stop`: no further one is begun.
+/// Runs the missions one after the other, all of a repetition before the next one; `simulate` once,
+/// however many processes. Of the options: instances, scales (behind them), processes, runs, the
+/// first method, limit_min, repetitions, first_seed. Each mission's files are gone when the next
+/// one begins. Throws SystemError where no private network can be had. `stop`: no further one is
+/// begun.
 void RunMissionSuite(
-    const MissionSuite& suite, const std::function<void(const MissionRow&)>& report,
+    const BenchOptions& options, const std::function<void(const MissionRow&)>& report,
     const std::function<bool()>& stop = [] { return false; });
 
 std::string MissionCsvHeader();

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <iterator>
 #include <set>
+#include <utility>
 
 #include "base/check.h"
 #include "tools/bench/paper_tables.h"
+#include "tools/bench/plot.h"
 #include "tools/files/scratch_folder.h"
 #include "tools/record/report_json.h"
 
@@ -59,67 +59,63 @@ constexpr const char* kColours[] = {"#999999", "#0072b2", "#56b4e9", "#332288", 
                                     "#ddcc77", "#999933", "#000000", "#cc3311", "#009e73",
                                     "#cc79a7", "#882255", "#44aa99", "#aa4499", "#661100"};
 
-enum class Plot { kCompletion, kDecisionTime };
+enum class Measure { kCompletion, kDecisionTime };
 
-/// A gnuplot script: the policies side by side at each line of the table, with their standard
-/// deviation, the paper's figures as crosses. "" when there is nothing to draw.
-std::string PlotScript(const PaperTable& table, Plot plot, const std::string& svg_file) {
-  const bool completion = plot == Plot::kCompletion;
-  std::string data, curves, labels;
-  const double step = 0.8 / static_cast<double>(table.policies.size());
-  for (std::size_t l = 0; l < table.labels.size(); ++l) {
-    labels += fmt::format("{}'{}' {}", l == 0 ? "" : ",", table.labels[l], l);
+/// The policies side by side at each line of the table, with their standard deviation, the paper's
+/// figures as crosses. No chart when there is nothing to draw.
+Plot PlotOf(const PaperTable& table, Measure measure) {
+  const bool completion = measure == Measure::kCompletion;
+  std::vector<std::string> labels;
+  for (const std::string& label : table.labels) {
+    labels.push_back(fmt::format("'{}' {}", label, labels.size()));
   }
-  std::string published;
+  Chart chart;
+  Curve published{"", "using 1:2 with points pt 2 ps 0.8 lc 'black'", "the paper"};
+  const double step = 0.8 / static_cast<double>(table.policies.size());
   for (std::size_t p = 0; p < table.policies.size(); ++p) {
     if (!completion && table.policies[p] == kUpperBound) continue;
-    std::string points;
+    Curve curve{"",
+                fmt::format("using 1:2:3 with yerrorbars pt 7 ps 0.5 lc '{}'",
+                            kColours[p % std::size(kColours)]),
+                table.policies[p]};
     for (std::size_t l = 0; l < table.labels.size(); ++l) {
       const PaperCell& cell = table.cells[l][p];
       const double x = static_cast<double>(l) - 0.4 + step * (static_cast<double>(p) + 0.5);
       const auto& theirs = completion ? cell.published.completion : cell.published.decision_s;
-      if (theirs) published += fmt::format("{} {}\n", x, *theirs);
+      if (theirs) published.points += fmt::format("{} {}\n", x, *theirs);
       if (cell.seeds == 0) continue;
-      points += fmt::format("{} {} {}\n", x, completion ? cell.mean : cell.decision_s,
-                            completion ? cell.standard_deviation : 0);
+      curve.points += fmt::format("{} {} {}\n", x, completion ? cell.mean : cell.decision_s,
+                                  completion ? cell.standard_deviation : 0);
     }
-    if (points.empty()) continue;
-    data += fmt::format("$p{} << EOD\n{}EOD\n", p, points);
-    curves += fmt::format("{}$p{} using 1:2:3 with yerrorbars pt 7 ps 0.5 lc '{}' title '{}'",
-                          curves.empty() ? "plot " : ", ", p, kColours[p % std::size(kColours)],
-                          table.policies[p]);
+    if (!curve.points.empty()) chart.curves.push_back(curve);
   }
-  if (!published.empty()) {
-    data += fmt::format("$published << EOD\n{}EOD\n", published);
-    curves += ", $published using 1:2 with points pt 2 ps 0.8 lc 'black' title 'the paper'";
-  }
-  if (curves.empty()) return "";
-  return fmt::format(
-      "reset\nset terminal svg size {},440 noenhanced font 'sans-serif,11' background 'white'\n"
-      "set output '{}'\nset xtics ({}) rotate by -35\nset xrange [-0.6:{}]\n"
-      "set key outside right\nset grid ytics\nset ylabel '{}'\n{}\n{}{}\nset output\n",
-      300 + 75 * table.labels.size(), svg_file, labels,
-      static_cast<double>(table.labels.size()) - 0.4,
-      completion ? "completion rate" : "seconds a decision",
-      completion ? "set yrange [0:1.05]" : "set logscale y\nset format y '%.0e'", data, curves);
+  if (chart.curves.empty() && published.points.empty()) return {};
+  if (!published.points.empty()) chart.curves.push_back(published);
+  return {300 + 75 * static_cast<int>(table.labels.size()),
+          440,
+          fmt::format("set termoption font 'sans-serif,11'\nset xtics ({}) rotate by -35\n"
+                      "set xrange [-0.6:{}]\nset key outside right\nset grid ytics\n"
+                      "set ylabel '{}'\n{}\n",
+                      fmt::join(labels, ","), static_cast<double>(table.labels.size()) - 0.4,
+                      completion ? "completion rate" : "seconds a decision",
+                      completion ? "set yrange [0:1.05]" : "set logscale y\nset format y '%.0e'"),
+          {chart}};
 }
 
-/// SVG texts of the scripts' plots; none when gnuplot is not there or does not manage.
+/// The plots as SVG; none when gnuplot is not there or does not manage.
 std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plot>>& plots) {
-  if (std::system("command -v gnuplot > /dev/null 2>&1") != 0) return {};
   const ScratchFolder folder("muster_plots");
   std::FILE* gnuplot = popen("gnuplot 2> /dev/null", "w");
   std::vector<std::string> files;
   for (std::size_t i = 0; gnuplot != nullptr && i < plots.size(); ++i) {
     files.push_back(folder.File(fmt::format("{}.svg", i)));
-    const std::string script = PlotScript(*plots[i].first, plots[i].second, files.back());
+    const std::string script = ScriptOf(plots[i].second, files.back());
     std::fwrite(script.data(), 1, script.size(), gnuplot);
   }
   if (gnuplot != nullptr) pclose(gnuplot);
   std::vector<std::string> svgs;
   for (const std::string& file : files) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string svg(std::istreambuf_iterator<char>(in), {});
+    const std::string svg = ReadFile(file);
     const std::size_t start = svg.find("<svg");
     if (start == std::string::npos || svg.find("</svg>") == std::string::npos) {
       svgs.clear();
@@ -149,8 +145,9 @@ std::string WritePaperPage(const PaperRows& rows, const std::string& markdown_fi
 
   std::vector<std::pair<const PaperTable*, Plot>> plots;
   for (const PaperTable& table : tables) {
-    for (const Plot plot : {Plot::kCompletion, Plot::kDecisionTime}) {
-      if (!PlotScript(table, plot, "").empty()) plots.emplace_back(&table, plot);
+    for (const Measure measure : {Measure::kCompletion, Measure::kDecisionTime}) {
+      Plot plot = PlotOf(table, measure);
+      if (!plot.charts.empty()) plots.emplace_back(&table, std::move(plot));
     }
   }
   const std::vector<std::string> svgs = Draw(plots);

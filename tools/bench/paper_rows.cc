@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 
 #include "base/check.h"
 #include "base/sha256.h"
@@ -14,6 +12,7 @@
 #include "simulation/simulator.h"
 #include "tools/bench/general_solver.h"
 #include "tools/bound/upper_bound.h"
+#include "tools/files/pending_file.h"
 #include "tools/host/build_info.h"
 #include "tools/record/report_json.h"
 #include "tools/scenario/table.h"
@@ -100,9 +99,7 @@ std::string PaperCsv(const PaperRows& rows) {
 }
 
 PaperRows ReadPaperCsv(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return {};
-  std::string text(std::istreambuf_iterator<char>(in), {});
+  std::string text = ReadFile(file);
   text.resize(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
   if (text.empty()) return {};
   if (!text.starts_with(kHeader)) {
@@ -146,8 +143,7 @@ std::string NameOf(const PaperRun& run) {
 std::string BuildName() {
   std::string commit = kCommit;
   if (commit != "unknown" && !commit.ends_with("-dirty")) return commit;
-  std::ifstream self("/proc/self/exe", std::ios::binary);
-  return commit + "-" + Sha256(std::string(std::istreambuf_iterator<char>(self), {})).substr(0, 12);
+  return commit + "-" + Sha256(ReadFile("/proc/self/exe")).substr(0, 12);
 }
 
 }  // namespace muster::tools

@@ -2,16 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "base/check.h"
 #include "base/say.h"
+#include "protocol/run_process.h"
 #include "tools/bench/paper_page.h"
 #include "tools/bench/paper_rows.h"
 #include "tools/bench/paper_scenarios.h"
+#include "tools/bench/sheet.h"
 #include "tools/host/progress.h"
 #include "tools/host/worker_pool.h"
 #include "tools/record/report_json.h"
@@ -40,29 +41,6 @@ void WriteResults(const PaperOptions& options, const PaperRows& rows) {
       WritePaperPage(rows, FileIn(options.out, "results.md"), FileIn(options.out, "results.html"));
   if (!note.empty()) Say("{}\n", note);
 }
-
-/// Rows, each on disk before the next is taken.
-class Journal {
- public:
-  Journal(const std::string& file, const PaperRows& before) : name_(file) {
-    WriteFile(file, PaperCsv(before));
-    file_ = std::fopen(file.c_str(), "ab");
-    if (file_ == nullptr) throw SystemError(fmt::format("{}: cannot be written", name_));
-  }
-  ~Journal() { std::fclose(file_); }
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
-
-  void Add(const std::string& line) {
-    if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fflush(file_) != 0) {
-      throw SystemError(fmt::format("{}: cannot be written", name_));
-    }
-  }
-
- private:
-  std::string name_;
-  std::FILE* file_ = nullptr;
-};
 
 /// What of the suite can be flown here; says what not.
 std::vector<PaperRun> PlanOf(const PaperOptions& options, const PaperScenarios& scenarios) {
@@ -115,9 +93,7 @@ class SuiteProgress {
 
   void Ended(const PaperJob& job) {
     ended_ += job.size();
-    const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
-                          std::chrono::steady_clock::now() - start_)
-                          .count();
+    const TimeUs took = MonotonicUs() - start_us_;
     // Hours of lines in a file are to be read, too.
     const TimeUs rarely_us = style_ == ProgressPrinter::Style::kLines ? 30 * kSecondUs : 0;
     if (!progress_.due(took) || (took - shown_us_ < rarely_us && ended_ < runs_)) return;
@@ -141,7 +117,7 @@ class SuiteProgress {
   const std::size_t runs_;
   std::size_t ended_ = 0;
   TimeUs shown_us_ = 0;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const TimeUs start_us_ = MonotonicUs();
 };
 
 /// The rows of one job.
@@ -178,7 +154,8 @@ bool RunPaperSuite(const PaperOptions& options) {
     Say("{}: {} of {} runs are done already\n", file, plan.size() - left, plan.size());
   }
   {
-    Journal journal(file, before);
+    WriteFile(file, PaperCsv(before));
+    RowFile journal(file, "");
     SuiteProgress progress(left, options.quiet);
     RunInProcesses(
         jobs.size(), options.jobs,

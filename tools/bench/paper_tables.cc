@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <set>
 
 #include "base/check.h"
 #include "base/text.h"
+#include "tools/bench/sheet.h"
+#include "tools/bench/statistics.h"
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
@@ -28,21 +30,6 @@ constexpr std::pair<std::string_view, std::string_view> kReadings[] = {
     {"HoCs-MADL", "HoCs-MADL"},
     {"HoCs-MARL", "HoCs-MARL"},
 };
-
-struct Moments {
-  double mean = 0, standard_deviation = 0, standard_error = 0;
-};
-Moments MomentsOf(const std::vector<double>& values) {
-  Moments moments;
-  const auto n = static_cast<double>(values.size());
-  for (const double value : values) moments.mean += value / n;
-  if (values.size() < 2) return moments;
-  double squares = 0;
-  for (const double value : values) squares += (value - moments.mean) * (value - moments.mean);
-  moments.standard_deviation = std::sqrt(squares / (n - 1));
-  moments.standard_error = moments.standard_deviation / std::sqrt(n);
-  return moments;
-}
 
 /// Columns: the policies in the order of the plan, then the paper's that we do not have.
 const std::vector<std::string>& ColumnOrder() {
@@ -90,13 +77,33 @@ std::string Duration(double seconds) {
   return fmt::format("{:.3g} s", seconds);
 }
 
-std::string Columns(const std::string& first, const std::vector<std::string>& names) {
-  std::string text = fmt::format("| {} |", first), rule = "| --- |";
-  for (const std::string& name : names) {
-    text += fmt::format(" {} |", name);
-    rule += " --- |";
+/// Without the policies that no line has a run of, but with the paper's own that it has figures of.
+PaperTable WithoutEmptyColumns(const PaperTable& all) {
+  PaperTable table{all.title, all.note, all.availability, {}, all.labels, {}};
+  table.cells.resize(all.labels.size());
+  for (std::size_t p = 0; p < all.policies.size(); ++p) {
+    const std::string& policy = all.policies[p];
+    const bool used = std::any_of(all.cells.begin(), all.cells.end(), [&](const auto& line) {
+      return line[p].seeds > 0 || (policy.starts_with("HoCs-") && line[p].published.completion);
+    });
+    if (!used) continue;
+    table.policies.push_back(policy);
+    for (std::size_t l = 0; l < all.labels.size(); ++l) table.cells[l].push_back(all.cells[l][p]);
   }
-  return text + "\n" + rule + "\n";
+  return table;
+}
+
+/// A line for each of the table's, with `cell` of each policy.
+std::string MarkdownOf(
+    const PaperTable& table,
+    const std::function<std::string(std::size_t line, std::size_t policy)>& cell) {
+  Sheet sheet(fmt::format("|{}", fmt::join(table.policies, "|")));
+  for (std::size_t l = 0; l < table.labels.size(); ++l) {
+    std::string cells = table.labels[l];
+    for (std::size_t p = 0; p < table.policies.size(); ++p) cells += "|" + cell(l, p);
+    sheet.Add(cells);
+  }
+  return sheet.Markdown() + "\n";
 }
 
 std::string CaseName(const PaperCase& what) {
@@ -106,11 +113,7 @@ std::string CaseName(const PaperCase& what) {
 
 /// What the requirement asks of our policies, and where it fails.
 std::string Differences(const PaperRows& rows) {
-  std::string text =
-      "## Differences to mpq\n\nIn every setting, interval, limit, disturbance and mode: mean of "
-      "the paired differences, seed by seed. Below: by more than one standard error.\n\n"
-      "| policy | cases | above | equal | below | smallest difference |\n"
-      "| --- | --- | --- | --- | --- | --- |\n";
+  Sheet sheet("policy|cases|above|equal|below|smallest difference");
   std::string failing;
   for (const std::string policy : {"horizon", "rollout", "certified"}) {
     std::vector<PairedDifference> all = PairedDifferences(rows, policy, "mpq");
@@ -128,12 +131,14 @@ std::string Differences(const PaperRows& rows) {
       }
     }
     const auto n = static_cast<int>(all.size());
-    text += fmt::format("| {} | {} | {} | {} | {} | {:+.4f} ± {:.4f}, {} |\n", policy, n, above,
-                        n - above - below, below, least->mean, least->standard_error,
-                        CaseName(least->what));
+    sheet.Add(fmt::format("{}|{}|{}|{}|{}|{:+.4f} ± {:.4f}, {}", policy, n, above,
+                          n - above - below, below, least->mean, least->standard_error,
+                          CaseName(least->what)));
   }
-  if (!failing.empty()) text += "\nBelow:\n\n" + failing;
-  return text;
+  return "## Differences to mpq\n\nIn every setting, interval, limit, disturbance and mode: mean "
+         "of "
+         "the paired differences, seed by seed. Below: by more than one standard error.\n\n" +
+         sheet.Markdown() + (failing.empty() ? "" : "\nBelow:\n\n" + failing);
 }
 
 }  // namespace
@@ -183,35 +188,20 @@ std::vector<PaperTable> MakePaperTables(const PaperRows& rows, const PublishedFi
   for (const PaperExperiment& experiment : PaperExperiments(true)) {
     for (const Availability availability : {Availability::kStrict, Availability::kOverrun}) {
       PaperTable all{experiment.title, experiment.note, availability, ColumnOrder(), {}, {}};
-      std::vector<char> used(all.policies.size(), 0);
       for (const PaperLine& line : experiment.lines) {
         std::vector<PaperCell> cells;
         bool ours = false;
-        std::vector<char> here(all.policies.size(), 0);
-        for (std::size_t p = 0; p < all.policies.size(); ++p) {
-          PaperCell cell = CellOf(rows, line.cases, availability, all.policies[p], seeds);
-          cell.published = published.Of(experiment.section, line.published, all.policies[p]);
+        for (const std::string& policy : all.policies) {
+          PaperCell& cell =
+              cells.emplace_back(CellOf(rows, line.cases, availability, policy, seeds));
+          cell.published = published.Of(experiment.section, line.published, policy);
           ours = ours || cell.seeds > 0;
-          here[p] =
-              cell.seeds > 0 || (all.policies[p].starts_with("HoCs-") && cell.published.completion);
-          cells.push_back(cell);
         }
         if (!ours) continue;
-        for (std::size_t p = 0; p < used.size(); ++p) used[p] = used[p] || here[p];
         all.labels.push_back(line.label);
         all.cells.push_back(std::move(cells));
       }
-      if (all.labels.empty()) continue;
-      PaperTable table{all.title, all.note, availability, {}, all.labels, {}};
-      table.cells.resize(all.labels.size());
-      for (std::size_t p = 0; p < used.size(); ++p) {
-        if (!used[p]) continue;
-        table.policies.push_back(all.policies[p]);
-        for (std::size_t l = 0; l < all.labels.size(); ++l) {
-          table.cells[l].push_back(all.cells[l][p]);
-        }
-      }
-      tables.push_back(std::move(table));
+      if (!all.labels.empty()) tables.push_back(WithoutEmptyColumns(all));
     }
   }
   return tables;
@@ -258,14 +248,8 @@ std::string PaperMarkdown(const PaperRows& rows, const std::vector<PaperTable>& 
   std::string text;
   for (const PaperTable& table : tables) {
     text += fmt::format("## {}, {}\n\n{}\n\n", table.title, NameOf(table.availability), table.note);
-    text += Columns("", table.policies);
-    for (std::size_t l = 0; l < table.labels.size(); ++l) {
-      text += fmt::format("| {} |", table.labels[l]);
-      for (const PaperCell& cell : table.cells[l])
-        text += fmt::format(" {} |", CompletionText(cell));
-      text += "\n";
-    }
-    text += "\n";
+    text += MarkdownOf(
+        table, [&](std::size_t l, std::size_t p) { return CompletionText(table.cells[l][p]); });
     const bool timed = std::any_of(table.cells.begin(), table.cells.end(), [](const auto& line) {
       return std::any_of(line.begin(), line.end(), [](const PaperCell& cell) {
         return cell.published.decision_s.has_value();
@@ -273,16 +257,9 @@ std::string PaperMarkdown(const PaperRows& rows, const std::vector<PaperTable>& 
     });
     if (!timed) continue;
     text += "Time of a decision (median of a mission, mean over the seeds):\n\n";
-    text += Columns("", table.policies);
-    for (std::size_t l = 0; l < table.labels.size(); ++l) {
-      text += fmt::format("| {} |", table.labels[l]);
-      for (std::size_t p = 0; p < table.policies.size(); ++p) {
-        text += fmt::format(
-            " {} |", table.policies[p] == kUpperBound ? "" : DecisionTimeText(table.cells[l][p]));
-      }
-      text += "\n";
-    }
-    text += "\n";
+    text += MarkdownOf(table, [&](std::size_t l, std::size_t p) {
+      return table.policies[p] == kUpperBound ? "" : DecisionTimeText(table.cells[l][p]);
+    });
   }
   return text + Differences(rows);
 }

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <limits>
-#include <map>
-#include <tuple>
+#include <numeric>
 
 #include "base/random.h"
 #include "lcmtypes/bus/bus.h"
@@ -17,13 +15,15 @@
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/registry.h"
 #include "simulation/simulator.h"
+#include "tools/bench/plot.h"
+#include "tools/bench/sheet.h"
+#include "tools/bench/statistics.h"
 #include "tools/graph/situations.h"
 
 namespace muster::tools {
 namespace {
 
 using scheduler::Situation;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Starts a new count of the process's largest memory, where the kernel lets us.
 void ResetPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
@@ -57,7 +57,7 @@ void DecideAll(const Situation& situation, BenchRow row, const BenchOptions& opt
         row.search_s = profile.search_s;
       } else {
         decision = policy->Decide(situation);
-        row.weights_s = row.candidates_s = row.bound_s = row.search_s = kNone;
+        row.weights_s = row.candidates_s = row.bound_s = row.search_s = kNotKnown;
       }
       row.total_s =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() +
@@ -71,29 +71,23 @@ void DecideAll(const Situation& situation, BenchRow row, const BenchOptions& opt
   }
 }
 
-std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("{:.9g}", value); }
-
-double Quantile(const std::vector<double>& sorted, double share) {
-  const auto at =
-      static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)));
-  return sorted[at];
-}
-
 }  // namespace
+
+std::vector<std::uint64_t> BenchOptions::AllSeeds() const {
+  std::vector<std::uint64_t> all(static_cast<std::size_t>(seeds));
+  std::iota(all.begin(), all.end(), static_cast<std::uint64_t>(first_seed));
+  return all;
+}
 
 void RunDecisions(const BenchOptions& options, const std::function<void(const BenchRow&)>& report) {
   for (const std::string& instance : options.instances) {
-    for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
-      SituationRecorder recorder;
-      const Scenario scenario = Generate(PresetByName(instance), static_cast<std::uint64_t>(seed));
-      Simulate(ScenarioToJson(scenario), "certified",
-               [&](const Packet& packet) { recorder.Add(packet); });
+    for (const std::uint64_t seed : options.AllSeeds()) {
       std::vector<double> fuse_s;
-      const std::vector<Situation> situations = recorder.Situations(&fuse_s);
+      const std::vector<Situation> situations = SituationsOf(PresetByName(instance), seed, &fuse_s);
       for (std::size_t d = 0; d < situations.size(); ++d) {
         BenchRow row;
         row.instance = instance;
-        row.seed = static_cast<std::uint64_t>(seed);
+        row.seed = seed;
         row.decision = situations[d].decision;
         row.fuse_s = fuse_s[d];
         row.edges = CountEdges(situations[d]);
@@ -105,11 +99,11 @@ void RunDecisions(const BenchOptions& options, const std::function<void(const Be
 
 void RunScale(const BenchOptions& options, const std::function<void(const BenchRow&)>& report) {
   for (const double scale : options.scales) {
-    for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
+    for (const std::uint64_t seed : options.AllSeeds()) {
       BenchRow row;
       row.instance = fmt::format("Random_29 x{:g}", scale);
-      row.seed = static_cast<std::uint64_t>(seed);
-      row.fuse_s = kNone;
+      row.seed = seed;
+      row.fuse_s = kNotKnown;
       const Situation situation =
           MidMission(Scaled(PresetByName("Random_29"), scale), row.seed, options.availability);
       row.decision = situation.decision;
@@ -118,6 +112,14 @@ void RunScale(const BenchOptions& options, const std::function<void(const BenchR
       DecideAll(situation, row, options, report);
     }
   }
+}
+
+std::vector<Situation> SituationsOf(const GeneratorSettings& settings, std::uint64_t seed,
+                                    std::vector<double>* fuse_s) {
+  SituationRecorder recorder;
+  Simulate(ScenarioToJson(Generate(settings, seed)), "certified",
+           [&](const Packet& packet) { recorder.Add(packet); });
+  return recorder.Situations(fuse_s);
 }
 
 Situation MidMission(const GeneratorSettings& settings, std::uint64_t seed,
@@ -195,63 +197,38 @@ std::string ToCsv(const BenchRow& row) {
 }
 
 std::string SummaryOf(const std::vector<BenchRow>& rows) {
-  struct Group {
-    std::vector<double> total_ms, gaps;
-    std::int64_t most_nodes = 0;
-    double peak_mib = 0;
-  };
-  std::vector<std::pair<std::string, std::string>> order;
-  std::map<std::pair<std::string, std::string>, Group> groups;
-  for (const BenchRow& row : rows) {
-    const std::pair key(row.instance, row.method);
-    if (groups.count(key) == 0) order.push_back(key);
-    Group& group = groups[key];
-    group.total_ms.push_back(row.total_s * 1e3);
-    if (!std::isnan(row.bound)) group.gaps.push_back(row.gap());
-    group.most_nodes = std::max(group.most_nodes, row.nodes);
-    group.peak_mib = std::max(group.peak_mib, static_cast<double>(row.peak_bytes) / 1048576);
+  Sheet sheet(
+      "instance|method|runs|nodes<=|median_ms|p10_ms|p90_ms|max_ms|gap<=|gap<=0.1%|peak_MiB");
+  const auto key = [](const BenchRow& row) { return std::pair(row.instance, row.method); };
+  for (const auto& [name, group] : GroupsOf(rows, key)) {
+    const auto ms = ValuesOf(group, [](const BenchRow& row) { return row.total_s * 1e3; });
+    const auto gaps = ValuesOf(
+        group, [](const BenchRow& row) { return std::isnan(row.bound) ? kNotKnown : row.gap(); });
+    const auto most = [&](auto member) {
+      return Quantile(ValuesOf(group, [&](const BenchRow& row) { return row.*member; }), 1);
+    };
+    sheet.Add(fmt::format(
+        "{}|{}|{}|{:.0f}|{:.3f}|{:.3f}|{:.3f}|{:.3f}|{}|{}|{:.1f}", name.first, name.second,
+        group.size(), most(&BenchRow::nodes), Quantile(ms, 0.5), Quantile(ms, 0.1),
+        Quantile(ms, 0.9), Quantile(ms, 1), Shown("{:.2g}", Quantile(gaps, 1)),
+        Shown("{:.2f}%", PercentUpTo(1e-3, gaps)), most(&BenchRow::peak_bytes) / (1 << 20)));
   }
-  std::string text =
-      fmt::format("{:<18} {:<10} {:>5} {:>9} {:>10} {:>10} {:>10} {:>10} {:>8} {:>9} {:>9}\n",
-                  "instance", "method", "runs", "nodes<=", "median_ms", "p10_ms", "p90_ms",
-                  "max_ms", "gap<=", "gap<=0.1%", "peak_MiB");
-  for (const auto& key : order) {
-    Group& group = groups[key];
-    std::sort(group.total_ms.begin(), group.total_ms.end());
-    std::string largest = "-", share = "-";
-    if (!group.gaps.empty()) {
-      largest = fmt::format("{:.2g}", *std::max_element(group.gaps.begin(), group.gaps.end()));
-      const auto small = std::count_if(group.gaps.begin(), group.gaps.end(),
-                                       [](double gap) { return gap <= 1e-3; });
-      share = fmt::format(
-          "{:.2f}%", 100.0 * static_cast<double>(small) / static_cast<double>(group.gaps.size()));
-    }
-    text += fmt::format(
-        "{:<18} {:<10} {:>5} {:>9} {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f} {:>8} {:>9} {:>9.1f}\n",
-        key.first, key.second, group.total_ms.size(), group.most_nodes,
-        Quantile(group.total_ms, 0.5), Quantile(group.total_ms, 0.1), Quantile(group.total_ms, 0.9),
-        group.total_ms.back(), largest, share, group.peak_mib);
-  }
-  return text;
+  return sheet.Text();
 }
 
 std::string PlotScript(const std::string& csv_file, const std::string& svg_file) {
-  return fmt::format(
-      "# gnuplot: time of a decision against the size of its graph\n"
-      "set terminal svg size 800,500 background 'white'\nset output '{}'\nset datafile separator "
-      "','\n"
-      "set logscale xy\nset xlabel 'nodes'\nset ylabel 'seconds'\nset key left top\n"
-      "plot '{}' using (column('n')):(column('total_s')) smooth unique with linespoints "
-      "title 'total', \\\n"
-      "     '' using (column('n')):(column('weights_s')) smooth unique with linespoints "
-      "title 'weights', \\\n"
-      "     '' using (column('n')):(column('candidates_s')) smooth unique with "
-      "linespoints title 'candidates', \\\n"
-      "     '' using (column('n')):(column('bound_s')) smooth unique with linespoints "
-      "title 'bound', \\\n"
-      "     '' using (column('n')):(column('search_s')) smooth unique with linespoints "
-      "title 'search'\n",
-      svg_file, csv_file);
+  Chart chart;
+  for (const char* part : {"total", "weights", "candidates", "bound", "search"}) {
+    chart.curves.push_back(
+        {"",
+         fmt::format("using (column('n')):(column('{}_s')) smooth unique with linespoints", part),
+         part});
+  }
+  const Plot plot{800,
+                  500,
+                  "set logscale xy\nset xlabel 'nodes'\nset ylabel 'seconds'\nset key left top\n",
+                  {chart}};
+  return ScriptOf(plot, svg_file, csv_file);
 }
 
 }  // namespace muster::tools

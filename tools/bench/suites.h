@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,23 +30,40 @@ struct BenchRow {
   double gap() const { return bound > 0 ? (bound - weight) / bound : 0; }
 };
 
+enum class AskCbc { kNothing, kRelaxation, kOptimum };
+
+/// What the suites are run with; each says what of it it takes.
 struct BenchOptions {
-  std::vector<std::string> methods;  ///< policies
+  std::vector<std::string> methods = {"certified"};  ///< policies
   std::vector<std::string> instances;
-  std::vector<double> scales;
+  std::vector<double> scales;  ///< times Random_29
+  std::vector<double> loads;   ///< tasks, times those of the instance
   int seeds = 1;
   int first_seed = 1;
   int repetitions = 1;
-  int threads = 1;
-  Availability availability = Availability::kStrict;  ///< of the scale suite
+  int threads = 1;  ///< of `certified`
+  Availability availability = Availability::kStrict;
+  AskCbc ask = AskCbc::kOptimum;
+  std::string data;                 ///< folder with the tables of imported settings; "": none
+  std::vector<int> processes;       ///< of each agent class
+  std::vector<std::string> runs;    ///< as MissionSetting::run
+  std::optional<double> limit_min;  ///< of mission; none: the setting's
+
+  std::vector<std::uint64_t> AllSeeds() const;
 };
 
 /// Every decision of missions on the presets named by `instances`, decided by `certified` on the
 /// way and by each method for the row.
 void RunDecisions(const BenchOptions& options, const std::function<void(const BenchRow&)>& report);
 
-/// One decision on each of `scales` times Random_29.
+/// One decision by each method on each of `scales` times Random_29.
 void RunScale(const BenchOptions& options, const std::function<void(const BenchRow&)>& report);
+
+/// The situation of each decision of a mission that `certified` decides, and how long each took to
+/// combine.
+std::vector<scheduler::Situation> SituationsOf(const GeneratorSettings& settings,
+                                               std::uint64_t seed,
+                                               std::vector<double>* fuse_s = nullptr);
 
 /// A situation in the middle of a mission that is not simulated: agents that are online after an
 /// hour where the scenario puts them, UAVs with 0.3 to all of their range, 30 % of the tasks done.
@@ -61,7 +79,7 @@ std::string ToCsv(const BenchRow& row);
 /// What a person reads: median, spread and largest total time, gaps, by instance and method.
 std::string SummaryOf(const std::vector<BenchRow>& rows);
 
-/// A gnuplot script that draws total time against nodes out of the CSV file, as SVG.
+/// A gnuplot script that draws a decision's time against nodes out of the CSV file, as SVG.
 std::string PlotScript(const std::string& csv_file, const std::string& svg_file);
 
 }  // namespace muster::tools

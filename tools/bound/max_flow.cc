@@ -6,7 +6,6 @@
 #include "base/index.h"
 
 namespace muster::tools {
-namespace {}  // namespace
 
 void MaxFlow::Arc(std::int32_t from, std::int32_t to, std::int32_t capacity) {
   halves_.push_back({to, first_[At(from)], capacity});

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "base/check.h"
 
@@ -56,6 +58,11 @@ void WriteFile(const std::string& path, std::string_view text, Readers readers) 
   if (std::fclose(file) != 0 && error == 0) error = errno;
   if (error != 0) FailToWrite(path, error);
   pending.Commit();
+}
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace muster::tools

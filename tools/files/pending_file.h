@@ -36,4 +36,7 @@ enum class Readers { kAsUsual, kOwner };
 /// Writes a whole file, or leaves what was there. Throws SystemError.
 void WriteFile(const std::string& path, std::string_view text, Readers readers = Readers::kAsUsual);
 
+/// A whole file; "" where it cannot be read.
+std::string ReadFile(const std::string& path);
+
 }  // namespace muster::tools

@@ -4,10 +4,14 @@
 
 namespace muster::tools {
 
-void AddFaultOptions(Options* options) {
+void AddDropOption(Options* options) {
   options->Add("drop", "P", "Share of received packets that each process drops, 0 to 1")
       .Number({0, 1, false, true})
       .Default(0);
+}
+
+void AddFaultOptions(Options* options) {
+  AddDropOption(options);
   options->Add("faults", "FILE", "Fault plan (docs/guide/faults.md)");
   options->Add("fault", "FAULT", "One more fault, e.g. loss:*@30+10=0.3 or process_killed:uav@45")
       .List();

@@ -19,6 +19,7 @@ struct FaultOptions {
   bool goes_on() const { return on_loss == "continue"; }
 };
 
+void AddDropOption(Options* options);
 void AddFaultOptions(Options* options);
 /// Throws InputError on a plan that cannot be read.
 FaultOptions ReadFaultOptions(const Arguments& arguments);

@@ -16,6 +16,7 @@
 #include "tools/host/progress.h"
 #include "tools/host/stop_signals.h"
 #include "tools/host/worker_pool.h"
+#include "tools/launch/fault_options.h"
 #include "tools/trials/soak.h"
 
 namespace muster::tools {
@@ -43,9 +44,7 @@ void AddSoakOptions(Options* options) {
             "When a process is lost: wait for it, continue without it, or both in turn")
       .OneOf({"wait", "continue", "both"})
       .Default("both");
-  options->Add("drop", "P", "Share of received packets that each process drops, 0 to 1")
-      .Number({0, 1, false, true})
-      .Default(0);
+  AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);
   options->Out("DIR", "Where scenario and plan of the first that fails go, new or empty");
   options->Quiet();

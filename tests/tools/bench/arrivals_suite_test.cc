@@ -25,8 +25,8 @@ std::size_t CountOf(const std::string& text, const std::string& part) {
 }
 
 TEST(ArrivalsSuite, EveryPolicyServesTheSameReports) {
-  ArrivalsOptions options;
-  options.policies = {"mpq", "horizon"};
+  BenchOptions options;
+  options.methods = {"mpq", "horizon"};
   options.instances = ArrivalsInstances(false);
   options.loads = {0.25, 0.5};
   options.seeds = 1;
@@ -111,7 +111,7 @@ class ArrivalsOfRows : public ::testing::Test {
             });
     }
     options_.data = (folder_ / "").string();
-    options_.policies = {"horizon"};
+    options_.methods = {"horizon"};
     options_.instances = {"haiti"};
     options_.loads = {0.25, 0.5};
     options_.seeds = 1;
@@ -119,7 +119,7 @@ class ArrivalsOfRows : public ::testing::Test {
 
   static constexpr const char* kHaiti = "haiti2010_ushahidi/haiti_reports.csv";
   TemporaryFolder folder_;
-  ArrivalsOptions options_;
+  BenchOptions options_;
 };
 
 TEST_F(ArrivalsOfRows, AreTheScenariosOfImport) {

@@ -14,7 +14,7 @@ namespace muster::tools {
 namespace {
 
 TEST(HardSuite, DrawnSettingsAreDecidedWithinTheirBoundAndNoneBelowOthers) {
-  HardOptions options;
+  BenchOptions options;
   options.seeds = 8;
   std::vector<HardRow> rows;
   RunRandomSettings(options, [&](const HardRow& row) { rows.push_back(row); });
