@@ -6,32 +6,47 @@
 #include <vector>
 
 #include "scheduler/policies/horizon/horizon.h"
-#include "scheduler/policy.h"
 
 namespace muster::scheduler {
 
-/// How a decision of the `horizon` or `rollout` family came about.
-struct Deciding {
-  HorizonSettings settings;  ///< decided with these
-  /// `rollout`: the forecast decides on with these.
-  std::optional<HorizonSettings> follow;
-  std::int32_t variant = 0, variants = 1;  ///< `rollout`: which of its variants, of how many
-  std::vector<std::uint32_t> draws;        ///< `rollout`: varied by chance, the draws' numbers
-  HorizonPlan plan;                        ///< of agents of the situation
-  /// Whether the plan's decision is the commanded one. It is not where a deadline cut a decision
-  /// short, where another build made it, or where nobody was commanded; the settings are then those
-  /// of the first variant.
-  bool again = false;
+/// One logged decision of a policy that decides by horizon's matchings. Not moved: the plan points
+/// into the situation.
+struct HorizonDecision {
+  HorizonDecision(Situation of, std::vector<Action> actions, const MatchingPolicy& policy)
+      : situation(std::move(of)),
+        commanded(std::move(actions)),
+        deciding(policy.Explain(situation, commanded)) {}
+  HorizonDecision(const HorizonDecision&) = delete;
+  HorizonDecision& operator=(const HorizonDecision&) = delete;
+
+  const Situation situation;
+  const std::vector<Action> commanded;
+  const Deciding deciding;
 };
 
-/// Whether reasons in horizon's terms can be given for what this policy decides.
-bool DecidesByHorizon(const Policy& policy);
+/// A pair of a matching, by its agents' ids.
+struct PairPlan {
+  bool charging = false;
+  std::int32_t site = -1;  ///< task or charging point
+  UavId uav;
+  std::int32_t partner = -1;                           ///< worker or vehicle
+  std::optional<TimeUs> uav_free_us, partner_free_us;  ///< from when on, unless they are idle
+  double worth = 0;                                    ///< tasks
+  TimeUs end_us = 0;
+  bool second = false;  ///< of the matching after the first one's ends
 
-/// The way to weigh that leads to exactly the commanded actions: `horizon`'s own; of `rollout` the
-/// first of its variants, else of its draws and theirs. Which one it was is read from the weights
-/// of what was commanded, so nothing is carried forward. `policy` must decide by horizon.
-Deciding HowDecided(const Situation& situation, const std::vector<Action>& commanded,
-                    const Policy& policy);
+  AgentKind partner_kind() const { return charging ? AgentKind::kVehicle : AgentKind::kWorker; }
+  bool has(AgentKind kind, std::int32_t id) const {
+    return kind == AgentKind::kUav ? uav.value == id : kind == partner_kind() && partner == id;
+  }
+  bool at(bool charge, std::int32_t id) const { return charging == charge && site == id; }
+};
+
+PairPlan PlanOf(const Situation& situation, const Participants& participants, const Match& match,
+                bool second);
+
+/// All pairs of a plan: those of the first matching, by UAV, then those of the second.
+std::vector<PairPlan> PairsOf(const Situation& situation, const HorizonPlan& plan);
 
 /// What tells the settings from horizon's own: "patience 0.6"; empty when nothing does. Chance is
 /// left out.

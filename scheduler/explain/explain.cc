@@ -1,19 +1,13 @@
 #include "scheduler/explain/explain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <tuple>
 #include <utility>
 
 namespace muster::scheduler {
 namespace {
 
-constexpr double kSame = 1e-6;  ///< weights closer than this are equal
-
-bool AtSite(const Action& action, bool charging, std::int32_t site) {
-  return charging ? action.charge.value == site : action.task.value == site;
-}
+bool IsPairAction(const Action& action) { return IsPair(action.kind); }
 
 const AgentState* Find(const std::vector<AgentState>& agents, std::int32_t id) {
   const auto found =
@@ -33,11 +27,43 @@ double Lack(const PlaceLook& look) {
   return 0;
 }
 
+/// An agent's state, if it is online or under way, and its condition.
+AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int32_t id,
+                           const AgentSpec& spec, std::optional<AgentState>* state) {
+  const TimeUs now = situation.now_us;
+  if (const AgentState* agent = Find(situation.agents(kind), id)) {
+    *state = *agent;
+    return agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
+  }
+  if (now < spec.online_from_us) return AgentCondition::kNotYetOnline;
+  return now < spec.online_until_us ? AgentCondition::kFailed : AgentCondition::kOffline;
+}
+
+/// Groups the places where an agent has no pair, by obstacle and kind of place.
+std::vector<AgentAnswer::Blocked> BlockedOf(const std::vector<PlaceLook>& places) {
+  std::map<std::pair<Obstacle, bool>, AgentAnswer::Blocked> groups;
+  for (const PlaceLook& place : places) {
+    if (place.obstacle == Obstacle::kNone) continue;
+    auto [entry, is_new] = groups.try_emplace({place.obstacle, place.charging});
+    AgentAnswer::Blocked& group = entry->second;
+    ++group.places;
+    if (is_new || Lack(place) < Lack(group.nearest)) group.nearest = place;
+    group.obstacle = place.obstacle;
+    group.charging = place.charging;
+  }
+  std::vector<AgentAnswer::Blocked> blocked;
+  for (const auto& [key, group] : groups) blocked.push_back(group);
+  return blocked;
+}
+
 }  // namespace
 
+std::string_view ToString(Terms terms) { return terms == Terms::kPaper ? "paper" : "horizon"; }
+
 std::string_view ToString(TaskVerdict verdict) {
-  constexpr std::string_view kNames[] = {"done",       "under way",  "chosen", "lost",
-                                         "infeasible", "unreported", "expired"};
+  constexpr std::string_view kNames[] = {"done",       "under way",  "chosen",    "planned",
+                                         "lost",       "outbid",     "worthless", "infeasible",
+                                         "impossible", "unreported", "expired"};
   return kNames[static_cast<int>(verdict)];
 }
 
@@ -57,118 +83,72 @@ std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task) {
   return {};
 }
 
-AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int32_t id,
-                           const AgentSpec& spec, std::optional<AgentState>* state) {
-  const TimeUs now = situation.now_us;
-  if (const AgentState* agent = Find(situation.agents(kind), id)) {
-    *state = *agent;
-    return agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
-  }
-  if (now < spec.online_from_us) return AgentCondition::kNotYetOnline;
-  return now < spec.online_until_us ? AgentCondition::kFailed : AgentCondition::kOffline;
-}
-
-Action CommandTo(const Situation& situation, const std::vector<Action>& commanded, AgentKind kind,
-                 std::int32_t id) {
-  for (const Action& action : commanded) {
+Action Score::DoneBy(AgentKind kind, std::int32_t id) const {
+  for (const Action& action : commanded()) {
     if (MemberOf(action, kind) == id) return action;
   }
   Action stay;
-  switch (kind) {
-    case AgentKind::kUav:
-      stay.kind = ActionKind::kUavStays;
-      stay.uav = UavId(id);
-      break;
-    case AgentKind::kWorker:
-      stay.kind = ActionKind::kWorkerStays;
-      stay.worker = WorkerId(id);
-      break;
-    case AgentKind::kVehicle:
-      stay.kind = ActionKind::kVehicleStays;
-      stay.vehicle = VehicleId(id);
-      break;
-  }
-  if (const AgentState* agent = Find(situation.agents(kind), id)) stay.to = agent->to;
+  constexpr PerKind<ActionKind> kStays = {ActionKind::kUavStays, ActionKind::kWorkerStays,
+                                          ActionKind::kVehicleStays};
+  stay.kind = kStays[kind];
+  ByKind(kind, stay.uav.value, stay.worker.value, stay.vehicle.value) = id;
+  if (const AgentState* agent = Find(look().situation().agents(kind), id)) stay.to = agent->to;
   return stay;
 }
 
-std::vector<AgentAnswer::Blocked> BlockedOf(const std::vector<PlaceLook>& places) {
-  std::map<std::pair<Obstacle, bool>, AgentAnswer::Blocked> groups;
-  for (const PlaceLook& place : places) {
-    if (place.obstacle == Obstacle::kNone) continue;
-    auto [entry, is_new] = groups.try_emplace({place.obstacle, place.charging});
-    AgentAnswer::Blocked& group = entry->second;
-    ++group.places;
-    if (is_new || Lack(place) < Lack(group.nearest)) group.nearest = place;
-    group.obstacle = place.obstacle;
-    group.charging = place.charging;
-  }
-  std::vector<AgentAnswer::Blocked> blocked;
-  for (const auto& [key, group] : groups) blocked.push_back(group);
-  return blocked;
-}
-
-Explainer::Explainer(const Situation& situation, std::vector<Action> commanded)
-    : situation_(situation),
-      commanded_(std::move(commanded)),
-      look_(situation),
-      exact_(situation) {}
-
-Action Explainer::DoneBy(AgentKind kind, std::int32_t id) const {
-  Action action = CommandTo(situation_, commanded_, kind, id);
-  const bool logged = std::find(commanded_.begin(), commanded_.end(), action) != commanded_.end();
-  if (!logged) action.weight = look_.WeightOf(action).value_or(0);
-  return action;
+Forcing Score::ForcingOf(const Optimum& best, Optimum with) {
+  constexpr double kSame = 1e-6;  // weights closer than this are equal
+  Forcing forcing;
+  forcing.cost = std::max(0.0, best.weight - with.weight);
+  forcing.cost_low = std::max(0.0, best.weight - with.bound);
+  forcing.cost_high = std::max(0.0, best.bound - with.weight);
+  forcing.exact = best.proven() && with.proven();
+  if (forcing.exact && forcing.cost < kSame) forcing.cost = 0;
+  forcing.with = std::move(with);
+  return forcing;
 }
 
 Option Explainer::MakeOption(const PlaceLook& look, const PairLook& pair) const {
-  Option option{pair, look.charging, look.site, {}, {}, {}};
-  const AgentKind partner = look.charging ? AgentKind::kVehicle : AgentKind::kWorker;
-  option.uav_did = DoneBy(AgentKind::kUav, pair.uav.value);
-  option.partner_did = DoneBy(partner, pair.partner);
-  for (const Action& action : commanded_) {
-    if (IsPair(action.kind) && AtSite(action, look.charging, look.site)) {
-      option.site_holder = action;
-    }
-  }
+  Option option;
+  option.pair = pair;
+  option.charging = look.charging;
+  option.site = look.site;
+  score_->Oppose(&option);
   return option;
 }
 
-std::optional<Forcing> Explainer::Force(const Demand& demand) const {
-  auto with = exact_.Forced(demand);
-  if (!with) return {};
-  const Optimum& best = exact_.best();
-  Forcing forcing;
-  forcing.cost = std::max(0.0, best.weight - with->weight);
-  forcing.cost_low = std::max(0.0, best.weight - with->bound);
-  forcing.cost_high = std::max(0.0, best.bound - with->weight);
-  forcing.exact = best.proven() && with->proven();
-  if (forcing.exact && forcing.cost < kSame) forcing.cost = 0;
-  for (const Action& action : with->actions) {
-    if (!IsPair(action.kind)) continue;
-    const bool meets = (!demand.task.valid() || action.task == demand.task) &&
-                       (!demand.charge.valid() || action.charge == demand.charge) &&
-                       (!demand.agent_kind || MemberOf(action, *demand.agent_kind) == demand.agent);
-    if (meets) forcing.pair = action;
+std::vector<Action> Explainer::HoldersOf(TaskId task) const {
+  std::vector<Action> holders;
+  for (const Action& action : score_->commanded()) {
+    if (IsStay(action.kind)) continue;
+    const Look& look = score_->look();
+    const bool holds =
+        (action.uav.valid() && look.AtTask(task, action.uav).pairs_feasible > 0) ||
+        (action.worker.valid() && look.AtTask(task, {}, action.worker).pairs_feasible > 0);
+    if (holds) holders.push_back(action);
   }
-  const auto senses = [](const std::vector<Action>& actions, TaskId task) {
-    return std::any_of(actions.begin(), actions.end(), [task](const Action& a) {
-      return a.kind == ActionKind::kSense && a.task == task;
-    });
-  };
-  for (const Action& action : best.actions) {
-    if (action.kind == ActionKind::kSense && !senses(with->actions, action.task)) {
-      forcing.displaced.push_back(action.task);
+  return holders;
+}
+
+bool Explainer::TellPlan(TaskId task, TaskAnswer* answer) const {
+  const auto plan = std::find_if(plans_.begin(), plans_.end(), [task](const PairPlan& pair) {
+    return pair.at(false, task.value);
+  });
+  if (plan == plans_.end()) return true;
+  answer->verdict = TaskVerdict::kPlanned;
+  answer->plan = *plan;
+  answer->commanded.clear();
+  for (const Action& action : score_->commanded()) {
+    if (action.uav == plan->uav || MemberOf(action, AgentKind::kWorker) == plan->partner) {
+      answer->commanded.push_back(action);
     }
   }
-  std::sort(forcing.displaced.begin(), forcing.displaced.end());
-  forcing.with = std::move(*with);
-  return forcing;
+  return plan->second;
 }
 
 TaskAnswer Explainer::AboutTask(TaskId task) const {
   TaskAnswer answer;
-  const TaskStatus status = situation_.task_status[task.index()];
+  const TaskStatus status = situation().task_status[task.index()];
   if (status == TaskStatus::kDone) {
     answer.verdict = TaskVerdict::kDone;
     return answer;
@@ -180,82 +160,80 @@ TaskAnswer Explainer::AboutTask(TaskId task) const {
   }
   if (status != TaskStatus::kOpen) {
     answer.verdict = TaskVerdict::kUnderWay;
-    answer.activity = UnderWayAt(situation_, task);
+    answer.activity = UnderWayAt(situation(), task);
     return answer;
   }
-  for (const Action& action : commanded_) {
+  answer.verdict = by_paper() ? TaskVerdict::kInfeasible : TaskVerdict::kImpossible;
+  answer.look = score_->look().AtTask(task);
+  for (const Action& action : score_->commanded()) {
     if (action.task == task) answer.commanded.push_back(action);
   }
-  answer.look = look_.AtTask(task);
-  if (std::any_of(answer.commanded.begin(), answer.commanded.end(),
-                  [](const Action& a) { return IsPair(a.kind); })) {
+  if (std::any_of(answer.commanded.begin(), answer.commanded.end(), IsPairAction)) {
     answer.verdict = TaskVerdict::kChosen;
     return answer;
   }
-  if (answer.look.obstacle != Obstacle::kNone) return answer;
-  answer.verdict = TaskVerdict::kLost;
+  if (!TellPlan(task, &answer) || answer.look.obstacle != Obstacle::kNone) return answer;
+  if (!answer.plan) {
+    answer.verdict = by_paper()                            ? TaskVerdict::kLost
+                     : answer.look.best.front().weight > 0 ? TaskVerdict::kOutbid
+                                                           : TaskVerdict::kWorthless;
+  }
   for (const PairLook& pair : answer.look.best) {
     answer.options.push_back(MakeOption(answer.look, pair));
   }
-  for (const Action& action : commanded_) {
-    if (IsStay(action.kind)) continue;
-    const bool holds =
-        (action.uav.valid() && look_.AtTask(task, action.uav).pairs_feasible > 0) ||
-        (action.worker.valid() && look_.AtTask(task, {}, action.worker).pairs_feasible > 0);
-    if (holds) answer.rivals.push_back(action);
-  }
+  if (by_paper()) answer.rivals = HoldersOf(task);
   Demand demand;
   demand.task = task;
-  answer.forcing = Force(demand);
+  answer.forcing = score_->Force(demand);
   return answer;
 }
 
-AgentAnswer Explainer::AboutAgent(AgentKind kind, std::int32_t id, const AgentSpec& spec) const {
-  AgentAnswer answer;
-  answer.condition = ConditionOf(situation_, kind, id, spec, &answer.state);
-  if (answer.condition != AgentCondition::kIdle) return answer;
-  answer.did = DoneBy(kind, id);
-
-  const std::vector<PlaceLook> places = PlacesOf(look_, situation_, kind, id);
+void Explainer::AddOptions(AgentKind kind, std::int32_t id, const std::vector<PlaceLook>& places,
+                           AgentAnswer* answer) const {
+  const auto sent_to = [&](const PlaceLook& place) {
+    if (by_paper() && IsPair(answer->did->kind)) {
+      return (place.charging ? answer->did->charge.value : answer->did->task.value) == place.site;
+    }
+    return std::any_of(answer->plans.begin(), answer->plans.end(), [&](const PairPlan& pair) {
+      return !pair.second && pair.at(place.charging, place.site);
+    });
+  };
   std::vector<const PlaceLook*> others;
   for (const PlaceLook& place : places) {
     if (place.obstacle != Obstacle::kNone) continue;
-    ++answer.places_feasible;
-    const bool commanded =
-        IsPair(answer.did->kind) && AtSite(*answer.did, place.charging, place.site);
-    if (!commanded) others.push_back(&place);
+    ++answer->places_feasible;
+    if (!sent_to(place)) others.push_back(&place);
   }
-  answer.blocked = BlockedOf(places);
   std::stable_sort(others.begin(), others.end(), [](const PlaceLook* a, const PlaceLook* b) {
     return a->best.front().weight > b->best.front().weight;
   });
   if (others.size() > AgentAnswer::kOptions) others.resize(AgentAnswer::kOptions);
   for (const PlaceLook* place : others) {
-    answer.options.push_back(MakeOption(*place, place->best.front()));
+    Option& option = answer->options.emplace_back(MakeOption(*place, place->best.front()));
     Demand demand;
     demand.agent_kind = kind;
     demand.agent = id;
     (place->charging ? demand.charge.value : demand.task.value) = place->site;
-    answer.forcings.push_back(Force(demand));
+    option.forcing = score_->Force(demand);
   }
-  return answer;
 }
 
-DecisionQuality Explainer::Quality() const {
-  DecisionQuality quality;
-  quality.best = exact_.best();
-  for (const AgentKind kind : kAgentKinds) {
-    for (const AgentState& agent : situation_.agents(kind)) {
-      if (!agent.idle(situation_.now_us)) continue;
-      const Action action = DoneBy(kind, agent.id);
-      // A pair counts once, with its UAV.
-      if (IsPair(action.kind) && kind != AgentKind::kUav) continue;
-      const std::optional<double> weight = look_.WeightOf(action);
-      quality.weight += weight.value_or(0);
-      if (!weight || std::abs(*weight - action.weight) > kSame) quality.own_weights = true;
-    }
+AgentAnswer Explainer::AboutAgent(AgentKind kind, std::int32_t id, const AgentSpec& spec) const {
+  AgentAnswer answer;
+  answer.condition = ConditionOf(situation(), kind, id, spec, &answer.state);
+  if (answer.condition == AgentCondition::kIdle) answer.did = score_->DoneBy(kind, id);
+  const Look& look = score_->look();
+  const std::int32_t index = look.IndexOf(kind, id);
+  if (index < 0) return answer;
+  const Participant& participant = look.participants()[kind][static_cast<std::size_t>(index)];
+  if (!participant.idle) answer.free_us = participant.ready_us;
+  for (const PairPlan& pair : plans_) {
+    if (pair.has(kind, id)) answer.plans.push_back(pair);
   }
-  return quality;
+  const std::vector<PlaceLook> places = look.PlacesOf(kind, id);
+  answer.blocked = BlockedOf(places);
+  AddOptions(kind, id, places, &answer);
+  return answer;
 }
 
 }  // namespace muster::scheduler

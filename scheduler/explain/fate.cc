@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/index.h"
+#include "scheduler/explain/explain.h"
 
 namespace muster::scheduler {
 namespace {
@@ -81,7 +82,7 @@ class Page {
   }
 
   bool IsImpossible() {
-    const HorizonLook look(situation_, decision_.deciding.settings);
+    const HorizonLook look(situation_, decision_.deciding.how.settings);
     PlaceLook place = pair_.charging
                           ? look.AtCharge(ChargeId(pair_.site), pair_.uav, VehicleId(pair_.partner))
                           : look.AtTask(TaskId(pair_.site), pair_.uav, WorkerId(pair_.partner));

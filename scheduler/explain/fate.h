@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "model/scenario.h"
-#include "scheduler/explain/horizon_facts.h"
+#include "scheduler/explain/deciding.h"
+#include "scheduler/explain/look.h"
 
 namespace muster::scheduler {
 

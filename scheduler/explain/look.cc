@@ -8,32 +8,51 @@
 namespace muster::scheduler {
 namespace {
 
-constexpr int kAny = -2;  ///< no row; -1 is an agent that is not idle
+/// Settings by which the idle agents alone take part.
+HorizonSettings IdleOnly() {
+  HorizonSettings settings;
+  settings.soon_idle = false;
+  return settings;
+}
+
+/// Only that agent, when one is asked for.
+void Restrict(std::int32_t id, std::vector<Participant>* participants) {
+  if (id < 0) return;
+  std::erase_if(*participants, [id](const Participant& p) { return p.agent->id != id; });
+}
+
+std::optional<TimeUs> FreeUs(const Participant& participant) {
+  if (participant.idle) return {};
+  return participant.ready_us;
+}
+
+/// Of an instance's sites; -1: not one of them.
+std::int32_t SiteIn(const PossiblePairs& pairs, bool charging, std::int32_t site) {
+  const auto tasks_end = pairs.site_ids.begin() + pairs.n_tasks;
+  const auto begin = charging ? tasks_end : pairs.site_ids.begin();
+  const auto end = charging ? pairs.site_ids.end() : tasks_end;
+  const auto found = std::lower_bound(begin, end, site);
+  if (found == end || *found != site) return -1;
+  return static_cast<std::int32_t>(found - pairs.site_ids.begin());
+}
+
+/// All arcs of a site, in pairs: visit(uav arc, partner arc).
+template <class Visit>
+void ForEachPair(const Instance& instance, std::int32_t site, Visit visit) {
+  for (auto i = instance.uav_begin[At(site)]; i < instance.uav_begin[At(site) + 1]; ++i) {
+    for (auto j = instance.partner_begin[At(site)]; j < instance.partner_begin[At(site) + 1]; ++j) {
+      visit(instance.uav_arcs[At(i)], instance.partner_arcs[At(j)]);
+    }
+  }
+}
 
 }  // namespace
 
 std::string_view ToString(Obstacle obstacle) {
-  switch (obstacle) {
-    case Obstacle::kNone:
-      return "none";
-    case Obstacle::kNoUav:
-      return "no idle uav";
-    case Obstacle::kNoPartner:
-      return "no idle partner";
-    case Obstacle::kNoPlace:
-      return "no free place";
-    case Obstacle::kRange:
-      return "range";
-    case Obstacle::kWindow:
-      return "online window";
-    case Obstacle::kLimit:
-      return "time limit";
-    case Obstacle::kExpiry:
-      return "expiry";
-    case Obstacle::kNoUse:
-      return "no use";
-  }
-  return "none";
+  constexpr std::string_view kNames[] = {"none",          "no idle uav", "no idle partner",
+                                         "no free place", "range",       "online window",
+                                         "time limit",    "expiry",      "no use"};
+  return kNames[static_cast<int>(obstacle)];
 }
 
 void PlaceLook::Offer(const PairLook& pair) {
@@ -80,119 +99,149 @@ void PlaceLook::OfferShort(const RangeNeed& need) {
   if (!nearest_range || lacks(need) < lacks(*nearest_range)) nearest_range = need;
 }
 
-Look::Look(const Situation& situation)
-    : situation_(situation), weights_(ComputeWeights(situation)), feasible_(situation, weights_) {}
+Look::Look(const Situation& situation, const HorizonSettings& settings)
+    : situation_(situation),
+      participants_(ParticipantsOf(situation, settings)),
+      soon_decisions_(settings.soon_idle ? settings.soon_decisions : 0) {}
 
-int Look::RowOf(AgentKind kind, std::int32_t id) const {
-  const auto& rows = ByKind(kind, weights_.uavs, weights_.workers, weights_.vehicles);
-  const auto& agents = situation_.agents(kind);
-  const auto found = std::lower_bound(
-      rows.begin(), rows.end(), id,
-      [&](std::int32_t row, std::int32_t wanted) { return agents[At(row)].id < wanted; });
-  if (found == rows.end() || agents[At(*found)].id != id) return -1;
-  return static_cast<int>(found - rows.begin());
+std::int32_t Look::IndexOf(AgentKind kind, std::int32_t id) const {
+  const auto& of_kind = participants_[kind];
+  const auto found =
+      std::lower_bound(of_kind.begin(), of_kind.end(), id,
+                       [](const Participant& p, std::int32_t i) { return p.agent->id < i; });
+  if (found == of_kind.end() || found->agent->id != id) return -1;
+  return static_cast<std::int32_t>(found - of_kind.begin());
 }
 
-PlaceLook Look::AtTask(TaskId task, UavId uav, WorkerId worker) const {
-  const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), task);
-  const auto column = static_cast<int>(found - weights_.tasks.begin());
-  return AtPlace(false, task.value, column, uav.valid() ? RowOf(AgentKind::kUav, uav.value) : kAny,
-                 worker.valid() ? RowOf(AgentKind::kWorker, worker.value) : kAny);
+std::vector<PlaceLook> Look::PlacesOf(AgentKind kind, std::int32_t id) const {
+  const UavId uav = kind == AgentKind::kUav ? UavId(id) : UavId();
+  std::vector<PlaceLook> places;
+  if (kind != AgentKind::kVehicle) {
+    const WorkerId worker = kind == AgentKind::kWorker ? WorkerId(id) : WorkerId();
+    for (std::size_t x = 0; x < situation_.task_status.size(); ++x) {
+      if (situation_.task_status[x] != TaskStatus::kOpen) continue;
+      places.push_back(AtTask(TaskId(x), uav, worker));
+    }
+  }
+  if (kind != AgentKind::kWorker) {
+    const VehicleId vehicle = kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId();
+    for (std::size_t y = 0; y < situation_.site->charging_points.size(); ++y) {
+      places.push_back(AtCharge(ChargeId(y), uav, vehicle));
+    }
+  }
+  return places;
 }
 
-PlaceLook Look::AtCharge(ChargeId charge, UavId uav, VehicleId vehicle) const {
-  return AtPlace(true, charge.value, charge.value,
-                 uav.valid() ? RowOf(AgentKind::kUav, uav.value) : kAny,
-                 vehicle.valid() ? RowOf(AgentKind::kVehicle, vehicle.value) : kAny);
+RangeNeed Look::NeedOf(const Participant& uav, const PlaceLook& look) const {
+  RangeNeed need{UavId(uav.agent->id), uav.range_m, 0, 0, 0, FreeUs(uav)};
+  const Site& places = *situation_.site;
+  if (look.charging) {
+    need.way_m = uav.agent->WayM(uav.at, places.charging_points[At(look.site)].at);
+  } else {
+    need.way_m = uav.agent->WayM(uav.at, places.tasks[At(look.site)].at);
+    need.cost_m = places.tasks[At(look.site)].cost_m;
+    need.to_charge_m = places.task_to_charge_m[At(look.site)];
+  }
+  return need;
 }
 
-bool Look::InTime(int uav, int task, int worker) const {
-  return weights_.uav_task.travel_us(uav, task) != kNever &&
-         weights_.worker_task.travel_us(worker, task) != kNever;
-}
-
-PlaceLook Look::AtPlace(bool charging, std::int32_t site, int column, int only_uav,
-                        int only_partner) const {
-  const Rules& rules = situation_.site->rules;
-  const Legs& legs = charging ? weights_.uav_charge : weights_.uav_task;
-  const int n_partners = charging ? weights_.n_vehicles() : weights_.n_workers();
-  const auto& partners = charging ? situation_.vehicles : situation_.workers;
-  const auto& partner_rows = charging ? weights_.vehicles : weights_.workers;
+PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
+                        std::int32_t partner) const {
   PlaceLook look;
   look.charging = charging;
   look.site = site;
-  look.idle_uavs = weights_.n_uavs();
-  look.idle_partners = n_partners;
-  look.busy_uavs = static_cast<int>(situation_.uavs.size()) - look.idle_uavs;
-  look.busy_partners = static_cast<int>(partners.size()) - n_partners;
-  for (int u = 0; u < weights_.n_uavs(); ++u) {
-    if (only_uav != kAny && u != only_uav) continue;
-    const AgentState& uav = situation_.uavs[At(weights_.uavs[At(u)])];
-    if (!(charging ? weights_.chargeable(u, column) : weights_.senseable(u, column))) {
-      RangeNeed need{UavId(uav.id), weights_.range_m(u), legs.way_m(u, column), 0, 0, {}};
-      if (!charging) {
-        need.cost_m = situation_.site->tasks[At(site)].cost_m;
-        need.to_charge_m = situation_.site->task_to_charge_m[At(site)];
-      }
-      look.OfferShort(need);
-      continue;
-    }
-    ++look.uavs_in_range;
-    for (int p = 0; p < n_partners; ++p) {
-      if (only_partner != kAny && p != only_partner) continue;
-      const AgentState& partner = partners[At(partner_rows[At(p)])];
-      ++look.pairs;
-      PairLook pair;
-      pair.uav = UavId(uav.id);
-      pair.partner = partner.id;
-      pair.end_us = charging ? feasible_.ChargeEnd(u, column, p) : feasible_.SenseEnd(u, column, p);
-      if (charging ? feasible_.Charge(u, column, p) : feasible_.Sense(u, column, p)) {
-        pair.weight = charging ? weights_.Charge(u, column, p) : weights_.Sense(u, column, p);
-        pair.latest_us = std::min(LatestEnd(uav, rules), LatestEnd(partner, rules));
-        ++look.pairs_feasible;
-        look.Offer(pair);
-      } else if (!charging && !InTime(u, column, p)) {
-        const TimeUs there_us =
-            situation_.now_us +
-            std::max(TravelUs(legs.way_m(u, column), uav.speed_m_s),
-                     TravelUs(weights_.worker_task.way_m(p, column), partner.speed_m_s));
-        look.OfferExpired(pair, there_us, situation_.site->tasks[At(site)].expires_us);
-      } else if (!charging || feasible_.free_places(column) > 0) {
-        look.OfferLate(pair, rules.limit_us, uav, partner);
-      }
-    }
-  }
-  if (look.pairs_feasible > 0) return look;
-  if (look.idle_uavs == 0) {
+  look.soon_decisions = soon_decisions_;
+  const auto count = [&](AgentKind kind, int* idle, int* soon, int* busy) {
+    const auto& of_kind = participants_[kind];
+    *idle = static_cast<int>(
+        std::count_if(of_kind.begin(), of_kind.end(), [](const Participant& p) { return p.idle; }));
+    *soon = static_cast<int>(of_kind.size()) - *idle;
+    *busy = static_cast<int>(situation_.agents(kind).size() - of_kind.size());
+  };
+  count(AgentKind::kUav, &look.idle_uavs, &look.soon_uavs, &look.busy_uavs);
+  count(look.partner_kind(), &look.idle_partners, &look.soon_partners, &look.busy_partners);
+  AddPairs(uav, partner, &look);
+  if (look.pairs_feasible > 0) {
+    look.obstacle = Obstacle::kNone;
+  } else if (look.idle_uavs + look.soon_uavs == 0) {
     look.obstacle = Obstacle::kNoUav;
-  } else if (look.idle_partners == 0) {
+  } else if (look.idle_partners + look.soon_partners == 0) {
     look.obstacle = Obstacle::kNoPartner;
-  } else if (charging && feasible_.free_places(column) == 0) {
+  } else if (IsFull(look)) {
     look.obstacle = Obstacle::kNoPlace;
   } else if (look.uavs_in_range == 0) {
-    look.obstacle = Obstacle::kRange;
-  } else {
-    look.obstacle = look.pairs_after_expiry > 0   ? Obstacle::kExpiry
-                    : look.pairs_after_window > 0 ? Obstacle::kWindow
-                                                  : Obstacle::kLimit;
+    look.obstacle = look.nearest_range ? Obstacle::kRange : Obstacle::kNoUse;
   }
   return look;
 }
 
-std::optional<double> Look::WeightOf(const Action& action) const {
-  const int u = action.uav.valid() ? RowOf(AgentKind::kUav, action.uav.value) : -1;
-  const int w = action.worker.valid() ? RowOf(AgentKind::kWorker, action.worker.value) : -1;
-  const int v = action.vehicle.valid() ? RowOf(AgentKind::kVehicle, action.vehicle.value) : -1;
+PaperLook::PaperLook(const Situation& situation)
+    : Look(situation, IdleOnly()),
+      weights_(ComputeWeights(situation)),
+      feasible_(situation, weights_) {}
+
+int PaperLook::ColumnOf(TaskId task) const {
+  const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), task);
+  if (found == weights_.tasks.end() || *found != task) return -1;
+  return static_cast<int>(found - weights_.tasks.begin());
+}
+
+void PaperLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
+  const Rules& rules = situation_.site->rules;
+  const bool charging = look->charging;
+  const int y = charging ? look->site : ColumnOf(TaskId(look->site));
+  const auto& uavs = participants_.uavs;
+  const auto& partners = participants_[look->partner_kind()];
+  for (int u = 0; u < weights_.n_uavs(); ++u) {
+    const AgentState& of_uav = *uavs[At(u)].agent;
+    if (uav >= 0 && of_uav.id != uav) continue;
+    if (!(charging ? weights_.chargeable(u, y) : weights_.senseable(u, y))) {
+      look->OfferShort(NeedOf(uavs[At(u)], *look));
+      continue;
+    }
+    ++look->uavs_in_range;
+    for (int p = 0; p < static_cast<int>(partners.size()); ++p) {
+      const AgentState& of_partner = *partners[At(p)].agent;
+      if (partner >= 0 && of_partner.id != partner) continue;
+      ++look->pairs;
+      PairLook pair;
+      pair.uav = UavId(of_uav.id);
+      pair.partner = of_partner.id;
+      pair.end_us = charging ? feasible_.ChargeEnd(u, y, p) : feasible_.SenseEnd(u, y, p);
+      if (charging ? feasible_.Charge(u, y, p) : feasible_.Sense(u, y, p)) {
+        pair.weight = charging ? weights_.Charge(u, y, p) : weights_.Sense(u, y, p);
+        pair.latest_us = std::min(LatestEnd(of_uav, rules), LatestEnd(of_partner, rules));
+        ++look->pairs_feasible;
+        look->Offer(pair);
+      } else if (!charging && (weights_.uav_task.travel_us(u, y) == kNever ||
+                               weights_.worker_task.travel_us(p, y) == kNever)) {
+        const TimeUs there_us =
+            situation_.now_us +
+            std::max(TravelUs(weights_.uav_task.way_m(u, y), of_uav.speed_m_s),
+                     TravelUs(weights_.worker_task.way_m(p, y), of_partner.speed_m_s));
+        look->OfferExpired(pair, there_us, situation_.site->tasks[At(look->site)].expires_us);
+      } else if (!IsFull(*look)) {
+        look->OfferLate(pair, rules.limit_us, of_uav, of_partner);
+      }
+    }
+  }
+  look->obstacle = look->pairs_after_expiry > 0   ? Obstacle::kExpiry
+                   : look->pairs_after_window > 0 ? Obstacle::kWindow
+                                                  : Obstacle::kLimit;
+}
+
+std::optional<double> PaperLook::WeightOf(const Action& action) const {
+  const std::int32_t u = action.uav.valid() ? IndexOf(AgentKind::kUav, action.uav.value) : -1;
+  const std::int32_t w =
+      action.worker.valid() ? IndexOf(AgentKind::kWorker, action.worker.value) : -1;
+  const std::int32_t v =
+      action.vehicle.valid() ? IndexOf(AgentKind::kVehicle, action.vehicle.value) : -1;
   if ((action.uav.valid() && u < 0) || (action.worker.valid() && w < 0) ||
       (action.vehicle.valid() && v < 0)) {
     return {};
   }
-  int x = -1;
-  if (action.task.valid()) {
-    const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), action.task);
-    if (found == weights_.tasks.end() || *found != action.task) return {};
-    x = static_cast<int>(found - weights_.tasks.begin());
-  }
+  const int x = action.task.valid() ? ColumnOf(action.task) : -1;
+  if (action.task.valid() && x < 0) return {};
   const int y = action.charge.value;
   const auto when = [](bool offered, auto&& weight) {
     return offered ? std::optional<double>(weight()) : std::nullopt;
@@ -218,6 +267,123 @@ std::optional<double> Look::WeightOf(const Action& action) const {
     default:
       return {};
   }
+}
+
+HorizonLook::HorizonLook(const Situation& situation, const HorizonSettings& settings)
+    : Look(situation, settings),
+      settings_(settings),
+      open_(OpenSitesOf(situation)),
+      pairs_(FindPairs(situation, participants_, open_, settings)) {}
+
+std::int32_t HorizonLook::SiteOf(bool charging, std::int32_t site) const {
+  return SiteIn(pairs_, charging, site);
+}
+
+PairLook HorizonLook::MakeLook(const Participants& participants, const Match& match) const {
+  const Participant& uav = participants.uavs[At(match.uav)];
+  const Participant& partner =
+      (match.charging ? participants.vehicles : participants.workers)[At(match.partner)];
+  PairLook pair;
+  pair.uav = UavId(uav.agent->id);
+  pair.partner = partner.agent->id;
+  pair.weight = match.weight;
+  pair.end_us = match.end_us;
+  pair.latest_us = std::min(uav.latest_us, partner.latest_us);
+  pair.uav_free_us = FreeUs(uav);
+  pair.partner_free_us = FreeUs(partner);
+  return pair;
+}
+
+/// The pairs that the matching chose from.
+void HorizonLook::AddFeasible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
+  const std::int32_t site = SiteOf(look->charging, look->site);
+  if (site < 0) return;
+  ForEachPair(pairs_.instance, site, [&](const auto& uav_arc, const auto& partner_arc) {
+    if (!pairs_.instance.Compatible(uav_arc, partner_arc)) return;
+    const PairLook pair =
+        MakeLook(participants_, MatchOf(pairs_, participants_, site, uav_arc, partner_arc));
+    if ((uav >= 0 && pair.uav.value != uav) || (partner >= 0 && pair.partner != partner)) return;
+    ++look->pairs_feasible;
+    look->Offer(pair);
+  });
+}
+
+HorizonLook::Untimed HorizonLook::Build(const PlaceLook& look, std::int32_t uav,
+                                        std::int32_t partner) const {
+  Untimed untimed{uav, partner, participants_, {}};
+  untimed.participants[look.charging ? AgentKind::kWorker : AgentKind::kVehicle].clear();
+  Restrict(uav, &untimed.participants.uavs);
+  Restrict(partner, &untimed.participants[look.partner_kind()]);
+  OpenSites open = open_;
+  // What charging is worth rests on the tasks that are open; nobody is there to sense them.
+  if (!look.charging) {
+    std::fill(open.place.begin(), open.place.end(), 0);
+    std::fill(open.task.begin(), open.task.end(), 0);
+    open.task[At(look.site)] = 1;
+  }
+  Participants endless = untimed.participants;
+  for (const AgentKind kind : kAgentKinds) {
+    for (Participant& p : endless[kind]) p.latest_us = kNever;
+  }
+  HorizonSettings settings = settings_;
+  settings.chains = false;  // a part of the worth, which is not asked for
+  if (look.charging || situation_.site->tasks[At(look.site)].expires_us == kNever) {
+    untimed.pairs = FindPairs(situation_, endless, open, settings);
+  } else {
+    Site lasting = *situation_.site;
+    lasting.tasks[At(look.site)].expires_us = kNever;
+    Situation situation = situation_;
+    situation.site = std::make_shared<const Site>(std::move(lasting));
+    untimed.pairs = FindPairs(situation, endless, open, settings);
+  }
+  return untimed;
+}
+
+/// What keeps the others from it: whose range, whose time.
+void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
+  std::optional<Untimed> task;
+  std::optional<Untimed>& untimed = look->charging ? charges_ : task;
+  if (!untimed || untimed->uav != uav || untimed->partner != partner) {
+    untimed = Build(*look, uav, partner);
+  }
+  const Participants& some = untimed->participants;
+  const PossiblePairs& pairs = untimed->pairs;
+  const std::int32_t site = SiteIn(pairs, look->charging, look->site);
+  const Instance& instance = pairs.instance;
+  std::vector<char> in_range(some.uavs.size(), 0);
+  for (auto i = instance.uav_begin[At(site)]; i < instance.uav_begin[At(site) + 1]; ++i) {
+    in_range[At(instance.uav_arcs[At(i)].uav)] = 1;
+    ++look->uavs_in_range;
+  }
+  for (std::size_t u = 0; u < some.uavs.size(); ++u) {
+    if (in_range[u]) continue;
+    const Participant& p = some.uavs[u];
+    const RangeNeed need = NeedOf(p, *look);
+    if (!look->charging || need.needs_m() > p.range_m) look->OfferShort(need);
+  }
+  ForEachPair(instance, site, [&](const auto& uav_arc, const auto& partner_arc) {
+    const Match match = MatchOf(pairs, some, site, uav_arc, partner_arc);
+    const PairLook pair = MakeLook(some, match);
+    ++look->pairs;
+    const TimeUs there_us = std::max(uav_arc.arrive_us, partner_arc.arrive_us);
+    if (!look->charging) {
+      const Task& task_there = situation_.site->tasks[At(look->site)];
+      if (!task_there.AllowsStart(there_us)) {
+        look->OfferExpired(pair, there_us, task_there.expires_us);
+        return;
+      }
+    }
+    if (pair.end_us <= pair.latest_us) return;
+    look->OfferLate(pair, situation_.site->rules.limit_us, *some.uavs[At(match.uav)].agent,
+                    *some[look->partner_kind()][At(match.partner)].agent);
+  });
+}
+
+void HorizonLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
+  if (IsFull(*look)) return;
+  AddFeasible(uav, partner, look);
+  AddImpossible(uav, partner, look);
+  if (look->nearest_time) look->obstacle = look->nearest_time->obstacle;
 }
 
 }  // namespace muster::scheduler

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scheduler/candidates.h"
+#include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/situation.h"
 #include "scheduler/weights.h"
 
@@ -61,13 +62,14 @@ struct PlaceLook {
   std::int32_t soon_decisions = 0;       ///< within that many decisions; 0: idle ones only
   int busy_uavs = 0, busy_partners = 0;  ///< under way, and take no part
   int uavs_in_range = 0;
-  int uavs_without_use = 0;  ///< in range of the charging point, of kNoUse
-  int pairs = 0;             ///< of a UAV in range and a partner
+  int pairs = 0;  ///< of a UAV in range and a partner
   int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0, pairs_after_expiry = 0;
   std::vector<PairLook> best;  ///< feasible, heaviest first, at most kBest
   std::optional<RangeNeed>
       nearest_range;                     ///< of the UAVs that lack range, the one that lacks least
   std::optional<PairLook> nearest_time;  ///< of the pairs that end too late, the least late
+
+  AgentKind partner_kind() const { return charging ? AgentKind::kVehicle : AgentKind::kWorker; }
 
   static constexpr std::size_t kBest = 3;
   /// Keeps a feasible pair if it is among the best. Ties by the order of the calls.
@@ -83,59 +85,93 @@ struct PlaceLook {
   void KeepLeastLate(const PairLook& pair);
 };
 
-/// One decision's situation under the paper's weights, to be asked about single places and agents.
-/// What it says is what EnumerateCandidates offers. Source: ours.
+/// One decision's situation, to be asked about single places and agents. What a pair weighs, and
+/// which agents take part, depends on how the policy scores: PaperLook, HorizonLook. Source: ours.
 class Look {
  public:
-  /// `situation` must outlive this.
-  explicit Look(const Situation& situation);
+  virtual ~Look() = default;
   Look(const Look&) = delete;
   Look& operator=(const Look&) = delete;
 
   const Situation& situation() const { return situation_; }
-  bool idle(AgentKind kind, std::int32_t id) const { return RowOf(kind, id) >= 0; }
+  const Participants& participants() const { return participants_; }
+  /// Among the participants of that kind; -1: takes no part.
+  std::int32_t IndexOf(AgentKind kind, std::int32_t id) const;
 
-  /// All pairs at an open task; only those with that UAV or that worker when given. O(idle UAVs *
-  /// idle workers).
-  PlaceLook AtTask(TaskId task, UavId uav = {}, WorkerId worker = {}) const;
-  PlaceLook AtCharge(ChargeId charge, UavId uav = {}, VehicleId vehicle = {}) const;
+  /// All pairs at an open task; only those with that UAV or that worker when given. O(UAVs *
+  /// workers) that take part.
+  PlaceLook AtTask(TaskId task, UavId uav = {}, WorkerId worker = {}) const {
+    return AtPlace(false, task.value, uav.value, worker.value);
+  }
+  PlaceLook AtCharge(ChargeId charge, UavId uav = {}, VehicleId vehicle = {}) const {
+    return AtPlace(true, charge.value, uav.value, vehicle.value);
+  }
+  /// All places that an agent could be sent to, open tasks before charging points, each with the
+  /// pairs that hold the agent.
+  std::vector<PlaceLook> PlacesOf(AgentKind kind, std::int32_t id) const;
 
+ protected:
+  /// `situation` must outlive this. The settings say which agents take part.
+  Look(const Situation& situation, const HorizonSettings& settings);
+  /// Tells of all pairs at the place, or of those with the UAV or the partner whose ids are given
+  /// (-1: any). Sets the obstacle where all pairs in range come too late.
+  virtual void AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const = 0;
+
+  bool IsFull(const PlaceLook& look) const {
+    return look.charging && situation_.free_places(ChargeId(look.site)) == 0;
+  }
+  RangeNeed NeedOf(const Participant& uav, const PlaceLook& look) const;
+
+  const Situation& situation_;
+  const Participants participants_;
+  const std::int32_t soon_decisions_;
+
+ private:
+  PlaceLook AtPlace(bool charging, std::int32_t site, std::int32_t uav, std::int32_t partner) const;
+};
+
+/// Idle agents, under the paper's weights. What it says is what EnumerateCandidates offers.
+class PaperLook : public Look {
+ public:
+  explicit PaperLook(const Situation& situation);
   /// The paper's weight of an action of idle agents; none for a free move or what is not offered.
   std::optional<double> WeightOf(const Action& action) const;
 
  private:
-  int RowOf(AgentKind kind, std::int32_t id) const;
-  /// Whether both are at the task before it expires; by rows and column.
-  bool InTime(int uav, int task, int worker) const;
-  PlaceLook AtPlace(bool charging, std::int32_t site, int column, int only_uav,
-                    int only_partner) const;
+  void AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const override;
+  /// -1: not open.
+  int ColumnOf(TaskId task) const;
 
-  const Situation& situation_;
   Weights weights_;
   Feasibility feasible_;
 };
 
-/// All places that an agent could be sent to, open tasks before charging points, each with the
-/// pairs that hold it. `L`: Look or HorizonLook.
-template <class L>
-std::vector<PlaceLook> PlacesOf(const L& look, const Situation& situation, AgentKind kind,
-                                std::int32_t id) {
-  const UavId uav = kind == AgentKind::kUav ? UavId(id) : UavId();
-  std::vector<PlaceLook> places;
-  if (kind != AgentKind::kVehicle) {
-    const WorkerId worker = kind == AgentKind::kWorker ? WorkerId(id) : WorkerId();
-    for (std::size_t x = 0; x < situation.task_status.size(); ++x) {
-      if (situation.task_status[x] != TaskStatus::kOpen) continue;
-      places.push_back(look.AtTask(TaskId(x), uav, worker));
-    }
-  }
-  if (kind != AgentKind::kWorker) {
-    const VehicleId vehicle = kind == AgentKind::kVehicle ? VehicleId(id) : VehicleId();
-    for (std::size_t y = 0; y < situation.site->charging_points.size(); ++y) {
-      places.push_back(look.AtCharge(ChargeId(y), uav, vehicle));
-    }
-  }
-  return places;
-}
+/// The first matching of `horizon`: agents that will be free soon take part, members wait for each
+/// other, a pair's weight is its worth in tasks. Pairs, their worth and their ends are FindPairs's.
+class HorizonLook : public Look {
+ public:
+  HorizonLook(const Situation& situation, const HorizonSettings& settings);
+  const PossiblePairs& pairs() const { return pairs_; }
+  /// Of the instance; -1: not open.
+  std::int32_t SiteOf(bool charging, std::int32_t site) const;
+
+ private:
+  void AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const override;
+  void AddFeasible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const;
+  void AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const;
+  PairLook MakeLook(const Participants& participants, const Match& match) const;
+  /// The same pairs as if nobody's time ended, at that place or at all charging points.
+  struct Untimed {
+    std::int32_t uav = -1, partner = -1;
+    Participants participants;  ///< with their true times
+    PossiblePairs pairs;
+  };
+  Untimed Build(const PlaceLook& look, std::int32_t uav, std::int32_t partner) const;
+
+  HorizonSettings settings_;
+  OpenSites open_;
+  PossiblePairs pairs_;
+  mutable std::optional<Untimed> charges_;  ///< of the last question about a charging point
+};
 
 }  // namespace muster::scheduler

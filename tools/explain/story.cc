@@ -35,10 +35,10 @@ bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs
   return (at_us < event.at_us || decision == 0) && event.at_us <= next_us;
 }
 
-/// A log's decisions as the `horizon` family made them, each made again once.
+/// A log's decisions by horizon's matchings. The policy is asked once how it made each.
 class HorizonDecisions {
  public:
-  HorizonDecisions(const DecisionLog& log, const scheduler::Policy& policy)
+  HorizonDecisions(const DecisionLog& log, const scheduler::MatchingPolicy& policy)
       : log_(log), policy_(policy) {}
 
   /// Null: its messages are not whole.
@@ -55,7 +55,7 @@ class HorizonDecisions {
 
  private:
   const DecisionLog& log_;
-  const scheduler::Policy& policy_;
+  const scheduler::MatchingPolicy& policy_;
   std::map<std::int32_t, std::unique_ptr<scheduler::HorizonDecision>> decisions_;
 };
 
@@ -77,17 +77,15 @@ std::unique_ptr<scheduler::Policy> PolicyOf(const DecisionLog& log, std::string*
 template <class Answer>
 struct Question {
   std::function<Answer(const Explainer&)> ask;
-  std::function<typename HorizonAnswerFor<Answer>::Type(const scheduler::HorizonExplainer&)>
-      ask_horizon;
   std::function<bool(const event_t&)> concerns;  ///< whether an event belongs to the story
 };
 
 /// The planned pairs of an answer, those aside that were commanded.
-std::vector<scheduler::PairPlan> PlannedIn(const scheduler::HorizonTaskAnswer& answer) {
+std::vector<scheduler::PairPlan> PlannedIn(const scheduler::TaskAnswer& answer) {
   if (!answer.plan) return {};
   return {*answer.plan};
 }
-std::vector<scheduler::PairPlan> PlannedIn(const scheduler::HorizonAgentAnswer& answer) {
+std::vector<scheduler::PairPlan> PlannedIn(const scheduler::AgentAnswer& answer) {
   std::vector<scheduler::PairPlan> planned;
   for (const scheduler::PairPlan& pair : answer.plans) {
     const bool commanded =
@@ -105,7 +103,8 @@ class Teller {
  public:
   Teller(const DecisionLog& log, std::vector<Question<Answer>> questions)
       : log_(log), questions_(std::move(questions)), policy_(PolicyOf(log, &policy_name_)) {
-    if (policy_ && scheduler::DecidesByHorizon(*policy_)) horizon_.emplace(log, *policy_);
+    const auto* matching = dynamic_cast<const scheduler::MatchingPolicy*>(policy_.get());
+    if (matching != nullptr) horizon_.emplace(log, *matching);
   }
 
   const std::string& policy() const { return policy_name_; }
@@ -135,13 +134,11 @@ class Teller {
 
  private:
   void TellOne(const LoggedDecision& logged, std::vector<std::vector<Chapter<Answer>>>* stories) {
-    const scheduler::HorizonDecision* by_horizon =
-        horizon_ ? horizon_->at(logged.decision) : nullptr;
-    std::optional<scheduler::HorizonExplainer> horizon_explainer;
+    const scheduler::HorizonDecision* matched = horizon_ ? horizon_->at(logged.decision) : nullptr;
     std::optional<scheduler::Situation> situation;
     std::optional<Explainer> explainer;
-    if (by_horizon != nullptr) {
-      horizon_explainer.emplace(*by_horizon);
+    if (matched != nullptr) {
+      explainer.emplace(*matched);
     } else if (!horizon_) {
       situation = SituationOf(logged, log_);
       if (situation) explainer.emplace(*situation, CommandsOf(logged, log_.scenario));
@@ -149,15 +146,16 @@ class Teller {
     for (std::size_t i = 0; i < questions_.size(); ++i) {
       const Question<Answer>& question = questions_[i];
       Chapter<Answer>& chapter = (*stories)[i].emplace_back(Opened(logged, question));
-      if (horizon_explainer) {
-        chapter.horizon = InHorizonTerms(*by_horizon, question.ask_horizon(*horizon_explainer));
-      } else if (explainer) {
-        chapter.quality = explainer->Quality();
-        chapter.answer = question.ask(*explainer);
-      } else {
+      if (!explainer) {
         chapter.missing = WhatIsMissing(logged, log_);
         if (chapter.missing.empty()) chapter.missing = "a message that can be";
+        continue;
       }
+      chapter.answer = question.ask(*explainer);
+      if (matched == nullptr || !chapter.answer.options.empty()) {
+        chapter.quality = explainer->Quality();
+      }
+      if (matched != nullptr) AddHow(*matched, &chapter);
     }
   }
 
@@ -178,23 +176,14 @@ class Teller {
     return chapter;
   }
 
-  HorizonChapter<Answer> InHorizonTerms(const scheduler::HorizonDecision& decision,
-                                        typename HorizonAnswerFor<Answer>::Type answer) {
-    HorizonChapter<Answer> chapter;
-    const scheduler::Deciding& deciding = decision.deciding;
-    chapter.again = deciding.again;
-    chapter.forecast = deciding.follow.has_value();
-    chapter.variant = deciding.variant;
-    chapter.variants = deciding.variants;
-    chapter.draws = deciding.draws;
-    chapter.settings = scheduler::Difference(deciding.settings);
-    chapter.answer = std::move(answer);
-    for (const scheduler::PairPlan& pair : PlannedIn(chapter.answer)) {
-      chapter.fates.emplace_back(
+  void AddHow(const scheduler::HorizonDecision& decision, Chapter<Answer>* chapter) {
+    chapter->how = decision.deciding.how;
+    chapter->settings = scheduler::Difference(chapter->how->settings);
+    for (const scheduler::PairPlan& pair : PlannedIn(chapter->answer)) {
+      chapter->fates.emplace_back(
           pair, scheduler::FateOf(pair, decision.situation.decision, log_.scenario,
                                   [this](std::int32_t d) { return horizon_->at(d); }));
     }
-    return chapter;
   }
 
   const DecisionLog& log_;
@@ -205,8 +194,6 @@ class Teller {
 };
 
 }  // namespace
-
-std::string_view NameOf(Terms terms) { return terms == Terms::kHorizon ? "horizon" : "paper"; }
 
 std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
                                  const std::vector<std::int32_t>& tasks,
@@ -237,9 +224,7 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
       if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
     }
     questions.push_back(
-        {[id](const Explainer& explainer) { return explainer.AboutTask(id); },
-         [id](const scheduler::HorizonExplainer& explainer) { return explainer.AboutTask(id); },
-         concerns});
+        {[id](const Explainer& explainer) { return explainer.AboutTask(id); }, concerns});
   }
   Teller<scheduler::TaskAnswer> teller(log, std::move(questions));
   auto chapters = teller.Tell(run, decision, progress);
@@ -272,9 +257,6 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
   story.spec = specs[static_cast<std::size_t>(id)];
   const Question<scheduler::AgentAnswer> question = {
       [&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
-      [&](const scheduler::HorizonExplainer& explainer) {
-        return explainer.AboutAgent(kind, id, story.spec);
-      },
       [kind, id](const event_t& event) {
         return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
                IsOutcome(static_cast<EventKind>(event.kind));

@@ -8,42 +8,11 @@
 
 #include "scheduler/explain/explain.h"
 #include "scheduler/explain/fate.h"
-#include "scheduler/explain/horizon_facts.h"
 #include "tools/explain/decision_log.h"
 
 namespace muster::tools {
 
-/// In whose terms reasons are given, and how `--json` names them.
-enum class Terms {
-  kPaper,   ///< weights of Eq. 4-18 and 4-19, by exact decisions
-  kHorizon  ///< worth in tasks, by horizon's matching: `horizon` and `rollout` in all variants
-};
-/// "paper", "horizon"
-std::string_view NameOf(Terms terms);
-
-template <class Answer>
-struct HorizonAnswerFor;
-template <>
-struct HorizonAnswerFor<scheduler::TaskAnswer> {
-  using Type = scheduler::HorizonTaskAnswer;
-};
-template <>
-struct HorizonAnswerFor<scheduler::AgentAnswer> {
-  using Type = scheduler::HorizonAgentAnswer;
-};
-
-/// What a chapter tells in horizon's terms.
-template <class Answer>
-struct HorizonChapter {
-  typename HorizonAnswerFor<Answer>::Type answer;
-  bool again = false;     ///< as scheduler::Deciding
-  bool forecast = false;  ///< `rollout`
-  std::int32_t variant = 0, variants = 1;
-  std::vector<std::uint32_t> draws;
-  std::string settings;  ///< what tells them from horizon's own
-  /// Planned pairs and what became of them.
-  std::vector<std::pair<scheduler::PairPlan, scheduler::Fate>> fates;
-};
+using scheduler::Terms;
 
 /// One decision of a story. `Answer` is scheduler::TaskAnswer or AgentAnswer.
 template <class Answer>
@@ -54,9 +23,13 @@ struct Chapter {
   bool scheduled = true;  ///< the log holds a schedule for it
   bool in_force = true;   ///< as LoggedDecision; else nobody was commanded
   std::string policy;
-  scheduler::DecisionQuality quality;  ///< in the paper's terms, as `answer`
   Answer answer;
-  std::optional<HorizonChapter<Answer>> horizon;  ///< in the place of both
+  scheduler::DecisionQuality quality;  ///< in horizon's terms only where the answer has options
+  // In horizon's terms only.
+  std::optional<scheduler::HowDecided> how;
+  std::string settings;  ///< what tells those that decided from horizon's own
+  /// The answer's planned pairs and what became of them.
+  std::vector<std::pair<scheduler::PairPlan, scheduler::Fate>> fates;
   std::vector<event_t> events;  ///< of the task or agent, after the decision, up to the next
 };
 

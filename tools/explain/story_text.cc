@@ -1,9 +1,9 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <map>
 
-#include "tools/explain/horizon_text.h"
 #include "tools/explain/phrases.h"
 #include "tools/explain/story.h"
 #include "tools/explain/words.h"
@@ -13,9 +13,13 @@ namespace {
 
 using scheduler::AgentAnswer;
 using scheduler::AgentCondition;
+using scheduler::DecisionQuality;
+using scheduler::Fate;
+using scheduler::FateKind;
 using scheduler::Forcing;
 using scheduler::Obstacle;
 using scheduler::Option;
+using scheduler::PairPlan;
 using scheduler::TaskAnswer;
 using scheduler::TaskVerdict;
 
@@ -23,18 +27,43 @@ std::string Weighed(const Action& action) {
   return fmt::format("{} ({:.3f})", Words(action), action.weight);
 }
 
-std::string ForcingWords(const std::optional<Forcing>& forcing, double best) {
-  if (!forcing) return "no decision that holds it was found";
-  std::string text;
-  if (!forcing->exact) {
-    text = fmt::format("costs {:.3f} to {:.3f} of {:.3f} (not proven)", forcing->cost_low,
-                       forcing->cost_high, best);
-  } else if (forcing->cost == 0) {
-    text = "costs nothing: another decision of the highest weight holds it";
-  } else {
-    text = fmt::format("costs {:.3f} of {:.3f}", forcing->cost, best);
+/// "uav:3 (free at 0:50:00) and worker:7 for task:4 by 1:02:00 (0.331)"
+std::string PlanWords(const PairPlan& pair) {
+  return fmt::format("uav:{}{} and {}{} for {}:{} by {} ({:.3f})", pair.uav.value,
+                     FreeWords(pair.uav_free_us), AgentName(pair.partner_kind(), pair.partner),
+                     FreeWords(pair.partner_free_us), pair.charging ? "charge" : "task", pair.site,
+                     ClockWords(pair.end_us), pair.worth);
+}
+
+std::string PlansWords(const std::vector<PairPlan>& pairs) {
+  std::vector<std::string> words;
+  for (const PairPlan& pair : pairs) words.push_back(PlanWords(pair));
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+std::string CostWords(const Forcing& forcing, Terms terms, double of) {
+  const bool paper = terms == Terms::kPaper;
+  const char* unit = paper ? "" : " tasks";
+  if (!forcing.exact) {
+    return fmt::format("costs {:.3f} to {:.3f} of {:.3f}{} (not proven)", forcing.cost_low,
+                       forcing.cost_high, of, unit);
   }
-  if (forcing->pair) text += fmt::format("; {}", Words(*forcing->pair));
+  if (forcing.cost == 0) {
+    return fmt::format("costs nothing: another {} holds it",
+                       paper ? "decision of the highest weight" : "matching of the highest worth");
+  }
+  return fmt::format("costs {:.3f} of {:.3f}{}", forcing.cost, of, unit);
+}
+
+std::string ForcingWords(const std::optional<Forcing>& forcing, Terms terms,
+                         const DecisionQuality& quality) {
+  if (!forcing) {
+    return fmt::format("no {} that holds it was found",
+                       terms == Terms::kPaper ? "decision" : "matching");
+  }
+  std::string text = CostWords(*forcing, terms, quality.best.weight);
+  if (forcing->pair) text += "; " + Words(*forcing->pair);
+  if (forcing->plan) text += "; " + PlanWords(*forcing->plan);
   if (!forcing->displaced.empty()) {
     std::vector<std::string> tasks;
     for (const TaskId task : forcing->displaced) {
@@ -43,11 +72,16 @@ std::string ForcingWords(const std::optional<Forcing>& forcing, double best) {
     text +=
         fmt::format(", and {} {} not", fmt::join(tasks, ", "), tasks.size() == 1 ? "is" : "are");
   }
+  if (forcing->forecast_done && quality.forecast_done) {
+    text += fmt::format("; the forecast ends with {} tasks done, {} as decided",
+                        *forcing->forecast_done, *quality.forecast_done);
+  }
   return text;
 }
 
-/// What the members of a pair did instead.
-std::string InsteadWords(const Option& option) {
+/// What the members of an option's pair did instead; empty: nothing.
+std::string InsteadWords(const Option& option, Terms terms) {
+  if (terms == Terms::kHorizon) return PlansWords(option.rivals);
   std::string text = Weighed(option.uav_did);
   if (option.partner_did != option.uav_did) text += ", " + Weighed(option.partner_did);
   if (option.site_holder && *option.site_holder != option.uav_did &&
@@ -55,6 +89,42 @@ std::string InsteadWords(const Option& option) {
     text += ", " + Weighed(*option.site_holder);
   }
   return text;
+}
+
+std::string FateWords(const Fate& fate) {
+  const std::string when =
+      fate.decision < 0 ? std::string("no decision followed")
+                        : fmt::format("at decision {}, {}", fate.decision, ClockWords(fate.at_us));
+  const std::string lost = fmt::format("did not come about {}: ", when);
+  switch (fate.kind) {
+    case FateKind::kCameAbout:
+      return fmt::format("came about {}", when);
+    case FateKind::kFailed:
+      return fmt::format("{}{} had failed", lost, AgentName(*fate.member_kind, fate.member));
+    case FateKind::kOffline:
+      return fmt::format("{}{} was offline", lost, AgentName(*fate.member_kind, fate.member));
+    case FateKind::kImpossible:
+      return lost + "impossible, " + ObstacleWords(*fate.look);
+    case FateKind::kOthers:
+      if (!fate.taken_by) return lost + "instead " + PlansWords(fate.rivals);
+      return lost + "instead " + Words(*fate.taken_by) +
+             (fate.rivals.empty() ? "" : "; " + PlansWords(fate.rivals));
+    case FateKind::kOutbid:
+      return lost + (fate.rivals.empty() ? "the pair was not worth it any more"
+                                         : "instead " + PlansWords(fate.rivals));
+    case FateKind::kOpen:
+      break;
+  }
+  return fate.decision < 0 ? std::string("had no decision after it")
+                           : fmt::format("still stood {}, the last", when);
+}
+
+template <class Answer>
+void AddFates(const Chapter<Answer>& chapter, Lines* lines) {
+  for (const auto& [pair, fate] : chapter.fates) {
+    lines->Add(fmt::format("the plan for {}:{} {}", pair.charging ? "charge" : "task", pair.site,
+                           FateWords(fate)));
+  }
 }
 
 /// Why nobody was commanded at all.
@@ -66,14 +136,33 @@ void AddForce(bool scheduled, bool in_force, Lines* lines) {
   }
 }
 
-/// How good the decision itself was, where that matters to the answer.
+/// In the paper's terms: how good the decision itself was. In horizon's: which way to weigh
+/// decided, where there is more than one.
 template <class Answer>
-void AddQuality(const Chapter<Answer>& chapter, Lines* lines) {
-  const auto& quality = chapter.quality;
-  const double loss = quality.best.weight - quality.weight;
-  if (chapter.scheduled && chapter.in_force && loss > 1e-3) {
-    lines->Add(fmt::format("the decision itself weighs {:.3f}, the best one {:.3f}", quality.weight,
-                           quality.best.weight));
+void AddHow(const Chapter<Answer>& chapter, Lines* lines) {
+  if (!chapter.scheduled || !chapter.in_force) return;
+  if (!chapter.how) {
+    const DecisionQuality& quality = chapter.quality;
+    if (quality.best.weight - quality.weight > 1e-3) {
+      lines->Add(fmt::format("the decision itself weighs {:.3f}, the best one {:.3f}",
+                             quality.weight, quality.best.weight));
+    }
+    return;
+  }
+  const scheduler::HowDecided& how = *chapter.how;
+  if (!how.again) {
+    lines->Add(
+        "not the decision that comes out when made again (a deadline, another build): reasons are "
+        "those of the " +
+        std::string(how.follow ? "first variant" : "one that comes out"));
+  } else if (how.follow) {
+    lines->Add(fmt::format(
+        "decided by variant {} of {}{}{}", how.variant + 1, how.variants,
+        chapter.settings.empty() ? std::string() : fmt::format(" ({})", chapter.settings),
+        how.draws.empty()
+            ? std::string()
+            : fmt::format(", worth varied by chance, draw{} {}", how.draws.size() == 1 ? "" : "s",
+                          fmt::join(how.draws, " and "))));
   }
 }
 
@@ -100,51 +189,137 @@ std::string TermsWords(const Story& story) {
              : fmt::format("In the paper's weights, by which {} decides.\n", story.policy);
 }
 
-void AddAnswer(const TaskAnswer& answer, double best, Lines* lines) {
-  for (const Action& action : answer.commanded) {
-    if (!IsPair(action.kind)) lines->Add("on its way ahead: " + Weighed(action));
+/// That pairs were possible, and what the task lost to.
+void AddLost(const Chapter<TaskAnswer>& chapter, Terms terms, Lines* lines) {
+  const TaskAnswer& answer = chapter.answer;
+  const Option& option = answer.options.front();
+  lines->Add(
+      fmt::format("{}: {} could sense it by {} ({:.3f}), the best of {}",
+                  answer.verdict == TaskVerdict::kPlanned ? "now outbid" : ToString(answer.verdict),
+                  PairWords(option.pair, false), ClockWords(option.pair.end_us), option.pair.weight,
+                  Plural(answer.look.pairs_feasible, "pair")));
+  const std::string instead = InsteadWords(option, terms);
+  if (!instead.empty()) lines->Add((terms == Terms::kPaper ? "to:   " : "by:   ") + instead);
+  lines->Add("forcing it " + ForcingWords(answer.forcing, terms, chapter.quality));
+}
+
+void AddAnswer(const Chapter<TaskAnswer>& chapter, Terms terms, Lines* lines) {
+  const TaskAnswer& answer = chapter.answer;
+  if (terms == Terms::kPaper) {
+    for (const Action& action : answer.commanded) {
+      if (!IsPair(action.kind)) lines->Add("on its way ahead: " + Weighed(action));
+    }
   }
   switch (answer.verdict) {
     case TaskVerdict::kDone:
-      break;
     case TaskVerdict::kUnreported:
     case TaskVerdict::kExpired:
       lines->Add(std::string(ToString(answer.verdict)));
-      break;
+      return;
     case TaskVerdict::kUnderWay:
       lines->Add(UnderWayWords(answer.activity));
-      break;
+      return;
+    case TaskVerdict::kInfeasible:
+    case TaskVerdict::kImpossible:
+      lines->Add(fmt::format("{}, {}", ToString(answer.verdict), ObstacleWords(answer.look)));
+      return;
     case TaskVerdict::kChosen:
       for (const Action& action : answer.commanded) {
         if (IsPair(action.kind)) lines->Add("chosen: " + Weighed(action));
       }
+      if (terms == Terms::kPaper) return;
       break;
-    case TaskVerdict::kInfeasible:
-      lines->Add("infeasible, " + ObstacleWords(answer.look));
+    case TaskVerdict::kPlanned:
+      lines->Add(fmt::format("planned{}: {}", answer.plan->second ? " for after that" : "",
+                             PlanWords(*answer.plan)));
+      for (const Action& action : answer.commanded) lines->Add("now:  " + Words(action));
+      AddFates(chapter, lines);
+      if (!answer.options.empty()) AddLost(chapter, terms, lines);
       break;
-    case TaskVerdict::kLost: {
-      const Option& option = answer.options.front();
-      lines->Add(fmt::format("lost: {} could sense it by {} ({:.3f}), the best of {}",
-                             PairWords(option.pair, false), ClockWords(option.pair.end_us),
-                             option.pair.weight, Plural(answer.look.pairs_feasible, "pair")));
-      lines->Add("to:   " + InsteadWords(option));
-      lines->Add("forcing it " + ForcingWords(answer.forcing, best));
+    case TaskVerdict::kLost:
+    case TaskVerdict::kOutbid:
+    case TaskVerdict::kWorthless:
+      AddLost(chapter, terms, lines);
       break;
-    }
+  }
+  AddHow(chapter, lines);
+}
+
+/// "could also, by 0:15:00, sense task:4 with worker:7 (0.331); instead ..."
+std::string OptionWords(const Option& option, AgentKind kind, Terms terms) {
+  const scheduler::PairLook& pair = option.pair;
+  const std::string instead = InsteadWords(option, terms);
+  return fmt::format("could also, by {}, {} {}:{} with {} ({:.3f}){}", ClockWords(pair.end_us),
+                     option.charging ? "charge at" : "sense", option.charging ? "charge" : "task",
+                     option.site,
+                     kind == AgentKind::kUav
+                         ? PartnerOf(pair, option.charging) + FreeWords(pair.partner_free_us)
+                         : AgentName(AgentKind::kUav, pair.uav.value) + FreeWords(pair.uav_free_us),
+                     pair.weight, instead.empty() ? instead : "; instead " + instead);
+}
+
+/// What the agent does.
+void AddDoing(const AgentAnswer& answer, AgentKind kind, Terms terms, Lines* lines) {
+  if (answer.condition == AgentCondition::kBusy) {
+    lines->Add(BusyWords(kind, *answer.state) +
+               (answer.free_us ? ", takes part as free at " + ClockWords(*answer.free_us) : ""));
+  } else if (answer.condition == AgentCondition::kIdle) {
+    // What a move weighs is the paper's.
+    const bool weighed = terms == Terms::kPaper || IsPair(answer.did->kind);
+    lines->Add("idle: " + (weighed ? Weighed(*answer.did) : Words(*answer.did)));
+  } else {
+    lines->Add(std::string(ToString(answer.condition)));
   }
 }
 
-/// "of 18 decisions: infeasible in 10 (range 6, time limit 4), lost in 5, ..."
+void AddAnswer(const Chapter<AgentAnswer>& chapter, AgentKind kind, Terms terms, Lines* lines) {
+  const AgentAnswer& answer = chapter.answer;
+  AddDoing(answer, kind, terms, lines);
+  if (answer.condition != AgentCondition::kIdle && !answer.free_us) return;
+  bool sent = terms == Terms::kPaper && IsPair(answer.did->kind);
+  for (const PairPlan& pair : answer.plans) {
+    lines->Add((pair.second ? "then planned: " : "matched: ") + PlanWords(pair));
+    sent = sent || !pair.second;
+  }
+  AddFates(chapter, lines);
+  for (const Option& option : answer.options) {
+    lines->Add(OptionWords(option, kind, terms));
+    lines->Add("  forcing that " + ForcingWords(option.forcing, terms, chapter.quality));
+  }
+  const int more = answer.places_feasible - static_cast<int>(answer.options.size()) - sent;
+  if (more > 0) {
+    lines->Add(fmt::format("and {} {}", Plural(more, "other place"),
+                           terms == Terms::kPaper ? "with less weight" : "of less worth"));
+  }
+  for (const AgentAnswer::Blocked& group : answer.blocked) {
+    lines->Add(BlockedWords(group.places, group.nearest));
+  }
+  if (terms == Terms::kHorizon || !answer.options.empty()) AddHow(chapter, lines);
+}
+
+/// In a summary: who is missing is missing now, or soon.
+std::string_view ShortWords(Obstacle obstacle, Terms terms) {
+  const bool paper = terms == Terms::kPaper;
+  if (obstacle == Obstacle::kNoPartner) return paper ? "no idle worker" : "no worker soon";
+  if (obstacle == Obstacle::kNoUav && !paper) return "no uav soon";
+  return ToString(obstacle);
+}
+
+/// "Of 18 decisions: infeasible in 10 (range 6, time limit 4), lost in 5, ...", and where forcing
+/// it would have been cheapest.
 std::string Summary(const TaskStory& story) {
   std::map<TaskVerdict, int> verdicts;
   std::map<Obstacle, int> obstacles;
   const Chapter<TaskAnswer>* cheapest = nullptr;
+  const auto impossible = [](TaskVerdict verdict) {
+    return verdict == TaskVerdict::kInfeasible || verdict == TaskVerdict::kImpossible;
+  };
   for (const auto& chapter : story.chapters) {
     if (!chapter.missing.empty()) continue;
     const TaskAnswer& answer = chapter.answer;
     ++verdicts[answer.verdict];
-    if (answer.verdict == TaskVerdict::kInfeasible) ++obstacles[answer.look.obstacle];
-    if (answer.verdict != TaskVerdict::kLost || !answer.forcing) continue;
+    if (impossible(answer.verdict)) ++obstacles[answer.look.obstacle];
+    if (!answer.forcing) continue;
     if (cheapest == nullptr || answer.forcing->cost < cheapest->answer.forcing->cost) {
       cheapest = &chapter;
     }
@@ -152,12 +327,10 @@ std::string Summary(const TaskStory& story) {
   std::vector<std::string> parts;
   for (const auto& [verdict, n] : verdicts) {
     std::string part = fmt::format("{} in {}", ToString(verdict), n);
-    if (verdict == TaskVerdict::kInfeasible) {
+    if (impossible(verdict)) {
       std::vector<std::string> why;
       for (const auto& [obstacle, times] : obstacles) {
-        why.push_back(fmt::format(
-            "{} {}", obstacle == Obstacle::kNoPartner ? "no idle worker" : ToString(obstacle),
-            times));
+        why.push_back(fmt::format("{} {}", ShortWords(obstacle, story.terms), times));
       }
       part += fmt::format(" ({})", fmt::join(why, ", "));
     }
@@ -166,41 +339,11 @@ std::string Summary(const TaskStory& story) {
   std::string text =
       fmt::format("Of {} decisions: {}.\n", story.chapters.size(), fmt::join(parts, ", "));
   if (cheapest != nullptr) {
-    const double cost = cheapest->answer.forcing->cost;
     text += fmt::format(
-        "Forcing it would have been cheapest at decision {}: {}.\n", cheapest->decision,
-        cost == 0 ? std::string("it costs nothing")
-                  : fmt::format("it costs {:.3f} of {:.3f}", cost, cheapest->quality.best.weight));
+        "Forcing it would have been cheapest at decision {}: it {}.\n", cheapest->decision,
+        CostWords(*cheapest->answer.forcing, story.terms, cheapest->quality.best.weight));
   }
   return text;
-}
-
-void AddAnswer(const AgentAnswer& answer, AgentKind kind, double best, Lines* lines) {
-  if (answer.condition == AgentCondition::kBusy) {
-    lines->Add(BusyWords(kind, *answer.state));
-    return;
-  }
-  if (answer.condition != AgentCondition::kIdle) {
-    lines->Add(std::string(ToString(answer.condition)));
-    return;
-  }
-  lines->Add("idle: " + Weighed(*answer.did));
-  for (std::size_t i = 0; i < answer.options.size(); ++i) {
-    const Option& option = answer.options[i];
-    lines->Add(fmt::format(
-        "could also, by {}, {} {}:{} with {} ({:.3f}); instead {}", ClockWords(option.pair.end_us),
-        option.charging ? "charge at" : "sense", option.charging ? "charge" : "task", option.site,
-        kind == AgentKind::kUav ? PartnerOf(option.pair, option.charging)
-                                : AgentName(AgentKind::kUav, option.pair.uav.value),
-        option.pair.weight, InsteadWords(option)));
-    lines->Add("  forcing that " + ForcingWords(answer.forcings[i], best));
-  }
-  const int more = answer.places_feasible - static_cast<int>(answer.options.size()) -
-                   (IsPair(answer.did->kind) ? 1 : 0);
-  if (more > 0) lines->Add(fmt::format("and {} with less weight", Plural(more, "other place")));
-  for (const AgentAnswer::Blocked& group : answer.blocked) {
-    lines->Add(BlockedWords(group.places, group.nearest));
-  }
 }
 
 }  // namespace
@@ -217,28 +360,18 @@ std::string ToText(const TaskStory& story) {
   text += "\n";
   Lines lines(&text);
   for (const auto& chapter : story.chapters) {
-    const bool done = chapter.horizon
-                          ? chapter.horizon->answer.verdict == scheduler::HorizonVerdict::kDone
-                          : chapter.answer.verdict == TaskVerdict::kDone;
+    const bool done = chapter.answer.verdict == TaskVerdict::kDone;
     if (chapter.missing.empty() && done && story.chapters.size() > 1) continue;
     lines.Begin(chapter.decision, chapter.at_us);
     if (!chapter.missing.empty()) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
-    } else if (done) {
-      lines.Add("done");
-    } else if (chapter.horizon) {
-      AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddHorizon(chapter, &lines);
     } else {
-      AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddAnswer(chapter.answer, chapter.quality.best.weight, &lines);
-      if (chapter.answer.verdict == TaskVerdict::kLost) AddQuality(chapter, &lines);
+      if (!done) AddForce(chapter.scheduled, chapter.in_force, &lines);
+      AddAnswer(chapter, story.terms, &lines);
     }
     lines.AddEvents(chapter.events);
   }
-  if (story.chapters.size() > 1) {
-    text += "\n" + (story.terms == Terms::kHorizon ? HorizonSummary(story) : Summary(story));
-  }
+  if (story.chapters.size() > 1) text += "\n" + Summary(story);
   return text;
 }
 
@@ -253,13 +386,9 @@ std::string ToText(const AgentStory& story) {
     lines.Begin(chapter.decision, chapter.at_us);
     if (!chapter.missing.empty()) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
-    } else if (chapter.horizon) {
-      AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddHorizon(chapter, story.kind, &lines);
     } else {
       AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddAnswer(chapter.answer, story.kind, chapter.quality.best.weight, &lines);
-      if (!chapter.answer.options.empty()) AddQuality(chapter, &lines);
+      AddAnswer(chapter, story.kind, story.terms, &lines);
     }
     lines.AddEvents(chapter.events);
   }

@@ -227,6 +227,15 @@ Decision HorizonPolicy::Decide(const Situation& situation) {
   return MakeDecision(std::move(actions), candidates);
 }
 
+Deciding HorizonPolicy::Explain(const Situation& situation,
+                                const std::vector<Action>& commanded) const {
+  Deciding deciding;
+  deciding.how.settings = settings_;
+  deciding.plan = PlanHorizon(situation, settings_);
+  deciding.how.again = deciding.plan.decision.actions == commanded;
+  return deciding;
+}
+
 std::vector<Action> HorizonPolicy::ActionsOf(const Situation& situation) const {
   return Planner(situation, settings_, threads_).Decide(nullptr);
 }

@@ -7,7 +7,6 @@
 
 #include "base/check.h"
 #include "base/index.h"
-#include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/rollout/forward_model.h"
 
 namespace muster::scheduler {
@@ -134,6 +133,15 @@ void RolloutPolicy::Follow(const Situation& situation, const std::vector<Expecte
   });
 }
 
+void RolloutPolicy::AddDraw(std::uint32_t draw, HorizonSettings* settings) const {
+  auto& [around_variant, around_draw] = settings->jitters;
+  if (around_variant.most == 0) {
+    around_variant = {settings_.jitter, draw};
+  } else {
+    around_draw = {settings_.later_jitter, draw};
+  }
+}
+
 Decision RolloutPolicy::Decide(const Situation& situation) {
   const auto start = std::chrono::steady_clock::now();
   const auto best_of = [](const std::vector<Plan>& plans, const Plan* best) {
@@ -177,13 +185,7 @@ Decision RolloutPolicy::Decide(const Situation& situation) {
     for (std::size_t i = 0; i < near.size(); ++i) {
       near[i].settings = found.settings;
       near[i].follow = found.follow;
-      auto& [around_variant, around_draw] = near[i].settings.jitters;
-      const auto draw = static_cast<std::uint32_t>(round * (all / rounds) + i);
-      if (around_variant.most == 0) {
-        around_variant = {settings_.jitter, draw};
-      } else {
-        around_draw = {settings_.later_jitter, draw};
-      }
+      AddDraw(static_cast<std::uint32_t>(round * (all / rounds) + i), &near[i].settings);
     }
     Follow(situation, futures, start, work / settings_.rounds, &found, &near);
     found = *best_of(near, &found);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "scheduler/policies/horizon/settings.h"
+#include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/rollout/expected_tasks.h"
 #include "scheduler/policy.h"
 
@@ -53,11 +53,12 @@ struct RolloutSettings {
 /// Decisions that are alike are followed once, the first of them. Source: ours; the idea is that of
 /// rollout algorithms (Bertsekas, Tsitsiklis and Wu 1997): one step of improvement over base
 /// policies.
-class RolloutPolicy : public Policy {
+class RolloutPolicy : public MatchingPolicy {
  public:
   explicit RolloutPolicy(RolloutSettings settings = {});
   Decision Decide(const Situation& situation) override;
-  const RolloutSettings& settings() const { return settings_; }
+  /// The first of its variants, else of the draws around them, that leads to these actions.
+  Deciding Explain(const Situation& situation, const std::vector<Action>& commanded) const override;
   bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
     settings_.deadline = deadline;
     return true;
@@ -83,6 +84,9 @@ class RolloutPolicy : public Policy {
   void Follow(const Situation& situation, const std::vector<ExpectedTasks>& futures,
               std::chrono::steady_clock::time_point start, std::int64_t work, const Plan* known,
               std::vector<Plan>* plans) const;
+
+  /// Varies the settings by a draw: by a first one widely, by another one around that.
+  void AddDraw(std::uint32_t draw, HorizonSettings* settings) const;
 
   RolloutSettings settings_;
 };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 
 #include "scheduler/explain/explain.h"
@@ -70,7 +71,7 @@ std::string Told(const AgentAnswer& answer) {
   std::string text = fmt::format("{} {} {}", ToString(answer.condition), answer.places_feasible,
                                  answer.did ? ToString(*answer.did) : "nothing");
   for (const Option& option : answer.options) text += Told(option);
-  for (const auto& forcing : answer.forcings) text += Told(forcing);
+  for (const Option& option : answer.options) text += Told(option.forcing);
   for (const AgentAnswer::Blocked& blocked : answer.blocked) {
     text += fmt::format("{} {} {} {}", ToString(blocked.obstacle), blocked.charging, blocked.places,
                         Told(blocked.nearest));
@@ -124,12 +125,12 @@ TEST(Answers, AreThoseTheyWere) {
     const Decision decision =
         MakePolicy(seed % 2 == 0 ? "greedy-nearest" : "mpq")->Decide(situation);
     const Explainer explainer(situation, decision.actions);
-    int verdicts[5] = {};
+    std::map<TaskVerdict, int> verdicts;
     std::size_t options = 0, blocked = 0;
     std::string text;
     for (std::size_t x = 0; x < situation.site->tasks.size(); ++x) {
       const TaskAnswer answer = explainer.AboutTask(TaskId(x));
-      ++verdicts[static_cast<int>(answer.verdict)];
+      ++verdicts[answer.verdict];
       options += answer.options.size();
       text += Told(answer);
     }
@@ -149,8 +150,9 @@ TEST(Answers, AreThoseTheyWere) {
                         quality.best.bound, quality.own_weights, Told(quality.best.actions));
     EXPECT_EQ(fmt::format("{} done, {} under way, {} chosen, {} lost, {} infeasible; {} options, "
                           "{} blocked, {:08x}",
-                          verdicts[0], verdicts[1], verdicts[2], verdicts[3], verdicts[4], options,
-                          blocked, HashOf(text)),
+                          verdicts[TaskVerdict::kDone], verdicts[TaskVerdict::kUnderWay],
+                          verdicts[TaskVerdict::kChosen], verdicts[TaskVerdict::kLost],
+                          verdicts[TaskVerdict::kInfeasible], options, blocked, HashOf(text)),
               line)
         << text;
     ++seed;

@@ -143,12 +143,12 @@ TEST(ExactDecisions, ForcedWeightsAreThoseOfAllDecisions) {
   EXPECT_GT(impossible, 500);
 }
 
-TEST(Look, SaysWhatTheCandidatesSay) {
+TEST(PaperLook, SaysWhatTheCandidatesSay) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Situation situation = RandomSituation(seed);
     const Candidates candidates = EnumerateCandidates(situation);
-    const Look look(situation);
+    const PaperLook look(situation);
     std::map<std::pair<bool, int>, std::pair<int, double>> pairs;  // number, heaviest
     for (const Node& node : candidates.nodes) {
       const Action action = candidates.ToAction(situation, node);
@@ -318,8 +318,8 @@ TEST(Explainer, WhatATaskLostTo) {
   ASSERT_EQ(worker.options.size(), 2u);
   EXPECT_EQ(worker.options[0].site, 1);
   EXPECT_EQ(worker.options[0].uav_did.task, TaskId(0));
-  ASSERT_TRUE(worker.forcings[0]);
-  EXPECT_NEAR(worker.forcings[0]->cost, lost.forcing->cost, 1e-6);
+  ASSERT_TRUE(worker.options[0].forcing);
+  EXPECT_NEAR(worker.options[0].forcing->cost, lost.forcing->cost, 1e-6);
   EXPECT_EQ(worker.options[1].site, 0);
   ASSERT_TRUE(worker.options[1].site_holder);
   EXPECT_EQ(worker.options[1].site_holder->worker, WorkerId(0));

@@ -1,5 +1,3 @@
-#include "scheduler/explain/horizon_facts.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "scheduler/explain/explain.h"
 #include "scheduler/explain/fate.h"
 #include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/horizon/pairs.h"
@@ -22,7 +21,7 @@ using testing::RandomSize;
 using testing::SituationBuilder;
 
 /// The decision of that policy, as logged.
-std::unique_ptr<HorizonDecision> Made(const Situation& situation, Policy* policy) {
+std::unique_ptr<HorizonDecision> Made(const Situation& situation, MatchingPolicy* policy) {
   return std::make_unique<HorizonDecision>(situation, policy->Decide(situation).actions, *policy);
 }
 
@@ -79,7 +78,7 @@ class AllMatchings {
   std::vector<Match> chosen_;
 };
 
-TEST(HorizonExplainer, CostOfForcingIsThatOfAllMatchings) {
+TEST(ExplainerOfHorizon, CostOfForcingIsThatOfAllMatchings) {
   int forced = 0, costly = 0, impossible = 0, agents = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -109,31 +108,29 @@ TEST(HorizonExplainer, CostOfForcingIsThatOfAllMatchings) {
         raise(&best_of, std::tuple(kind, partner, pair.charging, pair.site));
       }
     });
-    const HorizonExplainer explainer(*decision);
+    const Explainer explainer(*decision);
     for (int x = 0; x < 4; ++x) {
       if (situation.task_status[static_cast<std::size_t>(x)] != TaskStatus::kOpen) continue;
-      const HorizonTaskAnswer answer = explainer.AboutTask(TaskId(x));
+      const TaskAnswer answer = explainer.AboutTask(TaskId(x));
       EXPECT_EQ(answer.look.obstacle == Obstacle::kNone, best_at.contains(x));
-      EXPECT_EQ(answer.verdict == HorizonVerdict::kImpossible,
-                !best_at.contains(x) && !answer.plan);
+      EXPECT_EQ(answer.verdict == TaskVerdict::kImpossible, !best_at.contains(x) && !answer.plan);
       impossible += best_at.contains(x) ? 0 : 1;
       if (answer.options.empty()) continue;
       ASSERT_TRUE(answer.forcing);
-      ASSERT_TRUE(answer.forcing->exact);
-      EXPECT_NEAR(answer.quality.worth, best, 1e-6);
+      ASSERT_TRUE(answer.forcing->exact && answer.forcing->plan);
+      EXPECT_NEAR(explainer.Quality().best.weight, best, 1e-6);
       EXPECT_NEAR(answer.forcing->cost, best - best_at.at(x), 1e-6);
-      EXPECT_EQ(answer.forcing->pair.site, x);
+      EXPECT_EQ(answer.forcing->plan->site, x);
       EXPECT_LE(answer.forcing->displaced.size(), 3u);
       ++forced;
       costly += answer.forcing->cost > 0.01 ? 1 : 0;
     }
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentState& agent : situation.agents(kind)) {
-        const HorizonAgentAnswer answer = explainer.AboutAgent(kind, agent.id, {});
-        for (std::size_t i = 0; i < answer.options.size(); ++i) {
-          const HorizonOption& option = answer.options[i];
-          ASSERT_TRUE(answer.forcings[i] && answer.forcings[i]->exact);
-          EXPECT_NEAR(answer.forcings[i]->cost,
+        const AgentAnswer answer = explainer.AboutAgent(kind, agent.id, {});
+        for (const Option& option : answer.options) {
+          ASSERT_TRUE(option.forcing && option.forcing->exact);
+          EXPECT_NEAR(option.forcing->cost,
                       best - best_of.at({kind, agent.id, option.charging, option.site}), 1e-6);
           ++agents;
         }
@@ -229,17 +226,17 @@ TEST(HowDecided, FindsTheVariantAndTheDraw) {
     if (seed % 2 == 0) settings.rounds = 3;
     RolloutPolicy policy(settings);
     const Decision decision = policy.Decide(situation);
-    const Deciding deciding = HowDecided(situation, decision.actions, policy);
-    ASSERT_TRUE(deciding.again);
-    EXPECT_EQ(HorizonPolicy(deciding.settings).Decide(situation).actions, decision.actions);
-    ASSERT_TRUE(deciding.follow);
-    variants += deciding.variant > 0 ? 1 : 0;
-    draws += deciding.draws.empty() ? 0 : 1;
-    later_draws += deciding.draws.size() == 2 ? 1 : 0;
+    const HowDecided how = policy.Explain(situation, decision.actions).how;
+    ASSERT_TRUE(how.again);
+    EXPECT_EQ(HorizonPolicy(how.settings).Decide(situation).actions, decision.actions);
+    ASSERT_TRUE(how.follow);
+    variants += how.variant > 0 ? 1 : 0;
+    draws += how.draws.empty() ? 0 : 1;
+    later_draws += how.draws.size() == 2 ? 1 : 0;
     if (decision.actions.empty()) continue;
     std::vector<Action> other = decision.actions;
     other.front().weight += 0.5;
-    EXPECT_FALSE(HowDecided(situation, other, policy).again);
+    EXPECT_FALSE(policy.Explain(situation, other).how.again);
   }
   EXPECT_GT(variants, 0);
   EXPECT_GT(draws, 0);
@@ -272,7 +269,7 @@ void Busy(AgentState* agent, TimeUs until_us) {
 
 /// Two pairs far from each other, each with two equal tasks to choose from, and a third task that
 /// the first pair can serve. What forcing it displaces is near it, however the others tie.
-TEST(HorizonExplainer, ForcingDisplacesOnlyWhatItHasTo) {
+TEST(ExplainerOfHorizon, ForcingDisplacesOnlyWhatItHasTo) {
   SituationBuilder builder;
   builder.Uav({1e3, 1e3}).Worker({1e3, 1e3}).Charge({1e3, 2e3});
   builder.Task({2e3, 1e3}).Task({1e3, 4e3});
@@ -284,20 +281,20 @@ TEST(HorizonExplainer, ForcingDisplacesOnlyWhatItHasTo) {
   HorizonPolicy policy;
   const Situation situation = builder.Build();
   const auto decision = Made(situation, &policy);
-  const HorizonTaskAnswer answer = HorizonExplainer(*decision).AboutTask(TaskId(1));
+  const TaskAnswer answer = Explainer(*decision).AboutTask(TaskId(1));
   ASSERT_TRUE(answer.forcing);
   EXPECT_EQ(answer.forcing->displaced, std::vector<TaskId>{TaskId(0)});
-  EXPECT_EQ(answer.forcing->pair.uav, UavId(0));
+  EXPECT_EQ(answer.forcing->plan->uav, UavId(0));
 }
 
-TEST(HorizonExplainer, APairWithAMemberThatWillBeFreeIsPlanned) {
+TEST(ExplainerOfHorizon, APairWithAMemberThatWillBeFreeIsPlanned) {
   SituationBuilder builder = SoonFree();
   Situation situation = builder.Build();
   Busy(&situation.workers[0], 10 * kMinuteUs);
   HorizonPolicy policy;
   const auto decision = Made(situation, &policy);
-  const HorizonTaskAnswer answer = HorizonExplainer(*decision).AboutTask(TaskId(0));
-  EXPECT_EQ(answer.verdict, HorizonVerdict::kPlanned);
+  const TaskAnswer answer = Explainer(*decision).AboutTask(TaskId(0));
+  EXPECT_EQ(answer.verdict, TaskVerdict::kPlanned);
   ASSERT_TRUE(answer.plan);
   EXPECT_FALSE(answer.plan->uav_free_us);
   EXPECT_EQ(answer.plan->partner_free_us, 10 * kMinuteUs);
@@ -308,8 +305,8 @@ TEST(HorizonExplainer, APairWithAMemberThatWillBeFreeIsPlanned) {
 
   Busy(&situation.workers[0], 40 * kMinuteUs);  // beyond two decisions
   const auto later = Made(situation, &policy);
-  const HorizonTaskAnswer none = HorizonExplainer(*later).AboutTask(TaskId(0));
-  EXPECT_EQ(none.verdict, HorizonVerdict::kImpossible);
+  const TaskAnswer none = Explainer(*later).AboutTask(TaskId(0));
+  EXPECT_EQ(none.verdict, TaskVerdict::kImpossible);
   EXPECT_EQ(none.look.obstacle, Obstacle::kNoPartner);
   EXPECT_EQ(none.look.busy_partners, 1);
 }
@@ -320,7 +317,7 @@ class Fates : public ::testing::Test {
     Situation situation = builder_.Build();
     Busy(&situation.workers[0], 10 * kMinuteUs);
     first_ = Made(situation, &policy_);
-    plan_ = *HorizonExplainer(*first_).AboutTask(TaskId(0)).plan;
+    plan_ = *Explainer(*first_).AboutTask(TaskId(0)).plan;
   }
   Situation Next() {
     builder_.Decision(1);
