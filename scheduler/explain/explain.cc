@@ -9,13 +9,6 @@ namespace {
 
 bool IsPairAction(const Action& action) { return IsPair(action.kind); }
 
-const AgentState* Find(const std::vector<AgentState>& agents, std::int32_t id) {
-  const auto found =
-      std::lower_bound(agents.begin(), agents.end(), id,
-                       [](const AgentState& a, std::int32_t wanted) { return a.id < wanted; });
-  return found == agents.end() || found->id != id ? nullptr : &*found;
-}
-
 /// How far a place is from having a pair: less lacks less.
 double Lack(const PlaceLook& look) {
   if (look.obstacle == Obstacle::kRange && look.nearest_range) {
@@ -31,7 +24,7 @@ double Lack(const PlaceLook& look) {
 AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int32_t id,
                            const AgentSpec& spec, std::optional<AgentState>* state) {
   const TimeUs now = situation.now_us;
-  if (const AgentState* agent = Find(situation.agents(kind), id)) {
+  if (const AgentState* agent = FindAgent(situation, kind, id)) {
     *state = *agent;
     return agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
   }
@@ -72,6 +65,14 @@ std::string_view ToString(AgentCondition condition) {
   return kNames[static_cast<int>(condition)];
 }
 
+const AgentState* FindAgent(const Situation& situation, AgentKind kind, std::int32_t id) {
+  const auto& agents = situation.agents(kind);
+  const auto found =
+      std::lower_bound(agents.begin(), agents.end(), id,
+                       [](const AgentState& a, std::int32_t wanted) { return a.id < wanted; });
+  return found == agents.end() || found->id != id ? nullptr : &*found;
+}
+
 std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task) {
   for (const AgentState& uav : situation.uavs) {
     if (uav.action != ActionKind::kSense || uav.target != task.value) continue;
@@ -92,7 +93,7 @@ Action Score::DoneBy(AgentKind kind, std::int32_t id) const {
                                           ActionKind::kVehicleStays};
   stay.kind = kStays[kind];
   ByKind(kind, stay.uav.value, stay.worker.value, stay.vehicle.value) = id;
-  if (const AgentState* agent = Find(look().situation().agents(kind), id)) stay.to = agent->to;
+  if (const AgentState* agent = FindAgent(look().situation(), kind, id)) stay.to = agent->to;
   return stay;
 }
 

@@ -119,6 +119,9 @@ struct AgentAnswer {
   static constexpr std::size_t kOptions = 3;
 };
 
+/// Null: the agent is neither online nor under way.
+const AgentState* FindAgent(const Situation& situation, AgentKind kind, std::int32_t id);
+
 /// Who senses a task that is reserved or being sensed; start_us kNever: not known yet.
 std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task);
 

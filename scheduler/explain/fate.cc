@@ -18,13 +18,6 @@ bool SamePair(const PairPlan& pair, UavId uav, std::int32_t partner) {
   return uav == pair.uav && partner == pair.partner;
 }
 
-const AgentState* FindAgent(const Situation& situation, AgentKind kind, std::int32_t id) {
-  const auto& agents = situation.agents(kind);
-  const auto found = std::find_if(agents.begin(), agents.end(),
-                                  [id](const AgentState& agent) { return agent.id == id; });
-  return found == agents.end() ? nullptr : &*found;
-}
-
 /// What one later decision says of the pair; true when that settles it.
 class Page {
  public:

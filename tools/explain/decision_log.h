@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <muster/event_t.hpp>
@@ -42,6 +43,9 @@ struct DecisionLog {
   std::vector<event_t> events;                       ///< each once, by time
   std::optional<world_state_t> last_world;           ///< of the highest tick
 };
+
+/// Called with how many decisions are done, of how many.
+using DecisionProgress = std::function<void(std::size_t done, std::size_t of)>;
 
 /// Reads a run's log. Order, repeats and restarts of processes do not matter. Memory grows with
 /// agents times decisions and with events, not with the log. Throws InputError when it has no

@@ -63,7 +63,7 @@ int ExplainCommand(int argc, const char* const* argv) {
 
   ProgressPrinter printer(stderr, StyleFor(stderr, false));
   const TimeUs start_us = MonotonicUs();
-  const TellProgress progress = [&](std::size_t told, std::size_t of) {
+  const DecisionProgress progress = [&](std::size_t told, std::size_t of) {
     const TimeUs now_us = MonotonicUs();
     if (now_us - start_us < kQuietUs || !printer.due(now_us)) return;
     printer.Show(fmt::format("{} of {} decisions explained", told, of), now_us);

@@ -106,7 +106,7 @@ std::set<ActionKey> MovesOf(const schedule_t& schedule) {
 }  // namespace
 
 std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy,
-                                const RedecideProgress& progress) {
+                                const DecisionProgress& progress) {
   std::map<std::string, std::unique_ptr<Scheduler>> schedulers;
   std::vector<Redecided> decisions;
   std::size_t made = 0;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -20,16 +19,13 @@ struct Redecided {
   schedule_t again = {};           ///< when nothing is missing
 };
 
-/// Is told how many decisions are made of how many.
-using RedecideProgress = std::function<void(std::size_t made, std::size_t of)>;
-
 /// Puts what the log holds to the scheduler's process once more, decision by decision: the same
 /// core that runs in a mission, packets in, schedule_t out. `policy` is how it decides; empty: as
 /// the logged schedules say. Decisions of which the log holds neither a schedule nor all messages
 /// are left out: the mission ended there. Throws InputError for an unknown policy, and
 /// where an outside program decided and `policy` is empty: a log runs nothing.
 std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& policy,
-                                const RedecideProgress& progress = {});
+                                const DecisionProgress& progress = {});
 
 /// The first field in which two schedules differ, header and solve_us aside, with both values:
 /// "actions[3].weight is 2.5, the log says 2.25". Numbers are compared bit for bit. Empty: none.

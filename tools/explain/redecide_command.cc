@@ -83,7 +83,7 @@ int Verify(const std::string& run, const std::vector<Redecided>& decisions, bool
   fmt::print("DIFFERENT in {} of them, the first ones:\n", divergences.size());
   for (std::size_t i = 0; i < std::min(kListed, divergences.size()); ++i) {
     const Divergence& d = divergences[i];
-    fmt::print("  {}  decision {}: {}\n", ClockWords(d.at_us), d.decision, d.what);
+    fmt::print("  {}  decision {}: {}\n", ClockText(d.at_us), d.decision, d.what);
   }
   if (!made_by.empty() && made_by != kCommit) {
     fmt::print("The log was made by commit {}, this is {}: only the same build must agree.\n",
@@ -115,13 +115,13 @@ int Compare(const std::string& run, const std::vector<Redecided>& decisions,
       rows.push_back(
           {{"decision", d.decision}, {"at_s", ToSeconds(d.at_us)}, {"missing", d.missing}});
       if (!json) {
-        fmt::print("{:>8}  {}  cannot be made, the log lacks {}\n", d.decision, ClockWords(d.at_us),
+        fmt::print("{:>8}  {}  cannot be made, the log lacks {}\n", d.decision, ClockText(d.at_us),
                    d.missing);
       }
       continue;
     }
     Json row = {{"decision", d.decision}, {"at_s", ToSeconds(d.at_us)}};
-    std::string line = fmt::format("{:>8}  {}", d.decision, ClockWords(d.at_us));
+    std::string line = fmt::format("{:>8}  {}", d.decision, ClockText(d.at_us));
     if (d.logged.empty()) {
       row["logged"] = nullptr;
       line += part("-", "-", "-");

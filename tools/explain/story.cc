@@ -113,7 +113,7 @@ class Teller {
   /// The chapters of each question.
   std::vector<std::vector<Chapter<Answer>>> Tell(const std::string& run,
                                                  std::optional<std::int32_t> only,
-                                                 const TellProgress& progress) {
+                                                 const DecisionProgress& progress) {
     if (only && !log_.decisions.contains(*only)) {
       throw InputError(run, "--decision", fmt::to_string(*only),
                        log_.decisions.empty() ? std::string("a log with a decision")
@@ -198,7 +198,7 @@ class Teller {
 std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
                                  const std::vector<std::int32_t>& tasks,
                                  std::optional<std::int32_t> decision,
-                                 const TellProgress& progress) {
+                                 const DecisionProgress& progress) {
   const auto n = static_cast<std::int32_t>(log.scenario.tasks.size());
   std::vector<TaskStory> stories;
   std::vector<Question<scheduler::TaskAnswer>> questions;
@@ -237,13 +237,13 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
 }
 
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
-                   std::optional<std::int32_t> decision, const TellProgress& progress) {
+                   std::optional<std::int32_t> decision, const DecisionProgress& progress) {
   return std::move(TellTasks(log, run, {task}, decision, progress).front());
 }
 
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
                      std::int32_t id, std::optional<std::int32_t> decision,
-                     const TellProgress& progress) {
+                     const DecisionProgress& progress) {
   const auto& specs = log.scenario.agents(kind);
   const auto n = static_cast<std::int32_t>(specs.size());
   if (id < 0 || id >= n) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -55,22 +54,19 @@ struct AgentStory {
   std::vector<Chapter<scheduler::AgentAnswer>> chapters;
 };
 
-/// Is told how many decisions of how many are told.
-using TellProgress = std::function<void(std::size_t told, std::size_t of)>;
-
 /// All decisions, or one, in the terms of the policy that decided. Throws InputError when the
 /// scenario has no such task or agent, or the log no such decision; `run` is named then. Costs a
 /// few exact decisions each, or a few matchings and forecasts.
 TaskStory TellTask(const DecisionLog& log, const std::string& run, std::int32_t task,
-                   std::optional<std::int32_t> decision, const TellProgress& progress = {});
+                   std::optional<std::int32_t> decision, const DecisionProgress& progress = {});
 /// The same of several tasks, where each decision is made again once for all.
 std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
                                  const std::vector<std::int32_t>& tasks,
                                  std::optional<std::int32_t> decision,
-                                 const TellProgress& progress = {});
+                                 const DecisionProgress& progress = {});
 AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind kind,
                      std::int32_t id, std::optional<std::int32_t> decision,
-                     const TellProgress& progress = {});
+                     const DecisionProgress& progress = {});
 
 /// For people.
 std::string ToText(const TaskStory& story);

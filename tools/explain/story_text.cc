@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "tools/explain/phrases.h"
 #include "tools/explain/story.h"
 #include "tools/explain/words.h"
+#include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {
@@ -23,6 +23,38 @@ using scheduler::PairPlan;
 using scheduler::TaskAnswer;
 using scheduler::TaskVerdict;
 
+/// Collects a chapter's lines. The first one begins with decision and time.
+class Lines {
+ public:
+  explicit Lines(std::string* text) : text_(text) {}
+  void Begin(std::int32_t decision, TimeUs at_us) {
+    lead_ = fmt::format("decision {:>3}  {}  ", decision, ClockText(at_us));
+  }
+  void Add(const std::string& line) {
+    *text_ += lead_ + line + "\n";
+    lead_ = std::string(23, ' ');
+  }
+  void AddEvents(const std::vector<event_t>& events) {
+    for (const event_t& event : events) {
+      std::string who;
+      const auto add = [&who](const char* name, std::int32_t id) {
+        if (id >= 0) who += fmt::format(" {}:{}", name, id);
+      };
+      add("uav", event.uav_id);
+      add("worker", event.worker_id);
+      add("vehicle", event.vehicle_id);
+      add("task", event.task_id);
+      add("charge", event.charge_id);
+      Add(fmt::format("* {} {}{}", ClockText(event.at_us), Spaced(ToString<EventKind>(event.kind)),
+                      who));
+    }
+  }
+
+ private:
+  std::string* text_;
+  std::string lead_;
+};
+
 std::string Weighed(const Action& action) {
   return fmt::format("{} ({:.3f})", Words(action), action.weight);
 }
@@ -32,7 +64,7 @@ std::string PlanWords(const PairPlan& pair) {
   return fmt::format("uav:{}{} and {}{} for {}:{} by {} ({:.3f})", pair.uav.value,
                      FreeWords(pair.uav_free_us), AgentName(pair.partner_kind(), pair.partner),
                      FreeWords(pair.partner_free_us), pair.charging ? "charge" : "task", pair.site,
-                     ClockWords(pair.end_us), pair.worth);
+                     ClockText(pair.end_us), pair.worth);
 }
 
 std::string PlansWords(const std::vector<PairPlan>& pairs) {
@@ -94,7 +126,7 @@ std::string InsteadWords(const Option& option, Terms terms) {
 std::string FateWords(const Fate& fate) {
   const std::string when =
       fate.decision < 0 ? std::string("no decision followed")
-                        : fmt::format("at decision {}, {}", fate.decision, ClockWords(fate.at_us));
+                        : fmt::format("at decision {}, {}", fate.decision, ClockText(fate.at_us));
   const std::string lost = fmt::format("did not come about {}: ", when);
   switch (fate.kind) {
     case FateKind::kCameAbout:
@@ -166,7 +198,7 @@ void AddHow(const Chapter<Answer>& chapter, Lines* lines) {
   }
 }
 
-/// Whose terms the reasons are in.
+/// In whose terms the answer gives reasons.
 template <class Story>
 std::string TermsWords(const Story& story) {
   if (story.terms == Terms::kHorizon) {
@@ -196,7 +228,7 @@ void AddLost(const Chapter<TaskAnswer>& chapter, Terms terms, Lines* lines) {
   lines->Add(
       fmt::format("{}: {} could sense it by {} ({:.3f}), the best of {}",
                   answer.verdict == TaskVerdict::kPlanned ? "now outbid" : ToString(answer.verdict),
-                  PairWords(option.pair, false), ClockWords(option.pair.end_us), option.pair.weight,
+                  PairWords(option.pair, false), ClockText(option.pair.end_us), option.pair.weight,
                   Plural(answer.look.pairs_feasible, "pair")));
   const std::string instead = InsteadWords(option, terms);
   if (!instead.empty()) lines->Add((terms == Terms::kPaper ? "to:   " : "by:   ") + instead);
@@ -249,7 +281,7 @@ void AddAnswer(const Chapter<TaskAnswer>& chapter, Terms terms, Lines* lines) {
 std::string OptionWords(const Option& option, AgentKind kind, Terms terms) {
   const scheduler::PairLook& pair = option.pair;
   const std::string instead = InsteadWords(option, terms);
-  return fmt::format("could also, by {}, {} {}:{} with {} ({:.3f}){}", ClockWords(pair.end_us),
+  return fmt::format("could also, by {}, {} {}:{} with {} ({:.3f}){}", ClockText(pair.end_us),
                      option.charging ? "charge at" : "sense", option.charging ? "charge" : "task",
                      option.site,
                      kind == AgentKind::kUav
@@ -262,7 +294,7 @@ std::string OptionWords(const Option& option, AgentKind kind, Terms terms) {
 void AddDoing(const AgentAnswer& answer, AgentKind kind, Terms terms, Lines* lines) {
   if (answer.condition == AgentCondition::kBusy) {
     lines->Add(BusyWords(kind, *answer.state) +
-               (answer.free_us ? ", takes part as free at " + ClockWords(*answer.free_us) : ""));
+               (answer.free_us ? ", takes part as free at " + ClockText(*answer.free_us) : ""));
   } else if (answer.condition == AgentCondition::kIdle) {
     // What a move weighs is the paper's.
     const bool weighed = terms == Terms::kPaper || IsPair(answer.did->kind);
@@ -353,7 +385,7 @@ std::string ToText(const TaskStory& story) {
       "task:{} at ({:.2f}, {:.2f}) km takes {} of range to sense, {} from there to charge: {}\n",
       story.task.value, story.spec.at.x_m / 1000, story.spec.at.y_m / 1000, Km(story.spec.cost_m),
       std::isfinite(story.to_charge_m) ? Km(story.to_charge_m) : "no way",
-      story.done ? fmt::format("done at {} by uav:{} and worker:{}", ClockWords(story.done->at_us),
+      story.done ? fmt::format("done at {} by uav:{} and worker:{}", ClockText(story.done->at_us),
                                story.done->uav_id, story.done->worker_id)
                  : std::string("not done"));
   text += TermsWords(story);
@@ -378,7 +410,7 @@ std::string ToText(const TaskStory& story) {
 std::string ToText(const AgentStory& story) {
   std::string text =
       fmt::format("{} is online from {} to {}\n", AgentName(story.kind, story.id),
-                  ClockWords(story.spec.online_from_us), ClockWords(story.spec.online_until_us));
+                  ClockText(story.spec.online_from_us), ClockText(story.spec.online_until_us));
   text += TermsWords(story);
   text += "\n";
   Lines lines(&text);

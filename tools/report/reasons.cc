@@ -23,7 +23,7 @@ std::vector<std::int32_t> Undone(const Timeline& timeline) {
 }  // namespace
 
 nlohmann::ordered_json Reasons(const std::string& run, const Timeline& timeline, std::size_t most,
-                               const TellProgress& progress) {
+                               const DecisionProgress& progress) {
   std::vector<std::int32_t> tasks = Undone(timeline);
   nlohmann::ordered_json reasons = {{"undone", tasks.size()},
                                     {"tasks", nlohmann::ordered_json::array()}};

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scheduler/policies/horizon/horizon.h"
-
 namespace muster::scheduler {
 namespace {
 
@@ -59,12 +57,26 @@ Decision LearnedHorizonPolicy::Decide(const Situation& situation) {
   return HorizonPolicy(WeightedFor(situation, coefficients_)).Decide(situation);
 }
 
+Deciding LearnedHorizonPolicy::Explain(const Situation& situation,
+                                       const std::vector<Action>& commanded) const {
+  return HorizonPolicy(WeightedFor(situation, coefficients_)).Explain(situation, commanded);
+}
+
 LearnedRolloutPolicy::LearnedRolloutPolicy() { settings_.rounds = 3; }
 
-Decision LearnedRolloutPolicy::Decide(const Situation& situation) {
+RolloutPolicy LearnedRolloutPolicy::PolicyFor(const Situation& situation) const {
   RolloutSettings settings = settings_;
   settings.variants = {WeightedFor(situation, kLearnedWeights)};
-  return RolloutPolicy(settings).Decide(situation);
+  return RolloutPolicy(settings);
+}
+
+Decision LearnedRolloutPolicy::Decide(const Situation& situation) {
+  return PolicyFor(situation).Decide(situation);
+}
+
+Deciding LearnedRolloutPolicy::Explain(const Situation& situation,
+                                       const std::vector<Action>& commanded) const {
+  return PolicyFor(situation).Explain(situation, commanded);
 }
 
 }  // namespace muster::scheduler

@@ -29,11 +29,12 @@ HorizonSettings WeightedFor(const Situation& situation, const WeightCoefficients
 
 /// horizon-steps with a learned value of nodes in the place of the hand-set weightings. Source:
 /// ours; the paper's future work (2).
-class LearnedHorizonPolicy : public Policy {
+class LearnedHorizonPolicy : public MatchingPolicy {
  public:
   explicit LearnedHorizonPolicy(const WeightCoefficients& coefficients = kLearnedWeights)
       : coefficients_(coefficients) {}
   Decision Decide(const Situation& situation) override;
+  Deciding Explain(const Situation& situation, const std::vector<Action>& commanded) const override;
 
  private:
   WeightCoefficients coefficients_;
@@ -41,16 +42,19 @@ class LearnedHorizonPolicy : public Policy {
 
 /// rollout-steps that follows the one learned value instead of a dozen hand-set weightings, and
 /// decisions near it.
-class LearnedRolloutPolicy : public Policy {
+class LearnedRolloutPolicy : public MatchingPolicy {
  public:
   LearnedRolloutPolicy();
   Decision Decide(const Situation& situation) override;
+  Deciding Explain(const Situation& situation, const std::vector<Action>& commanded) const override;
   bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
     settings_.deadline = deadline;
     return true;
   }
 
  private:
+  RolloutPolicy PolicyFor(const Situation& situation) const;
+
   RolloutSettings settings_;
 };
 

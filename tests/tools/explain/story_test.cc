@@ -419,6 +419,19 @@ TEST(TaskStory, ARolloutThatExpectsTasksIsToldInItsOwnTerms) {
   EXPECT_TRUE(story.chapters[0].how->again);
 }
 
+TEST(TaskStory, LearnedWeightingsAreThoseOfTheSituation) {
+  for (const char* policy : {"horizon-learned", "rollout-learned"}) {
+    const DecisionLog log = Logged(SimulatedPackets(NearAndFar(), policy));
+    const TaskStory story = TellTask(log, "run", 1, {});
+    EXPECT_EQ(story.terms, Terms::kHorizon) << policy;
+    for (const auto& chapter : story.chapters) {
+      ASSERT_TRUE(chapter.how) << policy;
+      EXPECT_TRUE(chapter.how->again) << policy << " at decision " << chapter.decision;
+      EXPECT_TRUE(chapter.settings.starts_with("patience ")) << chapter.settings;
+    }
+  }
+}
+
 TEST(AgentStory, HorizonIsToldInItsOwnTerms) {
   const DecisionLog log = Logged(SimulatedPackets(TwoTasks(), "horizon"));
   const AgentStory story = TellAgent(log, "run", AgentKind::kWorker, 0, {});
