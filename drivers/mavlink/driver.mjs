@@ -1,6 +1,6 @@
 // One UAV's driver: lines of the mission (docs/guide/drivers.md) on one side, MAVLink on the other, as a function of what it hears and
 // of the time. Sockets, clocks and files, and the greeting, are in main.mjs.
-import { common, FrameWriter, make, minimal } from "./frames.mjs";
+import { FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";
 import { Flight, heartbeat } from "./flight.mjs";
 import { Pictures } from "./pictures.mjs";

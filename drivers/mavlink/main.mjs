@@ -46,8 +46,8 @@ function takeFile(path) {
 }
 
 /** Takes what is known of a picture, for the run directory if there is one; what goes wrong there does not concern the flight. */
-function pictureKeeper({ run }) {
-  const photos = run ? new PhotoFolder(run) : null;
+function pictureKeeper(folder) {
+  const photos = folder ? new PhotoFolder(folder) : null;
   return (of) => {
     try {
       const name = photos?.keep({ ...of, taken_utc: of.taken_utc ?? new Date().toISOString() });
@@ -110,7 +110,7 @@ async function run(options) {
     note,
     kept: keptIn(options.kept),
     isChanged: () => takeFile(options.confirm),
-    keepPicture: pictureKeeper(options),
+    keepPicture: pictureKeeper(options.run),
   });
   const endWhenOver = () => {
     if (driver.exitCode === null) return;

@@ -52,7 +52,7 @@ export function readOptions(argv) {
     run: "", speedup: "1", "own-system": "255", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
-  let values = null;
+  let values;
   try {
     ({ values } = parseArgs({ args: argv, options: { ...options, restore: { type: "boolean" }, help: { type: "boolean", short: "h" } } }));
   } catch (error) {

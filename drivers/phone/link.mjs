@@ -62,7 +62,7 @@ const BLOCKS = [" ", "▄", "▀", "█"];  // of an upper and a lower half that
 
 /** The code as lines of text, two rows in one; light on dark where there are no colours. null: no package for it. */
 export async function codeOf(text, hasColours) {
-  let make = null;
+  let make;
   try {
     ({ default: make } = await import("qrcode-generator"));
   } catch {

@@ -41,7 +41,7 @@ function origin(text) {
 export function readOptions(argv) {
   const defaults = { port: "0", listen: "127.0.0.1", url: "", run: "", "lost-after": "600", accuracy: "100", "photo-mb": "20" };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
-  let values = null;
+  let values;
   try {
     ({ values } = parseArgs({ args: argv, options: { ...options, auto: { type: "boolean" }, help: { type: "boolean", short: "h" } } }));
   } catch (error) {

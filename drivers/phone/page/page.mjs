@@ -76,9 +76,8 @@ function show() {
 async function post(address, body, patience_ms) {
   const stop = new AbortController();
   const timer = setTimeout(() => stop.abort(), patience_ms);
-  let response = null;
   try {
-    response = await fetch(address, { method: "POST", body, signal: stop.signal, cache: "no-store" });
+    const response = await fetch(address, { method: "POST", body, signal: stop.signal, cache: "no-store" });
     const text = await response.text();
     if (response.ok) return JSON.parse(text);
     throw Object.assign(new Error(text.slice(0, 200)), { status: response.status });

@@ -9,7 +9,7 @@ import { MissionMap } from "../../../drivers/places.mjs";
 // (COMMAND_LONG_TRUNCATED_V2, STATUSTEXT_V2).
 const HEARTBEAT_1 = "fe 09 ef 01 02 00 05 00 00 00 02 03 59 03 03 1f 50";
 const HEARTBEAT_2 = "fd 09 00 00 ef 01 02 00 00 00 05 00 00 00 02 03 59 03 03 2e 73";
-const COMMAND_LONG = "fd 1e 00 00 00 00 32 4c 00 00 00 00 e6 42 00 40 9c 45" + " 00".repeat(20) + " ff 01 bc c3";
+const COMMAND_LONG = `fd 1e 00 00 00 00 32 4c 00 00 00 00 e6 42 00 40 9c 45${" 00".repeat(20)} ff 01 bc c3`;
 const STATUSTEXT = "fd 06 00 00 05 2a 04 fd 00 00 02 79 6f 75 70 69 49 00";
 
 /** Number and CRC_EXTRA of each message that is spoken. It is made of the names, types and order of all fields: where it agrees,

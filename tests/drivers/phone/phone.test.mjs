@@ -187,7 +187,7 @@ test("nobody is missed before the agent takes part", () => {
 test("cannot: out of the mission, with the words of the person", () => {
   const box = new Box();
   box.goTo(GOAL);
-  box.press("cannot", { reason: " the bridge\n\u202eis\0 down " + "x".repeat(400) });
+  box.press("cannot", { reason: ` the bridge\n\u202eis\0 down ${"x".repeat(400)}` });
   const { id, reason } = box.last("failed");
   assert.equal(id, 1);
   assert.match(reason, /^says: the bridge is down x+$/);

@@ -41,7 +41,7 @@ export async function sync(link, ...items) {
 export async function bePhone(link, every_ms = 20) {
   const pressed = [];
   for (let number = 0; ; ++number) {
-    let view = null;
+    let view;
     try {
       view = await sync(link);
       const { order } = view;

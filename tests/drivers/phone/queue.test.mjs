@@ -82,7 +82,7 @@ test("a person is told what to do, at each stage", () => {
   box.press("done", { order: work });
   assert.equal(words(), "Done; wait here |  | You will be told where to go next.");
   box.cancel("the UAV has failed");
-  assert.match(words(), /^Stop where you are \|  \| the UAV has failed/);
+  assert.match(words(), /^Stop where you are \| {2}\| the UAV has failed/);
   box.press("cannot", { reason: "tired" });
   assert.equal(words(), "You are out of the mission |  | says: tired");
 });

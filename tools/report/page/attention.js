@@ -196,7 +196,8 @@ export class Attention {
     const found = all.filter((f) => !this.acknowledged.has(alertOf(f)));
     const seen = all.length - found.length;
     const groups = KINDS.map((kind) => found.filter((f) => f.kind === kind.id));
-    const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]), selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
+    const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]),
+      selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
     byId("attention-count").textContent = `${found.length === 0 ? "nothing" : number(found.length)}${seen ? `, ${number(seen)} acknowledged` : ""}`;
@@ -232,9 +233,9 @@ export class Attention {
       element("h3", {}, kind.title, " ", element("b", {}, number(found.length))),
       element("ul", {}, ...found.slice(0, SHOWN).map((f) => element("li", { class: this.state.live ? "live" : null }, this.#row(kind, f),
         this.state.live ? element("button", { type: "button", class: "quiet seen", title: "Acknowledge", "aria-label": `Acknowledge ${f.text}`, onclick: () => this.#acknowledge(f) }, "✓") : null)),
-        more > 0 ? element("li", {}, kind.more
-          ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, `${number(more)} more in the table`)
-          : element("span", { class: "muted" }, `and ${number(more)} more`)) : null),
+      more > 0 ? element("li", {}, kind.more
+        ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, `${number(more)} more in the table`)
+        : element("span", { class: "muted" }, `and ${number(more)} more`)) : null),
     ];
   }
 

@@ -56,6 +56,6 @@ export class Differences {
       element("div", { class: "wide tall", tabindex: 0, role: "group", "aria-label": "Agents commanded otherwise" }, element("table", {},
         element("thead", {}, element("tr", {}, ...["agent", run.name, other.name].map((text) => element("th", { scope: "col" }, text)))),
         element("tbody", {}, ...pairs.slice(0, MOST).map(({ agent, here, there }) => element("tr", {}, element("td", {}, name(agent)), element("td", {}, words(here)), element("td", {}, words(there)))))),
-        pairs.length > MOST ? element("p", { class: "hint" }, `and ${pairs.length - MOST} more`) : ""));
+      pairs.length > MOST ? element("p", { class: "hint" }, `and ${pairs.length - MOST} more`) : ""));
   }
 }

@@ -75,7 +75,8 @@ export class MapView {
     const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
     const { width_m: w, height_m: h } = run.scenario;
     // The area's border comes no further in than the map's, where the area is larger than the map.
-    const within = (middle, low, high, room) => ((high - low) * k > room ? Math.min(MARGIN - k * low, Math.max(room - MARGIN - k * high, middle)) : (room - k * (low + high)) / 2);
+    const within = (middle, low, high, room) => ((high - low) * k > room
+      ? Math.min(MARGIN - k * low, Math.max(room - MARGIN - k * high, middle)) : (room - k * (low + high)) / 2);
     const left = within(width / 2 - k * at(x, place.x, view.left), at(x, 0, view.left), at(x, w, view.left), width);
     const top = within(height / 2 - k * at(y, place.y, view.top), at(y, h, view.top), at(y, 0, view.top), height);
     const to = { k, left, top };

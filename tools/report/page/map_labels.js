@@ -29,7 +29,7 @@ export function drawLabels(c, labels, size, halo, taken) {
   c.lineJoin = "round";
   c.lineWidth = 3;
   c.strokeStyle = halo;
-  for (const { text, left, bottom, colour } of placeLabels(labels, (text) => c.measureText(text).width, size, taken)) {
+  for (const { text, left, bottom, colour } of placeLabels(labels, (of) => c.measureText(of).width, size, taken)) {
     c.strokeText(text, left, bottom);
     c.fillStyle = colour;
     c.fillText(text, left, bottom);

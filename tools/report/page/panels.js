@@ -105,7 +105,8 @@ export class Panels {
       news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
     if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
-    const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run), processes: () => this.#processes(run), orders: () => this.control.table() };
+    const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run),
+      processes: () => this.#processes(run), orders: () => this.control.table() };
     if (this.tab !== "tasks" || !this.tasks.visible) this.body.replaceChildren(...draw[this.tab]());
     if (this.tab === "tasks") this.tasks.draw();
   }

@@ -142,11 +142,13 @@ export class TaskTable {
       this.heads[i].hidden = (column.timed ?? run.timed) !== run.timed;
     });
     this.count.textContent = `${number(rows.length)} of ${number(run.tasks.filter((task) => !task.vacant).length)} tasks`;
-    const key = JSON.stringify([rows.slice(0, MOST_ROWS).map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never, row.name, row.priority, row.due]), rows.length, run.name]);
+    const shown = rows.slice(0, MOST_ROWS);
+    const key = JSON.stringify([shown.map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never, row.name, row.priority, row.due]),
+      rows.length, run.name]);
     if (key !== this.key) {
       this.key = key;
       const focused = document.activeElement?.closest?.("#task-table tr")?.dataset.task;
-      this.body.replaceChildren(...rows.slice(0, MOST_ROWS).map((row) => this.#tr(run, row)));
+      this.body.replaceChildren(...shown.map((row) => this.#tr(run, row)));
       if (focused) this.#row(focused)?.focus({ preventScroll: true });
       this.rest.hidden = rows.length <= MOST_ROWS;
       this.rest.textContent = `${number(rows.length - MOST_ROWS)} more: sort or filter to see them`;
@@ -192,7 +194,8 @@ export class TaskTable {
 
   #key(event) {
     const row = event.target.closest("tr");
-    const to = { ArrowDown: row.nextElementSibling, ArrowUp: row.previousElementSibling, Home: this.body.firstElementChild, End: this.body.lastElementChild }[event.key];
+    const to = { ArrowDown: row.nextElementSibling, ArrowUp: row.previousElementSibling,
+      Home: this.body.firstElementChild, End: this.body.lastElementChild }[event.key];
     if (event.key === "Enter" || event.key === " ") this.#choose(row);
     else if (!["ArrowDown", "ArrowUp", "Home", "End"].includes(event.key)) return;
     event.preventDefault();

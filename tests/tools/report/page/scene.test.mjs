@@ -212,7 +212,7 @@ test("without WebGL, or built without three.js, the tab says so", async (t) => {
   await soon(async () => assert.match(await flat.locator("#scene-problem").innerText(), /built without three.js/));
 });
 
-test("a picture of the scene is made with what the link says", async (t) => {
+test("a picture of the scene is made with what the link says", async () => {
   muster("report", file("a"), "--scene", file("scene.png"), "--show", "t=4860&sel=uav:25");
   const png = readFileSync(file("scene.png"));
   assert.equal(png.toString("latin1", 1, 4), "PNG");

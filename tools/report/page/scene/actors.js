@@ -19,7 +19,8 @@ const glass = () => new MeshBasicMaterial({ transparent: true, opacity: 0.34, si
 /** Agents, sites, trails and what agents do, at a time. */
 export class Actors {
   constructor(scene) {
-    this.kinds = [uavShape(), workerShape(), vehicleShape()].map((shape, kind) => new Crowd(scene, shape, kind === 0 ? new MeshLambertMaterial({ side: DoubleSide }) : lit()));
+    this.kinds = [uavShape(), workerShape(), vehicleShape()].map((shape, kind) =>
+      new Crowd(scene, shape, kind === 0 ? new MeshLambertMaterial({ side: DoubleSide }) : lit()));
     this.failed = new Crowd(scene, failedShape(), lit());
     this.tasks = new Crowd(scene, taskShape(), lit());
     this.done = new Crowd(scene, doneShape(), plain());

@@ -147,7 +147,8 @@ export class SceneView {
     const t = clock.t;
     const inTime = this.mode === "time";
     this.floor = inTime ? this.spaceTime.heightOf(run, t) : 0;
-    this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, floor: this.floor, flat: inTime, trailMs: state.trailMs, classes: state.classes, selected: state.selected });
+    this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, floor: this.floor, flat: inTime,
+      trailMs: state.trailMs, classes: state.classes, selected: state.selected });
     this.spaceTime.cut(run, t);
     this.city.mesh.visible = !inTime && this.city.n > 0;
     this.ground.glass.visible = inTime;
