@@ -1,6 +1,6 @@
 #include "base/grid_index.h"
 
-namespace muster::scheduler {
+namespace muster {
 
 GridIndex::GridIndex(std::span<const Point> points, double per_cell) {
   if (points.empty()) {
@@ -50,4 +50,4 @@ double GridIndex::ReachFrom(Point centre) const {
          std::hypot(centre.x_m - x_m_, centre.y_m - y_m_) + side;
 }
 
-}  // namespace muster::scheduler
+}  // namespace muster

@@ -9,7 +9,7 @@
 
 #include "base/geometry.h"
 
-namespace muster::scheduler {
+namespace muster {
 
 /// Points in square buckets, for range queries. Built in linear time; about `per_cell` points a
 /// bucket when they are spread evenly.
@@ -68,4 +68,4 @@ class GridIndex {
   std::vector<Point> sorted_;        ///< the points in that order
 };
 
-}  // namespace muster::scheduler
+}  // namespace muster

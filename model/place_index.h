@@ -40,7 +40,7 @@ class PlaceIndex {
   }
 
  private:
-  scheduler::GridIndex grid_;
+  GridIndex grid_;
   WaysOf ways_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -226,37 +227,23 @@ class Checker {
 }  // namespace
 
 std::string_view ToString(Rule rule) {
-  switch (rule) {
-    case Rule::kIds:
-      return "ids";
-    case Rule::kUnknownAgent:
-      return "unknown agent";
-    case Rule::kNotIdle:
-      return "agent not idle";
-    case Rule::kAgentTwice:
-      return "agent used twice";
-    case Rule::kTaskNotOpen:
-      return "task not open";
-    case Rule::kExpiry:
-      return "task expires before";
-    case Rule::kTaskTwice:
-      return "task used twice";
-    case Rule::kConstraint5:
-      return "constraint (5)";
-    case Rule::kConstraint6:
-      return "constraint (6)";
-    case Rule::kRange:
-      return "out of range";
-    case Rule::kCapacity:
-      return "charging point over capacity";
-    case Rule::kAvailability:
-      return "availability";
-    case Rule::kDestination:
-      return "destination";
-    case Rule::kWeight:
-      return "weight not finite";
-  }
-  return "unknown rule";
+  // In the order of Rule.
+  constexpr std::string_view kNames[] = {"ids",
+                                         "unknown agent",
+                                         "agent not idle",
+                                         "agent used twice",
+                                         "task not open",
+                                         "task expires before",
+                                         "task used twice",
+                                         "constraint (5)",
+                                         "constraint (6)",
+                                         "out of range",
+                                         "charging point over capacity",
+                                         "availability",
+                                         "destination",
+                                         "weight not finite"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Rule::kWeight) + 1);
+  return kNames[static_cast<std::size_t>(rule)];
 }
 
 std::vector<Violation> CheckActions(const Situation& situation, std::span<const Action> actions) {

@@ -40,7 +40,7 @@ struct Violation {
 
 /// Checks a list of actions against the situation's rules, every action and every rule. Empty when
 /// they may be carried out. Shares no code with the solvers: it rests on the mission's rule book
-/// (world/model) alone.
+/// (`model/`) alone.
 [[nodiscard]] std::vector<Violation> CheckActions(const Situation& situation,
                                                   std::span<const Action> actions);
 
