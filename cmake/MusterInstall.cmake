@@ -116,7 +116,7 @@ set(CPACK_COMPONENT_MUSTER_DESCRIPTION
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME muster-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION devel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "muster (= ${PROJECT_VERSION}), liblcm-dev, liblcm-bin, libglib2.0-dev, libfmt-dev, libeigen3-dev, libsodium-dev, pkg-config")
+  "muster (= ${PROJECT_VERSION}), liblcm-dev, liblcm-bin, libglib2.0-dev, libfmt-dev, libsodium-dev, pkg-config")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "libraries and headers for policies and processes of Muster missions\nStatic libraries, headers, CMake package and pkg-config file.")
 include(CPack)

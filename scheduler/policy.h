@@ -23,6 +23,13 @@ struct Decision {
   std::string refused = {};
 };
 
+/// The action of one idle agent, or of a UAV and its partner (a worker or a vehicle): it goes to
+/// the task or the charging point that is given, or it stays. null: no such agent. Its weight is 0.
+Action MakeAction(const Site& site, const AgentState* uav, const AgentState* partner, TaskId task,
+                  ChargeId charge);
+/// The agent stays.
+Action MakeStay(const Site& site, const AgentState& agent);
+
 /// A decision from its actions in any order: sorts them, sums their weights.
 Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates);
 

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "scheduler/candidates.h"
+#include "model/agent.h"
 #include "scheduler/process/scheduler_main.h"
+#include "scheduler/solver/candidates.h"
 
 namespace {
 
@@ -15,22 +16,28 @@ using namespace muster::scheduler;
 
 constexpr double kChargeBelow = 0.4;
 
+/// When the pair would be done, by the rule book.
+TimeUs EndOf(const Situation& situation, AgentState uav, AgentState partner, const Action& action) {
+  for (AgentState* agent : {&uav, &partner}) {
+    Begin(agent, action, situation.decision, situation.now_us, Disturbances(), 0);
+  }
+  return PlanActivity(uav, partner, situation.site->tasks).end_us;
+}
+
 class Soonest : public Policy {
  public:
   Decision Decide(const Situation& situation) override {
     const Candidates candidates = EnumerateCandidates(situation);
-    const Feasibility feasible(situation, candidates.weights);
     std::vector<std::pair<TimeUs, Node>> pairs;  // and when they would be done
     for (const Node& node : candidates.nodes) {
-      if (node.kind == ActionKind::kSense) {
-        pairs.emplace_back(feasible.SenseEnd(node.uav, node.site, node.partner), node);
-      } else if (node.kind == ActionKind::kCharge) {
-        const auto row = static_cast<std::size_t>(node.uav);
-        const auto position = static_cast<std::size_t>(candidates.weights.uavs[row]);
-        const AgentState& uav = situation.uavs[position];
-        if (situation.range_m(uav) > kChargeBelow * uav.range_full_m) continue;
-        pairs.emplace_back(feasible.ChargeEnd(node.uav, node.site, node.partner), node);
+      if (!IsPair(node.kind)) continue;
+      const AgentState& uav = candidates.UavOf(node);
+      if (node.kind == ActionKind::kCharge &&
+          situation.range_m(uav) > kChargeBelow * uav.range_full_m) {
+        continue;
       }
+      const Action action = candidates.ToAction(situation, node);
+      pairs.emplace_back(EndOf(situation, uav, candidates.PartnerOf(node), action), node);
     }
     // Equal ends stay in the order of the candidates: a decision can be repeated.
     std::stable_sort(pairs.begin(), pairs.end(),

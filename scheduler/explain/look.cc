@@ -8,6 +8,8 @@
 namespace muster::scheduler {
 namespace {
 
+TimeUs Later(TimeUs t, TimeUs duration) { return duration > kNever - t ? kNever : t + duration; }
+
 /// Settings by which the idle agents alone take part.
 HorizonSettings IdleOnly() {
   HorizonSettings settings;
@@ -176,53 +178,20 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
 }
 
 PaperLook::PaperLook(const Situation& situation)
-    : Look(situation, IdleOnly()),
-      weights_(ComputeWeights(situation)),
-      feasible_(situation, weights_) {}
-
-int PaperLook::ColumnOf(TaskId task) const {
-  const auto found = std::lower_bound(weights_.tasks.begin(), weights_.tasks.end(), task);
-  if (found == weights_.tasks.end() || *found != task) return -1;
-  return static_cast<int>(found - weights_.tasks.begin());
-}
+    : Look(situation, IdleOnly()), weights_(situation) {}
 
 void PaperLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
-  const Rules& rules = situation_.site->rules;
-  const bool charging = look->charging;
-  const int y = charging ? look->site : ColumnOf(TaskId(look->site));
-  const auto& uavs = participants_.uavs;
-  const auto& partners = participants_[look->partner_kind()];
-  for (int u = 0; u < weights_.n_uavs(); ++u) {
-    const AgentState& of_uav = *uavs[At(u)].agent;
-    if (uav >= 0 && of_uav.id != uav) continue;
-    if (!(charging ? weights_.chargeable(u, y) : weights_.senseable(u, y))) {
-      look->OfferShort(NeedOf(uavs[At(u)], *look));
+  for (const Participant& of_uav : participants_.uavs) {
+    if (uav >= 0 && of_uav.agent->id != uav) continue;
+    const RangeNeed need = NeedOf(of_uav, *look);
+    if (need.needs_m() > need.range_m) {
+      look->OfferShort(need);
       continue;
     }
     ++look->uavs_in_range;
-    for (int p = 0; p < static_cast<int>(partners.size()); ++p) {
-      const AgentState& of_partner = *partners[At(p)].agent;
-      if (partner >= 0 && of_partner.id != partner) continue;
-      ++look->pairs;
-      PairLook pair;
-      pair.uav = UavId(of_uav.id);
-      pair.partner = of_partner.id;
-      pair.end_us = charging ? feasible_.ChargeEnd(u, y, p) : feasible_.SenseEnd(u, y, p);
-      if (charging ? feasible_.Charge(u, y, p) : feasible_.Sense(u, y, p)) {
-        pair.weight = charging ? weights_.Charge(u, y, p) : weights_.Sense(u, y, p);
-        pair.latest_us = std::min(LatestEnd(of_uav, rules), LatestEnd(of_partner, rules));
-        ++look->pairs_feasible;
-        look->Offer(pair);
-      } else if (!charging && (weights_.uav_task.travel_us(u, y) == kNever ||
-                               weights_.worker_task.travel_us(p, y) == kNever)) {
-        const TimeUs there_us =
-            situation_.now_us +
-            std::max(TravelUs(weights_.uav_task.way_m(u, y), of_uav.speed_m_s),
-                     TravelUs(weights_.worker_task.way_m(p, y), of_partner.speed_m_s));
-        look->OfferExpired(pair, there_us, situation_.site->tasks[At(look->site)].expires_us);
-      } else if (!IsFull(*look)) {
-        look->OfferLate(pair, rules.limit_us, of_uav, of_partner);
-      }
+    for (const Participant& of_partner : participants_[look->partner_kind()]) {
+      if (partner >= 0 && of_partner.agent->id != partner) continue;
+      AddPair(need, *of_uav.agent, *of_partner.agent, look);
     }
   }
   look->obstacle = look->pairs_after_expiry > 0   ? Obstacle::kExpiry
@@ -230,42 +199,32 @@ void PaperLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look
                                                   : Obstacle::kLimit;
 }
 
-std::optional<double> PaperLook::WeightOf(const Action& action) const {
-  const std::int32_t u = action.uav.valid() ? IndexOf(AgentKind::kUav, action.uav.value) : -1;
-  const std::int32_t w =
-      action.worker.valid() ? IndexOf(AgentKind::kWorker, action.worker.value) : -1;
-  const std::int32_t v =
-      action.vehicle.valid() ? IndexOf(AgentKind::kVehicle, action.vehicle.value) : -1;
-  if ((action.uav.valid() && u < 0) || (action.worker.valid() && w < 0) ||
-      (action.vehicle.valid() && v < 0)) {
-    return {};
-  }
-  const int x = action.task.valid() ? ColumnOf(action.task) : -1;
-  if (action.task.valid() && x < 0) return {};
-  const int y = action.charge.value;
-  const auto when = [](bool offered, auto&& weight) {
-    return offered ? std::optional<double>(weight()) : std::nullopt;
-  };
-  switch (action.kind) {
-    case ActionKind::kUavStays:
-    case ActionKind::kWorkerStays:
-    case ActionKind::kVehicleStays:
-      return weights_.stay;
-    case ActionKind::kUavToTask:
-      return when(feasible_.UavToTask(u, x), [&] { return weights_.uav_to_task(u, x); });
-    case ActionKind::kWorkerToTask:
-      return when(feasible_.WorkerToTask(w, x), [&] { return weights_.worker_to_task(w, x); });
-    case ActionKind::kUavToCharge:
-      return when(feasible_.UavToCharge(u, y), [&] { return weights_.uav_to_charge(u, y); });
-    case ActionKind::kVehicleToCharge:
-      return when(feasible_.VehicleToCharge(v, y),
-                  [&] { return weights_.vehicle_to_charge(v, y); });
-    case ActionKind::kSense:
-      return when(feasible_.Sense(u, x, w), [&] { return weights_.Sense(u, x, w); });
-    case ActionKind::kCharge:
-      return when(feasible_.Charge(u, y, v), [&] { return weights_.Charge(u, y, v); });
-    default:
-      return {};
+void PaperLook::AddPair(const RangeNeed& need, const AgentState& uav, const AgentState& partner,
+                        PlaceLook* look) const {
+  const Site& site = *situation_.site;
+  const bool charging = look->charging;
+  const Action action = MakeAction(site, &uav, &partner, charging ? TaskId() : TaskId(look->site),
+                                   charging ? ChargeId(look->site) : ChargeId());
+  const TimeUs travel_us =
+      std::max(TravelUs(need.way_m, uav.speed_m_s),
+               TravelUs(partner.WayM(partner.to, action.to), partner.speed_m_s));
+  const TimeUs there_us = Later(situation_.now_us, travel_us);
+  PairLook pair;
+  pair.uav = UavId(uav.id);
+  pair.partner = partner.id;
+  pair.end_us = Later(there_us, charging ? ChargingUs(uav.range_full_m, need.range_m - need.way_m,
+                                                      partner.charge_rate_m_s)
+                                         : SensingUs(need.cost_m, uav.speed_m_s));
+  ++look->pairs;
+  if (const auto weight = weights_.Of(action)) {
+    pair.weight = *weight;
+    pair.latest_us = std::min(LatestEnd(uav, site.rules), LatestEnd(partner, site.rules));
+    ++look->pairs_feasible;
+    look->Offer(pair);
+  } else if (!charging && !site.tasks[At(look->site)].AllowsStart(there_us)) {
+    look->OfferExpired(pair, there_us, site.tasks[At(look->site)].expires_us);
+  } else if (!IsFull(*look)) {
+    look->OfferLate(pair, site.rules.limit_us, uav, partner);
   }
 }
 

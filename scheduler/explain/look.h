@@ -5,10 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "scheduler/candidates.h"
 #include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/situation.h"
-#include "scheduler/weights.h"
+#include "scheduler/solver/candidates.h"
 
 namespace muster::scheduler {
 
@@ -135,15 +134,15 @@ class PaperLook : public Look {
  public:
   explicit PaperLook(const Situation& situation);
   /// The paper's weight of an action of idle agents; none for a free move or what is not offered.
-  std::optional<double> WeightOf(const Action& action) const;
+  std::optional<double> WeightOf(const Action& action) const { return weights_.Of(action); }
 
  private:
   void AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const override;
-  /// -1: not open.
-  int ColumnOf(TaskId task) const;
+  /// A pair whose UAV has the range that the place needs.
+  void AddPair(const RangeNeed& need, const AgentState& uav, const AgentState& partner,
+               PlaceLook* look) const;
 
-  Weights weights_;
-  Feasibility feasible_;
+  ActionWeights weights_;
 };
 
 /// The first matching of `horizon`: agents that will be free soon take part, members wait for each

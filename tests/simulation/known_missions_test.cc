@@ -97,7 +97,7 @@ const Case kCases[] = {
     {"mpq-uniform", "51e22a93739a148e 1681 nan", "bf18a1b128b4e13f 1909 nan",
      "d99ec613b5f7c027 1355 nan"},
     {"ils", "cbb435387f0edfeb 1726 nan", "7dc3dc0ab7ec025a 2051 nan", "c62c5d1a18fbb6b9 1546 nan"},
-    {"kwta", "8e278fb4692688a4 1200 nan", "2271bdd39d30f0d2 597 nan", "ddce8e2edf8fe0d3 994 nan"},
+    {"kwta", "8e278fb4692688a4 1200 nan", "2271bdd39d30f0d2 597 nan", "7ac75b0809e316f1 994 nan"},
     {"greedy-sum", "7c0ccf45f29793ad 6471 nan", "eb391c4f1bd6770f 6703 nan",
      "688fdc623ff70b1d 5949 nan"},
     {"greedy-nearest", "41c34a444b50cca3 4500 nan", "51bae94818f2b864 4801 nan",

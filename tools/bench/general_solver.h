@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "scheduler/candidates.h"
+#include "scheduler/nodes.h"
 
 namespace muster::tools {
 

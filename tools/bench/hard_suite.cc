@@ -13,7 +13,7 @@
 #include "base/random.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/registry.h"
-#include "scheduler/solver/nodes.h"
+#include "scheduler/solver/candidates.h"
 #include "tools/bench/general_solver.h"
 #include "tools/bench/sheet.h"
 #include "tools/bench/statistics.h"
@@ -68,7 +68,7 @@ HardRow Decide(const Situation& situation, const BenchOptions& options, HardRow 
 
 void Ask(const Situation& situation, AskCbc ask, GeneralSolver* cbc, HardRow* row) {
   if (cbc == nullptr || ask == AskCbc::kNothing) return;
-  const scheduler::ArcNodes graph = scheduler::ListNodes(situation);
+  const scheduler::Candidates graph = scheduler::EnumerateCandidates(situation);
   const auto shares = cbc->Heaviest(graph.nodes, graph.elements, true, kCbcSeconds);
   row->cbc_relaxation = shares.weight.value_or(kNotKnown);
   row->cbc_relaxation_s = shares.cpu_s;

@@ -13,7 +13,6 @@
 
 #include "base/check.h"
 #include "base/text.h"
-#include "scheduler/policies/external/situation_json.h"
 
 namespace muster::tools {
 
@@ -29,10 +28,6 @@ ConflictGraph::ConflictGraph(scheduler::Situation situation)
     }
   }
   mark_.assign(nodes().size(), -1);
-}
-
-std::string ConflictGraph::NameOf(std::int32_t element) const {
-  return scheduler::NameOfElement(situation_, candidates_, element);
 }
 
 void ConflictGraph::Neighbours(std::int32_t node, std::vector<std::int32_t>* neighbours) const {
@@ -56,7 +51,7 @@ void ConflictGraph::WriteMetis(std::ostream& out, double scale) const {
     if (capacity[e] > 1 && static_cast<std::size_t>(capacity[e]) < at_element_[e].size()) {
       throw InputError(fmt::format(
           "{} has {} free places: conflicts of pairs of nodes cannot say so, use --format mps",
-          NameOf(static_cast<std::int32_t>(e)), capacity[e]));
+          candidates_.NameOf(static_cast<std::int32_t>(e)), capacity[e]));
     }
   }
   std::vector<std::int32_t> neighbours;
@@ -92,20 +87,20 @@ void ConflictGraph::WriteMps(std::ostream& out) const {
            static_cast<std::size_t>(capacity[at]) < at_element_[at].size();
   };
   for (std::int32_t e = 0; e < candidates_.elements.size(); ++e) {
-    if (limited(e)) fmt::print(out, " L {}\n", NameOf(e));
+    if (limited(e)) fmt::print(out, " L {}\n", candidates_.NameOf(e));
   }
   out << "COLUMNS\n M1 'MARKER' 'INTORG'\n";
   for (std::int32_t i = 0; i < n_nodes(); ++i) {
     const Node& node = nodes()[static_cast<std::size_t>(i)];
     fmt::print(out, " n{} minus_weight {}\n", i, -node.weight);
     for (const std::int32_t e : ElementsOf(node, candidates_.elements)) {
-      if (limited(e)) fmt::print(out, " n{} {} 1\n", i, NameOf(e));
+      if (limited(e)) fmt::print(out, " n{} {} 1\n", i, candidates_.NameOf(e));
     }
   }
   out << " M2 'MARKER' 'INTEND'\nRHS\n";
   for (std::int32_t e = 0; e < candidates_.elements.size(); ++e) {
     if (limited(e)) {
-      fmt::print(out, " rhs {} {}\n", NameOf(e), capacity[static_cast<std::size_t>(e)]);
+      fmt::print(out, " rhs {} {}\n", candidates_.NameOf(e), capacity[static_cast<std::size_t>(e)]);
     }
   }
   out << "ENDATA\n";
@@ -118,7 +113,7 @@ void ConflictGraph::WriteJson(std::ostream& out) const {
   for (std::int32_t e = 0; e < candidates_.elements.size(); ++e) {
     const std::int32_t admits = capacity[static_cast<std::size_t>(e)];
     fmt::print(
-        out, "{}\n  {{\"name\": \"{}\", \"admits\": {}}}", e == 0 ? "" : ",", NameOf(e),
+        out, "{}\n  {{\"name\": \"{}\", \"admits\": {}}}", e == 0 ? "" : ",", candidates_.NameOf(e),
         admits == std::numeric_limits<std::int32_t>::max() ? "null" : fmt::to_string(admits));
   }
   out << "],\n \"nodes\": [";
@@ -152,8 +147,8 @@ ConflictGraph::Verdict ConflictGraph::Check(std::span<const std::int32_t> chosen
   for (std::size_t e = 0; e < users.size(); ++e) {
     const auto admits = static_cast<std::size_t>(candidates_.elements.capacity[e]);
     if (users[e].size() <= admits) continue;
-    std::string text =
-        fmt::format("{} admits {}, chosen are", NameOf(static_cast<std::int32_t>(e)), admits);
+    std::string text = fmt::format("{} admits {}, chosen are",
+                                   candidates_.NameOf(static_cast<std::int32_t>(e)), admits);
     for (const std::int32_t i : users[e]) {
       text += fmt::format(
           " {} ({})", i,

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/candidates.h"
 #include "scheduler/situation.h"
+#include "scheduler/solver/candidates.h"
 
 namespace muster::tools {
 
@@ -41,7 +41,6 @@ class ConflictGraph {
 
  private:
   void Neighbours(std::int32_t node, std::vector<std::int32_t>* neighbours) const;
-  std::string NameOf(std::int32_t element) const;
 
   scheduler::Situation situation_;
   scheduler::Candidates candidates_;

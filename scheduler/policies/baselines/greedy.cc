@@ -107,19 +107,14 @@ class Stage {
 };
 
 /// The move to `target`; staying when there is none or the agent is there already.
-Action MoveOf(const AgentState& agent, std::optional<Point> target) {
-  Action action;
-  action.to = target.value_or(agent.to);
-  const bool stays = action.to == agent.to;
-  action.kind = stays ? static_cast<ActionKind>(agent.kind) : ActionKind::kGoTo;
-  if (agent.kind == AgentKind::kUav) action.uav = UavId(agent.id);
-  if (agent.kind == AgentKind::kWorker) action.worker = WorkerId(agent.id);
-  if (agent.kind == AgentKind::kVehicle) action.vehicle = VehicleId(agent.id);
+Action MoveOf(const Site& site, const AgentState& agent, std::optional<Point> target) {
+  Action action = MakeStay(site, agent);
+  if (target && *target != agent.to) {
+    action.kind = ActionKind::kGoTo;
+    action.to = *target;
+  }
   return action;
 }
-static_assert(static_cast<int>(AgentKind::kUav) == static_cast<int>(ActionKind::kUavStays) &&
-              static_cast<int>(AgentKind::kWorker) == static_cast<int>(ActionKind::kWorkerStays) &&
-              static_cast<int>(AgentKind::kVehicle) == static_cast<int>(ActionKind::kVehicleStays));
 
 }  // namespace
 
@@ -138,7 +133,7 @@ Decision GreedyPolicy::Decide(const Situation& situation) {
       std::optional<Point> target;
       if (agent.idle(situation.now_us)) {
         if (!targets.empty()) target = stage.Choose(agent, &cells);
-        actions.push_back(MoveOf(agent, target));
+        actions.push_back(MoveOf(site, agent, target));
       }
       if (bound_for != nullptr && !agent.failed) bound_for->push_back(target.value_or(agent.to));
     }

@@ -27,44 +27,6 @@ double SecondsOf(LineProgram::Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// Row of the agent with that id among the idle ones.
-int RowOf(const std::vector<AgentState>& agents, const std::vector<std::int32_t>& idle,
-          std::int32_t id) {
-  const auto found = std::find_if(idle.begin(), idle.end(), [&](std::int32_t position) {
-    return agents[At(position)].id == id;
-  });
-  return static_cast<int>(found - idle.begin());
-}
-
-/// The paper's weight of an action that the checker has let pass; 0 for a free move, as those of
-/// the other policies.
-double WeightOf(const Action& a, const Situation& s, const Weights& weights) {
-  if (IsStay(a.kind)) return weights.stay;
-  const int u = RowOf(s.uavs, weights.uavs, a.uav.value);
-  const int w = RowOf(s.workers, weights.workers, a.worker.value);
-  const int v = RowOf(s.vehicles, weights.vehicles, a.vehicle.value);
-  const auto& tasks = weights.tasks;
-  const int x =
-      static_cast<int>(std::lower_bound(tasks.begin(), tasks.end(), a.task) - tasks.begin());
-  const int y = a.charge.value;
-  switch (a.kind) {
-    case ActionKind::kUavToTask:
-      return weights.uav_to_task(u, x);
-    case ActionKind::kWorkerToTask:
-      return weights.worker_to_task(w, x);
-    case ActionKind::kUavToCharge:
-      return weights.uav_to_charge(u, y);
-    case ActionKind::kVehicleToCharge:
-      return weights.vehicle_to_charge(v, y);
-    case ActionKind::kSense:
-      return weights.Sense(u, x, w);
-    case ActionKind::kCharge:
-      return weights.Charge(u, y, v);
-    default:
-      return 0;
-  }
-}
-
 /// The answer as a decision; none, and why, when it breaks a rule.
 std::optional<Decision> DecisionOf(const Answer& answer, const Situation& situation,
                                    const std::optional<Candidates>& candidates,
@@ -85,9 +47,9 @@ std::optional<Decision> DecisionOf(const Answer& answer, const Situation& situat
     return {};
   }
   if (!answer.by_node) {
-    const Weights own = candidates ? Weights() : ComputeWeights(situation);
-    const Weights& weights = candidates ? candidates->weights : own;
-    for (Action& action : actions) action.weight = WeightOf(action, situation, weights);
+    // A free move weighs nothing, as those of the other policies.
+    const ActionWeights weights(situation);
+    for (Action& action : actions) action.weight = weights.Of(action).value_or(0);
   }
   return MakeDecision(std::move(actions),
                       candidates ? static_cast<std::int64_t>(candidates->nodes.size()) : 0);

@@ -1,7 +1,5 @@
 #include "scheduler/policies/external/situation_json.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -168,7 +166,7 @@ void AddGraph(const Situation& situation, const Candidates& candidates, const Gr
   for (std::int32_t e = 0; e < candidates.elements.size(); ++e) {
     const std::int32_t admits = candidates.elements.capacity[At(e)];
     elements.push_back(
-        {{"name", NameOfElement(situation, candidates, e)},
+        {{"name", candidates.NameOf(e)},
          {"admits", admits == std::numeric_limits<std::int32_t>::max() ? Json() : Json(admits)}});
   }
   for (const Node& node : candidates.nodes) {
@@ -177,24 +175,6 @@ void AddGraph(const Situation& situation, const Candidates& candidates, const Gr
   (*json)["elements"] = std::move(elements);
   (*json)["nodes"] = std::move(nodes);
   if (wishes.edges) (*json)["edges"] = Edges(candidates);
-}
-
-std::string NameOfElement(const Situation& situation, const Candidates& candidates,
-                          std::int32_t element) {
-  const Elements& e = candidates.elements;
-  const Weights& w = candidates.weights;
-  if (element < e.worker(0)) {
-    return fmt::format("uav:{}", situation.uavs[At(w.uavs[At(element)])].id);
-  }
-  if (element < e.vehicle(0)) {
-    return fmt::format("worker:{}", situation.workers[At(w.workers[At(element - e.worker(0))])].id);
-  }
-  if (element < e.task(0)) {
-    return fmt::format("vehicle:{}",
-                       situation.vehicles[At(w.vehicles[At(element - e.vehicle(0))])].id);
-  }
-  if (element < e.charge(0)) return fmt::format("task:{}", w.tasks[At(element - e.task(0))].value);
-  return fmt::format("charge:{}", element - e.charge(0));
 }
 
 }  // namespace muster::scheduler

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/candidates.h"
 #include "scheduler/situation.h"
+#include "scheduler/solver/candidates.h"
 
 namespace muster::scheduler {
 
@@ -24,9 +24,5 @@ void AddGraph(const Situation& situation, const Candidates& candidates, const Gr
 /// Larger graphs are not written out: `nodes` (`edges`) is null then.
 inline constexpr std::size_t kMostNodes = 200'000;
 inline constexpr std::size_t kMostEdges = 1'000'000;
-
-/// "uav:3", "task:17": who or what an element of the conflict graph is.
-std::string NameOfElement(const Situation& situation, const Candidates& candidates,
-                          std::int32_t element);
 
 }  // namespace muster::scheduler

@@ -7,6 +7,7 @@
 
 #include "base/index.h"
 #include "model/feasibility.h"
+#include "scheduler/policy.h"
 #include "scheduler/weights.h"
 
 namespace muster::scheduler::learned {
@@ -270,25 +271,17 @@ class Resolver {
     return option.kind == PlaceOption::Kind::kTask ? s_.site->tasks[At(option.site)].at
                                                    : s_.site->charging_points[At(option.site)].at;
   }
-  static void SetAgent(AgentKind kind, std::int32_t id, Action* action) {
-    if (kind == AgentKind::kUav) action->uav = UavId(id);
-    if (kind == AgentKind::kWorker) action->worker = WorkerId(id);
-    if (kind == AgentKind::kVehicle) action->vehicle = VehicleId(id);
-  }
-
   void Pair(std::size_t u, const PlaceOption& option, AgentKind partner_kind) {
     const bool senses = option.kind == PlaceOption::Kind::kTask;
     if (senses ? taken_[At(option.site)] != 0 : free_[At(option.site)] <= 0) return;
     for (std::size_t p = 0; p < seen_.agents[partner_kind].size(); ++p) {
       const PlaceOption& its = Chosen(partner_kind, p);
       if (paired_[partner_kind][p] || its.kind != option.kind || its.site != option.site) continue;
-      Action action;
-      action.kind = senses ? ActionKind::kSense : ActionKind::kCharge;
-      action.to = PlaceOf(option);
-      (senses ? action.task.value : action.charge.value) = option.site;
-      SetAgent(AgentKind::kUav, seen_.agents.uavs[u].id, &action);
-      SetAgent(partner_kind, seen_.agents[partner_kind][p].id, &action);
-      if (!MayPair(StateOf(AgentKind::kUav, u), StateOf(partner_kind, p), action)) continue;
+      const AgentState &uav = StateOf(AgentKind::kUav, u), &partner = StateOf(partner_kind, p);
+      const Action action =
+          MakeAction(*s_.site, &uav, &partner, senses ? TaskId(option.site) : TaskId(),
+                     senses ? ChargeId() : ChargeId(option.site));
+      if (!MayPair(uav, partner, action)) continue;
       actions_.push_back(action);
       paired_.uavs[u] = paired_[partner_kind][p] = 1;
       senses ? void(taken_[At(option.site)] = 1) : void(--free_[At(option.site)]);
@@ -310,10 +303,7 @@ class Resolver {
   void Go(AgentKind kind, std::size_t i) {
     const PlaceOption& option = Chosen(kind, i);
     const AgentState& agent = StateOf(kind, i);
-    Action action;
-    SetAgent(kind, agent.id, &action);
-    action.to = agent.to;
-    action.kind = static_cast<ActionKind>(agent.kind);
+    Action action = MakeStay(*s_.site, agent);
     const TimeUs longest = std::min(rules_.interval_us, Left(agent));
     if (option.kind != PlaceOption::Kind::kStay && longest > 1) {
       const Point place = PlaceOf(option);
@@ -342,9 +332,6 @@ class Resolver {
   std::vector<char> taken_;
   std::vector<Action> actions_;
 };
-static_assert(static_cast<int>(AgentKind::kUav) == static_cast<int>(ActionKind::kUavStays) &&
-              static_cast<int>(AgentKind::kWorker) == static_cast<int>(ActionKind::kWorkerStays) &&
-              static_cast<int>(AgentKind::kVehicle) == static_cast<int>(ActionKind::kVehicleStays));
 
 }  // namespace
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "scheduler/candidates.h"
+#include "scheduler/nodes.h"
 #include "scheduler/policies/paper/ils.h"
 #include "scheduler/solution.h"
 

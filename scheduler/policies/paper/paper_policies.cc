@@ -4,12 +4,12 @@
 
 #include "scheduler/policies/paper/ils.h"
 #include "scheduler/policies/paper/mpq.h"
-#include "scheduler/solver/nodes.h"
+#include "scheduler/solver/candidates.h"
 
 namespace muster::scheduler {
 namespace {
 
-Decision DecisionOf(const Situation& situation, const ArcNodes& candidates,
+Decision DecisionOf(const Situation& situation, const Candidates& candidates,
                     const Solution& solution) {
   std::vector<Action> actions;
   for (const NodeId node : solution.nodes()) {
@@ -22,7 +22,7 @@ Decision DecisionOf(const Situation& situation, const ArcNodes& candidates,
 }  // namespace
 
 Decision IlsPolicy::Decide(const Situation& situation) {
-  const ArcNodes candidates = ListNodes(situation);
+  const Candidates candidates = EnumerateCandidates(situation);
   paper::WorkingGraph graph(candidates.elements, candidates.nodes);
   graph.AddAll();
   const Solution solution =
@@ -34,7 +34,7 @@ Decision IlsPolicy::Decide(const Situation& situation) {
 }
 
 Decision MpqPolicy::Decide(const Situation& situation) {
-  const ArcNodes candidates = ListNodes(situation, foundation_);
+  const Candidates candidates = EnumerateCandidates(situation, foundation_);
   const Solution solution =
       paper::MultiPriorityQueues(candidates.elements, candidates.nodes, situation.site->seed,
                                  situation.decision, max_iterations_);

@@ -8,11 +8,10 @@
 #include <tuple>
 
 #include "model/place_index.h"
-#include "scheduler/candidates.h"
 #include "scheduler/solver/actions.h"
 #include "scheduler/solver/levels.h"
-#include "scheduler/solver/nodes.h"
 #include "tests/model/manhattan_ways.h"
+#include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -78,11 +77,8 @@ TEST(BuildInstance, HasTheNodesAndWeightsOfTheExplicitGraph) {
     if (seed % 2 == 1) bent.emplace();
     const Situation situation = RandomSituation(seed, {5, 6, 4, 8, 4, 16, seed % 4 == 3}, rules);
     std::map<Key, double> expected;
-    const Candidates candidates = EnumerateCandidates(situation);
-    for (const Node& node : candidates.nodes) {
-      const Action action = candidates.ToAction(situation, node);
-      expected[KeyOf(action)] = action.weight;
-    }
+    const testing::ReferenceGraph reference(situation);
+    for (const Action& action : reference.nodes()) expected[KeyOf(action)] = action.weight;
     const BuiltInstance built = BuildInstance(situation);
     const std::map<Key, double> found = NodesOf(built, situation);
     ASSERT_EQ(found.size(), expected.size());
@@ -95,29 +91,6 @@ TEST(BuildInstance, HasTheNodesAndWeightsOfTheExplicitGraph) {
     total += expected.size();
   }
   EXPECT_GT(total, 5000u);
-}
-
-TEST(ListNodes, IsTheExplicitGraphInTheOrderOfAlgorithm1) {
-  std::size_t total = 0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    Rules rules;
-    if (seed % 3 == 1) rules.availability = Availability::kOverrun;
-    const Situation situation = RandomSituation(seed, {5, 6, 4, 8, 4, 16, seed % 4 == 3}, rules);
-    const Foundation foundation = seed % 2 == 0 ? Foundation::kHierarchical : Foundation::kUniform;
-    const Candidates expected = EnumerateCandidates(situation, foundation);
-    const ArcNodes found = ListNodes(situation, foundation);
-    ASSERT_EQ(found.nodes.size(), expected.nodes.size());
-    for (std::size_t i = 0; i < found.nodes.size(); ++i) {
-      const Action a = found.ToAction(situation, found.nodes[i]);
-      const Action b = expected.ToAction(situation, expected.nodes[i]);
-      ASSERT_EQ(KeyOf(a), KeyOf(b)) << i;
-      ASSERT_EQ(a.to, b.to);
-      ASSERT_NEAR(a.weight, b.weight, 1e-9);
-    }
-    total += found.nodes.size();
-  }
-  EXPECT_GT(total, 3000u);
 }
 
 TEST(PlaceIndex, NearestIsThatOfAPlainScan) {
@@ -143,6 +116,15 @@ TEST(PlaceIndex, NearestIsThatOfAPlainScan) {
       ASSERT_EQ(within, expected);
     }
   }
+}
+
+TEST(LevelOf, RoundsUpOnWholeMicroseconds) {
+  // 6000 m at 10 m/s are exactly one interval of 600 s; 1 mm more are 100 us more: two.
+  const LevelOf level(10, Rules());
+  const std::pair<double, int> cases[] = {{0, 1}, {1, 1}, {6000, 1}, {6000.001, 2}, {12000, 2}};
+  for (const auto& [distance_m, intervals] : cases) EXPECT_EQ(level(distance_m), intervals);
+  // 4 um more are 0.4 us, rounded away.
+  EXPECT_EQ(level(6000.000004), 1);
 }
 
 TEST(LevelOf, IsTheDefinitionAtAnyDistance) {

@@ -15,27 +15,6 @@ namespace {
 
 constexpr std::size_t kAlwaysExact = std::numeric_limits<std::size_t>::max();
 
-TEST(PlaceSums, IsTheSoftmaxMeanWrittenOut) {
-  const Rules rules;
-  const LevelOf level(10, rules);  // 6 km an interval
-  const std::vector<Point> places = {{0, 0}, {7e3, 0}, {0, 13e3}};
-  const std::vector<double> values = {2, 5, 11};
-  const double expected = (2 * std::exp(-1) + 5 * std::exp(-2) + 11 * std::exp(-3)) /
-                          (std::exp(-1) + std::exp(-2) + std::exp(-3));
-  Queries from({{0, 0}, {0, 1e8}});
-  const std::vector<double> means = PlaceSums(places, values, {}).SoftmaxMeans(&from, level);
-  EXPECT_NEAR(means[0], expected, 1e-12);
-  // All very far away: the nearest decide.
-  EXPECT_NEAR(means[1], 11, 2);
-  EXPECT_EQ(PlaceSums({}, {}, {}).SoftmaxMeans(&from, level)[0], 0);
-}
-
-TEST(LevelSums, CountsEveryAgentsIntervals) {
-  const LevelOf level(10, Rules{});
-  Queries to({{0, 0}});
-  EXPECT_EQ(LevelSums(std::vector<Point>{{0, 0}, {6e3, 0}, {6001, 0}}, level, {}).Sums(&to)[0], 4);
-}
-
 /// Every weight of a decision, against the weight of staying (moves that hardly gain weigh next to
 /// nothing and do not compete), on 8 times Random_29's size, spread evenly or in towns.
 void ExpectWeightsWithinTolerance(bool towns) {

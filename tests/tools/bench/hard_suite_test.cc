@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "scheduler/solver/nodes.h"
+#include "scheduler/solver/candidates.h"
 #include "tools/bench/general_solver.h"
 #include "tools/bench/suites.h"
 
@@ -45,8 +45,8 @@ TEST(HardSuite, EachFamilysSettingsAreValidAndItsOwn) {
 TEST(GeneralSolver, ItsOptimumAndRelaxationBoundEachOther) {
   const auto cbc = GeneralSolver::Load();
   if (cbc == nullptr) GTEST_SKIP() << "COIN-OR CBC is not installed";
-  const scheduler::ArcNodes graph =
-      scheduler::ListNodes(MidMission(Scaled(PresetByName("Random_1"), 0.3), 1));
+  const scheduler::Candidates graph =
+      scheduler::EnumerateCandidates(MidMission(Scaled(PresetByName("Random_1"), 0.3), 1));
   const auto whole = cbc->Heaviest(graph.nodes, graph.elements, false, 20);
   const auto shares = cbc->Heaviest(graph.nodes, graph.elements, true, 20);
   ASSERT_TRUE(whole.weight && shares.weight);

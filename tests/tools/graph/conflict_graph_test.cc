@@ -51,10 +51,10 @@ TEST(ConflictGraph, MetisHasTheConflictsOfTheReference) {
     file >> n >> m >> form;
     ASSERT_EQ(form, 10);
     ASSERT_EQ(n, graph.nodes().size());
-    const scheduler::Weights weights = scheduler::ComputeWeights(situation);
+    const scheduler::Candidates candidates = scheduler::EnumerateCandidates(situation);
     std::vector<Action> actions;
     for (const scheduler::Node& node : graph.nodes()) {
-      actions.push_back(scheduler::ToAction(situation, weights, node));
+      actions.push_back(candidates.ToAction(situation, node));
     }
     const scheduler::testing::ReferenceGraph reference(situation);
     std::string line;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "scheduler/candidates.h"
+#include "scheduler/nodes.h"
 
 namespace muster::scheduler::paper::testing {
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "scheduler/policies/paper/mpq.h"
+#include "scheduler/solver/candidates.h"
 #include "tests/scheduler/policies/paper/hand_graph.h"
 #include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "scheduler/solver/candidates.h"
 #include "tests/scheduler/policies/paper/hand_graph.h"
 #include "tests/scheduler/situation_builder.h"
 

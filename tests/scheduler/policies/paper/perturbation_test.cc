@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scheduler/policies/paper/ils.h"
+#include "scheduler/solver/candidates.h"
 #include "tests/scheduler/policies/paper/hand_graph.h"
 #include "tests/scheduler/situation_builder.h"
 

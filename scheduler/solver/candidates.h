@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/per_kind.h"
+#include "scheduler/nodes.h"
+#include "scheduler/solver/build.h"
+#include "scheduler/weights.h"
+
+namespace muster::scheduler {
+
+/// All feasible nodes of a situation, read from the arcs, in the order in which Algorithm 1 makes
+/// them: per UAV its stay, its tasks (the move, then the pairs), its charging points (likewise);
+/// per worker and per vehicle its stay and its moves. The edges are never stored: Solution finds
+/// conflicts from the elements. Source: Alg. 1 (WUGCA) without the edges.
+struct Candidates {
+  BuiltInstance built;
+  Elements elements;
+  std::vector<Node> nodes;
+
+  /// The UAV and the partner of a node that has one.
+  const AgentState& UavOf(const Node& node) const;
+  const AgentState& PartnerOf(const Node& node) const;
+  Action ToAction(const Situation& situation, const Node& node) const;
+  /// "uav:3", "task:17": who or what an element of the conflict graph is.
+  std::string NameOf(std::int32_t element) const;
+};
+
+/// 24 bytes and O(1) a node.
+Candidates EnumerateCandidates(const Situation& situation,
+                               Foundation foundation = Foundation::kHierarchical);
+
+/// Arcs of one side by agent, each agent's ascending by site.
+struct ArcsByAgent {
+  std::vector<std::int32_t> begin;                              ///< [n_agents + 1] of site_arc
+  std::vector<std::pair<std::int32_t, std::int32_t>> site_arc;  ///< site, index of the arc
+
+  /// The agent's arc to the site; -1: none.
+  std::int32_t Find(std::int32_t agent, std::int32_t site) const;
+};
+
+/// The paper's weights of single actions, for who asks about a few and needs no list of all pairs.
+class ActionWeights {
+ public:
+  explicit ActionWeights(const Situation& situation);
+
+  /// None for a free move and for what is no candidate. O(log n).
+  std::optional<double> Of(const Action& action) const;
+
+ private:
+  BuiltInstance built_;
+  ArcsByAgent of_uav_, of_partner_;
+  PerKind<std::vector<std::int32_t>> agent_of_id_;  ///< by id; -1: not idle
+  std::vector<std::int32_t> site_of_task_;          ///< by id; -1: not open
+};
+
+}  // namespace muster::scheduler
