@@ -8,7 +8,6 @@
 
 #include "model/action.h"
 #include "scheduler/explain/deciding.h"
-#include "scheduler/explain/exact.h"
 #include "scheduler/explain/look.h"
 
 namespace muster::scheduler {
@@ -21,9 +20,26 @@ enum class Terms {
 /// "paper", "horizon"
 std::string_view ToString(Terms terms);
 
+/// A pair that a decision must hold: at that place, or with that agent, or both.
+struct Demand {
+  TaskId task;      ///< invalid: any place
+  ChargeId charge;  ///< invalid: any place; only with an agent
+  std::optional<AgentKind> agent_kind;
+  std::int32_t agent = -1;
+};
+
+/// A heaviest decision under the paper's weights, or a heaviest matching of horizon.
+struct Optimum {
+  double weight = 0;
+  double bound = 0;             ///< proven: none weighs more; at least weight
+  std::vector<Action> actions;  ///< paper: stays included; horizon: none
+  /// Whether nothing but rounding lies between them.
+  bool proven() const { return bound - weight <= 1e-6; }
+};
+
 /// What forcing something into a decision, or a matching, changes about the highest weight.
 struct Forcing {
-  Optimum with;        ///< the best decision with it; in horizon's terms without actions
+  Optimum with;        ///< the best decision with it
   double cost = 0;     ///< highest weight without less with it, at least 0
   bool exact = false;  ///< both are proven; else the cost is between cost_low and cost_high
   double cost_low = 0, cost_high = 0;
@@ -52,7 +68,7 @@ struct Option {
 /// How a decision stands towards its optimum.
 struct DecisionQuality {
   double weight = 0;  ///< paper: of what was commanded, stays included
-  Optimum best;       ///< horizon: of the matching, without actions
+  Optimum best;
   /// Whether the commanded weights are not the paper's: a policy may have weights of its own, or
   /// none.
   bool own_weights = false;
@@ -122,7 +138,7 @@ struct AgentAnswer {
 /// Null: the agent is neither online nor under way.
 const AgentState* FindAgent(const Situation& situation, AgentKind kind, std::int32_t id);
 
-/// Who senses a task that is reserved or being sensed; start_us kNever: not known yet.
+/// The pair that senses a task, or is on its way to it; start_us kNever: not known yet.
 std::optional<Activity> UnderWayAt(const Situation& situation, TaskId task);
 
 /// The terms of one decision: what pairs weigh, and what the best decision with or without a demand
@@ -171,11 +187,11 @@ class Explainer {
       : score_(std::move(score)), plans_(score_->plans()) {}
   const Situation& situation() const { return score_->look().situation(); }
   bool by_paper() const { return score_->terms() == Terms::kPaper; }
-  /// False: the answer is whole.
+  /// Whether more is to be told: why the task has no pair now.
   bool TellPlan(TaskId task, TaskAnswer* answer) const;
   std::vector<Action> HoldersOf(TaskId task) const;
   Option MakeOption(const PlaceLook& look, const PairLook& pair) const;
-  /// The places of an agent that it was not sent to and has a pair at, heaviest first.
+  /// Adds the places that an agent was not sent to and has a pair at, heaviest first.
   void AddOptions(AgentKind kind, std::int32_t id, const std::vector<PlaceLook>& places,
                   AgentAnswer* answer) const;
 

@@ -18,7 +18,7 @@ bool SamePair(const PairPlan& pair, UavId uav, std::int32_t partner) {
   return uav == pair.uav && partner == pair.partner;
 }
 
-/// What one later decision says of the pair; true when that settles it.
+/// One later decision, and what it says of the pair.
 class Page {
  public:
   Page(const PairPlan& pair, std::int32_t planned_at, const Scenario& scenario,

@@ -298,7 +298,7 @@ HorizonLook::Untimed HorizonLook::Build(const PlaceLook& look, std::int32_t uav,
   return untimed;
 }
 
-/// What keeps the others from it: whose range, whose time.
+/// Why the other pairs are impossible: range, or time.
 void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
   std::optional<Untimed> task;
   std::optional<Untimed>& untimed = look->charging ? charges_ : task;

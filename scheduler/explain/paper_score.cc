@@ -3,9 +3,28 @@
 #include <utility>
 
 #include "scheduler/explain/explain.h"
+#include "scheduler/explain/forced.h"
+#include "scheduler/solver/actions.h"
+#include "scheduler/solver/build.h"
+#include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
 namespace {
+
+/// Index of the agent of that kind and id, or -1.
+std::int32_t IndexOf(const std::vector<const AgentState*>& agents, AgentKind kind,
+                     std::int32_t id) {
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    if (agents[i]->kind == kind && agents[i]->id == id) return static_cast<std::int32_t>(i);
+  }
+  return -1;
+}
+
+template <class Id>
+std::int32_t IndexOf(const std::vector<Id>& ids, Id id) {
+  const auto found = std::find(ids.begin(), ids.end(), id);
+  return found == ids.end() ? -1 : static_cast<std::int32_t>(found - ids.begin());
+}
 
 bool Senses(const std::vector<Action>& actions, TaskId task) {
   return std::any_of(actions.begin(), actions.end(), [task](const Action& a) {
@@ -17,7 +36,10 @@ bool Senses(const std::vector<Action>& actions, TaskId task) {
 class ByPaper : public Score {
  public:
   ByPaper(const Situation& situation, std::vector<Action> commanded)
-      : commanded_(std::move(commanded)), look_(situation), exact_(situation) {}
+      : commanded_(std::move(commanded)), look_(situation), built_(BuildInstance(situation)) {
+    const SolverResult solved = Solve(built_.instance);
+    best_ = OptimumOf(solved.assignment, solved.assignment.weight, solved.bound);
+  }
 
   Terms terms() const override { return Terms::kPaper; }
   const Look& look() const override { return look_; }
@@ -42,9 +64,11 @@ class ByPaper : public Score {
   }
 
   std::optional<Forcing> Force(const Demand& demand) const override {
-    auto with = exact_.Forced(demand);
-    if (!with) return {};
-    Forcing forcing = ForcingOf(exact_.best(), std::move(*with));
+    const auto pair = InInstance(demand);
+    const auto forced = pair ? SolveWith(built_.instance, *pair) : std::nullopt;
+    if (!forced) return {};
+    Forcing forcing =
+        ForcingOf(best_, OptimumOf(forced->assignment, forced->weight, forced->bound));
     for (const Action& action : forcing.with.actions) {
       if (!IsPair(action.kind)) continue;
       const bool meets =
@@ -53,7 +77,7 @@ class ByPaper : public Score {
           (!demand.agent_kind || MemberOf(action, *demand.agent_kind) == demand.agent);
       if (meets) forcing.pair = action;
     }
-    for (const Action& action : exact_.best().actions) {
+    for (const Action& action : best_.actions) {
       if (action.kind == ActionKind::kSense && !Senses(forcing.with.actions, action.task)) {
         forcing.displaced.push_back(action.task);
       }
@@ -66,7 +90,7 @@ class ByPaper : public Score {
     constexpr double kSame = 1e-6;  // weights closer than this are equal
     const Situation& situation = look_.situation();
     DecisionQuality quality;
-    quality.best = exact_.best();
+    quality.best = best_;
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentState& agent : situation.agents(kind)) {
         if (!agent.idle(situation.now_us)) continue;
@@ -82,9 +106,34 @@ class ByPaper : public Score {
   }
 
  private:
+  Optimum OptimumOf(const Assignment& assignment, double weight, double bound) const {
+    return {weight, std::max(bound, weight), ActionsOf(built_, assignment, look_.situation())};
+  }
+
+  /// None: no action of the instance can meet it.
+  std::optional<PairDemand> InInstance(const Demand& demand) const {
+    PairDemand pair;
+    if (demand.task.valid()) {
+      pair.site = IndexOf(built_.tasks, demand.task);
+      if (pair.site < 0) return {};
+    } else if (demand.charge.valid()) {
+      pair.site = IndexOf(built_.charges, demand.charge);
+      if (pair.site < 0) return {};
+      pair.site += built_.n_tasks();
+    }
+    if (demand.agent_kind) {
+      const bool is_uav = *demand.agent_kind == AgentKind::kUav;
+      std::int32_t& index = is_uav ? pair.uav : pair.partner;
+      index = IndexOf(is_uav ? built_.uavs : built_.partners, *demand.agent_kind, demand.agent);
+      if (index < 0) return {};
+    }
+    return pair;
+  }
+
   std::vector<Action> commanded_;
   PaperLook look_;
-  ExactDecisions exact_;
+  BuiltInstance built_;
+  Optimum best_;
 };
 
 }  // namespace

@@ -96,7 +96,7 @@ std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log
     world = world || packet.channel == channel::kWorld;
     if (packet.channel == channel::kRulings) {
       rulings = true;
-      // Who is ruled to have failed may say nothing.
+      // An agent that is ruled to have failed may be silent.
       const auto list = DecodeValid<rulings_t>(packet.bytes);
       for (const ruling_t& r : list->rulings) {
         if (r.kind == RulingKind::kReleased) continue;

@@ -16,7 +16,7 @@
 namespace muster::tools {
 namespace {
 
-constexpr TimeUs kQuietUs = 2 * kSecondUs;  ///< progress is shown to who has waited for longer
+constexpr TimeUs kQuietUs = 2 * kSecondUs;  ///< progress is shown only after that long
 constexpr std::int64_t kMostId = std::numeric_limits<std::int32_t>::max();
 
 std::pair<AgentKind, std::int32_t> ParseAgent(const std::string& text) {

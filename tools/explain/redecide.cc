@@ -119,7 +119,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
     if (name.empty() && !logged.schedules.empty()) name = logged.schedules.front().policy;
     if (name.empty()) continue;  // nothing to say how, nothing to compare with
     if (policy.empty() && scheduler::IsExternal(name)) {
-      // Whoever wrote the log named that program: nothing of a log is run.
+      // Anybody may have written the log, so no program that it names is started.
       throw InputError("options", "--policy",
                        fmt::format("none, and the log's is {}", Printable(name)),
                        "the policy, said by you, as it is a program");

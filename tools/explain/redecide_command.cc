@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kListed = 10;
-constexpr TimeUs kShowAfterUs = 2 * kSecondUs;  ///< progress is shown to who has waited for longer
+constexpr TimeUs kShowAfterUs = 2 * kSecondUs;  ///< progress is shown only after that long
 
 std::string Number(double value) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.3f}", value);

@@ -80,7 +80,7 @@ struct Question {
   std::function<bool(const event_t&)> concerns;  ///< whether an event belongs to the story
 };
 
-/// The planned pairs of an answer, those aside that were commanded.
+/// The planned pairs of an answer that were not commanded.
 std::vector<scheduler::PairPlan> PlannedIn(const scheduler::TaskAnswer& answer) {
   if (!answer.plan) return {};
   return {*answer.plan};
@@ -96,8 +96,7 @@ std::vector<scheduler::PairPlan> PlannedIn(const scheduler::AgentAnswer& answer)
   return planned;
 }
 
-/// Tells one or several stories, decision by decision: what it takes to look at a decision is spent
-/// once for all of them.
+/// Tells one or several stories. Each decision is looked at once for all of them.
 template <class Answer>
 class Teller {
  public:

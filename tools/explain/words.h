@@ -32,7 +32,7 @@ std::string Until(TimeUs t);
 /// "1 pair", "2 pairs"
 std::string Plural(int n, const char* what);
 
-/// " (free at 0:50:00)"; empty for who is idle.
+/// " (free at 0:50:00)"; empty for an idle agent.
 std::string FreeWords(const std::optional<TimeUs>& free_us);
 
 /// "worker:7", "vehicle:7"

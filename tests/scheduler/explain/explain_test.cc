@@ -84,7 +84,7 @@ std::vector<DemandKey> MetBy(const Action& pair) {
   return keys;
 }
 
-TEST(ExactDecisions, ForcedWeightsAreThoseOfAllDecisions) {
+TEST(PaperScore, ForcedWeightsAreThoseOfAllDecisions) {
   int forced = 0, costly = 0, impossible = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -107,23 +107,24 @@ TEST(ExactDecisions, ForcedWeightsAreThoseOfAllDecisions) {
         }
       }
     });
-    const ExactDecisions exact(situation);
-    ASSERT_NEAR(exact.best().weight, best, 1e-6);
-    ASSERT_TRUE(exact.best().proven());
+    const auto score = PaperScore(situation, {});
+    ASSERT_NEAR(score->Quality().best.weight, best, 1e-6);
+    ASSERT_TRUE(score->Quality().best.proven());
     const auto check = [&](const DemandKey& key) {
       Demand demand;
       std::tie(demand.task.value, demand.charge.value, demand.agent_kind, demand.agent) = key;
-      const auto with = exact.Forced(demand);
+      const auto forcing = score->Force(demand);
       const auto expected = best_with.find(key);
-      ASSERT_EQ(with.has_value(), expected != best_with.end());
-      if (!with) {
+      ASSERT_EQ(forcing.has_value(), expected != best_with.end());
+      if (!forcing) {
         ++impossible;
         return;
       }
       ++forced;
       costly += best - expected->second > 0.1 ? 1 : 0;
-      ASSERT_NEAR(with->weight, expected->second, 1e-6);
-      ASSERT_TRUE(with->proven());
+      ASSERT_NEAR(forcing->with.weight, expected->second, 1e-6);
+      ASSERT_NEAR(forcing->cost, best - expected->second, 1e-6);
+      ASSERT_TRUE(forcing->exact);
     };
     for (int x = 0; x < 3; ++x) {
       check({x, -1, {}, -1});
