@@ -1,11 +1,11 @@
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
-import { FAILED, WAITING, decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
-import { CANCELLED, DONE, EXPIRED, HELD, OPEN, PRIORITIES, RESERVED, UNREPORTED, spanAt, taskNow, undoneTasks } from "./story.js";
+import { decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { PRIORITIES, spanAt, taskNow, undoneTasks } from "./story.js";
 import { clockText } from "./time.js";
+import { CANCELLED, CHARGING, DONE, EXPIRED, FAILED, HELD, OFFLINE, OPEN, RESERVED, UAV, UNREPORTED, WAITING } from "./words.js";
 
-const CHARGING = 5;
 const SHOWN = 4; // of each kind
 const LONG_WAIT_MS = 5 * 60000;
 const LOW_RANGE = 0.2;
@@ -101,7 +101,7 @@ function agentsInTrouble(run, t) {
     } else if (status === WAITING) {
       const { since } = spanAt(run, agent, t);
       if (t - since >= LONG_WAIT_MS) found.push({ kind: "wait", item, harm: t - since, text: agent.label, note: `for ${minutes(t - since)}` });
-    } else if (agent.kind === 0 && status !== 0 && status !== CHARGING) {
+    } else if (agent.kind === UAV && status !== OFFLINE && status !== CHARGING) {
       lowRange(run, agent, t, found);
     }
   }

@@ -4,9 +4,10 @@ import { byId, element, isolated, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
 import { reasonAt, storyOf } from "./reasons.js";
-import { FAILED, OFFLINE, decisionAt, placeAt } from "./run.js";
-import { DONE, OPEN, PRIORITIES, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
+import { decisionAt, placeAt } from "./run.js";
+import { PRIORITIES, activities, agentNext, agentNow, arrivalAt, commandWords, commandsByTask, commandsOf, taskNow } from "./story.js";
 import { clockText, localWords, timeText } from "./time.js";
+import { DONE, FAILED, MOVING, OFFLINE, OPEN, UAV } from "./words.js";
 
 const km = (m) => `${number(m / 1000, 1)} km`;
 const way = (m) => (m < 1000 ? `${number(m)} m` : km(m));
@@ -115,7 +116,7 @@ export class Card {
     if (selected.type === "agent") return this.#agentNow(run, run.agents[selected.index], t);
     if (selected.type === "task") return this.#taskNow(run, run.tasks[selected.id], t);
     const point = run.charging[selected.id];
-    const there = run.agents.filter((agent) => agent.kind === 0).filter((agent) => {
+    const there = run.agents.filter((agent) => agent.kind === UAV).filter((agent) => {
       const { activity } = agentNow(run, agent, t);
       return activity?.charging && activity.site === point.id && activity.start <= t;
     });
@@ -129,7 +130,7 @@ export class Card {
     const { activity, site, arrival } = now;
     const status = run.words.statuses[now.status];
     const facts = [];
-    const doing = site ? ` ${now.status === 2 ? "to" : "at"} ${siteName(site)}` : now.to && now.status === 2 ? ` to ${placeWords(run, now.to)}` : "";
+    const doing = site ? ` ${now.status === MOVING ? "to" : "at"} ${siteName(site)}` : now.to && now.status === MOVING ? ` to ${placeWords(run, now.to)}` : "";
     facts.push(["now", `${status}${doing}, since ${timeText(run, now.since)}`]);
     if (now.partner) facts.push(["with", now.partner]);
     if (arrival) facts.push(["arrives", `${arrival.known ? "" : "about "}${timeText(run, arrival.t)}, ${within(arrival.t - t)}, ${way(arrival.left)} left`]);
@@ -142,9 +143,9 @@ export class Card {
     if (next?.command) facts.push(["next", `${commandWords(next.command)} (decision ${next.command.decision.index}, ${clockText(next.command.decision.t)})`]);
     else if (next) facts.push(["next", `${next.activity.charging ? "charging" : "sensing"} at ${siteName(next.activity)}, ${timeText(run, next.activity.start)}`]);
     const place = now.status === OFFLINE ? null : placeAt(agent, t);
-    if (place && agent.kind === 0) facts.push(["range", `${km(place.range)} of ${km(agent.fullRange)} (${number((100 * place.range) / agent.fullRange)} %)`]);
+    if (place && agent.kind === UAV) facts.push(["range", `${km(place.range)} of ${km(agent.fullRange)} (${number((100 * place.range) / agent.fullRange)} %)`]);
     if (place) facts.push(["place", placeWords(run, place)]);
-    const range = place && agent.kind === 0 ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
+    const range = place && agent.kind === UAV ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
     return { title: agent.label, state: `${status}${doing}${range}`, facts };
   }
 
@@ -178,7 +179,7 @@ export class Card {
     const { byAgent, byTask } = activities(run);
     const history = (agent ? byAgent.get(agent.index) : byTask.get(selected.id)) ?? [];
     return [
-      agent?.kind === 0 ? rangeCurve(run, agent) : null,
+      agent?.kind === UAV ? rangeCurve(run, agent) : null,
       this.#list("What was decided", commands.map((c) => [c.decision.t, `decision ${c.decision.index}`, `${commandWords(c)} (${number(c.weight, 3)})`]), "No decision sent anybody."),
       this.#list("History", history.map((a) => [a.start, a.charging ? "charging" : "sensing",
         `${siteName(a)}, uav:${a.uav} and ${a.charging ? "vehicle" : "worker"}:${a.partner}, until ${clockText(a.aborted ?? a.end)}${a.aborted === null ? "" : ", broken off"}`]), "Nothing was begun."),

@@ -2,9 +2,9 @@ import { byId, element } from "./dom.js";
 import { isWater } from "./coast.js";
 import { OrderForm } from "./order_form.js";
 import { Orders, orderEffect, orderWords, ordersOf, tokenOf } from "./orders.js";
-import { FAILED, statusAt, taskStatusAt } from "./run.js";
-import { CANCELLED, DONE, EXPIRED } from "./story.js";
+import { statusAt, taskStatusAt } from "./run.js";
 import { clockText } from "./time.js";
+import { CANCELLED, DONE, EXPIRED, FAILED } from "./words.js";
 
 const KEPT = "muster-token";
 const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };

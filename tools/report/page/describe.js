@@ -1,11 +1,12 @@
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
+import { UAV } from "./words.js";
 
 /** One line about an agent, a task or a charging point at t. */
 export function describe(run, item, t) {
   if (item.type === "agent") {
     const agent = run.agents[item.index];
     const place = placeAt(agent, t);
-    const range = agent.kind === 0 && place
+    const range = agent.kind === UAV && place
       ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
     return `${agent.label}: ${run.words.statuses[statusAt(agent, t)]}${range}`;
   }

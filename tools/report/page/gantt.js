@@ -1,10 +1,11 @@
 import { fit, oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
 import { byId, number } from "./dom.js";
-import { FAILED, OFFLINE, busyMs, faultBands, statusAt } from "./run.js";
+import { busyMs, faultBands, statusAt } from "./run.js";
 import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { theme } from "./theme.js";
+import { CHARGING, FAILED, IDLE, MOVING, OFFLINE, SENSING, WAITING } from "./words.js";
 
 const LABEL = 84;
 const AXIS = 22;
@@ -171,15 +172,15 @@ export class Gantt {
 
   /** Waiting is striped, charging has a bright core, failed is crossed: no need to tell colours apart. */
   #pattern(c, status, left, right, y, thick) {
-    if (status === 5) {
+    if (status === CHARGING) {
       c.fillStyle = theme.panel;
       c.fillRect(left + 1.5, y + thick / 2 - 1, Math.max(0, right - left - 3), 2);
     }
-    if (status !== 3 && status !== FAILED) return;
+    if (status !== WAITING && status !== FAILED) return;
     c.strokeStyle = theme.panel;
     c.lineWidth = 1;
     c.beginPath();
-    for (let px = left + 3; px < right; px += status === 3 ? 4 : 8) {
+    for (let px = left + 3; px < right; px += status === WAITING ? 4 : 8) {
       c.moveTo(px, y + thick);
       c.lineTo(Math.min(right, px + 3), y);
     }
@@ -232,7 +233,7 @@ export class Gantt {
     const columns = Math.max(1, Math.min(240, Math.floor((width - LABEL) / 3)));
     const [from, to] = this.state.viewRange;
     const until = Math.min(to, run.nowMs);
-    const order = [4, 5, 3, 2, 1, 6];
+    const order = [SENSING, CHARGING, WAITING, MOVING, IDLE, FAILED];
     const step = (to - from) / columns;
     const statuses = run.words.statuses.length;
     const counts = new Uint16Array(columns * statuses);

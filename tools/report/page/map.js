@@ -3,8 +3,7 @@ import { coastOf } from "./coast.js";
 import { differencesAt } from "./differences.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
-import { CANCELLED, EXPIRED, HELD, UNREPORTED } from "./story.js";
-import { FAILED, IDLE, MOVING, OFFLINE, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { nameOf } from "./link.js";
 import { MOST_SYMBOLS, cellWords, countCells, drawCells } from "./map_crowd.js";
 import { drawDegrees, drawGrid, drawGround, drawScale, frameOf, scaleBoxes } from "./map_frame.js";
@@ -14,6 +13,7 @@ import { linear } from "./scale.js";
 import { Sprites } from "./sprites.js";
 import { rowAt } from "./time.js";
 import { theme } from "./theme.js";
+import { BEING_SENSED, CANCELLED, DONE, EXPIRED, FAILED, HELD, IDLE, MOVING, OFFLINE, RESERVED, UAV, UNREPORTED, WAITING } from "./words.js";
 import { WHOLE, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
@@ -249,7 +249,7 @@ export class MapView {
     for (const kind of [2, 1, 0]) {
       for (const { agent, status, place, px, py } of this.near) {
         if (agent.kind !== kind) continue;
-        const turn = kind === 0 ? turnOf(status, place) : 0;
+        const turn = kind === UAV ? turnOf(status, place) : 0;
         this.sprites.stamp(c, `agent ${kind} ${status} ${turn} ${r}`, r * 2.1 + 3, px, py,
           (s) => agentMark(s, kind, status, turn, r));
       }
@@ -291,7 +291,7 @@ export class MapView {
     const room = (this.shown.width * this.shown.height) / LABEL_PX;
     const named = selected?.type === "agent" ? selected.index : -1;
     const agents = this.near.length > room + 1 ? this.near : this.near.filter(({ agent }) => agent.index !== named);
-    const tasks = this.sites.filter(({ task, status }) => ![3, CANCELLED].includes(status) && !(selected?.type === "task" && selected.id === task.id));
+    const tasks = this.sites.filter(({ task, status }) => ![DONE, CANCELLED].includes(status) && !(selected?.type === "task" && selected.id === task.id));
     if (!this.cells && agents.length <= room) {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (this.view.k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
@@ -413,7 +413,7 @@ function agentMark(c, kind, status, turn, r) {
   c.strokeStyle = idle ? theme.kinds[kind] : theme.bg;
   c.fill();
   c.stroke();
-  if (status <= MOVING) return;
+  if (idle || status === MOVING) return;
   c.beginPath();
   c.arc(0, 0, r * 2.1, 0, 2 * Math.PI);
   c.strokeStyle = theme.status[status];
@@ -425,7 +425,7 @@ function agentMark(c, kind, status, turn, r) {
 /** open: hollow; reserved: hollow with a dot; being sensed: full; done: a small tick; held: two bars; cancelled: struck through */
 function taskMark(c, status, r) {
   c.beginPath();
-  if (status === 3) {
+  if (status === DONE) {
     c.moveTo(-r * 0.7, 0);
     c.lineTo(-r * 0.15, r * 0.6);
     c.lineTo(r * 0.8, -r * 0.7);
@@ -435,13 +435,13 @@ function taskMark(c, status, r) {
     c.moveTo(-r * 0.7, r * 0.7);
     c.lineTo(r * 0.7, -r * 0.7);
   } else {
-    const size = status === 2 ? r * 1.5 : r * 1.15;
+    const size = status === BEING_SENSED ? r * 1.5 : r * 1.15;
     c.moveTo(0, -size);
     c.lineTo(size, 0);
     c.lineTo(0, size);
     c.lineTo(-size, 0);
     c.closePath();
-    if (status === 1) c.rect(-1, -1, 2, 2);
+    if (status === RESERVED) c.rect(-1, -1, 2, 2);
     for (const x of status === HELD ? [-r * 0.28, r * 0.28] : []) {
       c.moveTo(x, -r * 0.45);
       c.lineTo(x, r * 0.45);
@@ -451,9 +451,9 @@ function taskMark(c, status, r) {
       c.lineTo(size * 1.3, 0);
     }
   }
-  c.strokeStyle = status === 3 || status === CANCELLED ? theme.done : status === 2 ? theme.sensing : theme.task;
-  c.lineWidth = status === 3 ? 1.6 : 1.4;
-  if (status === 2) {
+  c.strokeStyle = status === DONE || status === CANCELLED ? theme.done : status === BEING_SENSED ? theme.sensing : theme.task;
+  c.lineWidth = status === DONE ? 1.6 : 1.4;
+  if (status === BEING_SENSED) {
     c.fillStyle = theme.sensing;
     c.fill();
   }

@@ -1,8 +1,7 @@
 import { agentShape, cross } from "./canvas.js";
 import { number } from "./dom.js";
-import { FAILED } from "./run.js";
-import { CANCELLED, DONE, EXPIRED } from "./story.js";
 import { theme } from "./theme.js";
+import { CANCELLED, DONE, EXPIRED, FAILED } from "./words.js";
 
 /** More symbols in view than this stand together, one for all of a kind in a square of the screen. */
 export const MOST_SYMBOLS = 4000;

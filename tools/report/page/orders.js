@@ -1,7 +1,7 @@
 import { number } from "./dom.js";
 import { clockText } from "./time.js";
-import { OFFLINE } from "./run.js";
-import { HELD, OPEN, PRIORITIES, RESERVED } from "./story.js";
+import { PRIORITIES } from "./story.js";
+import { HELD, OFFLINE, OPEN, RESERVED } from "./words.js";
 
 const AGAIN_MS = 1000; // between two questions for an order that is pending
 

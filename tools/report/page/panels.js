@@ -1,10 +1,11 @@
 import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
-import { KIND_NAMES, OFFLINE, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
+import { KIND_NAMES, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { flownAt, waitedMs } from "./story.js";
 import { TaskTable } from "./tasks.js";
 import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
+import { OFFLINE } from "./words.js";
 
 const MOST_ROWS = 150;
 const MOST_EVENTS = 3000;

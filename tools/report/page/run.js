@@ -1,15 +1,7 @@
 import { rowAt } from "./time.js";
+import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, readWords } from "./words.js";
 
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
-// Numbers of statuses; their names are in the first chunk's words.
-export const OFFLINE = 0;
-export const IDLE = 1;
-export const MOVING = 2;
-export const WAITING = 3;
-export const FAILED = 6;
-// Of a task.
-const CANCELLED = 6;
-const HELD = 7;
 
 const STOP = 4; // t_ms, x_m, y_m, range_m
 const SAMPLE = 10; // t_ms, wall_ms, start, received, lost, rejected, resent, cpu_s, rss_bytes, state
@@ -93,12 +85,13 @@ export class Run {
     const s = chunk.scenario;
     this.scenario = s;
     this.words = chunk.words;
+    readWords(chunk.words);
     this.limitMs = s.limit_ms;
     this.intervalMs = s.interval_ms;
     this.tickMs = s.tick_ms;
     [s.uavs, s.workers, s.vehicles].forEach((n, kind) => {
       for (let id = 0; id < n; ++id) {
-        const fullRange = kind === 0 ? s.range_full_m[id] : 0;
+        const fullRange = kind === UAV ? s.range_full_m[id] : 0;
         this.agents.push({ index: this.agents.length, kind, id, label: `${this.words.agents[kind]}:${id}`,
           fullRange, stops: [], spans: [], vacant: id >= n - (s.vacant?.[kind] ?? 0) });
       }
@@ -188,7 +181,7 @@ export function statusAt(agent, t) {
 
 export function taskStatusAt(task, t) {
   const i = rowAt(task.changes, 2, t);
-  return i < 0 ? 0 : task.changes[2 * i + 1];
+  return i < 0 ? OPEN : task.changes[2 * i + 1];
 }
 
 export function doneAt(run, t) {
@@ -206,14 +199,16 @@ export function decisionAt(run, t) {
   return found;
 }
 
-const ACTION_NAMES = ["stays", "stays", "stays", "goes ahead", "goes ahead", "goes to charge", "goes to charge", "sense", "charge", "goes"];
+const ACTION_NAMES = { Ui: "stays", Wj: "stays", Vk: "stays", UiTx: "goes ahead", WjTx: "goes ahead", UiCy: "goes to charge", VkCy: "goes to charge",
+  UiTxWj: "sense", UiCyVk: "charge" };
 
 /** A decision's actions as objects. */
 export function actionsOf(run, decision) {
   const list = [];
   for (let i = 0; i < decision.actions.length; i += ACTION) {
     const [kind, uav, worker, vehicle, task, charge, x, y, weight] = decision.actions.slice(i, i + ACTION);
-    list.push({ kind, symbol: run.words.actions[kind], name: ACTION_NAMES[kind] ?? String(kind), uav, worker, vehicle, task, charge, x, y, weight });
+    const symbol = run.words.actions[kind];
+    list.push({ kind, symbol, name: ACTION_NAMES[symbol] ?? "goes", uav, worker, vehicle, task, charge, x, y, weight });
   }
   return list;
 }
@@ -315,7 +310,7 @@ export function busyMs(agent, t) {
   const { spans } = agent;
   for (let i = 0; i < spans.length; i += 2) {
     const status = spans[i + 1];
-    if (status < MOVING || status === FAILED) continue;
+    if ([OFFLINE, IDLE, FAILED].includes(status)) continue;
     const until = Math.min(t, i + 2 < spans.length ? spans[i + 2] : t);
     sum += Math.max(0, until - spans[i]);
   }

@@ -1,20 +1,11 @@
 import { number } from "./dom.js";
-import { MOVING, WAITING, placeAt, statusAt, taskStatusAt } from "./run.js";
+import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { rowAt } from "./time.js";
+import { CHARGE, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, WAITING } from "./words.js";
 
 const ACTION = 9;
 const ACTIVITY = 6;
 const NEAR_M = 2; // places are whole metres
-
-/** Statuses of tasks. */
-export const OPEN = 0;
-export const RESERVED = 1;
-export const SENSING = 2;
-export const DONE = 3;
-export const UNREPORTED = 4;
-export const EXPIRED = 5;
-export const CANCELLED = 6;
-export const HELD = 7;
 
 export const PRIORITIES = ["low", "normal", "high", "emergency"];
 
@@ -57,7 +48,7 @@ export function commandsOf(run, agent) {
     for (const decision of run.decisions) {
       const { actions } = decision;
       for (let i = 0; i < actions.length; i += ACTION) {
-        if (actions[i + 1 + agent.kind] !== agent.id || actions[i] < 3) continue;
+        if (actions[i + 1 + agent.kind] !== agent.id || actions[i] <= LAST_STAY) continue;
         found.push(actionAt(run, decision, i));
         break;
       }
@@ -73,7 +64,7 @@ export function commandsByTask(run) {
     for (const decision of run.decisions) {
       for (let i = 0; i < decision.actions.length; i += ACTION) {
         const task = decision.actions[i + 4];
-        if (task >= 0 && decision.actions[i] >= 3) found[task].push(actionAt(run, decision, i));
+        if (task >= 0 && decision.actions[i] > LAST_STAY) found[task].push(actionAt(run, decision, i));
       }
     }
     return found;
@@ -84,7 +75,7 @@ export function commandsByTask(run) {
 export function commandsAt(run, decision) {
   const found = new Map();
   for (let i = 0; decision && i < decision.actions.length; i += ACTION) {
-    if (decision.actions[i] < 3) continue;
+    if (decision.actions[i] <= LAST_STAY) continue;
     const command = actionAt(run, decision, i);
     [command.uav, command.worker, command.vehicle].forEach((id, kind) => id >= 0 && found.set(run.agentIndex(kind, id), command));
   }
@@ -96,8 +87,8 @@ export function commandWords(command) {
   const names = [command.uav >= 0 ? `uav:${command.uav}` : "", command.worker >= 0 ? `worker:${command.worker}` : "",
     command.vehicle >= 0 ? `vehicle:${command.vehicle}` : ""].filter(Boolean).join(" and ");
   const site = command.task >= 0 ? `task ${command.task}` : command.charge >= 0 ? `charging point ${command.charge}` : null;
-  if (command.kind === 7) return `${names} sense ${site}`;
-  if (command.kind === 8) return `${names} meet to charge at ${site}`;
+  if (command.kind === SENSE) return `${names} sense ${site}`;
+  if (command.kind === CHARGE) return `${names} meet to charge at ${site}`;
   return site ? `${names} goes ahead to ${site}` : `${names} goes to ${number(command.x / 1000, 1)}, ${number(command.y / 1000, 1)} km`;
 }
 
@@ -160,7 +151,7 @@ function partnerOf(run, agent, activity, command) {
   const [uav, worker, vehicle] = activity
     ? [activity.uav, activity.charging ? -1 : activity.partner, activity.charging ? activity.partner : -1]
     : command ? [command.uav, command.worker, command.vehicle] : [-1, -1, -1];
-  if (agent.kind !== 0) return uav >= 0 ? `uav:${uav}` : null;
+  if (agent.kind !== UAV) return uav >= 0 ? `uav:${uav}` : null;
   return worker >= 0 ? `worker:${worker}` : vehicle >= 0 ? `vehicle:${vehicle}` : null;
 }
 
@@ -216,7 +207,7 @@ function sumFlown(run) {
   const step = Math.max(1, run.nowMs) / bins;
   const sums = new Float64Array(bins + 1);
   for (const agent of run.agents) {
-    if (agent.kind !== 0) continue;
+    if (agent.kind !== UAV) continue;
     const { stops } = agent;
     for (let i = 4; i < stops.length; i += 4) {
       const way = Math.hypot(stops[i + 1] - stops[i - 3], stops[i + 2] - stops[i - 2]);

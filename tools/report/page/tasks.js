@@ -1,8 +1,9 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
 import { taskStatusAt } from "./run.js";
-import { CANCELLED, DONE, HELD, OPEN, PRIORITIES, RESERVED, SENSING, UNREPORTED, doneTime, taskNow } from "./story.js";
+import { PRIORITIES, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
+import { BEING_SENSED, CANCELLED, DONE, HELD, OPEN, RESERVED, UNREPORTED } from "./words.js";
 
 const MOST_ROWS = 250;
 const PLAYING_MS = 300; // between two drawings while it plays
@@ -21,9 +22,9 @@ const COLUMNS = [
 
 const FILTERS = [
   ["all", "all", () => true],
-  ["todo", "to do", (row) => [OPEN, RESERVED, SENSING, HELD].includes(row.status)],
+  ["todo", "to do", (row) => [OPEN, RESERVED, BEING_SENSED, HELD].includes(row.status)],
   ["open", "nobody sent", (row) => row.status === OPEN],
-  ["under", "under way", (row) => row.status === RESERVED || row.status === SENSING],
+  ["under", "under way", (row) => row.status === RESERVED || row.status === BEING_SENSED],
   ["held", "held or cancelled", (row) => row.status === HELD || row.status === CANCELLED],
   ["done", "done", (row) => row.status === DONE],
   ["never", "never done", (row) => row.never],

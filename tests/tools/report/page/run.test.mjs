@@ -28,7 +28,8 @@ const SCENARIO = {
 };
 
 const WORDS = {
-  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving"], tasks: ["open"],
+  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"],
+  tasks: ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"],
   actions: ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"],
 };
 

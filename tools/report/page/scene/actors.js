@@ -1,10 +1,10 @@
 import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial } from "three";
-import { FAILED, IDLE, MOVING, OFFLINE, placeAt, statusAt, taskStatusAt } from "../run.js";
-import { HELD } from "../story.js";
+import { placeAt, statusAt, taskStatusAt } from "../run.js";
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
+import { BEING_SENSED, CANCELLED, CHARGING, DONE, EXPIRED, FAILED, IDLE, MOVING, OFFLINE, RESERVED, SENSING, UAV, UNREPORTED } from "../words.js";
 import { Crowd, mixed } from "./crowd.js";
-import { CHARGING, SENSING, heightAt } from "./heights.js";
+import { heightAt } from "./heights.js";
 import { Lines } from "./lines.js";
 import { barShape, beamShape, chargingShape, columnShape, doneShape, failedShape, ringShape, taskShape, uavShape,
   vehicleShape, workerShape } from "./shapes.js";
@@ -78,12 +78,12 @@ export class Actors {
     for (const task of run.tasks) {
       const [x, z] = [plane.x(task.x), plane.z(task.y)];
       const status = taskStatusAt(task, t);
-      if (status > 3 && status !== HELD) continue; // not reported yet, expired, cancelled
-      if (status === 3) this.done.put(x, floor + 0.06, z, [size, size, size], 0, done);
+      if ([UNREPORTED, EXPIRED, CANCELLED].includes(status)) continue;
+      if (status === DONE) this.done.put(x, floor + 0.06, z, [size, size, size], 0, done);
       else {
-        const s = size * (status === 2 ? 1.1 : 0.85);
-        this.tasks.put(x, floor + s, z, [s, s, s], 0, status === 2 ? sensing : open);
-        if (status === 1) this.rings.put(x, floor + s, z, [s * 1.3, s, s * 1.3], 0, open);
+        const s = size * (status === BEING_SENSED ? 1.1 : 0.85);
+        this.tasks.put(x, floor + s, z, [s, s, s], 0, status === BEING_SENSED ? sensing : open);
+        if (status === RESERVED) this.rings.put(x, floor + s, z, [s * 1.3, s, s * 1.3], 0, open);
       }
     }
   }
@@ -92,23 +92,23 @@ export class Actors {
     const { plane, t, size, lift, floor, flat } = this.shown;
     const [x, z] = [plane.x(place.x), plane.z(place.y)];
     const high = flat ? 0 : lift * heightAt(agent, t);
-    const y = floor + high + (agent.kind === 0 ? 0.3 * size : 0);
+    const y = floor + high + (agent.kind === UAV ? 0.3 * size : 0);
     this.places.push({ agent, x, y, z });
     const turn = place.dx || place.dy ? Math.atan2(place.dy, place.dx) : Math.PI / 2;
     if (status === FAILED) {
       this.failed.put(x, floor, z, [size, size, size], 0, this.colour(theme.failed));
       return;
     }
-    if (agent.kind === 0 && status === SENSING) ++this.working.sensing;
-    if (agent.kind === 0 && status === CHARGING) ++this.working.charging;
+    if (agent.kind === UAV && status === SENSING) ++this.working.sensing;
+    if (agent.kind === UAV && status === CHARGING) ++this.working.charging;
     const own = this.colour(theme.kinds[agent.kind]);
     this.kinds[agent.kind].put(x, y, z, [size, size, size], turn, status === IDLE ? this.idle[agent.kind] : own);
-    if (status > MOVING) this.rings.put(x, y + 0.2 * size, z, [size * 1.9, size * 1.9, size * 1.9], 0, this.colour(theme.status[status]));
-    if (agent.kind === 0 && !flat) {
+    if (status !== IDLE && status !== MOVING) this.rings.put(x, y + 0.2 * size, z, [size * 1.9, size * 1.9, size * 1.9], 0, this.colour(theme.status[status]));
+    if (agent.kind === UAV && !flat) {
       if (status === SENSING) this.beams.put(x, floor, z, [size * 2.4, Math.max(0.1, high), size * 2.4], 0, this.colour(theme.sensing));
       else if (high > 0.2 && !crowded) this.ways.add(x, floor, z, x, y, z, own);
     }
-    if (status === CHARGING && agent.kind === 0) this.columns.put(x, floor, z, [size * 1.5, size * 5, size * 1.5], 0, this.colour(theme.charging));
+    if (status === CHARGING && agent.kind === UAV) this.columns.put(x, floor, z, [size * 1.5, size * 5, size * 1.5], 0, this.colour(theme.charging));
     if (status === MOVING && !flat) this.ways.add(x, y, z, plane.x(place.toX), y, plane.z(place.toY), own);
   }
 

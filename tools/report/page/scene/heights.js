@@ -1,10 +1,8 @@
-import { MOVING, WAITING } from "../run.js";
 import { rowAt } from "../time.js";
+import { MOVING, SENSING, UAV, WAITING } from "../words.js";
 
 /** How high UAVs fly, in the scene's units: for the eye, as a scenario says no height. */
 export const AIR = 7;
-export const SENSING = 4;
-export const CHARGING = 5;
 const SENSING_HEIGHT = 4.2;
 const CLIMB_MS = 60_000; // of mission time
 
@@ -12,7 +10,7 @@ const heightOf = (status) => (status === MOVING || status === WAITING ? AIR : st
 
 /** How high an agent is at t: UAVs fly while they move or wait, stand lower to sense, and are on the ground else. */
 export function heightAt(agent, t) {
-  if (agent.kind !== 0) return 0;
+  if (agent.kind !== UAV) return 0;
   const { spans } = agent;
   const i = rowAt(spans, 2, t);
   if (i < 0) return 0;

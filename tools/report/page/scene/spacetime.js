@@ -1,6 +1,7 @@
 import { Color, MeshBasicMaterial, Plane as Cut, Vector3 } from "three";
-import { FAILED, OFFLINE, statusAt } from "../run.js";
+import { statusAt } from "../run.js";
 import { theme } from "../theme.js";
+import { FAILED, OFFLINE } from "../words.js";
 import { Crowd } from "./crowd.js";
 import { Lines } from "./lines.js";
 import { SIZE } from "./plane.js";

@@ -5,6 +5,7 @@ import { drawLabels } from "../map_labels.js";
 import { taskStatusAt } from "../run.js";
 import { readTheme, theme } from "../theme.js";
 import { clockText, timeTicks } from "../time.js";
+import { DONE, readWords } from "../words.js";
 import { Actors } from "./actors.js";
 import { City } from "./city.js";
 import { Ground } from "./ground.js";
@@ -22,6 +23,7 @@ export class SceneView {
   constructor({ canvas, context, labels, state, clock }) {
     Object.assign(this, { canvas, labels, state, clock });
     readTheme();
+    readWords(state.run.words);
     this.mode = "scene"; // or "time"
     this.scenery = true;
     this.follow = false;
@@ -225,7 +227,7 @@ export class SceneView {
   }
 
   get counts() {
-    const open = this.run.tasks.filter((task) => taskStatusAt(task, this.clock.t) !== 3).length;
+    const open = this.run.tasks.filter((task) => taskStatusAt(task, this.clock.t) !== DONE).length;
     return { ...this.actors.counts, open, blocks: this.city.n, meetings: this.spaceTime.meetings ?? 0 };
   }
 }
