@@ -40,6 +40,8 @@ struct AgentModel {
   std::optional<Activity> activity;
   double cost_m = 0;  ///< of the activity, when it senses
   bool failed = false;
+  Place was;  ///< where it truly was, as last known, and when
+  std::int64_t was_us = 0;
 
   // Of a measured one. Where it was for sure, since it has said so or stood there, when and with
   // what range; when it set out on its leg, its arrival as planned then; what its last report says.

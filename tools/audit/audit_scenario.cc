@@ -14,6 +14,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* kLists[] = {"uavs", "workers", "vehicles"};
 constexpr double kKm = 1000;
 constexpr double kKmPerMin = 1000.0 / 60;
 
@@ -21,6 +22,9 @@ std::int64_t Microseconds(const json& value, double unit_us) {
   return std::llround(value.get<double>() * unit_us);
 }
 std::int64_t Minutes(const json& value) { return Microseconds(value, 60e6); }
+std::int64_t MinutesOr(const json& item, const char* key, std::int64_t otherwise_us) {
+  return item.contains(key) ? Minutes(item.at(key)) : otherwise_us;
+}
 
 Place PlaceOf(const json& item) {
   return {item.at("x_km").get<double>() * kKm, item.at("y_km").get<double>() * kKm};
@@ -46,7 +50,7 @@ Scenario::Agent AgentOf(const json& item, int kind) {
   return agent;
 }
 
-std::vector<Scenario::Agent> AgentsOf(const json& list, Class kind) {
+std::vector<Scenario::Agent> AgentsOf(const json& list, int kind) {
   std::vector<Scenario::Agent> agents;
   for (const json& item : list) {
     Scenario::Agent agent = AgentOf(item, kind);
@@ -111,7 +115,7 @@ Scenario ParseScenario(const std::string& text) {
   s.height_m = top.at("area_km").at(1).get<double>() * kKm;
   const json rules = top.value("rules", json::object());
   s.tick_us = rules.contains("tick_s") ? Microseconds(rules.at("tick_s"), 1e6) : 30'000'000;
-  s.patience_us = rules.contains("patience_min") ? Minutes(rules.at("patience_min")) : 600'000'000;
+  s.patience_us = MinutesOr(rules, "patience_min", 600'000'000);
   s.strict = rules.value("availability", "strict") == "strict";
   s.start_on_meeting = rules.value("start_on_meeting", false);
   const json disturbances = top.value("disturbances", json::object());
@@ -122,9 +126,7 @@ Scenario ParseScenario(const std::string& text) {
   if (s.interval_us <= 0 || s.limit_us <= 0 || s.tick_us <= 0 || s.interval_us % s.tick_us != 0) {
     throw std::invalid_argument("interval, limit and tick do not fit");
   }
-  s.agents[kUav] = AgentsOf(top.at("uavs"), kUav);
-  s.agents[kWorker] = AgentsOf(top.at("workers"), kWorker);
-  s.agents[kVehicle] = AgentsOf(top.at("vehicles"), kVehicle);
+  for (const int kind : kClasses) s.agents[kind] = AgentsOf(top.at(kLists[kind]), kind);
   for (const json& item : top.at("charging_points")) {
     Scenario::Charge charge{PlaceOf(item), 1};
     if (item.contains("capacity")) {
@@ -136,21 +138,18 @@ Scenario ParseScenario(const std::string& text) {
   const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);
-    Scenario::Task task{at, item.at("cost_km").get<double>() * kKm, charging.WayFrom(at)};
-    if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
-    if (item.contains("expires_min")) task.expires_us = Minutes(item.at("expires_min"));
-    s.tasks.push_back(task);
+    s.tasks.push_back({at, item.at("cost_km").get<double>() * kKm, charging.WayFrom(at),
+                       MinutesOr(item, "reported_min", 0),
+                       MinutesOr(item, "expires_min", kForever)});
   }
   if (top.contains("room")) {
     const json& room = top.at("room");
     s.room_tasks = room.value("tasks", 0);
-    s.room_agents[kUav] = room.value("uavs", 0);
-    s.room_agents[kWorker] = room.value("workers", 0);
-    s.room_agents[kVehicle] = room.value("vehicles", 0);
     Scenario::Task vacant;
     vacant.reported_us = kForever;
     s.tasks.resize(s.tasks.size() + static_cast<std::size_t>(s.room_tasks), vacant);
-    for (const int kind : {kUav, kWorker, kVehicle}) {
+    for (const int kind : kClasses) {
+      s.room_agents[kind] = room.value(kLists[kind], 0);
       Scenario::Agent never_online;
       never_online.speed_m_s = 1;
       never_online.range_full_m = kind == kUav ? 1 : 0;
@@ -167,8 +166,7 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
   AuditOrder order;
   order.what = top.at("order").get<std::string>();
   const auto time = [&](const json& item, const char* at, const char* in) {
-    if (item.contains(in)) return now_us + Minutes(item.at(in));
-    return item.contains(at) ? Minutes(item.at(at)) : kForever;
+    return item.contains(in) ? now_us + Minutes(item.at(in)) : MinutesOr(item, at, kForever);
   };
   if (order.is_add()) {
     const json& item = top.at("task");
@@ -176,8 +174,7 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     task.at = PlaceOf(item);
     task.cost_m = item.value("cost_km", 3.0) * kKm;
     task.to_charge_m = Nearest(scenario.charges, *scenario.ways).WayFrom(task.at);
-    if (item.contains("reported_min")) task.reported_us = Minutes(item.at("reported_min"));
-    task.reported_us = std::max(task.reported_us, now_us);
+    task.reported_us = std::max(MinutesOr(item, "reported_min", 0), now_us);
     task.expires_us = time(item, "expires_min", "expires_in_min");
   }
   if (order.what == "task_change" &&
@@ -188,12 +185,8 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     const json& item = top.at("agent");
     const std::string of = top.at("class").get<std::string>();
     order.new_agent = AgentOf(item, of == "uav" ? kUav : of == "worker" ? kWorker : kVehicle);
-    const std::int64_t from =
-        item.contains("online_from_min") ? Minutes(item.at("online_from_min")) : 0;
-    order.new_agent.online_from_us = std::max(from, now_us);
-    order.new_agent.online_until_us = item.contains("online_until_min")
-                                          ? Minutes(item.at("online_until_min"))
-                                          : scenario.limit_us;
+    order.new_agent.online_from_us = std::max(MinutesOr(item, "online_from_min", 0), now_us);
+    order.new_agent.online_until_us = MinutesOr(item, "online_until_min", scenario.limit_us);
   }
   return order;
 }

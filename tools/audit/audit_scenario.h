@@ -24,6 +24,8 @@ enum Class : int {
   kVehicle = NumberOf(AgentKind::kVehicle)
 };
 
+inline constexpr Class kClasses[] = {kUav, kWorker, kVehicle};
+
 struct Interval {
   double low = 0;
   double high = 0;

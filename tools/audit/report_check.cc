@@ -124,18 +124,17 @@ class Comparison {
           done_us[x] >= 0)
         continue;
       done_us[x] = event.at_us;
-      Exact(fmt::format("tasks/{}/status", x), "done", event.at_us);
-      Exact(fmt::format("tasks/{}/done_s", x), static_cast<double>(event.at_us) * 1e-6,
-            event.at_us);
-      Exact(fmt::format("tasks/{}/uav", x), event.uav_id, event.at_us);
-      Exact(fmt::format("tasks/{}/worker", x), event.worker_id, event.at_us);
+      const std::string task = fmt::format("tasks/{}/", x);
+      Exact(task + "status", "done", event.at_us);
+      Exact(task + "done_s", static_cast<double>(event.at_us) * 1e-6, event.at_us);
+      Exact(task + "uav", event.uav_id, event.at_us);
+      Exact(task + "worker", event.worker_id, event.at_us);
     }
     for (std::size_t x = 0; x < total; ++x) {
       if (done_us[x] >= 0) continue;
-      const json* status = Find(fmt::format("tasks/{}/status", x));
-      if (status != nullptr && *status == "done") {
-        Differ(0, fmt::format("tasks/{}/status", x), "done", "that it was not");
-      }
+      const std::string key = fmt::format("tasks/{}/status", x);
+      const json* status = Find(key);
+      if (status != nullptr && *status == "done") Differ(0, key, "done", "that it was not");
     }
     for (int kind = 0; IsWord<EventKind>(kind); ++kind) {
       const auto word = static_cast<EventKind>(kind);

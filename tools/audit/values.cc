@@ -9,6 +9,20 @@ namespace {
 
 constexpr double kCellSide_m = 1000;
 
+/// " uav:3 worker:5" of those that there are.
+std::string Ids(int uav, int worker, int vehicle, int task, int charge) {
+  std::string text;
+  const auto add = [&text](const char* name, int id) {
+    if (id >= 0) text += fmt::format(" {}:{}", name, id);
+  };
+  add("uav", uav);
+  add("worker", worker);
+  add("vehicle", vehicle);
+  add("task", task);
+  add("charge", charge);
+  return text;
+}
+
 }  // namespace
 
 bool Near(double a_m, double b_m) { return std::abs(a_m - b_m) <= kTolerance_m; }
@@ -23,18 +37,20 @@ bool SameCell(Place a, Place b) {
          std::floor(a.y_m / kCellSide_m) == std::floor(b.y_m / kCellSide_m);
 }
 
+EventKey KeyOf(const event_t& e) {
+  return {e.at_us, e.kind, e.uav_id, e.worker_id, e.vehicle_id, e.task_id, e.charge_id};
+}
+
+std::string Name(const EventKey& key) {
+  const auto& [at, kind, uav, worker, vehicle, task, charge] = key;
+  return fmt::format("{}{} at {} us", Spaced(ToString<EventKind>(kind)),
+                     Ids(uav, worker, vehicle, task, charge), at);
+}
+
 std::string Name(const action_t& a) {
-  std::string text = IsWord<ActionKind>(a.kind) ? std::string(ToString<ActionKind>(a.kind))
-                                                : fmt::format("kind {}", a.kind);
-  const auto add = [&text](const char* name, int id) {
-    if (id >= 0) text += fmt::format(" {}:{}", name, id);
-  };
-  add("uav", a.uav_id);
-  add("worker", a.worker_id);
-  add("vehicle", a.vehicle_id);
-  add("task", a.task_id);
-  add("charge", a.charge_id);
-  return text;
+  return (IsWord<ActionKind>(a.kind) ? std::string(ToString<ActionKind>(a.kind))
+                                     : fmt::format("kind {}", a.kind)) +
+         Ids(a.uav_id, a.worker_id, a.vehicle_id, a.task_id, a.charge_id);
 }
 
 std::string Name(const Activity& a) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 #include "lcmtypes/bus/codec.h"
 #include "tools/audit/agent_model.h"
@@ -20,6 +21,10 @@ bool NearUs(std::int64_t a, std::int64_t b);
 bool Within(double value, Interval range, double tolerance);
 bool SameCell(Place a, Place b);
 
+/// An outcome as in event_t: at_us, kind, uav, worker, vehicle, task, charge.
+using EventKey = std::tuple<std::int64_t, int, int, int, int, int, int>;
+EventKey KeyOf(const event_t& event);
+std::string Name(const EventKey& key);
 /// "UiTxWj uav:3 worker:5 task:17"
 std::string Name(const action_t& action);
 /// "sensing of uav:3 and worker:5 at task:17 in [400000000, 700000000] us"

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/audit/view.h"
+
+namespace muster::tools::audit {
+
+// The checks of a tick, in their order.
+
+/// What each agent reports, against its command and the audit's own arithmetic.
+class ReportCheck {
+ public:
+  explicit ReportCheck(const View& view);
+  /// Reports of ticks before, which came too late for the world.
+  void TakeLate(View& view, const std::vector<Report>& reports);
+  void Check(View& view);
+
+ private:
+  /// An agent as last listed, and until when nothing has changed since.
+  struct Told {
+    agent_t agent;
+    std::int64_t at_us = 0;
+    std::int64_t tick = -1;
+  };
+  /// What the report says of its agent; none: of one that is not listed nothing is known.
+  std::optional<agent_t> Read(const View& view, const Report& report);
+  void NoteUav(View& view, std::int64_t tick, const agent_t& a);
+  void CheckReport(View& view, AgentModel* model, const agent_t& a, std::int32_t applied_decision);
+
+  std::vector<Told> told_[3];
+  std::set<std::pair<std::int64_t, int>> failing_;  ///< by tick: UAVs that fail at it
+};
+
+/// The orders that the world says it took or refused.
+class OrderCheck {
+ public:
+  void Check(View& view);
+
+ private:
+  std::set<std::string> answered_;  ///< ids
+};
+
+void ReadRulings(View& view);
+/// A measured agent that says it has failed must be ruled so.
+void CheckSaidFailed(View& view);
+/// Sensing and charging as the world lists them.
+void CheckActivities(View& view);
+void AbortActivities(View& view);
+void SettleAgents(View& view);
+/// Of pairs that began without a command.
+void CheckMeetings(View& view);
+/// What tasks are by now, and what the tick's orders do to them and to agents.
+void CheckTasks(View& view);
+void ExpectEvents(View& view);
+/// The decision due, where it came into force.
+void CheckDecision(View& view);
+
+// Once, at the end.
+
+/// Whether the log's events up to that time are those that must be said.
+void CheckEvents(const View& view, const std::vector<event_t>& events, std::int64_t until_us);
+
+// Parts of the above about measured agents (check_measured.cc).
+
+/// Takes what its report tells into the model, if it can be. The report as its motion is to be
+/// checked.
+agent_t SeeTold(View& view, AgentModel* model, agent_t report);
+/// Of a pair of which an agent is measured: whether it is listed as its agents say.
+void CheckMoved(View& view, Tracked* tracked, const Activity& listed);
+/// When such a pair is given up, because one is too late; kForever: it is not.
+std::int64_t GivenUpAt(View& view, const Activity& activity);
+
+// Parts about orders (check_orders.cc).
+
+/// When an order of this tick ends that activity; kForever: none does.
+std::int64_t OrderedEnd(const View& view, const Activity& activity);
+bool IsRecalled(const View& view, int kind, int id);
+/// What the tick's orders do to tasks and agents, once these are settled.
+void FollowOrders(View& view);
+
+}  // namespace muster::tools::audit

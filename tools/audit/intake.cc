@@ -1,0 +1,357 @@
+#include "tools/audit/intake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <string_view>
+
+#include "lcmtypes/channels.h"
+
+namespace muster::tools::audit {
+namespace {
+
+/// Ticks that may wait for an earlier one. Lockstep and the logger's window keep this under ten.
+constexpr std::size_t kMaxPending = 256;
+/// A resend is looked for among this many messages.
+constexpr std::size_t kRecent = 4096;
+
+std::size_t HashOf(const Packet& packet) {
+  const std::string_view bytes(reinterpret_cast<const char*>(packet.bytes.data()),
+                               packet.bytes.size());
+  return std::hash<std::string_view>()(bytes);
+}
+
+int ClassOf(std::string_view channel) {
+  return channel == channel::kUavs || channel == channel::kUavChanges         ? kUav
+         : channel == channel::kWorkers || channel == channel::kWorkerChanges ? kWorker
+                                                                              : kVehicle;
+}
+
+bool SameActions(const schedule_t& a, const schedule_t& b) {
+  schedule_t x = a, y = b;
+  for (schedule_t* s : {&x, &y}) {
+    s->header = header_t{};
+    s->solve_us = 0;
+  }
+  return Encode(x) == Encode(y);
+}
+
+}  // namespace
+
+template <class Message>
+std::optional<Message> Intake::Admit(const Packet& packet) {
+  std::optional<Message> message = DecodeValid<Message>(packet.bytes);
+  if (!message) {
+    ++heard_.undecodable;
+    return {};
+  }
+  const header_t& header = message->header;
+  if (!run_id_) run_id_ = header.run_id;
+  if (header.run_id != *run_id_) return {};
+  Sender& sender = senders_[{header.sender, header.boot_id}];
+  const std::tuple key(header.sender, header.boot_id, header.seq);
+  const std::size_t hash = HashOf(packet);
+  if (!sender.seqs.Add(header.seq)) {
+    ++heard_.duplicates;
+    const auto known = recent_.find(key);
+    if (known != recent_.end() && known->second != hash) {
+      findings_->Add(header.sim_us, "seq",
+                     "{} (start {}) used seq {} for two different messages, the second on {}",
+                     header.sender, header.boot_id, header.seq, packet.channel);
+    }
+    return {};
+  }
+  recent_.emplace(key, hash);
+  recent_order_.push_back(key);
+  if (recent_order_.size() > kRecent) {
+    recent_.erase(recent_order_.front());
+    recent_order_.pop_front();
+  }
+  sender.last_sim_us = std::max(sender.last_sim_us, header.sim_us);
+  ++heard_.messages;
+  return message;
+}
+
+void Intake::Take(const Packet& packet) {
+  const std::string& name = packet.channel;
+  const auto keep = [&]<class Message>(std::optional<Message> TickFacts::*part) {
+    auto m = Admit<Message>(packet);
+    TickFacts* facts = m ? FactsOf(m->tick) : nullptr;
+    if (facts != nullptr && !(facts->*part)) facts->*part = std::move(*m);
+  };
+  if (name == channel::kScenario) {
+    if (const auto m = Admit<scenario_t>(packet)) TakeScenario(*m);
+  } else if (name == channel::kClock) {
+    const auto m = Admit<clock_t>(packet);
+    if (m && m->phase == ClockPhase::kEnded) ended_ = true;
+    if (m) heard_.clock_sender = m->header.sender;
+    if (m && m->phase == ClockPhase::kRunning) {
+      if (TickFacts* facts = FactsOf(m->tick)) facts->clock = *m;
+    }
+  } else if (name == channel::kOrders) {
+    auto m = Admit<orders_t>(packet);
+    TickFacts* facts = m ? FactsOf(m->tick) : nullptr;
+    if (facts == nullptr) return;
+    if (!facts->orders || facts->orders->header.boot_id < m->header.boot_id) {
+      facts->orders = std::move(*m);
+    }
+  } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
+    if (const auto m = Admit<agent_states_t>(packet)) TakeStates(*m, ClassOf(name));
+  } else if (IsReports(name)) {
+    if (const auto m = Admit<agent_changes_t>(packet)) TakeChanges(*m, ClassOf(name));
+  } else if (name == channel::kSchedule) {
+    if (const auto m = Admit<schedule_t>(packet)) TakeSchedule(*m);
+  } else if (name == channel::kEvent) {
+    if (auto m = Admit<event_t>(packet)) heard_.events.push_back(std::move(*m));
+  }
+  if (name == channel::kWorld) keep(&TickFacts::world);
+  if (name == channel::kRulings) keep(&TickFacts::rulings);
+  if (name == channel::kDriver) Admit<event_t>(packet);
+  if (name == channel::kFault) Admit<fault_t>(packet);
+  if (name == channel::kProcess) Admit<process_status_t>(packet);
+  if (name == channel::kOrder) Admit<order_t>(packet);
+  if (name == channel::kLog) Admit<log_status_t>(packet);
+  if (name == channel::kRequest) Admit<request_t>(packet);
+  if (name == channel::kRestore) Admit<restore_t>(packet);
+  if (name == channel::kAnswer) Admit<answer_t>(packet);
+}
+
+void Intake::TakeScenario(const scenario_t& message) {
+  if (heard_.scenario) {
+    if (message.sha256 != heard_.sha256) {
+      findings_->Add(message.header.sim_us, "scenario", "the log holds two different scenarios");
+    }
+    return;
+  }
+  try {
+    heard_.scenario = ParseScenario(message.json);
+  } catch (const std::exception& error) {
+    findings_->Add(0, "scenario", "the log's scenario cannot be read: {}", error.what());
+    return;
+  }
+  heard_.sha256 = message.sha256;
+  if (Sha256Of(message.json) != heard_.sha256) {
+    findings_->Add(0, "scenario", "sha256 is {}, the message says {}", Sha256Of(message.json),
+                   heard_.sha256);
+  }
+}
+
+TickFacts* Intake::FactsOf(std::int64_t tick) {
+  if (tick < 0 || tick > heard_.scenario->last_tick()) {
+    findings_->Add(now_us_, "lockstep", "a message names tick {}, the last is {}", tick,
+                   heard_.scenario->last_tick());
+    return nullptr;
+  }
+  if (tick < next_tick_ || stopped_) return nullptr;
+  TickFacts& facts = pending_[tick];
+  for (const int kind : kClasses) facts.reports[kind].resize(heard_.scenario->agents[kind].size());
+  return &facts;
+}
+
+bool Intake::CanReport(int said, int kind, std::int64_t tick, TickFacts** facts) {
+  if (said != kind) {
+    findings_->Add(heard_.scenario->TimeOf(std::clamp<std::int64_t>(tick, 0, 1 << 30)), "lockstep",
+                   "agents of class {} on the channel of {}s, tick {}", said,
+                   ToString<AgentKind>(kind), tick);
+    return false;
+  }
+  *facts = FactsOf(tick);
+  const bool is_late = tick >= 0 && tick < next_tick_;
+  return *facts != nullptr || is_late;
+}
+
+void Intake::TakeStates(const agent_states_t& message, int kind) {
+  TickFacts* facts = nullptr;
+  if (!CanReport(message.kind, kind, message.tick, &facts)) return;
+  for (const agent_t& agent : message.agents) {
+    TakeReport({message.tick, kind, agent, -1, message.applied_decision, message.header.sender,
+                message.header.boot_id},
+               facts);
+  }
+}
+
+void Intake::TakeChanges(const agent_changes_t& message, int kind) {
+  TickFacts* facts = nullptr;
+  if (!CanReport(message.kind, kind, message.tick, &facts)) return;
+  const header_t& header = message.header;
+  if (heard_.scenario->DecisionAt(message.tick) >= 0) {
+    findings_->Add(now_us_, "lockstep",
+                   "{} says only what has changed at tick {}, where a decision rests on it",
+                   header.sender, message.tick);
+    return;
+  }
+  // A range that no scenario has is told of once.
+  const auto last = std::min<std::int64_t>(
+      message.last_id, static_cast<std::int64_t>(heard_.scenario->agents[kind].size()));
+  auto listed = message.agents.begin();
+  for (auto id = message.first_id; id <= last; ++id) {
+    Report report{message.tick,  kind,          {}, message.base_tick, message.applied_decision,
+                  header.sender, header.boot_id};
+    report.agent.id = id;
+    if (listed != message.agents.end() && listed->id == id) {
+      report.agent = *listed++;
+      report.base_tick = -1;
+    }
+    TakeReport(report, facts);
+  }
+}
+
+void Intake::TakeReport(const Report& report, TickFacts* facts) {
+  const int kind = report.kind;
+  const std::int64_t t = heard_.scenario->TimeOf(report.tick);
+  const std::int32_t id = report.agent.id;
+  if (id < 0 || static_cast<std::size_t>(id) >= heard_.scenario->agents[kind].size()) {
+    findings_->Add(t, "lockstep", "{} reports {}:{}, which the scenario does not have",
+                   report.sender, ToString<AgentKind>(kind), id);
+    return;
+  }
+  if (facts == nullptr) {
+    if (!stopped_) late_.push_back(report);
+    return;
+  }
+  auto& known = facts->reports[kind][static_cast<std::size_t>(id)];
+  if (!known) {
+    known = report;
+    return;
+  }
+  // A restarted process may say its last tick again.
+  if (known->sender == report.sender && known->boot_id != report.boot_id) return;
+  findings_->Add(t, "lockstep",
+                 "{}:{} is reported twice for tick {}, by {} (start {}) and {} (start {})",
+                 ToString<AgentKind>(kind), id, report.tick, known->sender, known->boot_id,
+                 report.sender, report.boot_id);
+}
+
+void Intake::TakeSchedule(const schedule_t& message) {
+  const std::int32_t d = message.decision;
+  const std::int64_t t =
+      heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
+  if (d < 0 || message.tick < 0 || message.tick > heard_.scenario->last_tick() ||
+      heard_.scenario->DecisionAt(message.tick) != d) {
+    findings_->Add(t, "lockstep",
+                   "a schedule names decision {} at tick {}, where none or another is due", d,
+                   message.tick);
+    return;
+  }
+  const auto [known, is_new] = heard_.schedules.try_emplace(d, message);
+  if (!is_new && !SameActions(known->second, message)) {
+    findings_->Add(t, "lockstep",
+                   "decision {} was made twice and differently, by {} (start {}, seq {}) and "
+                   "{} (start {}, seq {})",
+                   d, known->second.header.sender, known->second.header.boot_id,
+                   known->second.header.seq, message.header.sender, message.header.boot_id,
+                   message.header.seq);
+  }
+}
+
+bool Intake::Complete(const TickFacts& facts) const {
+  if (!facts.clock || !facts.world || !facts.rulings) return false;
+  if (heard_.scenario->takes_orders() &&
+      (!facts.orders || facts.orders->header.boot_id < facts.world->header.boot_id)) {
+    return false;
+  }
+  if (const std::int32_t due = heard_.scenario->DecisionAt(next_tick_); due >= 0) {
+    const std::optional<bool> in_force = InForce();
+    if (!in_force || (*in_force && !heard_.schedules.contains(due))) return false;
+  }
+  for (const int kind : kClasses) {
+    for (std::size_t id = 0; id < facts.reports[kind].size(); ++id) {
+      if (facts.reports[kind][id]) continue;
+      // Only a lost process's agents have no report: the world rules that they failed.
+      const auto lost = [&](const ruling_t& r) {
+        return r.agent_kind == kind && r.agent_id == static_cast<int>(id) &&
+               r.kind != RulingKind::kReleased;
+      };
+      if (std::none_of(facts.rulings->rulings.begin(), facts.rulings->rulings.end(), lost)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+std::optional<bool> Intake::InForce() const {
+  const auto next = pending_.find(next_tick_ + 1);
+  if (next == pending_.end() || !next->second.clock) return {};
+  return next->second.clock->required_decision >= heard_.scenario->DecisionAt(next_tick_);
+}
+
+std::string Intake::WhatIsMissing() const {
+  const auto found = pending_.find(next_tick_);
+  const TickFacts none;
+  const TickFacts& facts = found == pending_.end() ? none : found->second;
+  std::string text;
+  const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (!facts.clock) add("clock_t");
+  if (!facts.world) add("world_state_t");
+  if (!facts.rulings) add("rulings_t");
+  if (heard_.scenario->takes_orders() && !facts.orders) add("orders_t");
+  const std::int32_t due = heard_.scenario->DecisionAt(next_tick_);
+  if (due >= 0 && !heard_.schedules.contains(due))
+    add(fmt::format("schedule_t of decision {}", due));
+  if (due >= 0 && !InForce()) add(fmt::format("clock_t of tick {}", next_tick_ + 1));
+  for (const int kind : kClasses) {
+    for (std::size_t id = 0; id < heard_.scenario->agents[kind].size(); ++id) {
+      if (facts.reports[kind].empty() || !facts.reports[kind][id]) {
+        add(fmt::format("state of {}:{}", ToString<AgentKind>(kind), id));
+        break;  // one of a class is enough to say
+      }
+    }
+  }
+  return fmt::format("tick {} lacks: {}", next_tick_, text);
+}
+
+const TickFacts* Intake::Next() {
+  const auto next = pending_.find(next_tick_);
+  if (next != pending_.end() && Complete(next->second)) {
+    now_us_ = heard_.scenario->TimeOf(next_tick_);
+    return &next->second;
+  }
+  if (pending_.size() > kMaxPending) {
+    findings_->Add(heard_.scenario->TimeOf(next_tick_), "lockstep", "{}", WhatIsMissing());
+    Stop();
+  }
+  return nullptr;
+}
+
+const schedule_t* Intake::ScheduleOfNext() const {
+  const std::int32_t due = heard_.scenario->DecisionAt(next_tick_);
+  return due >= 0 && *InForce() ? &heard_.schedules.at(due) : nullptr;
+}
+
+void Intake::Drop() { pending_.erase(next_tick_++); }
+
+void Intake::Stop() {
+  stopped_ = true;
+  pending_.clear();
+}
+
+void Intake::Finish() {
+  if (!stopped_ && next_tick_ <= heard_.scenario->last_tick()) {
+    findings_->Add(heard_.scenario->TimeOf(next_tick_), "lockstep", "{}", WhatIsMissing());
+    Stop();
+  }
+  if (!ended_) {
+    findings_->Add(heard_.scenario->limit_us, "lockstep",
+                   "no clock_t of phase 2 announces the end");
+  }
+  for (const auto& [start, sender] : senders_) {
+    const auto missing = sender.seqs.Missing(0, sender.seqs.max());
+    for (const IntervalSet::Range& gap : missing) {
+      findings_->Add(sender.last_sim_us, "seq", "{} (start {}) lacks seq {} to {} of 0 to {}",
+                     start.first, start.second, gap.first, gap.last, sender.seqs.max());
+    }
+  }
+  std::sort(heard_.events.begin(), heard_.events.end(), [](const event_t& a, const event_t& b) {
+    return std::tuple(KeyOf(a), a.fault_id, a.detail) < std::tuple(KeyOf(b), b.fault_id, b.detail);
+  });
+  heard_.events.erase(std::unique(heard_.events.begin(), heard_.events.end(),
+                                  [](const event_t& a, const event_t& b) {
+                                    return KeyOf(a) == KeyOf(b) && a.fault_id == b.fault_id &&
+                                           a.detail == b.detail;
+                                  }),
+                      heard_.events.end());
+}
+
+}  // namespace muster::tools::audit

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/interval_set.h"
+#include "lcmtypes/bus/bus.h"
+#include "lcmtypes/bus/codec.h"
+#include "tools/audit/audit_scenario.h"
+#include "tools/audit/findings.h"
+
+namespace muster::tools::audit {
+
+/// What a process says of an agent at a tick.
+struct Report {
+  std::int64_t tick = 0;
+  int kind = kUav;
+  agent_t agent;                ///< not listed: nothing but its id
+  std::int64_t base_tick = -1;  ///< not listed: it goes on as told for that; -1: listed
+  std::int32_t applied_decision = -1;
+  std::string sender;
+  std::int64_t boot_id = 0;
+};
+
+/// What the log says of a tick.
+struct TickFacts {
+  std::optional<clock_t> clock;
+  std::optional<world_state_t> world;
+  std::optional<rulings_t> rulings;
+  std::optional<orders_t> orders;  ///< of the latest start of the world
+  std::vector<std::optional<Report>> reports[3];
+};
+
+/// What the log says beside its ticks.
+struct Heard {
+  std::optional<Scenario> scenario;
+  std::string sha256;
+  std::int64_t messages = 0, duplicates = 0;
+  std::int64_t undecodable = 0;  ///< packets on our channels that are no valid message
+  std::map<std::int32_t, schedule_t> schedules;
+  std::vector<event_t> events;  ///< after Intake::Finish() sorted and without repeats
+  std::string clock_sender;     ///< which process speaks as the clock
+};
+
+/// Takes the messages of a log, each once, and puts together what they say of each tick. A tick is
+/// dropped when it has been checked.
+class Intake {
+ public:
+  explicit Intake(Findings* findings) : findings_(findings) {}
+
+  /// The scenario's message comes first.
+  void Take(const Packet& packet);
+  /// The next tick, once all is here that it needs; else null. Too many ticks that wait for an
+  /// earlier one are a violation and the end.
+  const TickFacts* Next();
+  /// The schedule of the decision due at the next tick; null: none is, or the world went on without
+  /// it, as the scheduler was lost.
+  const schedule_t* ScheduleOfNext() const;
+  /// The next tick has been checked.
+  void Drop();
+  /// No further tick is wanted.
+  void Stop();
+  /// To call after the last packet: ticks, ends and numbers that are missing are violations.
+  void Finish();
+
+  const Heard& heard() const { return heard_; }
+  std::int64_t next_tick() const { return next_tick_; }
+  bool stopped() const { return stopped_; }
+  /// Reports of ticks that have been checked: a lost process that is back says where it stood.
+  std::vector<Report> TakeLate() { return std::exchange(late_, {}); }
+
+ private:
+  struct Sender {
+    IntervalSet seqs;
+    std::int64_t last_sim_us = 0;
+  };
+  using MessageKey = std::tuple<std::string, std::int64_t, std::int64_t>;  // sender, start, seq
+
+  template <class Message>
+  std::optional<Message> Admit(const Packet& packet);
+  void TakeScenario(const scenario_t& message);
+  void TakeStates(const agent_states_t& message, int kind);
+  void TakeChanges(const agent_changes_t& message, int kind);
+  void TakeReport(const Report& report, TickFacts* facts);
+  /// Whether a report of that class and tick can be, on the channel of class `kind`.
+  bool CanReport(int said, int kind, std::int64_t tick, TickFacts** facts);
+  void TakeSchedule(const schedule_t& message);
+  /// Null where the tick cannot be, or has been checked.
+  TickFacts* FactsOf(std::int64_t tick);
+  bool Complete(const TickFacts& facts) const;
+  /// Whether the clock after the next tick requires the decision due at it; none: that clock is not
+  /// here yet.
+  std::optional<bool> InForce() const;
+  std::string WhatIsMissing() const;
+
+  Findings* findings_;
+  Heard heard_;
+  std::optional<std::int64_t> run_id_;
+  std::map<std::pair<std::string, std::int64_t>, Sender> senders_;
+  std::map<MessageKey, std::size_t> recent_;
+  std::deque<MessageKey> recent_order_;
+  std::map<std::int64_t, TickFacts> pending_;
+  std::vector<Report> late_;
+  std::int64_t next_tick_ = 0, now_us_ = 0;
+  bool stopped_ = false, ended_ = false;
+};
+
+}  // namespace muster::tools::audit
