@@ -21,3 +21,8 @@ export function roundTicks([from, to], most, parts = [1, 2, 2.5, 5]) {
   for (let i = Math.ceil(from / step - 1e-9); i * step <= to + step * 1e-9; ++i) ticks.push(tidy(i * step));
   return ticks;
 }
+
+/** The part of the area that is in view: pixels. */
+export function frameOf({ x, y, width, height }, { width_m: w, height_m: h }) {
+  return { left: Math.max(0, x(0)), top: Math.max(0, y(h)), right: Math.min(width, x(w)), bottom: Math.min(height, y(0)) };
+}

@@ -6,7 +6,7 @@ import { Clock } from "../../../../tools/report/page/clock.js";
 import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
 import { attentionAt, forecastAt, timeRisk } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
-import { cellWords, countCells } from "../../../../tools/report/page/map_crowd.js";
+import { cellWords, countCells } from "../../../../tools/report/page/layers/crowd.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
 import { placeLabels } from "../../../../tools/report/page/map_labels.js";
 import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";

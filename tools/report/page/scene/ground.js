@@ -1,6 +1,6 @@
 import { CanvasTexture, DoubleSide, LinearFilter, Mesh, MeshBasicMaterial, PlaneBufferGeometry } from "three";
-import { drawDegrees, drawGrid, drawGround, frameOf } from "../map_frame.js";
-import { linear } from "../scale.js";
+import { BELOW } from "../layers/below.js";
+import { frameOf, linear } from "../scale.js";
 
 const SIDE = 900; // pixels that the map's lines and letters are made for
 const SHARP = 2.5;
@@ -19,9 +19,8 @@ function paint(run, plane) {
   c.scale(SHARP, SHARP);
   const { width_m: w, height_m: h } = run.scenario;
   const shown = { x: linear([0, w], [MARGIN, width - MARGIN]), y: linear([0, h], [height - MARGIN, MARGIN]), width, height };
-  drawGround(c, run, shown);
-  drawGrid(c, run, shown);
-  drawDegrees(c, run, shown, frameOf(shown, run.scenario));
+  Object.assign(shown, { run, frame: frameOf(shown, run.scenario) });
+  for (const layer of BELOW) layer.draw(c, shown);
   return { canvas, wide: width / perUnit, high: height / perUnit };
 }
 

@@ -1,7 +1,7 @@
-import { agentShape, cross } from "./canvas.js";
-import { number } from "./dom.js";
-import { theme } from "./theme.js";
-import { CANCELLED, DONE, EXPIRED, FAILED } from "./words.js";
+import { agentShape, cross } from "../canvas.js";
+import { number } from "../dom.js";
+import { theme } from "../theme.js";
+import { CANCELLED, DONE, EXPIRED, FAILED } from "../words.js";
 
 /** More symbols in view than this stand together, one for all of a kind in a square of the screen. */
 export const MOST_SYMBOLS = 4000;
@@ -41,7 +41,7 @@ function shape(c, kind, x, y, r) {
 }
 
 /** One symbol for all of a kind in each square: its area grows with their number. */
-export function drawCells(c, { counts, columns, rows, most }) {
+function draw(c, { cells: { counts, columns, rows, most } }) {
   for (const kind of [TASKS, 2, 1, 0, FAILED_AGENTS]) {
     c.beginPath();
     for (let cell = 0; cell < columns * rows; ++cell) {
@@ -61,6 +61,8 @@ export function drawCells(c, { counts, columns, rows, most }) {
     }
   }
 }
+
+export const crowd = { shows: ({ cells }) => cells, draw };
 
 /** "12 UAVs, 30 workers, 4 tasks to do" in the square at (x, y) of the screen; "" where there is nothing. */
 export function cellWords({ counts, columns, rows }, x, y) {

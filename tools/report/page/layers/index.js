@@ -1,0 +1,37 @@
+import { agents } from "./agents.js";
+import { BELOW } from "./below.js";
+import { charging } from "./charging.js";
+import { crowd } from "./crowd.js";
+import { differences } from "./differences.js";
+import { labels } from "./labels.js";
+import { marked } from "./marked.js";
+import { scaleBar } from "./scale_bar.js";
+import { selected } from "./selected.js";
+import { tasks } from "./tasks.js";
+import { trails } from "./trails.js";
+import { water } from "./water.js";
+import { ways } from "./ways.js";
+
+/**
+ * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend? }. `map` is what MapView says is in view. A layer
+ * without `shows` is always drawn.
+ */
+export const LAYERS = [...BELOW, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
+
+/** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
+const TOLD = [tasks, charging, agents, water, trails, ways];
+
+/** Fills the legend's box; returns what fits it to a run. */
+export function makeLegend(box) {
+  const entries = TOLD.flatMap((layer) => layer.legend);
+  box.innerHTML = entries.map(({ mark, long }) => `<span><svg ${long ? 'viewBox="0 0 24 12" class="long"' : 'viewBox="0 0 12 12"'}>${mark}</svg></span>`).join("");
+  const texts = entries.map(({ id, words }, i) => {
+    const span = box.children[i];
+    if (id) span.id = `legend-${id}`;
+    return span.appendChild(document.createTextNode(typeof words === "string" ? words : ""));
+  });
+  return (run) => entries.forEach(({ words, shows }, i) => {
+    if (shows) box.children[i].hidden = !shows(run);
+    if (typeof words !== "string") texts[i].data = words(run);
+  });
+}
