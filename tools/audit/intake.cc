@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "lcmtypes/channels.h"
+#include "tools/audit/values.h"
 
 namespace muster::tools::audit {
 namespace {

@@ -189,7 +189,8 @@ std::string SummaryOf(const std::vector<MissionRow>& rows) {
   const auto groups = GroupsOf(rows, &KeyOf);
   Sheet sheet(
       "instance|agents|run|procs|runs|wall_s|ratio|cpu_s|sent_MB|resent|lost_%|log_MB|peak_MiB");
-  for (const auto& [key, group] : groups) {
+  for (const auto& named : groups) {
+    const Group& group = named.second;
     const MissionRow& row = *group.front();
     const auto alone = std::find_if(groups.begin(), groups.end(), [&](const auto& other) {
       return other.first == Key(row.instance, "simulate", 1);

@@ -200,7 +200,9 @@ std::string SummaryOf(const std::vector<BenchRow>& rows) {
   Sheet sheet(
       "instance|method|runs|nodes<=|median_ms|p10_ms|p90_ms|max_ms|gap<=|gap<=0.1%|peak_MiB");
   const auto key = [](const BenchRow& row) { return std::pair(row.instance, row.method); };
-  for (const auto& [name, group] : GroupsOf(rows, key)) {
+  for (const auto& named : GroupsOf(rows, key)) {
+    const auto& [instance, method] = named.first;
+    const auto& group = named.second;
     const auto ms = ValuesOf(group, [](const BenchRow& row) { return row.total_s * 1e3; });
     const auto gaps = ValuesOf(
         group, [](const BenchRow& row) { return std::isnan(row.bound) ? kNotKnown : row.gap(); });
@@ -208,9 +210,9 @@ std::string SummaryOf(const std::vector<BenchRow>& rows) {
       return Quantile(ValuesOf(group, [&](const BenchRow& row) { return row.*member; }), 1);
     };
     sheet.Add(fmt::format(
-        "{}|{}|{}|{:.0f}|{:.3f}|{:.3f}|{:.3f}|{:.3f}|{}|{}|{:.1f}", name.first, name.second,
-        group.size(), most(&BenchRow::nodes), Quantile(ms, 0.5), Quantile(ms, 0.1),
-        Quantile(ms, 0.9), Quantile(ms, 1), Shown("{:.2g}", Quantile(gaps, 1)),
+        "{}|{}|{}|{:.0f}|{:.3f}|{:.3f}|{:.3f}|{:.3f}|{}|{}|{:.1f}", instance, method, group.size(),
+        most(&BenchRow::nodes), Quantile(ms, 0.5), Quantile(ms, 0.1), Quantile(ms, 0.9),
+        Quantile(ms, 1), Shown("{:.2g}", Quantile(gaps, 1)),
         Shown("{:.2f}%", PercentUpTo(1e-3, gaps)), most(&BenchRow::peak_bytes) / (1 << 20)));
   }
   return sheet.Text();
