@@ -7,6 +7,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "tests/lcmtypes/sample_messages.h"
 
 namespace muster {
 namespace {
@@ -26,6 +27,34 @@ TEST(Inbox, OpensWhatIsMeantForIt) {
   ASSERT_TRUE(message);
   EXPECT_TRUE(std::holds_alternative<clock_t>(*message));
   EXPECT_EQ(inbox.counters().received, 1);
+}
+
+TEST(DecodeMessage, OpensOnEachChannelTheTypeOfTheTable) {
+  for (const Channel& row : kChannels) {
+    std::apply(
+        [&](const auto&... samples) {
+          const auto expect = [&]<class T>(const T& sample) {
+            const auto message = DecodeMessage({std::string(row.name), Encode(sample)});
+            const bool is_its_type = row.type == T::getTypeName();
+            EXPECT_EQ(message.has_value(), is_its_type) << row.name << " " << T::getTypeName();
+            if (message) EXPECT_TRUE(std::holds_alternative<T>(*message)) << row.name;
+          };
+          (expect(samples), ...);
+        },
+        SampleMessages());
+  }
+}
+
+TEST(GapsIn, CountsTheNumbersThatAreMissingBelowTheHighest) {
+  IntervalSet seqs;
+  EXPECT_EQ(GapsIn(seqs), 0);
+  seqs.Add(0);
+  seqs.Add(1);
+  EXPECT_EQ(GapsIn(seqs), 0);
+  seqs.Add(5);
+  EXPECT_EQ(GapsIn(seqs), 3);
+  seqs.Add(3);
+  EXPECT_EQ(GapsIn(seqs), 2);
 }
 
 TEST(Inbox, CountsAndDropsStrangersAndGarbage) {

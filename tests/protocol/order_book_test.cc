@@ -96,6 +96,52 @@ TEST(OrderBook, BelievesTheLaterStartOfTheWorld) {
   EXPECT_FALSE(book.knows("add-120"));
 }
 
+TEST(OrderBook, KnowsWhatWasRefusedToo) {
+  OrderBook book(Roomy());
+  orders_t orders = At(2, 0, {});
+  refused_order_t refused{};
+  refused.id = "late";
+  orders.refused = {refused};
+  orders.n_refused = 1;
+  ASSERT_TRUE(book.Take(orders));
+  EXPECT_TRUE(book.knows("late"));
+  EXPECT_EQ(book.scenario()->n_tasks(), 120u);
+  // The next order is the second one, so the refused one is counted.
+  ASSERT_TRUE(book.Take(At(3, 1, {Add(120, 7)})));
+  EXPECT_TRUE(book.complete(3));
+  EXPECT_EQ(X_km(book, 120), 7);
+}
+
+TEST(OrderBook, AQuietTickIsCompleteWhoeverToldOfIt) {
+  OrderBook told(Roomy()), book(Roomy());
+  ASSERT_TRUE(told.Take(At(3, 0, {Add(120, 7)})));
+  ASSERT_TRUE(told.Take(At(4, 1, {})));
+  ASSERT_TRUE(book.Take(told.ToWire()));  // which leaves out tick 4
+  EXPECT_TRUE(book.complete(4, 9));
+  EXPECT_FALSE(book.complete(3, 9)) << "an earlier start of the world said it";
+  ASSERT_TRUE(book.Take(At(4, 1, {}))) << "the quiet tick itself comes later";
+  EXPECT_EQ(X_km(book, 120), 7);
+  EXPECT_FALSE(book.complete(5));
+}
+
+TEST(OrderBook, TakesNothingOfAnAccountThatCannotBe) {
+  OrderBook told(Roomy()), book(Roomy());
+  ASSERT_TRUE(told.Take(At(3, 0, {Add(120, 7)})));
+  order_book_t wire = told.ToWire();
+  for (const auto& spoil : std::vector<void (*)(taken_order_t&)>{
+           [](taken_order_t& o) { o.json = "{}"; }, [](taken_order_t& o) { o.task_id = 121; },
+           [](taken_order_t& o) { o.agent_id = 0; }}) {
+    order_book_t bad = wire;
+    spoil(bad.ticks[0].taken[0]);
+    EXPECT_FALSE(book.Take(bad));
+    EXPECT_EQ(book.scenario()->n_tasks(), 120u);
+    EXPECT_FALSE(book.knows("add-120"));
+    EXPECT_FALSE(book.complete(3));
+  }
+  EXPECT_TRUE(book.Take(wire));
+  EXPECT_EQ(book.scenario()->n_tasks(), 121u);
+}
+
 TEST(OrderBook, RefusesWhatCannotBe) {
   OrderBook book(Roomy());
   EXPECT_FALSE(book.Take(At(3, 0, {Add(121, 7)})));  // the next is 120

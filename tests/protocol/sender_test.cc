@@ -163,6 +163,18 @@ TEST(Sender, ManySmallMessagesAreOutAtATimeWhereTheWindowIsOneOfBytes) {
   EXPECT_EQ(FlushAt(&sender, 30'000).size(), fit);
 }
 
+TEST(Sender, AMessageThatJustFitsTheWindowIsSent) {
+  const auto sent = [](std::size_t fewer) {
+    Sender sender({1, "world", 0}, 0);
+    const std::size_t size = Say(&sender)->bytes.size();
+    Sender held({1, "world", 0}, {1, 3 * size - fewer});
+    for (int i = 0; i < 5; ++i) Say(&held);
+    return FlushAt(&held, 0).size();
+  };
+  EXPECT_EQ(sent(0), 3u);
+  EXPECT_EQ(sent(1), 2u) << "a byte too few for the third";
+}
+
 // Processes that were slow because there were many of them made it worse by repairing.
 TEST(Sender, WaitsForAcknowledgementsThatTakeLong) {
   Sender sender({1, "world", 0}, 2);

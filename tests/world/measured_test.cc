@@ -163,6 +163,14 @@ TEST(Measured, ChargingEndsWhenTheUavSaysSoWithTheRangeItHas) {
             (Happened{{Kind::kChargingStarted, 100}, {Kind::kChargingDone, 210}}));
   EXPECT_DOUBLE_EQ(early.agent(kUav).range_at_departure_m, 14'000 + 110 * 50);
 
+  // The slack is the way of a second, 10 m.
+  for (const auto& [range_m, is_refused] : {std::pair(18'010, false), {18'011, true}}) {
+    Flight slack(Small());
+    slack.Measure(kUav).Judge(0, 0).Command(Charge()).Until(90).Arrived(kUav).Judge(120).Judge(150);
+    slack.Done(kUav, range_m).Judge(180);
+    EXPECT_EQ(!slack.refusal().empty(), is_refused) << range_m;
+  }
+
   Flight late(Small());
   late.Measure(kUav).Judge(0, 0).Command(Charge()).Until(90).Arrived(kUav).Judge(120).Until(270);
   late.Done(kUav, 17'000).Judge(300);

@@ -81,6 +81,15 @@ class RestoringTest : public ::testing::Test {
                    TimeUs failed_us, Ruling::Kind how = Ruling::Kind::kLost) {
     return TakeWorld(tick) && TakeRulings(tick, kind, std::move(ids), failed_us, how);
   }
+  bool TakeClock(std::int64_t tick, std::int32_t required_decision) {
+    auto clock = Message<clock_t>(tick);
+    clock.phase = NumberOf(ClockPhase::kRunning);
+    clock.tick_us = scenario_.rules.TimeOf(tick);
+    clock.limit_us = scenario_.rules.limit_us;
+    clock.decision = scenario_.rules.DecisionAt(tick);
+    clock.required_decision = required_decision;
+    return Take(channel::kClock, clock);
+  }
   void TakeAllStates(std::int64_t tick) {
     EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, tick));
     EXPECT_TRUE(TakeStates(AgentKind::kWorker, {0, 1}, tick));
@@ -308,18 +317,43 @@ TEST_F(RestoringTest, WhereAllAreLostTheNewestVerdictCounts) {
     EXPECT_TRUE(TakeWorld(tick));
     EXPECT_TRUE(Take(channel::kRulings, rulings));
   }
-  auto clock = Message<clock_t>(6);
-  clock.phase = NumberOf(ClockPhase::kRunning);
-  clock.tick_us = scenario_.rules.TimeOf(6);
-  clock.limit_us = scenario_.rules.limit_us;
-  clock.decision = scenario_.rules.DecisionAt(6);
-  clock.required_decision = 5;
-  EXPECT_TRUE(Take(channel::kClock, clock));
+  EXPECT_TRUE(TakeClock(6, 5));
   const auto state = restoring_.NewestWithoutLost();
   ASSERT_TRUE(state);
   EXPECT_EQ(state->tick, 7);
   EXPECT_EQ(state->lost.size(), 6u);
   EXPECT_EQ(state->applied_decision, 5) << "of the newest tick that it is known of";
+}
+
+TEST_F(RestoringTest, AClockTellsOfTheVerdictBeforeIt) {
+  TakeAllStates(4);
+  EXPECT_TRUE(TakeVerdict(3, AgentKind::kWorker, {}, 0));
+  EXPECT_TRUE(TakeClock(4, 3));
+  ASSERT_TRUE(restoring_.NewestWithoutLost());
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 4);
+  EXPECT_TRUE(TakeClock(6, 5));
+  EXPECT_FALSE(restoring_.NewestWithoutLost()) << "there was a verdict on tick 5";
+}
+
+TEST_F(RestoringTest, WithoutVerdictsNobodyCanHaveBeenLost) {
+  TakeAllStates(0);
+  EXPECT_TRUE(TakeClock(0, -1));
+  ASSERT_TRUE(restoring_.NewestWithoutLost());
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 0);
+  TakeAllStates(4);
+  EXPECT_TRUE(TakeVerdict(3, AgentKind::kWorker, {}, 0));
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 4);
+  EXPECT_TRUE(TakeNothing(channel::kWorkers)) << "a process of workers has not begun";
+  EXPECT_EQ(restoring_.NewestWithoutLost()->tick, 0);
+}
+
+TEST_F(RestoringTest, TheDecisionOfTheNextTickIsKnownFromWhoIsAhead) {
+  TakeAllStates(4);
+  EXPECT_TRUE(TakeVerdict(3, AgentKind::kWorker, {}, 0));
+  EXPECT_FALSE(restoring_.Newest()->next_decision);
+  EXPECT_TRUE(TakeStates(AgentKind::kUav, {0}, 5));
+  EXPECT_EQ(restoring_.Newest()->next_decision, 105);
+  EXPECT_EQ(restoring_.Newest()->applied_decision, 104);
 }
 
 /// A liar whose states are all of a tick after the last leaves nothing to go on with.
