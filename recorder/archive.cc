@@ -9,7 +9,7 @@
 #include "protocol/process.h"
 #include "world/restoring.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 /// Ticks kept. The newest may have been told in part, and it takes the verdict on the one before.
@@ -214,4 +214,4 @@ std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
   return answers;
 }
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

@@ -16,7 +16,7 @@
 #include "protocol/order_book.h"
 #include "protocol/report_reader.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 /// The state of a mission as its processes have last told it. World and agent processes keep each
 /// other's; when several have died at once, nobody is left to tell those that start again but who
@@ -77,4 +77,4 @@ class Archive {
   std::map<std::tuple<std::string, std::int64_t, std::string>, Question> questions_;
 };
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

@@ -3,7 +3,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "protocol/inbox.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 std::optional<header_t> LogFollower::Add(const Packet& event) {
   // lcm-logger records all of LCM: self-tests, and what users' own tools say.
@@ -63,4 +63,4 @@ log_status_t LogFollower::Status() const {
   return status;
 }
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

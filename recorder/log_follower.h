@@ -12,7 +12,7 @@
 #include "base/units.h"
 #include "lcmtypes/bus/bus.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 /// The marks are said again after so long without a reason: for the packets that nobody knows of.
 inline constexpr TimeUs kMarksIdleUs = 200'000;
@@ -65,4 +65,4 @@ class LogFollower {
   std::int64_t strangers_ = 0;
 };
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

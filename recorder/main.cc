@@ -12,7 +12,7 @@
 #include "protocol/run_process.h"
 #include "recorder/recorder_process.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 constexpr int kWindow = 3;
@@ -71,8 +71,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster::recorder
 
 int main(int argc, char** argv) {
-  return muster::GuardedMain("muster-recorder", [&] { return muster::tools::Main(argc, argv); });
+  return muster::GuardedMain("muster-recorder", [&] { return muster::recorder::Main(argc, argv); });
 }

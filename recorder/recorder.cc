@@ -5,7 +5,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 /// Own messages that may be out and not in the log. Small: they share lcm-logger's queue of 30 with
@@ -215,4 +215,4 @@ TimeUs Recorder::wake_us() const {
   return wake;
 }
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

@@ -16,7 +16,7 @@
 #include "protocol/sender.h"
 #include "recorder/log_follower.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 /// The launcher's part in the mission, as a pure core: what it says itself, what it sees of the
 /// log, and, where lcm-logger writes that, the recorder's part: it tells everybody what the log
@@ -119,4 +119,4 @@ class Recorder {
   BackOff idle_;
 };
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

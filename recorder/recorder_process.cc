@@ -6,7 +6,7 @@
 #include "lcmtypes/channels.h"
 #include "protocol/sender.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 /// Each word of the log's wakes everybody. It is said at once when a sender has so much out that it
@@ -104,4 +104,4 @@ TimeUs RecorderProcess::AgainUs() const {
   return answer_wanted_ ? std::min(idle_.due_us(), said_us_ + kMarksAgainUs) : idle_.due_us();
 }
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

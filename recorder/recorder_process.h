@@ -10,7 +10,7 @@
 #include "protocol/process.h"
 #include "recorder/log_follower.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 /// The recorder that writes the log itself: a member of the mission that tells everybody what the
 /// log holds, from what it has written. Nobody reads the log for that, and nothing has to be
@@ -60,4 +60,4 @@ class RecorderProcess : public Process {
   BackOff idle_;
 };
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

@@ -24,6 +24,11 @@ Activity::Kind KindOf(ActionKind action) {
   return action == ActionKind::kSense ? Activity::Kind::kSensing : Activity::Kind::kCharging;
 }
 
+bool Involves(const Activity& activity, const AgentState& agent) {
+  if (agent.kind == AgentKind::kUav) return activity.uav.value == agent.id;
+  return agent.kind == PartnerKind(activity.kind) && activity.partner == agent.id;
+}
+
 bool Matches(const AgentState& a, const AgentState& b) {
   return a.action == b.action && a.partner == b.id && b.partner == a.id && a.target == b.target &&
          a.decision == b.decision && !a.failed && !b.failed;
@@ -268,6 +273,24 @@ void Referee::Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent
        began ? "under way" : "before its start");
 }
 
+bool Referee::AbortActivityOf(const AgentState& agent, TimeUs t, bool fails) {
+  const AgentKey failed(agent.kind, agent.id);
+  bool found = false;
+  for (Known& known : activities_) {
+    const Activity& activity = known.activity;
+    if (!Involves(activity, agent) || known.is_aborted || activity.end_us <= t ||
+        activity.start_us < agent.depart_us) {
+      continue;
+    }
+    found = true;
+    Abort(&known, t, fails ? std::optional(failed) : std::nullopt);
+    if (activity.kind == Activity::Kind::kSensing) {
+      ExpireIfLate(static_cast<std::size_t>(activity.site), t);
+    }
+  }
+  return found;
+}
+
 bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
   const TimeUs since_us = failed_.at(failure.agent).at_us;
   return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
@@ -288,20 +311,7 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
     return;
   }
   Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.reason);
-  const AgentState& agent = agents->at(kind, id);
-  for (Known& known : activities_) {
-    const Activity& activity = known.activity;
-    const bool takes_part = kind == AgentKind::kUav
-                                ? activity.uav.value == id
-                                : PartnerKind(activity.kind) == kind && activity.partner == id;
-    if (!takes_part || known.is_aborted || activity.end_us <= failure.at_us ||
-        activity.start_us < agent.depart_us) {
-      continue;
-    }
-    Abort(&known, failure.at_us, failure.agent);
-    if (activity.kind == Activity::Kind::kSensing)
-      ExpireIfLate(static_cast<std::size_t>(activity.site), failure.at_us);
-  }
+  AbortActivityOf(agents->at(kind, id), failure.at_us, true);
 }
 
 void Referee::Meet(TimeUs t, Agents* agents) {

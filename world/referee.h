@@ -131,6 +131,8 @@ class Referee {
   void CallOff(std::size_t task, TimeUs t);
   /// Does so for one, and frees the agents that are still there; `agent` needs no freeing.
   void Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent = {});
+  /// Does so for what the agent takes part in, if anything; it needs no freeing when it fails.
+  bool AbortActivityOf(const AgentState& agent, TimeUs t, bool fails);
   /// When tasks of the scenario are reported and expire, after `t`.
   void PlanTimes(TimeUs t);
   void PlanTimesOf(std::size_t task, TimeUs t);

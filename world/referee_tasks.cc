@@ -108,24 +108,8 @@ void Referee::ObeyOfTask(const TakenOrder& taken, TimeUs t) {
 
 void Referee::Recall(const TakenOrder& taken, TimeUs t, Agents* agents) {
   const AgentKey key{taken.order.agent_kind, taken.agent_id};
-  const AgentState& agent = agents->at(key.first, key.second);
   if (failed_.contains(key)) return;
-  for (Known& known : activities_) {
-    const Activity& activity = known.activity;
-    const bool takes_part =
-        key.first == AgentKind::kUav
-            ? activity.uav.value == key.second
-            : PartnerKind(activity.kind) == key.first && activity.partner == key.second;
-    if (!takes_part || known.is_aborted || activity.end_us <= t ||
-        activity.start_us < agent.depart_us) {
-      continue;
-    }
-    Abort(&known, t);
-    if (activity.kind == Activity::Kind::kSensing) {
-      ExpireIfLate(static_cast<std::size_t>(activity.site), t);
-    }
-    return;
-  }
+  if (AbortActivityOf(agents->at(key.first, key.second), t, false)) return;
   released_.push_back({key.first, key.second, Ruling::Kind::kReleased, t});
 }
 

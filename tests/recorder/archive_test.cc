@@ -14,7 +14,7 @@
 #include "model/generator.h"
 #include "protocol/convert.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 constexpr std::int64_t kRun = 5;
@@ -199,4 +199,4 @@ TEST_F(ArchiveTest, BelievesNoTimeOutsideTheMission) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster::recorder

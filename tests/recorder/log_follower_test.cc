@@ -4,7 +4,7 @@
 
 #include "tests/recorder/messages.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 TEST(LogFollower, MarkStopsAtAHoleUntilItCloses) {
@@ -58,4 +58,4 @@ TEST(LogFollower, LeavesOutOtherRunsAndGarbage) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster::recorder

@@ -7,7 +7,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 
 /// A small message of that sender.
 inline Packet MessageOf(const std::string& sender, std::int64_t seq, std::int64_t boot_id = 0,
@@ -23,4 +23,4 @@ inline Packet MessageOf(const std::string& sender, std::int64_t seq, std::int64_
   return {std::string(channel::kRequest), Encode(request)};
 }
 
-}  // namespace muster::tools
+}  // namespace muster::recorder

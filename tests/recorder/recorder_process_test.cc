@@ -12,7 +12,7 @@
 #include "lcmtypes/channels.h"
 #include "tests/recorder/messages.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 /// The process and what it says; all of that gets into the log.
@@ -181,4 +181,4 @@ TEST(RecorderProcess, InASealedMissionOnlyMembersAreAcknowledged) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster::recorder

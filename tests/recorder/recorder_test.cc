@@ -10,7 +10,7 @@
 #include "lcmtypes/channels.h"
 #include "tests/recorder/messages.h"
 
-namespace muster::tools {
+namespace muster::recorder {
 namespace {
 
 constexpr TimeUs kStepUs = 100;
@@ -224,4 +224,4 @@ TEST(Recorder, AGapThatNobodyFillsCanBeGivenUp) {
 }
 
 }  // namespace
-}  // namespace muster::tools
+}  // namespace muster::recorder

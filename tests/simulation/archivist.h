@@ -31,7 +31,7 @@ class Archivist : public Process {
   TimeUs OwnWakeUs() const override { return kNever; }
   std::int64_t tick() const override { return 0; }
 
-  Archive archive_;
+  recorder::Archive archive_;
   SentPacket clock_;
 };
 

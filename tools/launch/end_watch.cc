@@ -26,7 +26,7 @@ std::optional<std::string> EndWatch::Line(const Waiting& waiting, TimeUs now_us)
 }
 
 EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,
-                               const Recorder& recorder, const MissionHost& host) {
+                               const recorder::Recorder& recorder, const MissionHost& host) {
   EndWatch::Waiting waiting;
   for (const Member& member : members) {
     const bool stopped = !member.gone && !member.down && host.IsStopped(member.name);
@@ -39,7 +39,7 @@ EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const Mission
       waiting.for_whom.push_back(member.name);
     }
   }
-  for (const Recorder::Gap& gap : recorder.gaps()) {
+  for (const recorder::Recorder::Gap& gap : recorder.gaps()) {
     waiting.gaps += gap.messages;
     waiting.for_whom.push_back(TextOf(gap) + " in the log");
   }
@@ -47,7 +47,7 @@ EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const Mission
   return waiting;
 }
 
-std::string TextOf(const Recorder::Gap& gap) {
+std::string TextOf(const recorder::Recorder::Gap& gap) {
   return fmt::format("{} messages of {} (start {})", gap.messages, gap.sender, gap.boot_id);
 }
 

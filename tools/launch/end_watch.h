@@ -38,9 +38,9 @@ class EndWatch {
 
 /// For what a mission waits whose end is announced. `members`: the logger first.
 EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,
-                               const Recorder& recorder, const MissionHost& host);
+                               const recorder::Recorder& recorder, const MissionHost& host);
 
 /// "949 messages of world (start 0)"
-std::string TextOf(const Recorder::Gap& gap);
+std::string TextOf(const recorder::Recorder::Gap& gap);
 
 }  // namespace muster::tools

@@ -9,7 +9,7 @@ constexpr TimeUs kAgainUs = 200'000;
 
 }  // namespace
 
-void OrderRelay::Step(const Now& now, Recorder* speaker) {
+void OrderRelay::Step(const Now& now, recorder::Recorder* speaker) {
   if (gate_ == nullptr) return;
   for (order_t& order : gate_->Take()) {
     const std::string id = order.id;

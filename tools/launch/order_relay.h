@@ -17,7 +17,7 @@ class OrderRelay {
   /// `gate` may be null: there are no orders.
   explicit OrderRelay(OrderGate* gate) : gate_(gate) {}
 
-  void Step(const Now& now, Recorder* speaker);
+  void Step(const Now& now, recorder::Recorder* speaker);
   /// In the log.
   void OnLogged(const orders_t& orders);
   /// When to step again at the latest.

@@ -50,8 +50,8 @@ Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
       host_(host),
       recorder_({plan.run_id, std::string(LauncherNameWith(plan.logger)), 0},
-                plan.logger == Logger::kLcm ? Recorder::Marks::kOwn
-                                            : Recorder::Marks::kOfRecorderProcess),
+                plan.logger == Logger::kLcm ? recorder::Recorder::Marks::kOwn
+                                            : recorder::Recorder::Marks::kOfRecorderProcess),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
       stall_watch_(plan.processes, plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, Confirming(plan)),
@@ -186,7 +186,7 @@ void Supervisor::SeeToEnd(const Now& now) {
           end_watch_.Line(WaitingAtEnd(members_, logged_, recorder_, *host_), now.monotonic_us))
     Say(*line);
   if (!end_watch_.hopeless(now.monotonic_us)) return;
-  for (const Recorder::Gap& gap : recorder_.gaps()) {
+  for (const recorder::Recorder::Gap& gap : recorder_.gaps()) {
     Say(fmt::format("{} in the log: given up, no process can send them again", TextOf(gap)));
     recorder_.GiveUp(gap);
   }

@@ -92,9 +92,9 @@ class Supervisor : private FaultActions {
   const MissionPlan& plan_;
   MissionHost* host_;
 
-  Recorder recorder_;
+  recorder::Recorder recorder_;
   std::set<std::pair<AgentKind, std::int32_t>> failed_driven_;  ///< whose drivers have failed
-  Archive archive_;
+  recorder::Archive archive_;
   StallWatch stall_watch_;
   Patience patience_;
   Namesakes namesakes_;

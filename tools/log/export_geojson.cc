@@ -110,7 +110,7 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
     for (const agent_t& a : m->agents) {
       const std::string_view kind = ToString<AgentKind>(m->kind);
       positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
-                                          {"sim_s", static_cast<double>(m->header.sim_us) * 1e-6},
+                                          {"sim_s", ToSeconds(m->header.sim_us)},
                                           {"agent", fmt::format("{}:{}", kind, a.id)},
                                           {"class", kind},
                                           {"status", ToString<AgentStatus>(a.status)},

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/text.h"
+#include "base/units.h"
 #include "lcmtypes/channels.h"
 
 namespace muster::tools {
@@ -50,8 +51,7 @@ std::string ToText(const LogInfo& info) {
   const auto out = std::back_inserter(text);
   for (const std::string& file : info.files) fmt::format_to(out, "{}\n", file);
   fmt::format_to(out, "{} messages in {:.3f} s of wall time, {} bytes of garbage\n\n",
-                 info.messages,
-                 static_cast<double>(info.last_received_us - info.first_received_us) * 1e-6,
+                 info.messages, ToSeconds(info.last_received_us - info.first_received_us),
                  info.garbage_bytes);
   if (info.sealed > 0) {
     fmt::format_to(out, "sealed: {} of {} messages have a tag{}\n\n", info.sealed, info.ours,
@@ -63,7 +63,7 @@ std::string ToText(const LogInfo& info) {
                  "first s", "last s", "undecodable");
   for (const auto& [name, c] : info.channels) {
     const auto seconds = [](std::int64_t us) {
-      return us < 0 ? std::string("-") : fmt::format("{:.1f}", static_cast<double>(us) * 1e-6);
+      return us < 0 ? std::string("-") : fmt::format("{:.1f}", ToSeconds(us));
     };
     fmt::format_to(out, "{:<20} {:>10} {:>12} {:>12} {:>12} {:>11}\n", Printable(name), c.messages,
                    c.bytes, seconds(c.first_sim_us), seconds(c.last_sim_us), c.undecodable);

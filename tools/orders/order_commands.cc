@@ -13,6 +13,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "model/order.h"
+#include "tools/host/progress.h"
 #include "tools/orders/order_socket.h"
 #include "tools/scenario/fields.h"
 
@@ -86,11 +87,10 @@ int Give(Json order, const Arguments& arguments) {
   }
   if (arguments.Has("json")) return kExitOk;
   const Json& taken = answer["taken"];
-  const auto s = static_cast<std::int64_t>(taken["sim_s"].get<double>());
   std::string what = taken.contains("agent")  ? taken["agent"].get<std::string>()
                      : taken.contains("task") ? fmt::format("task {}", taken["task"].dump())
                                               : "";
-  fmt::print("taken at {}:{:02}:{:02}: {} {}\n", s / 3600, s / 60 % 60, s % 60,
+  fmt::print("taken at {}: {} {}\n", ClockText(ToUs(taken["sim_s"].get<double>())),
              order["order"].get<std::string>(), what);
   return kExitOk;
 }

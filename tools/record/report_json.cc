@@ -19,8 +19,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-double Seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
-
 /// JSON has neither NaN nor infinity.
 ordered_json Number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json();
@@ -43,12 +41,12 @@ ordered_json Decisions(const RunRecord& record) {
                          {"weight", Number(a.weight)}});
     }
     list.push_back({{"index", index},
-                    {"sim_s", Seconds(index * interval_us)},
+                    {"sim_s", ToSeconds(index * interval_us)},
                     {"policy", schedule.policy},
                     {"weight", Number(schedule.weight)},
                     {"bound", Number(schedule.bound)},
                     {"candidates", schedule.candidates},
-                    {"solve_s", Seconds(schedule.solve_us)},
+                    {"solve_s", ToSeconds(schedule.solve_us)},
                     {"actions", std::move(actions)}});
   }
   return list;
@@ -63,7 +61,7 @@ ordered_json FailedAgents(const RunRecord& record) {
                                 ? std::pair(AgentKind::kWorker, event.worker_id)
                                 : std::pair(AgentKind::kVehicle, event.vehicle_id);
     list.push_back({{"agent", fmt::format("{}:{}", ToString(kind), id)},
-                    {"at_s", Seconds(event.at_us)},
+                    {"at_s", ToSeconds(event.at_us)},
                     {"why", event.detail}});
   }
   return list;
@@ -74,7 +72,7 @@ ordered_json RefusedAnswers(const RunRecord& record) {
   ordered_json list = ordered_json::array();
   for (const event_t& event : record.events()) {
     if (event.kind != EventKind::kAnswerRefused) continue;
-    list.push_back({{"sim_s", Seconds(event.at_us)}, {"why", event.detail}});
+    list.push_back({{"sim_s", ToSeconds(event.at_us)}, {"why", event.detail}});
   }
   return list;
 }
@@ -94,7 +92,7 @@ ordered_json Tasks(const RunRecord& record) {
     const int status = record.final_world() ? record.final_world()->task_status[task] : -1;
     ordered_json row = {{"id", task}, {"status", ToString<TaskStatus>(status)}};
     if (const event_t* event = done[task]) {
-      row["done_s"] = Seconds(event->at_us);
+      row["done_s"] = ToSeconds(event->at_us);
       row["uav"] = event->uav_id;
       row["worker"] = event->worker_id;
     }
@@ -110,8 +108,8 @@ ordered_json Faults(const RunRecord& record) {
         {"id", id},
         {"kind", ToString<FaultKind>(fault.kind)},
         {"target", fault.target},
-        {"at_s", Seconds(fault.at_us)},
-        {"for_s", fault.for_us == kNever ? ordered_json() : ordered_json(Seconds(fault.for_us))},
+        {"at_s", ToSeconds(fault.at_us)},
+        {"for_s", fault.for_us == kNever ? ordered_json() : ordered_json(ToSeconds(fault.for_us))},
         {"probability", Number(fault.probability)},
         {"applied_s", nullptr},
         {"ended_s", nullptr},
@@ -120,9 +118,9 @@ ordered_json Faults(const RunRecord& record) {
       if (event.fault_id != id) continue;
       const bool ends = event.kind == EventKind::kFaultEnded;
       if (event.kind == EventKind::kFaultApplied && row["applied_s"].is_null()) {
-        row["applied_s"] = Seconds(event.at_us);
+        row["applied_s"] = ToSeconds(event.at_us);
       }
-      if (ends) row["ended_s"] = Seconds(event.at_us);
+      if (ends) row["ended_s"] = ToSeconds(event.at_us);
       if (const auto hits = ends ? HitsOf(event.detail) : std::nullopt) {
         row["packets"] =
             (row["packets"].is_null() ? 0 : row["packets"].get<std::int64_t>()) + *hits;
@@ -210,9 +208,9 @@ DecisionTime DecisionTimeOf(const RunRecord& record) {
   if (us.empty()) return {};
   std::sort(us.begin(), us.end());
   const std::size_t half = us.size() / 2;
-  const double median =
-      us.size() % 2 == 1 ? Seconds(us[half]) : (Seconds(us[half - 1]) + Seconds(us[half])) / 2;
-  return {median, Seconds(us.back())};
+  const double median = us.size() % 2 == 1 ? ToSeconds(us[half])
+                                           : (ToSeconds(us[half - 1]) + ToSeconds(us[half])) / 2;
+  return {median, ToSeconds(us.back())};
 }
 
 nlohmann::ordered_json Report(const RunRecord& record) {

@@ -240,7 +240,7 @@ const std::vector<event_t>& RunRecord::events() const {
 }
 
 double RunRecord::wall_s() const {
-  return first_clock_ ? static_cast<double>(last_clock_->second - first_clock_->second) * 1e-6 : 0;
+  return first_clock_ ? ToSeconds(last_clock_->second - first_clock_->second) : 0;
 }
 
 RunRecord::Completeness RunRecord::CheckComplete() const {

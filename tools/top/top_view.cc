@@ -16,8 +16,6 @@ namespace {
 /// A process says something about once a second.
 constexpr double kLateS = 3;
 
-double Seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
-
 std::string Amount(std::int64_t n) {
   if (n >= 10'000'000) return fmt::format("{}M", n / 1'000'000);
   return n >= 100'000 ? fmt::format("{}k", n / 1000) : fmt::to_string(n);
@@ -62,7 +60,7 @@ void TopView::Add(const Packet& packet) {
 TopView::Rate TopView::RateOf(const Traffic& traffic, std::int64_t now_us) {
   Traffic recent = traffic;
   Forget(&recent, now_us - kWindowUs);
-  const double seconds = Seconds(kWindowUs);
+  const double seconds = ToSeconds(kWindowUs);
   return {static_cast<double>(recent.recent.size()) / seconds,
           static_cast<double>(recent.bytes) / seconds};
 }
@@ -74,7 +72,7 @@ std::string TopView::MissionLine() const {
   const std::int64_t limit_us = timeline.scenario().rules.limit_us;
   std::string line =
       fmt::format("{}  {} of {} ({:.0f} %){}", Ascii(timeline.scenario().name), ClockText(now_us),
-                  ClockText(limit_us), 100 * Seconds(now_us) / std::max(1.0, Seconds(limit_us)),
+                  ClockText(limit_us), 100 * ToSeconds(now_us) / std::max(1.0, ToSeconds(limit_us)),
                   timeline.ended() ? ", ended" : "");
   if (const auto& start = timeline.scenario().start) {
     line += fmt::format("  {}", MomentText(start->unix_us + now_us, start->offset_min));
@@ -112,7 +110,7 @@ std::string TopView::BusLine(std::int64_t now_us) const {
   if (all_.last_us == 0) return "bus: none, a simulated mission";
   const Rate rate = RateOf(all_, now_us);
   return fmt::format("bus: {:.0f} messages/s, {:.1f} kB/s, the newest {} old", rate.messages,
-                     rate.bytes / 1000, Age(std::max(0.0, Seconds(now_us - all_.last_us))));
+                     rate.bytes / 1000, Age(std::max(0.0, ToSeconds(now_us - all_.last_us))));
 }
 
 std::array<int, kNames<AgentStatus>.size()> TopView::AgentCounts(AgentKind kind) const {
@@ -159,12 +157,12 @@ std::vector<TopView::ProcessRow> TopView::Processes(std::int64_t now_us) const {
     row.last = &rows.back();
     if (rows.size() > 1 && rows[rows.size() - 2].boot_id == row.last->boot_id) {
       const auto& before = rows[rows.size() - 2];
-      const double wall_s = Seconds(row.last->wall_us - before.wall_us);
+      const double wall_s = ToSeconds(row.last->wall_us - before.wall_us);
       if (wall_s > 0) row.cpu_frac = (row.last->cpu_s - before.cpu_s) / wall_s;
     }
     const auto found = senders_.find(name);
     const Traffic traffic = found == senders_.end() ? Traffic() : found->second;
-    if (traffic.last_us != 0) row.age_s = std::max(0.0, Seconds(now_us - traffic.last_us));
+    if (traffic.last_us != 0) row.age_s = std::max(0.0, ToSeconds(now_us - traffic.last_us));
     row.rate = RateOf(traffic, now_us);
     row.late = row.age_s > kLateS && row.last->state != ProcessState::kEnded;
     row.state = row.late ? "silent" : ToString<ProcessState>(row.last->state);
@@ -255,7 +253,7 @@ std::string TopView::Json(std::int64_t now_us) const {
   const Rate rate = RateOf(all_, now_us);
   json["bus"] = {{"messages_per_s", rate.messages},
                  {"bytes_per_s", rate.bytes},
-                 {"age_s", or_null(all_.last_us == 0 ? -1 : Seconds(now_us - all_.last_us))}};
+                 {"age_s", or_null(all_.last_us == 0 ? -1 : ToSeconds(now_us - all_.last_us))}};
   json["attention"] = Json::array();
   for (const Concern& concern : Attention(timeline, SilentProcesses(now_us))) {
     json["attention"].push_back(

@@ -29,8 +29,8 @@ Json TaskFields(const Situation& situation, std::size_t x) {
   if (task.IsPlain()) return json;
   json["priority"] = static_cast<int>(task.priority);
   json["reported_s"] = Seconds(task.reported_us);
-  json["due_s"] = task.due_us == kNever ? Json() : Json(Seconds(task.due_us));
-  json["expires_s"] = task.expires_us == kNever ? Json() : Json(Seconds(task.expires_us));
+  json["due_s"] = Seconds(task.due_us);
+  json["expires_s"] = Seconds(task.expires_us);
   return json;
 }
 

@@ -37,7 +37,7 @@ using Json = nlohmann::json;
 struct Log {
   explicit Log(const std::string& file) {
     EventLogReader reader(file, EventLogReader::Tail::kFinal);
-    std::optional<LogFollower> follower;
+    std::optional<recorder::LogFollower> follower;
     while (const auto event = reader.Next()) {
       // LCM's and our own tests of the transport are recorded, too.
       if (FindChannel(event->packet.channel) == nullptr) continue;
