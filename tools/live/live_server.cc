@@ -1,25 +1,18 @@
 #include "tools/live/live_server.h"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "base/check.h"
 #include "base/text.h"
-#include "tools/host/quiet_thread.h"
 #include "tools/report/page.h"
 #include "tools/scenario/order_text.h"
 
@@ -33,7 +26,6 @@ constexpr std::size_t kMostRequestBytes = 8192;
 constexpr milliseconds kPace{250};  // between chunks to one page
 constexpr milliseconds kLook{50};   // for what is new
 constexpr milliseconds kSilence{1000};
-constexpr milliseconds kGoodbye{1000};
 constexpr std::size_t kMostBodyBytes = 64 * 1024;
 constexpr milliseconds kAnswer{4500};  // within kPatience
 constexpr milliseconds kLookForAnswer{10};
@@ -71,14 +63,13 @@ std::optional<Request> ParseRequest(std::string_view text) {
       continue;
     }
     const std::size_t colon = line.find(':');
-    if (colon != line.npos && SameLetters(line.substr(0, colon), "Host")) {
-      request.host = Trimmed(line.substr(colon + 1));
-    }
-    if (colon != line.npos && SameLetters(line.substr(0, colon), "Authorization")) {
-      request.authorization = Trimmed(line.substr(colon + 1));
-    }
-    if (colon != line.npos && SameLetters(line.substr(0, colon), "Content-Length")) {
-      const auto length = ToInteger(std::string(Trimmed(line.substr(colon + 1))), 0, INT32_MAX);
+    if (colon == line.npos) continue;
+    const std::string_view name = line.substr(0, colon);
+    const std::string_view value = Trimmed(line.substr(colon + 1));
+    if (SameLetters(name, "Host")) request.host = value;
+    if (SameLetters(name, "Authorization")) request.authorization = value;
+    if (SameLetters(name, "Content-Length")) {
+      const auto length = ToInteger(std::string(value), 0, INT32_MAX);
       if (!length) return {};
       request.length = static_cast<std::size_t>(*length);
     }
@@ -118,34 +109,21 @@ std::string Head(std::string_view status, std::string_view type,
 
 }  // namespace
 
-LiveServer::LiveServer(int port) {
-  socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int yes = 1;
-  setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+LiveServer::LiveServer(int port) : SocketServer(Head("503 Service Unavailable", "", 0)) {
   sockaddr_in address = {};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   socklen_t size = sizeof address;
-  const bool bound = socket_ >= 0 &&
-                     bind(socket_, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
-                     listen(socket_, kMostClients) == 0 &&
-                     getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
-                     pipe2(wake_, O_CLOEXEC) == 0;
-  if (!bound) {
-    const std::string why = std::strerror(errno);
-    if (socket_ >= 0) close(socket_);
-    throw SystemError(fmt::format("cannot listen at {}:{}: {}", kHost, port, why));
-  }
+  auto* const bound = reinterpret_cast<sockaddr*>(&address);
+  Listen(bound, size, fmt::format("{}:{}", kHost, port));
+  MUSTER_CHECK(getsockname(socket_, bound, &size) == 0);
   port_ = ntohs(address.sin_port);
 }
 
 LiveServer::~LiveServer() {
   if (feed_ != nullptr) feed_->Close();
-  close(wake_[1]);
-  if (thread_.joinable()) thread_.join();
-  close(wake_[0]);
-  close(socket_);
+  Stop();
 }
 
 std::string LiveServer::url() const {
@@ -157,107 +135,40 @@ void LiveServer::Start(LiveFeed* feed, OrderGate* gate) {
   gate_ = gate;
   if (gate_ != nullptr) token_ = FreshOrderId() + FreshOrderId();
   page_ = LivePage("Live mission");
-  thread_ = StartQuietThread([this] { Work(); });
+  SocketServer::Start();
 }
 
-void LiveServer::Work() {
-  std::optional<Time> end;
-  while (true) {
-    const Time now = std::chrono::steady_clock::now();
-    pollfd wake = {wake_[0], POLLIN, 0};
-    if (!end && poll(&wake, 1, 0) > 0) end = now + kGoodbye;
-    if (!end) Accept(now);
-    for (Client& client : clients_) {
-      Read(&client, now);
-      if (!client.order.empty()) AnswerOrder(&client, now);
-      if (client.listens && !client.last) Tell(&client, now);
-      // Whoever has no question yet gets no answer any more.
-      if (end && !client.listens && !client.last && client.order.empty()) Close(&client);
-      Send(&client, now);
-      if (now >= client.until || (end && now >= *end)) Close(&client);
-    }
-    std::erase_if(clients_, [](const Client& client) { return client.fd < 0; });
-    if (end && clients_.empty()) return;
-    Wait(now);
-  }
+std::unique_ptr<SocketServer::Client> LiveServer::Greet(Time now) {
+  auto client = std::make_unique<Browser>();
+  client->until = now + kPatience;
+  return client;
 }
 
-void LiveServer::Wait(Time now) {
-  // Once it is to end, the pipe is always ready.
-  const bool ends = feed_->closed();
-  std::vector<pollfd> all = {{ends ? -1 : wake_[0], POLLIN, 0}, {ends ? -1 : socket_, POLLIN, 0}};
-  milliseconds wait = kSilence;
-  if (ends) wait = kLook / 10;
-  for (const Client& client : clients_) {
-    // What a page that listens says is nothing; that it has gone shows by itself.
-    const int events = client.out.empty() ? POLLIN : POLLOUT;
-    all.push_back({client.fd, static_cast<short>(events), 0});
-    if (client.listens) wait = std::min(wait, kLook);
-    if (!client.order.empty()) wait = std::min(wait, kLookForAnswer);
-    wait = std::min(wait, std::chrono::ceil<milliseconds>(client.until - now));
-  }
-  poll(all.data(), all.size(), static_cast<int>(std::max<std::int64_t>(wait.count(), 0)));
+void LiveServer::Serve(Client* one, Time now, bool ending) {
+  auto* const client = static_cast<Browser*>(one);
+  if (!client->asks()) client->in.clear();
+  if (client->asks()) Answer(client, now);
+  if (!client->order.empty()) AnswerOrder(client, now);
+  if (client->listens && !client->last) Tell(client, now);
+  client->look = !client->order.empty() ? kLookForAnswer : client->listens ? kLook : kIdle;
+  // A client that has not asked yet gets no answer any more.
+  if (client->ended || (ending && client->asks())) client->until = now;
 }
 
-void LiveServer::Accept(Time now) {
-  while (true) {
-    const int fd = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (fd < 0) return;
-    Client& client = clients_.emplace_back();
-    client.fd = fd;
-    client.until = now + kPatience;
-    if (clients_.size() <= kMostClients) continue;
-    client.out = Head("503 Service Unavailable", "", 0);
-    client.last = true;
-    Send(&client, now);
-    Close(&client);
-    clients_.pop_back();
-  }
-}
-
-void LiveServer::Read(Client* client, Time now) {
-  char buffer[4096];
-  while (client->fd >= 0) {
-    const ssize_t got = recv(client->fd, buffer, sizeof buffer, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0 && errno == EAGAIN) return;
-    if (got <= 0) return Close(client);
-    if (client->listens || client->last || !client->order.empty()) continue;
-    client->in.append(buffer, static_cast<std::size_t>(got));
-    const std::size_t head = client->in.find("\r\n\r\n");
-    if (head != std::string::npos) {
-      const auto request = ParseRequest(std::string_view(client->in).substr(0, head));
-      const std::size_t length = request ? request->length : 0;
-      if (length > kMostBodyBytes) {
-        client->out = Head("413 Content Too Large", "", 0);
-        client->last = true;
-        return;
-      }
-      if (client->in.size() < head + 4 + length) continue;
-      return Answer(client, now);
-    }
-    if (client->in.size() <= kMostRequestBytes) continue;
-    client->out = Head("431 Request Header Fields Too Large", "", 0);
-    client->last = true;
-  }
-}
-
-void LiveServer::TakeOrder(Client* client, const std::string& path, const std::string& body,
+void LiveServer::TakeOrder(Browser* client, const std::string& path, const std::string& body,
                            Time now) {
   try {
     client->order =
         body.empty() ? path.substr(std::string_view("/orders/").size()) : gate_->Give(body, "page");
     client->last = false;
     client->answer_by = now + kAnswer;
-    client->until = now + kPatience;
   } catch (const InputError& error) {
-    const std::string text = nlohmann::ordered_json{{"error", error.what()}}.dump(
-        -1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::string text = ErrorText(error);
     client->out = Head("400 Bad Request", "application/json", text.size()) + text;
   }
 }
 
-void LiveServer::AnswerOrder(Client* client, Time now) {
+void LiveServer::AnswerOrder(Browser* client, Time now) {
   const auto answer = gate_->AnswerTo(client->order);
   if (!answer && gate_->knows(client->order) && now < client->answer_by) return;
   const std::string text =
@@ -270,15 +181,25 @@ void LiveServer::AnswerOrder(Client* client, Time now) {
   client->out = Head(status, "application/json", text.size()) + text;
   client->order.clear();
   client->last = true;
+  client->until = now + kPatience;
 }
 
-void LiveServer::Answer(Client* client, Time now) {
+void LiveServer::Answer(Browser* client, Time now) {
   const std::size_t head = client->in.find("\r\n\r\n");
+  const bool is_long = std::min(head, client->in.size()) > kMostRequestBytes;
+  if (head == std::string::npos && !is_long) return;
   const auto request = ParseRequest(std::string_view(client->in).substr(0, head));
+  const std::size_t length = request ? request->length : 0;
+  if (!is_long && length <= kMostBodyBytes && client->in.size() < head + 4 + length) return;
   client->last = true;
+  client->until = now + kPatience;
   const bool is_order =
       request && (request->path == "/orders" || request->path.starts_with("/orders/"));
-  if (!request) {
+  if (is_long) {
+    client->out = Head("431 Request Header Fields Too Large", "", 0);
+  } else if (length > kMostBodyBytes) {
+    client->out = Head("413 Content Too Large", "", 0);
+  } else if (!request) {
     client->out = Head("400 Bad Request", "", 0);
   } else if (!IsOurs(request->host) || (is_order && gate_ == nullptr)) {
     client->out = Head("403 Forbidden", "", 0);
@@ -303,7 +224,7 @@ void LiveServer::Answer(Client* client, Time now) {
   }
 }
 
-void LiveServer::Tell(Client* client, Time now) {
+void LiveServer::Tell(Browser* client, Time now) {
   if (!client->out.empty()) return;
   client->until = now + kPatience;
   if (now < client->tell_at && !feed_->closed()) return;
@@ -319,25 +240,6 @@ void LiveServer::Tell(Client* client, Time now) {
     client->out = ":\n\n";  // shows whether anybody listens still
     client->told_at = now;
   }
-}
-
-void LiveServer::Send(Client* client, Time now) {
-  while (client->fd >= 0 && !client->out.empty()) {
-    const ssize_t sent = send(client->fd, client->out.data(), client->out.size(), MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && errno == EAGAIN) return;
-    if (sent < 0) return Close(client);
-    client->out.erase(0, static_cast<std::size_t>(sent));
-    if (client->out.empty()) client->until = now + kPatience;
-  }
-  if (!client->last || !client->out.empty() || client->fd < 0) return;
-  // It closes when it has read all; to close first might cut its answer off.
-  shutdown(client->fd, SHUT_WR);
-}
-
-void LiveServer::Close(Client* client) {
-  if (client->fd >= 0) close(client->fd);
-  client->fd = -1;
 }
 
 }  // namespace muster::tools

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/check.h"
+#include "base/units.h"
 #include "lcmtypes/words.h"
 #include "tools/scenario/order_text.h"
 
@@ -17,6 +17,10 @@ constexpr std::size_t kMostOrders = 1'000'000;
 constexpr const char* kEnded = "the mission has ended";
 
 }  // namespace
+
+std::string ErrorText(const InputError& error) {
+  return Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 std::string OrderGate::Give(const std::string& json, const std::string& issuer) {
   const world::PlannedOrder planned = ReadOrder(json, "order", origin_);

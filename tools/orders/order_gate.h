@@ -9,10 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "base/units.h"
+#include "base/check.h"
 #include "world/planned_orders.h"
 
 namespace muster::tools {
+
+/// {"error": why}
+std::string ErrorText(const InputError& error);
 
 /// Where orders from outside meet the launcher, which says them in the mission and hears what
 /// became of them. Any thread gives and asks; one takes and answers.

@@ -11,24 +11,20 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "base/check.h"
-#include "tools/host/quiet_thread.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr std::size_t kMostLine = 64 * 1024;
-constexpr std::size_t kMostOut = 1 << 20;  ///< then it is to read first
-constexpr int kLookMs = 10;                ///< while somebody waits for an answer
+constexpr std::chrono::milliseconds kLook{10};  ///< while a client waits for an answer
 
 /// A path of any length: a socket's name has room for 107 bytes.
 class Address {
  public:
   Address(const std::string& folder, const char* name) {
     folder_ = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (folder_ < 0) return;
     address_.sun_family = AF_UNIX;
     const std::string path = fmt::format("/proc/self/fd/{}/{}", folder_, name);
     std::strncpy(address_.sun_path, path.c_str(), sizeof address_.sun_path - 1);
@@ -38,7 +34,6 @@ class Address {
   }
   Address(const Address&) = delete;
   Address& operator=(const Address&) = delete;
-  bool valid() const { return folder_ >= 0; }
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address_); }
   static socklen_t size() { return sizeof(sockaddr_un); }
 
@@ -47,119 +42,59 @@ class Address {
   sockaddr_un address_ = {};
 };
 
+/// New files are for their owner alone.
+struct OwnerAlone {
+  const mode_t before = umask(0177);
+  ~OwnerAlone() { umask(before); }
+};
+
 }  // namespace
 
 OrderSocket::OrderSocket(const std::string& folder, OrderGate* gate)
-    : file_(fmt::format("{}/{}", folder, kOrderSocket)), gate_(gate) {
+    : SocketServer(""), file_(fmt::format("{}/{}", folder, kOrderSocket)), gate_(gate) {
   const Address address(folder, kOrderSocket);
-  socket_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const mode_t mask = umask(0177);
-  const bool bound = address.valid() && socket_ >= 0 &&
-                     bind(socket_, address.get(), Address::size()) == 0 &&
-                     listen(socket_, kMostClients) == 0 && pipe2(wake_, O_CLOEXEC) == 0;
-  const std::string why = std::strerror(errno);
-  umask(mask);
-  if (!bound) {
-    if (socket_ >= 0) close(socket_);
-    throw SystemError(fmt::format("cannot listen at {}: {}", file_, why));
+  {
+    const OwnerAlone mask;
+    Listen(address.get(), Address::size(), file_);
   }
-  thread_ = StartQuietThread([this] { Work(); });
+  Start();
 }
 
 OrderSocket::~OrderSocket() {
-  close(wake_[1]);
-  thread_.join();
-  close(wake_[0]);
-  close(socket_);
+  Stop();
   unlink(file_.c_str());
 }
 
-void OrderSocket::Work() {
-  using Clock = std::chrono::steady_clock;
-  std::optional<Clock::time_point> end;
-  while (true) {
-    std::vector<pollfd> all = {{end ? -1 : wake_[0], POLLIN, 0}, {end ? -1 : socket_, POLLIN, 0}};
-    bool somebody_waits = false;
-    for (const Client& client : clients_) {
-      int events = client.ended || client.out.size() > kMostOut ? 0 : POLLIN;
-      if (!client.out.empty()) events |= POLLOUT;
-      all.push_back({client.fd, static_cast<short>(events), 0});
-      somebody_waits |= !client.waiting.empty();
-    }
-    poll(all.data(), all.size(), somebody_waits || end ? kLookMs : -1);
-    if (!end && all[0].revents != 0) end = Clock::now() + std::chrono::seconds(1);
-    if (!end) {
-      const int fd = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-      if (fd >= 0 && clients_.size() < kMostClients) {
-        clients_.emplace_back().fd = fd;
-      } else if (fd >= 0) {
-        close(fd);
-      }
-    }
-    for (Client& client : clients_) {
-      Read(&client);
-      Answer(&client);
-      Write(&client);
-      const bool done = client.waiting.empty() && client.out.empty() && (client.ended || end);
-      if (client.fd >= 0 && (done || (end && Clock::now() >= *end))) {
-        close(client.fd);
-        client.fd = -1;
-      }
-    }
-    std::erase_if(clients_, [](const Client& client) { return client.fd < 0; });
-    if (end && clients_.empty()) return;
-  }
+std::unique_ptr<SocketServer::Client> OrderSocket::Greet(Time) {
+  return std::make_unique<Issuer>();
 }
 
-void OrderSocket::Read(Client* client) {
-  char buffer[16384];
-  while (!client->ended && client->fd >= 0 && client->out.size() <= kMostOut) {
-    const ssize_t got = recv(client->fd, buffer, sizeof buffer, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0 && errno == EAGAIN) break;
-    if (got <= 0) client->ended = true;
-    if (got > 0) client->in.append(buffer, static_cast<std::size_t>(got));
-    for (std::size_t end = 0; (end = client->in.find('\n')) != std::string::npos;) {
-      const std::string line = client->in.substr(0, end);
-      client->in.erase(0, end + 1);
-      try {
-        client->waiting.push_back(gate_->Give(line, "local"));
-      } catch (const InputError& error) {
-        client->out += nlohmann::ordered_json{{"error", error.what()}}.dump(
-                           -1, ' ', false, nlohmann::json::error_handler_t::replace) +
-                       "\n";
-      }
+void OrderSocket::Serve(Client* one, Time now, bool ending) {
+  auto* const client = static_cast<Issuer*>(one);
+  std::size_t begin = 0, end = 0;
+  for (; (end = client->in.find('\n', begin)) - begin <= kMostLine; begin = end + 1) {
+    try {
+      client->waiting.push_back(gate_->Give(client->in.substr(begin, end - begin), "local"));
+    } catch (const InputError& error) {
+      client->out += ErrorText(error) + "\n";
     }
-    if (client->in.size() > kMostLine) client->ended = true;
   }
-}
-
-void OrderSocket::Answer(Client* client) {
+  client->in.erase(0, begin);
+  if (client->in.size() > kMostLine) client->ended = true;
   std::erase_if(client->waiting, [&](const std::string& id) {
     const auto answer = gate_->AnswerTo(id);
     if (answer) client->out += *answer + "\n";
     return answer.has_value();
   });
-}
-
-void OrderSocket::Write(Client* client) {
-  while (client->fd >= 0 && !client->out.empty()) {
-    const ssize_t sent = send(client->fd, client->out.data(), client->out.size(), MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && errno == EAGAIN) return;
-    if (sent < 0) {
-      close(client->fd);
-      client->fd = -1;
-      return;
-    }
-    client->out.erase(0, static_cast<std::size_t>(sent));
-  }
+  client->look = client->waiting.empty() ? kIdle : kLook;
+  client->last = client->ended && client->waiting.empty();
+  if (ending && client->waiting.empty() && client->out.empty()) client->until = now;
 }
 
 OrderClient::OrderClient(const std::string& run) {
   const Address address(run, kOrderSocket);
   fd_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (address.valid() && fd_ >= 0 && connect(fd_, address.get(), Address::size()) == 0) return;
+  if (fd_ >= 0 && connect(fd_, address.get(), Address::size()) == 0) return;
   if (fd_ >= 0) close(fd_);
   throw InputError(
       fmt::format("{}: no mission runs here that takes orders (muster run --take-orders)", run));
@@ -190,7 +125,6 @@ std::string OrderClient::Receive(std::chrono::milliseconds wait) {
         std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
     pollfd one = {fd_, POLLIN, 0};
     const int ready = poll(&one, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (ready < 0 && errno == EINTR) return "";
     if (ready <= 0) return "";
     char buffer[16384];
     const ssize_t got = recv(fd_, buffer, sizeof buffer, 0);

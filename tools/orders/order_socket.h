@@ -1,12 +1,11 @@
 #pragma once
 
 #include <chrono>
-#include <list>
-#include <map>
+#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "tools/host/socket_server.h"
 #include "tools/orders/order_gate.h"
 
 namespace muster::tools {
@@ -14,37 +13,24 @@ namespace muster::tools {
 inline constexpr const char* kOrderSocket = "orders.sock";
 
 /// The socket of a running mission in its run directory, for its owner alone: a line of JSON is an
-/// order, and for each comes a line of JSON with what became of it (OrderGate::AnswerTo), in
-/// whatever order. One thread serves all and waits for nobody.
-class OrderSocket {
+/// order, and each is answered by a line of JSON with what became of it (OrderGate::AnswerTo), as
+/// soon as that is known.
+class OrderSocket final : public SocketServer {
  public:
-  static constexpr std::size_t kMostClients = 32;
-
   /// Binds FOLDER/orders.sock. Throws SystemError.
   OrderSocket(const std::string& folder, OrderGate* gate);
   /// Answers what it still can, and takes the socket away.
-  ~OrderSocket();
-  OrderSocket(const OrderSocket&) = delete;
-  OrderSocket& operator=(const OrderSocket&) = delete;
+  ~OrderSocket() override;
 
  private:
-  struct Client {
-    int fd = -1;
-    std::string in, out;
-    std::vector<std::string> waiting = {};  ///< ids
-    bool ended = false;                     ///< says no more
+  struct Issuer : Client {
+    std::vector<std::string> waiting;  ///< ids of orders without an answer
   };
-  void Work();
-  void Read(Client* client);
-  void Answer(Client* client);
-  void Write(Client* client);
+  std::unique_ptr<Client> Greet(Time now) override;
+  void Serve(Client* client, Time now, bool ending) override;
 
   const std::string file_;
   OrderGate* const gate_;
-  int socket_ = -1;
-  int wake_[2] = {-1, -1};
-  std::list<Client> clients_;
-  std::thread thread_;
 };
 
 /// The other end.

@@ -207,7 +207,7 @@ TEST_F(Served, NobodyKeepsItWaiting) {
 
 TEST_F(Served, ServesSoManyAtATime) {
   std::vector<std::unique_ptr<Raw>> clients;
-  for (int i = 0; i < LiveServer::kMostClients; ++i) {
+  for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
     clients.push_back(std::make_unique<Raw>(*server_));
   }
   Raw one_more(*server_);
