@@ -18,6 +18,9 @@ struct Activity {
 
   bool senses() const { return kind == ActivityKind::kSensing; }
   int partner_class() const { return senses() ? kWorker : kVehicle; }
+  bool involves(int agent_kind, int id) const {
+    return agent_kind == kUav ? uav == id : agent_kind == partner_class() && partner == id;
+  }
   ActionKind action() const { return senses() ? ActionKind::kSense : ActionKind::kCharge; }
 };
 

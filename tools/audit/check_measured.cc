@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "tools/audit/checks.h"
 
 namespace muster::tools::audit {
@@ -12,8 +13,6 @@ namespace {
 
 /// Places and times are told to the way of a second, and to a second.
 constexpr double kSlack_s = 1;
-
-double Seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
 
 void CheckWay(const View& view, const AgentModel& model, Place from, Place to, double seconds) {
   const double way = model.WayM(from, to);
@@ -33,7 +32,7 @@ void CheckRangeTold(const View& view, const AgentModel& model, double range_m, d
 
 void CheckFromAnchor(const View& view, const AgentModel& model, Place at, std::int64_t at_us,
                      double range_m) {
-  CheckWay(view, model, model.anchor, at, Seconds(at_us - model.anchor_us));
+  CheckWay(view, model, model.anchor, at, ToSeconds(at_us - model.anchor_us));
   CheckRangeTold(view, model, range_m,
                  std::max(0.0, model.anchor_range_m - model.WayM(model.anchor, at)));
 }
@@ -48,8 +47,8 @@ void Arrive(const View& view, AgentModel* model, const agent_t& a) {
       view.now_us < model->activity->end_us) {
     const Activity& activity = *model->activity;
     const double part = model->says_done ? 1
-                                         : Seconds(view.now_us - activity.start_us) /
-                                               Seconds(activity.end_us - activity.start_us);
+                                         : ToSeconds(view.now_us - activity.start_us) /
+                                               ToSeconds(activity.end_us - activity.start_us);
     const double full_m = model->spec->range_full_m;
     range_m = activity.senses() ? range_m + part * model->cost_m
               : part < 1        ? (range_m - part * full_m) / (1 - part)
@@ -105,7 +104,7 @@ void SeeLeg(const View& view, AgentModel* model, const agent_t& a) {
   if (as_computed && !model->goes_on_anew) return;
   if (!model->says_arrived) {
     CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
-    CheckWay(view, *model, here, model->to, Seconds(a.arrive_us - view.now_us));
+    CheckWay(view, *model, here, model->to, ToSeconds(a.arrive_us - view.now_us));
   }
   model->arrive_us = a.arrive_us;
   if (!model->pair()) model->busy_until_us = a.arrive_us;

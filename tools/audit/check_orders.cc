@@ -148,9 +148,7 @@ std::int64_t OrderedEnd(const View& view, const Activity& activity) {
     const bool cancels = of_task && order.what == "task_cancel" && activity.end_us > view.now_us;
     const bool holds = of_task && order.what == "task_hold" && activity.start_us > view.now_us;
     const bool recalls = order.what == "agent_recall" && activity.end_us > view.now_us &&
-                         (order.kind == kUav ? activity.uav == order.agent
-                                             : activity.partner_class() == order.kind &&
-                                                   activity.partner == order.agent);
+                         activity.involves(order.kind, order.agent);
     if (cancels || holds || recalls) return view.now_us;
   }
   return kForever;

@@ -102,10 +102,7 @@ void SettleAgents(View& view) {
         const bool cause =
             model.pair() &&
             std::any_of(view.activities.begin(), view.activities.end(), [&](const Tracked& t) {
-              const Activity& a = t.activity;
-              return t.aborted &&
-                     (kind == kUav ? a.uav == model.id
-                                   : a.partner_class() == kind && a.partner == model.id);
+              return t.aborted && t.activity.involves(kind, model.id);
             });
         if (!cause && !(model.pair() && !model.activity) && !IsRecalled(view, kind, model.id)) {
           view.Violate("rulings",

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/units.h"
 #include "tools/audit/checks.h"
 #include "tools/audit/unlisted.h"
 
@@ -230,7 +231,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   const Place here{a.x_m, a.y_m};
   // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
   const double moved = model->WayM(model->was, here);
-  const double seconds = static_cast<double>(view.now_us - model->was_us) * 1e-6;
+  const double seconds = ToSeconds(view.now_us - model->was_us);
   const double most = model->spec->speed_m_s * seconds;
   if (moved > most + kTolerance_m && !model->spec->measured) {
     view.Violate("speed", "{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "base/units.h"
+
 namespace muster::tools::audit {
 namespace {
 
@@ -126,7 +128,7 @@ class Comparison {
       done_us[x] = event.at_us;
       const std::string task = fmt::format("tasks/{}/", x);
       Exact(task + "status", "done", event.at_us);
-      Exact(task + "done_s", static_cast<double>(event.at_us) * 1e-6, event.at_us);
+      Exact(task + "done_s", ToSeconds(event.at_us), event.at_us);
       Exact(task + "uav", event.uav_id, event.at_us);
       Exact(task + "worker", event.worker_id, event.at_us);
     }
@@ -167,7 +169,7 @@ class Comparison {
       const std::int64_t at = index * facts_.interval_us;
       const std::string key = fmt::format("decisions/{}", i++);
       Exact(key + "/index", index, at);
-      Exact(key + "/sim_s", static_cast<double>(at) * 1e-6, at);
+      Exact(key + "/sim_s", ToSeconds(at), at);
       Exact(key + "/policy", schedule.policy, at);
       Exact(key + "/weight", Number(schedule.weight), at);
       Exact(key + "/bound", Number(schedule.bound), at);
