@@ -12,8 +12,8 @@
 
 namespace muster {
 
-/// Strict reading of one JSON object: of a file, or of a line that a program says. Whatever cannot
-/// be read is an InputError that names the file, the key's path, line and column, what was found
+/// Strict reading of one JSON object: of a file, or of a line of a program. Anything
+/// unreadable is an InputError that names the file, the key's path, line and column, what was found
 /// and what was expected. The value and the name of the file must outlive the reader.
 class ObjectReader {
  public:

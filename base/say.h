@@ -8,8 +8,8 @@
 
 namespace muster {
 
-/// Writes to `out` and flushes it. What cannot be written there (a closed terminal, a pipe that
-/// nobody reads, a full disk) is left out: nobody's work ends for what it says on the way.
+/// Writes to `out` and flushes it. Text that cannot be written (a closed terminal, a pipe without a
+/// reader, a full disk) is dropped: a failed message must not end the work.
 void SayTo(std::FILE* out, std::string_view text);
 
 /// The same on stderr, formatted.

@@ -10,7 +10,7 @@ namespace muster {
 inline constexpr double kFarthest_m = 2e7;
 /// Of a range, of sensing, of a call: twice around the Earth.
 inline constexpr double kLongestWay_m = 1e8;
-/// Of agents, and of charging. One who is to stay where it is has the slowest.
+/// Of agents, and of charging. An agent that shall stay in place has the slowest speed.
 inline constexpr double kSlowest_km_min = 1e-5;
 inline constexpr double kFastest_km_min = 1e6;
 inline constexpr double kSlowest_m_s = 1.0 / 6000;

@@ -7,11 +7,11 @@
 
 namespace muster {
 
-/// Whom a process of the mission is to its bus: a set of them hears a channel.
+/// The part of a process, as its bus knows it. A channel is heard by a set of parts.
 enum class Hearer : unsigned { kWorld = 1, kAgents = 2, kScheduler = 4 };
 
-/// The channel table: name, type, who publishes, how often, largest encoded message that is
-/// accepted, who has a use for it.
+/// The channel table: name, type, publisher, how often, largest encoded message that is accepted,
+/// and the parts that use it.
 struct Channel {
   std::string_view name;
   std::string_view type;
@@ -23,8 +23,8 @@ struct Channel {
   constexpr bool IsHeardBy(Hearer hearer) const {
     return (hearers & static_cast<unsigned>(hearer)) != 0;
   }
-  /// Whether that sender may publish on it: where the publisher is one process it is the sender's
-  /// name, and whoever else speaks there is an intruder.
+  /// Whether that sender may publish on it. Where the publisher is one process, it is that
+  /// process's name; any other sender is an intruder.
   constexpr bool AcceptsFrom(std::string_view sender) const {
     const bool one = publisher == process_name::kWorld || publisher == process_name::kScheduler ||
                      publisher == process_name::kRecorder;

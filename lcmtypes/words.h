@@ -55,10 +55,10 @@ enum class TaskStatus : std::int8_t {
   kReserved = 1,  ///< a pair is on its way
   kSensing = 2,
   kDone = 3,
-  kUnreported = 4,  ///< nobody knows of it yet
+  kUnreported = 4,  ///< not known to the mission yet
   kExpired = 5,     ///< sensing had not begun in time
   kCancelled = 6,   ///< by an order
-  kHeld = 7,        ///< by an order, until another one: nobody is sent there
+  kHeld = 7,        ///< by an order, until another one: no agent is sent
 };
 /// Whether it may still be done, as far as is known.
 constexpr bool IsToDo(TaskStatus status) {
@@ -104,7 +104,7 @@ enum class EventKind : std::int8_t {
   kAgentJoined = 22,
   kAgentLeaves = 23,
   kDriverFailed = 24,  ///< what the driver of a measured agent says, or what is wrong with it
-  kStateUnknown = 25,  ///< a world starts again, and nobody can tell what a lost process did last
+  kStateUnknown = 25,  ///< after a restart of the world: a lost process's last state is lost
 };
 
 /// fault_t.kind. Each has a row in protocol/fault_kinds.cc.

@@ -21,8 +21,8 @@ inline bool CanSense(double range_m, double way_m, double cost_m, double to_char
   return way_m + cost_m + to_charge_m <= range_m;
 }
 
-/// Whether one who sets out now and takes that long is there before the task expires. Both of a
-/// pair must be: sensing begins at the later arrival. Source: ours.
+/// Whether an agent that sets out now and takes that long arrives before the task expires. Both
+/// agents of a pair must: sensing begins at the later arrival. Source: ours.
 inline bool CanBegin(const Task& task, TimeUs now_us, TimeUs travel_us) {
   return travel_us != kNever && task.AllowsStart(now_us + travel_us);
 }

@@ -46,15 +46,15 @@ inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
 /// over by t. The rest of a leg that is not as planned begins where the agent is then.
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us);
 
-/// A measured agent whom nobody drives says at time t what is computed.
+/// Gives a measured agent without a driver the state that is computed for time t.
 void SayAsComputed(AgentState* agent, TimeUs t);
 
 /// Whether a report tells the leg of a measured agent as it began, so that its arrival as planned
 /// can be read from it, and the place and arrival as they are now: on its way to a partner.
 bool TellsWholeLeg(const AgentState& agent, TimeUs t);
 
-/// Completes a measured agent that came in a message of time t, with its place and range then:
-/// arrived and done is who says so by the times.
+/// Completes a measured agent that was read from a message of time t, with its place and range at
+/// that time. Whether it has arrived or is done follows from the times in the message.
 void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
                   AgentState* reported);
 
@@ -64,8 +64,8 @@ bool IsOld(const AgentState& agent, const MeasuredReport& report);
 /// A measured agent has set out on its present leg, or has come to stand still.
 void NoteLeg(AgentState* agent);
 
-/// Whether the agent takes part in sensing or charging and every part of it that is told is told:
-/// computed agents say nothing, and need not.
+/// Whether nothing is left to be reported about the agent's part in its sensing or charging. A
+/// computed agent reports nothing, and need not.
 inline bool SaysDone(const AgentState& agent) { return !agent.measured || agent.measured->done; }
 inline bool SaysArrived(const AgentState& agent) {
   return !agent.measured || agent.measured->arrived;

@@ -38,7 +38,7 @@ inline constexpr std::size_t kPriorities = 4;
 struct Task {
   Point at;
   double cost_m = 0;           ///< range that sensing takes (T_costPow)
-  TimeUs reported_us = 0;      ///< nobody knows of it before
+  TimeUs reported_us = 0;      ///< the mission knows of the task from then on
   TimeUs due_us = kNever;      ///< sensing should have begun by then; later is late, not undone
   TimeUs expires_us = kNever;  ///< sensing must begin before; then it is gone
   TimeUs revisit_us = kNever;  ///< so long after it was done it wants to be sensed again

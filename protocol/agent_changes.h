@@ -17,9 +17,9 @@ namespace muster {
 /// Where the changes of that class are published.
 std::string_view ChangesChannelOf(AgentKind kind);
 
-/// Of agents of one class, what whoever has heard their reports knows: each agent as last listed,
-/// which is a function of time until something happens to it. Sender and receivers keep one alike,
-/// so that the sender sees what it need not say.
+/// What the receivers of the reports of one agent class know: each agent as last listed, which is a
+/// function of time until something happens to it. The sender keeps the same object as its
+/// receivers, so that it sees what it need not send.
 class ToldAgents {
  public:
   ToldAgents(std::shared_ptr<const Scenario> scenario, AgentKind kind);

@@ -40,8 +40,8 @@ struct WireLimits {
 };
 
 /// Whether that clock, or a world's state, rulings or schedule of that tick, can be in a mission of
-/// these rules: a process that follows one that cannot would wait for a tick that never comes, or
-/// report what nobody believes.
+/// these rules. A process that followed an impossible one would wait for a tick that never comes,
+/// or its reports would be refused.
 bool Possible(const clock_t& clock, const Rules& rules);
 bool Possible(const world_state_t& world, const Rules& rules);
 bool Possible(const rulings_t& rulings, const Rules& rules);
@@ -58,13 +58,13 @@ std::vector<agent_states_t> StatesMessages(AgentKind kind, std::int64_t tick,
                                            std::int32_t applied_decision,
                                            std::span<const agent_t> agents);
 
-/// The same states in such messages, numbered from theirs on: nobody has sent them, and whoever
-/// tells them apart does so by number.
+/// The same states in such messages, numbered from theirs on. They were never sent; the number
+/// tells them apart.
 std::vector<agent_states_t> PartsOf(const agent_states_t& states);
 
 /// The inverse, for a report of time t; nothing when an id, time or number is impossible. The wire
 /// does not carry the activity (Settle() attaches it) nor the wind on the leg under way, which is
-/// drawn again: whoever compares two reports sees it too.
+/// drawn again (and shows in the difference of two reports).
 std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
                                    const WireLimits& limits);
 

@@ -31,7 +31,7 @@ class Drive {
  private:
   /// Looks for another process under this one's name: hears it, and lets itself be heard.
   void MeetNamesake(const process_status_t& status, const Usage& own, const Now& now);
-  /// Whoever joins a mission that is under way first hears whether its name is taken.
+  /// A process that joins a running mission first listens whether its name is taken.
   void LookForMission(const Packet& packet, const Now& now);
   void Publish(const Now& now);
 

@@ -40,10 +40,10 @@ const header_t& HeaderOf(const Message& message);
 /// The message that the packet is; none where it is not a valid one of its channel's type.
 std::optional<Message> DecodeMessage(const Packet& packet);
 
-/// A process's door: opens packets, counts and drops what is not for it. What comes through is
-/// decoded, of this run, from somebody else who may publish there, within the ranges that need no
-/// scenario, and not numbered as if mission time ran backwards. Doubles come through, since a
-/// repeated question wants a repeated answer.
+/// Decodes a process's packets, and counts and drops those that are not for it. A message passes if
+/// it belongs to this run, comes from another process that may publish on its channel, is within
+/// the ranges that need no scenario, and is not numbered as if mission time ran backwards. Doubles
+/// pass, because a repeated question needs a repeated answer.
 class Inbox {
  public:
   struct Counters {

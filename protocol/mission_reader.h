@@ -44,7 +44,7 @@ class MissionReader {
     bool operator==(const Counts&) const = default;
   };
   const Counts& counts() const { return counts_; }
-  /// For whoever finds a message impossible in the light of the scenario.
+  /// The caller has found a message impossible for the scenario.
   void Reject() { ++counts_.undecodable; }
 
   /// With the orders that have been read; it changes in place. Null before there is one.

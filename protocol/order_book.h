@@ -55,7 +55,7 @@ class OrderBook {
   const std::map<std::int64_t, orders_t>& said() const { return said_; }
   /// The book as it stood at that tick.
   OrderBook UpTo(std::int64_t tick) const;
-  /// For somebody who has not heard them; the header is not filled.
+  /// All orders, for a process that lacks them. The header is not filled.
   order_book_t ToWire() const;
   /// Counts changes of the scenario.
   std::int64_t version() const { return version_; }

@@ -42,7 +42,7 @@ class Process {
   /// one agent, say).
   void Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out);
 
-  /// The same with one packet, decoded once (DecodeMessage) for all who hear it.
+  /// The same with one packet that was decoded once (DecodeMessage) for all its receivers.
   void Step(const Packet& packet, const std::optional<Message>& message, const Now& now,
             std::vector<Packet>* out);
 
@@ -73,8 +73,8 @@ class Process {
   virtual void OnStep(const Now& now) = 0;
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
-  /// Messages of others known to exist and not seen. Whoever does not hear every channel knows of
-  /// those alone that its bus has lost.
+  /// Messages of others that are known to exist and were not seen. A process that does not hear
+  /// every channel knows only of those that its bus has lost.
   virtual std::int64_t lost() const { return dropped_; }
 
   /// Asks for the newest message of a channel.
@@ -84,7 +84,7 @@ class Process {
   /// Whether that answers a question of this very start that still needs an answer: what was said
   /// to anybody else, or earlier, and is said again, tells nothing of the present.
   bool Answers(const answer_t& answer) const;
-  /// Tells whoever asked of that message; no bytes: the mission has not begun.
+  /// Answers a request with that message; no bytes: the mission has not begun.
   void Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
               TimeUs sim_us, const Now& now);
 

@@ -16,10 +16,10 @@
 
 namespace muster {
 
-/// Agents' reports, whole states and changes, heard in any order, as whole states. What a sender
-/// said earlier may come later (a log is repaired), so changes wait for it, until so much has been
-/// said since that nobody repeats it. Changes whose base is nowhere are left out until the next
-/// whole states.
+/// Turns agents' reports, whole states and changes in any order, into whole states. An earlier
+/// report may arrive later (a log is repaired), so changes wait for their base until so many
+/// reports have followed that it will not be repeated. Changes without a base are left out until
+/// the next whole states.
 class ReportReader {
  public:
   explicit ReportReader(const std::shared_ptr<const Scenario>& scenario);

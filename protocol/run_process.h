@@ -35,8 +35,8 @@ struct ProcessFlags {
 };
 
 void AddProcessOptions(Options* options, std::string_view default_name);
-/// Throws InputError on a value that cannot be. `only_name`: what the process must be called, since
-/// nobody listens to another on its channels (channels.h); "": any name.
+/// Throws InputError on a value that cannot be. `only_name`: the name that the process
+/// must have, because others ignore any other name on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 
 /// The bus of these flags: LCM, sealed as --key and lossy as --drop say. `channels`: what the

@@ -81,8 +81,8 @@ class RepeatBudget {
 
 /// How much of a process may be out unacknowledged.
 struct Window {
-  /// Messages: stock lcm-logger queues 30 and drops the newest. 0: nobody records, nothing waits
-  /// and nothing is kept.
+  /// Messages: stock lcm-logger queues 30 and drops the newest. 0: nothing is recorded, so no
+  /// message waits and none is kept.
   int messages = 0;
   /// Or as many as are together no larger than this: where our own recorder writes.
   std::size_t bytes = 0;
@@ -123,7 +123,7 @@ class Sender {
 
   /// Moves everything that may go out now to `out`: new messages within the window, and, as far as
   /// the budget allows, resends and repairs of the log that are due. Resends beyond it are dropped:
-  /// whoever lacks them asks again.
+  /// a process that lacks them asks again.
   void Flush(const Now& now, std::vector<Packet>* out);
 
   /// When Flush has something to do without further input, kNever when not.

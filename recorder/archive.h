@@ -19,8 +19,8 @@
 namespace muster::recorder {
 
 /// The state of a mission as its processes have last told it. World and agent processes keep each
-/// other's; when several have died at once, nobody is left to tell those that start again but who
-/// has listened.
+/// other's state. When several have died at once, only a listener such as this one can tell their
+/// states to the processes that start again.
 class Archive {
  public:
   /// `goes_on`: the mission may go on without lost processes.
@@ -30,10 +30,10 @@ class Archive {
   void Add(const Packet& packet);
 
   /// What to answer, headers not filled. Nothing until the same start of the same process has asked
-  /// for two seconds: whoever is alive knows better.
+  /// for two seconds: living processes know better.
   std::vector<answer_t> Answer(const request_t& request, TimeUs now_us);
-  /// All that is known, and without delay: only who has listened knows of all verdicts which were
-  /// given without whom.
+  /// Whether to answer all that is known, and without delay: only a listener knows which verdicts
+  /// were given without which process.
   bool AnswersAtOnce(const request_t& request) const;
 
  private:

@@ -14,7 +14,7 @@
 
 namespace muster::recorder {
 
-/// The marks are said again after so long without a reason: for the packets that nobody knows of.
+/// The marks are repeated after so long even without a reason, in case a packet was lost unseen.
 inline constexpr TimeUs kMarksIdleUs = 200'000;
 /// And no sooner than so long for a sender that shows that it has not heard them: senders repair
 /// after 20 ms, and what they repeat sooner is meant for others than the log.
@@ -24,7 +24,7 @@ inline constexpr TimeUs kMarksAgainUs = 10'000;
 /// network may reorder, so the log has doubles and holes that close later.
 class LogFollower {
  public:
-  /// Whoever counts what is missing below a seq, over all senders, does not run over.
+  /// Low enough that a count of what is missing below a seq, over all senders, does not overflow.
   static constexpr std::int64_t kMostSeq = std::int64_t{1} << 40;
 
   /// Messages of other runs, and those numbered kMostSeq or higher, are counted and left out.

@@ -32,7 +32,7 @@ namespace muster::recorder {
 /// the recorder sends those messages again in its place, byte for byte.
 class Recorder {
  public:
-  /// Who tells the others what the log holds.
+  /// The process that tells the others what the log holds.
   enum class Marks { kOwn, kOfRecorderProcess };
   explicit Recorder(Identity identity, Marks marks = Marks::kOwn);
 
@@ -87,12 +87,12 @@ class Recorder {
   bool others_behind() const;
   /// When to say the newest marks again for lcm-logger's sake.
   TimeUs PokeUs() const;
-  /// When at the earliest to say them again for who has not heard them.
+  /// The earliest time to repeat the marks for a process that has not heard them.
   TimeUs AnswerUs() const;
   /// `heard`: highest seq heard of that start, plus one.
   bool IsAwaited(const Start& start, std::int64_t heard) const;
   void Repeat(const Now& now);
-  /// Whether there is something to say again for those who have ended.
+  /// Whether messages of processes that have ended are left to repeat.
   bool owes() const;
 
   const Marks marks_;
@@ -114,7 +114,7 @@ class Recorder {
   TimeUs repeated_us_ = 0;
   BackOff poke_;  ///< while behind
   BackOff repair_;
-  RepeatBudget budget_;  ///< of what is said for those who have ended
+  RepeatBudget budget_;  ///< for messages of processes that have ended
   TimeUs repaired_over_us_ = -kNever / 2;
   BackOff idle_;
 };

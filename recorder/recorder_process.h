@@ -12,9 +12,9 @@
 
 namespace muster::recorder {
 
-/// The recorder that writes the log itself: a member of the mission that tells everybody what the
-/// log holds, from what it has written. Nobody reads the log for that, and nothing has to be
-/// repeated to have it written.
+/// The recorder that writes the log itself. It is a member of the mission and tells the others what
+/// the log holds, from what it has written: the log need not be read for that, and no message has
+/// to be repeated to have it written.
 class RecorderProcess : public Process {
  public:
   /// `window`: own messages that may be out and not in the log. `seal`: of a sealed mission.

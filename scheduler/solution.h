@@ -6,9 +6,10 @@
 
 namespace muster::scheduler {
 
-/// An independent set of nodes, kept as the occupancy of the elements: who holds each UAV, worker,
-/// vehicle, task and charging point. That is the whole conflict graph: a node conflicts with those
-/// that hold its elements, so adding, removing and asking cost O(3), and no edge exists.
+/// An independent set of nodes, kept as the occupancy of the elements: the node that holds each
+/// UAV, worker, vehicle, task and charging point. That is the whole conflict graph: a node
+/// conflicts with those that hold its elements, so adding, removing and asking cost O(3), and no
+/// edge exists.
 ///
 /// A charging point with c > 1 free places admits c nodes. When it is full, a newcomer conflicts
 /// with the one that would have to leave: the lightest, among equals the one with the largest id.

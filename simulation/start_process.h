@@ -16,7 +16,7 @@ namespace muster::simulation {
 /// scheduler.
 const std::vector<std::string>& ProcessNames();
 
-/// Who speaks for measured agents of that class; null: nobody, they do as computed.
+/// Makes the drivers of the measured agents of that class; null: they move as computed.
 using DriversOf = std::function<std::unique_ptr<agents::DriverPort>(AgentKind)>;
 
 /// What they are started with.

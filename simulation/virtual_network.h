@@ -13,7 +13,7 @@
 
 namespace muster::simulation {
 
-/// One who takes part in a virtual network.
+/// A participant of a virtual network.
 class Participant {
  public:
   virtual ~Participant() = default;
@@ -80,7 +80,7 @@ class VirtualSocket : public Bus {
       : network_(network), owner_(owner) {}
 
   void Publish(const Packet& packet) override;
-  /// Only looks, whatever the time: virtual time passes elsewhere.
+  /// Only looks; it never waits, because virtual time passes elsewhere.
   std::vector<Packet> Receive(std::int64_t timeout_us) override;
 
   void Enqueue(const SentPacket& packet);
@@ -96,8 +96,8 @@ class VirtualSocket : public Bus {
   std::int64_t overflowed_ = 0;
 };
 
-/// The bus of one who drives virtual time from outside: while it waits to receive, everything else
-/// happens.
+/// The bus of a caller that drives virtual time from outside: while it waits to receive, everything
+/// else happens.
 class VirtualBus : public Bus, private Participant {
  public:
   explicit VirtualBus(VirtualNetwork* network);

@@ -8,7 +8,7 @@
 
 namespace muster::world {
 
-/// How long answers take, at their fastest of late: who asks again sooner asks in vain.
+/// The fastest of the recent answers: asking again sooner than that is in vain.
 class AnswerTime {
  public:
   void Note(TimeUs took_us) {

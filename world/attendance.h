@@ -9,8 +9,8 @@
 
 namespace muster::world {
 
-/// Who takes part: which process reports which agent, whom the present tick awaits, who is lost and
-/// who returns.
+/// The processes that take part: which one reports which agent, which ones the present tick waits
+/// for, which are lost and which return.
 class Attendance {
  public:
   Attendance(const Scenario& scenario, Peers peers);
@@ -18,14 +18,14 @@ class Attendance {
   Peers& peers() { return peers_; }
   const Peers& peers() const { return peers_; }
 
-  /// Whether the agent is that process's, as far as is known. No: it is another's, and nobody of
-  /// that name has introduced himself: the name was damaged on the way. Throws InputError when two
-  /// processes report the agent.
+  /// Whether the agent may be that process's, as far as is known. It is not if another process
+  /// reports the agent and no process of that name has introduced itself: the name was damaged on
+  /// the way. Throws InputError when two processes report the agent.
   bool MayReport(AgentKind kind, std::int32_t id, const std::string& process) const;
   /// `process` has reported that agent for this tick. False: it was known, or the agent is awaited
   /// only from the next tick on.
   [[nodiscard]] bool Report(AgentKind kind, std::int32_t id, const std::string& process);
-  /// Nobody is awaited any more.
+  /// The present tick waits for no process.
   bool complete() const { return missing_ == 0; }
   bool reported(AgentKind kind, std::int32_t id) const {
     return SeatOf(kind, id).heard == Heard::kYes;
@@ -68,7 +68,7 @@ class Attendance {
     members_.erase(process);
     newest_member_.clear();
   }
-  /// All who joined have left.
+  /// All processes that joined have left.
   bool deserted() const { return members_.empty(); }
 
  private:
@@ -88,7 +88,7 @@ class Attendance {
   std::size_t missing_ = 0;
   Peers peers_;
   std::set<std::string> members_;
-  std::string newest_member_;  ///< who joined at last and has not left
+  std::string newest_member_;  ///< the last to join of those present
 };
 
 }  // namespace muster::world

@@ -20,7 +20,7 @@ class Handover {
   void Add(AgentKind kind, agent_states_t states) { told_[kind].push_back(std::move(states)); }
   /// The tick under way is judged; `applied` is the decision in force. What was added is its.
   void Judge(std::int64_t tick, TimeUs sim_us, std::int32_t applied);
-  /// An agent that nobody has reported for it, as the verdict leaves it.
+  /// An agent that no process has reported, as the verdict leaves it.
   void AddUnreported(AgentKind kind, const agent_t& agent) { unreported_[kind].push_back(agent); }
 
   std::int64_t tick() const { return tick_; }  ///< -1: none is judged

@@ -19,20 +19,20 @@ class Peers {
     kReturning,  ///< was lost and has spoken again
   };
 
-  /// `is_first`: this is the world's first start, so nobody is lost who was not heard before. A
-  /// later start does not know whom the earlier ones have heard.
+  /// `is_first`: this is the world's first start, so a process that was never heard is not lost. A
+  /// later start does not know which processes the earlier ones have heard.
   Peers(TimeUs lost_after_us, bool is_first) : lost_after_us_(lost_after_us), is_first_(is_first) {}
 
   void Hear(const std::string& name, TimeUs now_us);
-  /// It has said twice in one message who it is.
+  /// The process has named itself twice in one message.
   void Introduce(const std::string& name) { introduced_.insert(name); }
   bool introduced(const std::string& name) const { return introduced_.contains(name); }
   bool heard(const std::string& name) const { return peers_.contains(name); }
-  /// Once a step: whoever was held up itself has heard nobody meanwhile.
+  /// Called once a step. A world that was itself held up has heard no process meanwhile.
   void NoteAwake(TimeUs now_us);
   /// Until when it must be noted again to count as awake, with time to spare.
   TimeUs AwakeUntilUs() const { return stepped_us_ + lost_after_us_ / 8; }
-  /// The log holds the mission: nobody can be blamed for what he has not been able to say.
+  /// The log holds back the mission, so silence says nothing about a process.
   void NoteHeld(TimeUs now_us) { awake_since_us_ = now_us; }
   /// From now on an answer is due.
   void AwaitFrom(TimeUs now_us) { due_since_us_ = now_us; }

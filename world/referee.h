@@ -142,7 +142,7 @@ class Referee {
   void Obey(TimeUs t, Agents* agents);
   void ObeyOfTask(const TakenOrder& taken, TimeUs t);
   void Recall(const TakenOrder& taken, TimeUs t, Agents* agents);
-  /// A task that nobody is sensing any more at `t` is gone if sensing may not begin then.
+  /// A task that is no longer sensed at `t` expires if sensing may not begin at that time.
   void ExpireIfLate(std::size_t task, TimeUs t);
   void EmitReports(TimeUs t);
   bool IsOutBecauseOfAnother(const Failure& failure) const;

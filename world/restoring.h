@@ -49,15 +49,15 @@ class Restoring {
   };
   /// The newest tick whose states all agents have been heard with; none: something still lacks.
   std::optional<State> Newest() const;
-  /// What to do with a lost agent of whose last ticks nobody is left who heard.
+  /// What to do with a lost agent if no living process has heard its last ticks.
   enum class Gap {
     kWait,    ///< somebody may still tell
     kAccept,  ///< it stands where it was last heard of
   };
-  /// The same for a mission that goes on without lost processes: in lockstep, whoever is awaited is
-  /// at most one tick behind anybody else, and not behind a verdict.
+  /// The same for a mission that goes on without lost processes. In lockstep, a process that is
+  /// waited for is at most one tick behind the others, and never behind a verdict.
   std::optional<State> NewestWithoutLost(Gap gap = Gap::kWait) const;
-  /// The longest book of orders that was told of; none: nobody has one.
+  /// The longest book of orders that any process has answered; none: no process has one.
   const std::optional<order_book_t>& book() const { return book_; }
   /// The process that has reported the agent; "": none yet.
   const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
@@ -97,7 +97,7 @@ class Restoring {
   std::map<std::int64_t, rulings_t> rulings_;
 };
 
-/// So long a world that starts again listens before it goes on from `state`: whoever is there has
+/// How long a restarted world listens before it goes on from `state`. All living processes have
 /// answered by then.
 TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us);
 /// So long it waits at most for what somebody may still tell.

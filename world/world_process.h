@@ -80,7 +80,7 @@ class WorldProcess : public Process {
   void Repeat(const Now& now);
   /// Gives up those whose answer has been due for too long.
   void FindLost(const Now& now);
-  /// Nothing reaches the log, or nobody says so.
+  /// Nothing reaches the log, or no recorder reports that it does.
   bool LogHolds(const Now& now) const;
   void Lose(const std::string& name, const Now& now);
   void SayOfProcess(Event::Kind kind, const std::string& name, const Now& now);

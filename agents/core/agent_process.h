@@ -46,7 +46,7 @@ class AgentProcess : public Follower {
   void BeginDriving();
   /// Tells drivers what has become of their agents, and the time of the present tick.
   void TellDrivers(TimeUs before);
-  /// Hears them; reports the present tick when nobody is to be waited for any more.
+  /// Listens to the drivers, and reports the present tick when none has to be waited for any more.
   void HearDrivers(const Now& now);
   void ApplyReports();
   /// Says why agents cannot go on, until the world has ruled that they have failed.
@@ -103,7 +103,7 @@ class AgentProcess : public Follower {
   void Answer(const request_t& request, const Published& published, const Now& now);
   void Resend(const Published& published);
   Published published_, published_before_;
-  std::optional<ToldAgents> told_;  ///< what whoever has heard this process knows
+  std::optional<ToldAgents> told_;  ///< what its listeners know
   bool says_whole_ = false;         ///< the next time: somebody has not heard it
   /// The verdict that led to tick_, for a world that starts again.
   struct Consumed {

@@ -53,7 +53,7 @@ struct DriverLine {
   std::string reason;                 ///< kFailed
 };
 
-/// Reads such a line. Throws InputError that says what is wrong with it, whatever it is.
+/// Reads such a line. Throws InputError that says what is wrong with it.
 DriverLine ReadDriverLine(std::string_view line, const DriverPlaces& places);
 
 }  // namespace muster::agents

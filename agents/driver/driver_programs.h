@@ -21,7 +21,7 @@ class DriverPrograms : public DriverPort {
 
   DriverPrograms(std::vector<Command> commands, const DriverSession::Rules& rules)
       : commands_(std::move(commands)), rules_(rules) {}
-  /// Gives those who were told bye a moment to end of themselves.
+  /// Gives the drivers that were told bye a moment to end by themselves.
   ~DriverPrograms() override;
 
   void Begin(const Scenario& scenario, const AgentState& agent, TimeUs at) override;

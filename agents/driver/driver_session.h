@@ -16,7 +16,7 @@ namespace muster::agents {
 
 /// What a mission has to say to the driver of one agent, and what it says back
 /// (docs/guide/drivers.md), as a pure state machine: states, times and its lines in, lines for it
-/// and reports out. Whatever is wrong with a line is a reason, never a crash, and changes nothing.
+/// and reports out. A wrong line changes nothing; the reason is reported.
 /// Mission times end in `at`, wall times are monotonic.
 class DriverSession {
  public:

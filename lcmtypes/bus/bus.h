@@ -13,8 +13,8 @@ struct Packet {
   bool operator==(const Packet&) const = default;
 };
 
-/// What every process of a mission talks through. One thread uses it. Nothing sent is assumed to
-/// arrive; whatever arrives may be old, doubled or garbage.
+/// What every process of a mission talks through. One thread uses it. Packets may be lost; those
+/// that arrive may be old, doubled or garbage.
 class Bus {
  public:
   virtual ~Bus() = default;
@@ -26,7 +26,7 @@ class Bus {
   /// Why the network takes nothing now (no route, no link); "": it does. Receive finds out when it
   /// is back, and returns only after a moment until then.
   virtual std::string Outage() const { return ""; }
-  /// How long it took nothing, in all until now, microseconds: time in which nobody could answer.
+  /// For how long in all the bus could not send, microseconds: answers were impossible meanwhile.
   virtual std::int64_t outage_us() const { return 0; }
 };
 

@@ -72,7 +72,7 @@ std::optional<T> DecodeValid(std::span<const std::uint8_t> bytes) noexcept {
 }
 
 /// The valid header of a packet that is one whole message of its channel's type; else none. For
-/// whoever counts messages of any type, such as a recorder. Does not decode the rest.
+/// counting messages of any type, as a recorder does. Does not decode the rest.
 std::optional<header_t> DecodeHeader(const Packet& packet) noexcept;
 
 /// How many bytes a packet has behind the whole message of its channel's type that it begins with;

@@ -24,8 +24,7 @@ enum class GuardedChannels {
   kOfScheduler,  ///< of ours, those that the scheduler hears
 };
 
-/// Whether that channel of ours comes through: what nobody in a process has a use for does not
-/// wake it.
+/// Whether messages of that channel pass. A process is not woken by messages that it does not use.
 bool ComesThrough(const Channel& channel, GuardedChannels channels);
 
 /// The program (classic BPF) that looks at a datagram, from its UDP header on, before LCM reads it,

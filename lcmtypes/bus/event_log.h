@@ -24,14 +24,14 @@ struct LogEvent {
   bool operator==(const LogEvent&) const = default;
 };
 
-/// Reads a log from its start, whatever its state: a torn tail, or garbage between events, is
+/// Reads a log from its start, also a damaged one: a torn tail, or garbage between events, is
 /// skipped and counted. LCM's own reader stops at the first damage and allocates what a damaged
 /// length says, so this one reads the format itself. Memory stays within a few of the largest
 /// events.
 class EventLogReader {
  public:
   enum class Tail {
-    kFinal,    ///< nobody writes any more: an incomplete event is damage
+    kFinal,    ///< no longer written: an incomplete event is damage
     kMayGrow,  ///< a logger writes on: an incomplete event is waited for
   };
 
@@ -104,9 +104,8 @@ class EventLogWriter {
   std::int64_t events_ = 0;
 };
 
-/// Writes such a log as a mission's recorder does: a batch of events by one call of the system, so
-/// that whoever reads along sees all that Flush() has written, and whoever is killed loses nothing
-/// of it.
+/// Writes such a log as a mission's recorder does: a batch of events by one call of the system. A
+/// reader sees all that Flush() has written, and a writer that is killed loses nothing of it.
 class BatchLogWriter {
  public:
   /// Makes the file. Throws SystemError when it exists or cannot be made.
@@ -130,8 +129,8 @@ class BatchLogWriter {
   std::vector<std::size_t> ends_;  ///< of its events
 };
 
-/// Cuts off what is behind the last whole event of a log that nobody writes any more; how many
-/// bytes. Throws SystemError.
+/// Cuts off the bytes behind the last whole event of a log that is no longer written. Returns how
+/// many. Throws SystemError.
 std::int64_t CutTornTail(const std::string& path);
 
 }  // namespace muster

@@ -50,7 +50,7 @@ struct LcmTap {
 /// until then one is sent every 20 ms, and the group is joined anew while none comes.
 class LcmBus : public Bus {
  public:
-  /// Who reads the socket.
+  /// The code that reads the socket.
   enum class Reader { kOwnIfItCan, kLcm };
 
   /// Joins the multicast group of `url` and sees that a packet comes back. Throws InputError for a

@@ -42,7 +42,7 @@ struct PacketFaultCounters {
 /// A bus that mistreats what it receives. What happens to the n-th packet that arrives is a
 /// function of (seed, name, n) and the faults set at that time: for the same order of arrival the
 /// same packets are lost, doubled, held back or damaged, and damaged in the same place. Orders
-/// about faults pass whatever happens to others: they begin and end it.
+/// about faults always pass, because they begin and end the faults.
 class LossyBus : public Bus {
  public:
   /// `name` keeps processes with the same seed from losing the same packets. `now_us`: monotonic

@@ -36,9 +36,9 @@ inline constexpr std::string_view kMulticastAdvice =
 /// that a socket had on an interface is gone with it. Where there is none now, it is no member.
 void JoinAgain(int socket, const std::string& address);
 
-/// Whether what `send` sends comes back within `limit`. It is sent again every 20 ms, whatever else
-/// arrives: where many processes start at once, a first packet may be lost. `wait` waits for up to
-/// that many microseconds for arrivals, and tells whether it was among them.
+/// Whether what `send` sends comes back within `limit`. It is sent again every 20 ms, also
+/// while other packets arrive: when many processes start at once, a first packet may be lost.
+/// `wait` waits for up to that many microseconds for arrivals, and tells whether it was among them.
 bool ComesBack(const std::function<void()>& send, const std::function<bool(std::int64_t)>& wait,
                std::chrono::milliseconds limit);
 

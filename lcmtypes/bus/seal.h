@@ -15,7 +15,7 @@ namespace muster {
 /// Of the libsodium that is linked, "1.0.18".
 std::string SodiumVersion();
 
-/// A tag behind the bytes of a packet: whoever decodes the message does not see it.
+/// A tag behind the bytes of a packet; decoders of the message do not see it.
 using Tag = std::vector<std::uint8_t>;
 inline constexpr std::size_t kTagBytes = 16;
 
@@ -31,7 +31,7 @@ struct SealKey {
   std::array<std::uint8_t, 32> bytes{};
   std::optional<std::int64_t> run_id = {};
 
-  /// Of a run that nobody else has a key of.
+  /// A new random key for a run.
   static SealKey Fresh(std::int64_t run_id);
   /// Throws InputError, naming `from`, where the text is no key. It never shows the text.
   static SealKey Parse(std::string_view text, const std::string& from);
@@ -44,8 +44,8 @@ struct SealKey {
   SealKey Of(std::int64_t run, const std::string& from) const;
 };
 
-/// Tells who is a member of a run: whoever has its key. A tag is BLAKE2b, 16 bytes, with that key,
-/// over the channel's name, a NUL and the message.
+/// Tells the members of a run from others: a member has its key. A tag is BLAKE2b, 16 bytes, with
+/// that key, over the channel's name, a NUL and the message.
 ///
 /// Source: RFC 7693 (keyed BLAKE2b is a message authentication code); libsodium's
 /// crypto_generichash.

@@ -20,7 +20,7 @@
 namespace muster {
 
 /// Puts messages together from LCM's datagrams (LC02: a whole message, LC03: a fragment). It
-/// believes nothing that they say: whatever contradicts itself or what came before is dropped.
+/// trusts none of them: a datagram that contradicts itself or an earlier one is dropped.
 ///
 /// Source: the wire format of liblcm 1.3.1, udpm_util.h. As there, a sender's message begins with
 /// its first fragment, and the next message of that sender ends one that is not complete.
@@ -30,7 +30,7 @@ class UdpmAssembler {
   using OnMessage =
       std::function<void(std::string_view channel, const std::uint8_t* data, std::size_t size)>;
 
-  /// `sender`: of the datagram, whatever tells one from another.
+  /// `sender`: any number that tells one sender of datagrams from another.
   void Take(std::uint64_t sender, const std::uint8_t* datagram, std::size_t size,
             const OnMessage& on_message);
 

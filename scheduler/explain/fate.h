@@ -30,7 +30,7 @@ struct Fate {
   std::int32_t decision = -1;  ///< that settled it; -1: none followed
   TimeUs at_us = 0;
   int kept = 0;                          ///< decisions in between at which it was still planned
-  std::optional<AgentKind> member_kind;  ///< who failed or went offline
+  std::optional<AgentKind> member_kind;  ///< of the agent that failed or went offline
   std::int32_t member = -1;
   std::optional<Action> taken_by;  ///< the pair that was commanded to the task
   /// The pairs that the matching had for its members, and for its task, instead.

@@ -159,7 +159,7 @@ class HorizonLook : public Look {
   void AddFeasible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const;
   void AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLook* look) const;
   PairLook MakeLook(const Participants& participants, const Match& match) const;
-  /// The same pairs as if nobody's time ended, at that place or at all charging points.
+  /// The same pairs as if no online time ended, at that place or at all charging points.
   struct Untimed {
     std::int32_t uav = -1, partner = -1;
     Participants participants;  ///< with their true times

@@ -42,7 +42,7 @@ std::string PolicyFrom(const Arguments& arguments);
 void AddDeadlineOption(Options* options);
 
 /// Whether a policy of that name is a program of the user's (docs/guide/external-schedulers.md). A
-/// log may name any: only who is told so by the user makes such a policy.
+/// log may name any program, so such a policy is made only if the user names it.
 bool IsExternal(std::string_view name);
 
 /// "rollout" of "rollout:expect=12"; the whole name where it expects nothing.

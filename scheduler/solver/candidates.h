@@ -25,7 +25,7 @@ struct Candidates {
   const AgentState& UavOf(const Node& node) const;
   const AgentState& PartnerOf(const Node& node) const;
   Action ToAction(const Situation& situation, const Node& node) const;
-  /// "uav:3", "task:17": who or what an element of the conflict graph is.
+  /// "uav:3", "task:17": the name of an element of the conflict graph.
   std::string NameOf(std::int32_t element) const;
 };
 
@@ -42,7 +42,8 @@ struct ArcsByAgent {
   std::int32_t Find(std::int32_t agent, std::int32_t site) const;
 };
 
-/// The paper's weights of single actions, for who asks about a few and needs no list of all pairs.
+/// The paper's weights of single actions, for callers that ask about a few and need no list of all
+/// pairs.
 class ActionWeights {
  public:
   explicit ActionWeights(const Situation& situation);

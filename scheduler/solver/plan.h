@@ -12,7 +12,7 @@ namespace muster::scheduler {
 /// Losses and gains below it do not count.
 inline constexpr double kNegligible = 1e-9;
 
-/// A feasible assignment under change: who holds what.
+/// A feasible assignment under change: which action holds each agent and site.
 struct Plan {
   std::vector<Column> column;            ///< [n_uavs]
   std::vector<std::int32_t> partner_of;  ///< [n_partners] UAV that takes it along, or -1

@@ -9,8 +9,8 @@
 
 namespace muster::tools::audit {
 
-/// Proves who said what a log holds: each message on a channel of ours must have the tag that the
-/// key of its run makes.
+/// Proves that a log's messages come from members of the mission: each message on a channel of ours
+/// must have the tag that the key of its run makes.
 class SealProof {
  public:
   /// `key`: a run's, or one of many runs; `from`: where it is from, for messages.

@@ -12,8 +12,8 @@ struct MissionSetting {
   std::string scenario_file;
   std::string policy;
   int processes = 1;  ///< of each agent class
-  /// muster, lcm: over LCM, and who writes the log; none: over LCM without a log; simulate: in one
-  /// process.
+  /// muster, lcm: over LCM, with that program writing the log; none: over LCM without a log;
+  /// simulate: in one process.
   std::string run;
 };
 

@@ -13,14 +13,14 @@ namespace muster::tools {
 /// 1. A task is done by one sensing of one UAV and one worker that are both idle and online at the
 ///    same decision, at times k * interval < limit, and that are commanded or meet then. So each of
 ///    them starts at most one activity a decision.
-/// 2. Nobody is anywhere sooner than on the straight line from where it starts, leaving at its
+/// 2. No agent is anywhere sooner than on the straight line from where it starts, leaving at its
 ///    first decision online. With Rules::start_on_meeting its cell will do: the line is shorter by
 ///    that cell's diagonal.
 /// 3. Sensing starts no sooner than the decision and either arrival, takes cost / UAV speed (a
 ///    worker's: at the fastest UAV's speed), and ends by the limit. In mode strict it also ends by
 ///    both downtimes.
 /// 4. A UAV senses only what a full range allows with the way on to a charging point.
-/// 5. Nobody is idle again before its sensing has ended: with the shortest sensing of all, that
+/// 5. No agent is idle again before its sensing has ended: with the shortest sensing of all, that
 ///    gives a largest number of tasks for each agent's time.
 ///
 /// All else is left out: ways between tasks, ranges, charging, charging points, disturbances, what

@@ -26,8 +26,8 @@ struct LoggedDecision {
   /// Of its tick: states of the agents, the world's state and rulings, in the log's order, each
   /// message once.
   std::vector<Packet> told;
-  /// Whether the next tick's clock requires it. One that a lost scheduler did not make in time is
-  /// not, and nobody follows it.
+  /// Whether the next tick's clock requires it. A decision that a lost scheduler did not make in
+  /// time is not required, and no agent follows it.
   bool in_force = true;
   /// As published. More than one where a scheduler that was started again made it again.
   std::vector<schedule_t> schedules;

@@ -20,7 +20,7 @@ struct Chapter {
   TimeUs at_us = 0;
   std::string missing;    ///< why nothing can be told; else empty
   bool scheduled = true;  ///< the log holds a schedule for it
-  bool in_force = true;   ///< as LoggedDecision; else nobody was commanded
+  bool in_force = true;   ///< as LoggedDecision; else no agent was commanded
   std::string policy;
   Answer answer;
   scheduler::DecisionQuality quality;  ///< in horizon's terms only where the answer has options

@@ -9,7 +9,7 @@
 
 namespace muster::tools {
 
-/// Tells on stderr how much of a run's log has been read, in bytes, to who has waited for two
+/// Says on stderr how much of a run's log has been read, in bytes, once the work has taken two
 /// seconds. Shorter work stays silent.
 class LogProgress {
  public:

@@ -19,7 +19,7 @@ class PendingFile {
 
   const std::string& path() const { return path_; }
   const std::string& temporary() const { return temporary_; }
-  /// Throws SystemError. Whoever wrote the file has closed it.
+  /// The file must be closed. Throws SystemError.
   void Commit();
 
  private:
@@ -30,7 +30,7 @@ class PendingFile {
 /// "PATH: cannot write: WHY", where `error` is an errno.
 [[noreturn]] void FailToWrite(const std::string& path, int error);
 
-/// Who may read a file: whoever the umask lets, or its owner alone (mode 0600).
+/// The users that may read a file: those that the umask allows, or its owner alone (mode 0600).
 enum class Readers { kAsUsual, kOwner };
 
 /// Writes a whole file, or leaves what was there. Throws SystemError.

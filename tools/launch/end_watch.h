@@ -26,7 +26,7 @@ class EndWatch {
 
   /// Takes how things stand; a line to say now: after 3 s, 6 s, 12 s ...
   std::optional<std::string> Line(const Waiting& waiting, TimeUs now_us);
-  /// The gaps have not been fewer than before for 10 s in which all ran who could have filled them.
+  /// For 10 s, while all processes that could fill the gaps ran, the gaps have not become fewer.
   bool hopeless(TimeUs now_us) const;
 
  private:

@@ -16,7 +16,7 @@ namespace muster::tools {
 /// What a mission over LCM starts.
 struct MissionPrograms {
   std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
-  HostList hosts;                    ///< who runs elsewhere
+  HostList hosts;                    ///< hosts of the processes that run elsewhere
   /// By NameOf(MissionPlan::logger): a stock lcm-logger, or ours; its file is added.
   ChildSpec logger;
   std::string lcm_url = {};

@@ -23,7 +23,7 @@ class MissionHost {
   virtual Usage usage() const = 0;
   /// The launcher's own; time may pass, and everything else may happen, while it receives.
   virtual LossyBus& bus() = 0;
-  /// After an outage: for who does not see to its own sockets.
+  /// The network is back after an outage: processes that do not renew their own sockets need help.
   virtual void OnNetworkBack() {}
   /// How often the user has asked to stop the mission.
   virtual int stops_asked() const = 0;

@@ -34,8 +34,8 @@ class StallWatch {
   StallWatch(std::vector<std::string> processes, TimeUs tick_us, double rate);
 
   void OnHeard(const Packet& packet, TimeUs now_us);
-  /// A line to say now: that the mission stands (after 3 s, 6 s, 12 s ...), and for whom it waits,
-  /// or that it goes on, or that it is late (by 5 s, 10 s, 20 s ...).
+  /// A line to print now: that the mission stands (after 3 s, 6 s, 12 s ...) and which process it
+  /// waits for, or that it goes on, or that it is late (by 5 s, 10 s, 20 s ...).
   std::optional<std::string> Line(TimeUs now_us);
   /// Whose word on the newest tick has not been heard.
   std::vector<std::string> Missing() const;

@@ -22,7 +22,7 @@ struct RestartPolicy {
   TimeUs longest_us = 2'000'000;
 };
 
-/// Who writes the log.
+/// The program that writes the log.
 enum class Logger {
   kLcm,     ///< stock lcm-logger; the launcher follows the file and takes the recorder's part
   kMuster,  ///< the recorder, a process of the mission

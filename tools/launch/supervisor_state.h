@@ -40,13 +40,13 @@ class Supervisor : private FaultActions {
   /// Turns until `done` holds; false when the time is over or a second signal came first.
   template <class Condition>
   bool TurnUntil(Condition done, TimeUs longest_us);
-  /// Takes note of who sends messages in this mission.
+  /// Notes the sender of a message of this mission.
   void OnMember(const Packet& packet, const Now& now);
   /// Reports now and then what a mission waits for that has not begun, or has ended.
   void SayWait(const Now& now);
-  /// Whom and what a mission that has ended still waits for.
+  /// The processes and messages that a mission that has ended still waits for.
   std::string Open() const;
-  /// Without those who are silent after the mission's end.
+  /// Goes on without the processes that are silent after the mission's end.
   void LeaveBehind(const Now& now);
   /// Gives up, after the end, messages that no process can send again.
   void SeeToEnd(const Now& now);
@@ -112,7 +112,7 @@ class Supervisor : private FaultActions {
   std::vector<Member> members_;  ///< the logger first: it goes last
   std::vector<std::string> problems_;
   std::vector<Packet> out_;
-  std::string stopping_whom_;  ///< who is to end now
+  std::string stopping_whom_;  ///< the processes that shall end now
   TimeUs end_heard_us_ = kNever;
   TimeUs turned_us_ = 0;
   TimeUs read_us_ = 0;  ///< when to read the log again

@@ -21,8 +21,8 @@ class LiveServer final : public SocketServer {
   static constexpr std::chrono::seconds kPatience{5};
 
   /// Binds 127.0.0.1:port (0: any free one) and starts no thread yet: the socket stays in the
-  /// network where it was made, whatever network the process enters afterwards. Throws SystemError
-  /// when the port is taken.
+  /// network namespace where it was made, even if the process enters another one. Throws
+  /// SystemError when the port is taken.
   explicit LiveServer(int port);
   /// Says goodbye to the pages that listen, for a second at most, and ends.
   ~LiveServer() override;

@@ -29,7 +29,7 @@ class OrderGate {
 
   /// What became of it, as JSON: {"id", "taken": {"tick", "sim_s", "task" | "agent"}},
   /// {"id", "refused": reason}, or, when the mission has ended without an answer, {"id", "error"}.
-  /// None: nobody gave that, or nothing is known yet.
+  /// None: there is no such order, or nothing is known yet.
   std::optional<std::string> AnswerTo(const std::string& id) const;
   bool knows(const std::string& id) const;
 

@@ -124,7 +124,7 @@ class RunRecord {
     bool ended = false;           ///< the mission's end was announced
     std::int64_t last_tick = -1;  ///< the newest that everything is asked of
     std::vector<Gap> gaps;        ///< by sender and boot, ascending
-    /// Gaps of starts that a later start of the same sender followed: nobody could say that again.
+    /// Gaps of starts that a later start of the same sender followed: those could not be repeated.
     std::vector<Gap> lost_tails;
     std::vector<Missing> missing;  ///< at most kMaxListed, the earliest
     std::int64_t n_missing = 0;    ///< (owner, tick) pairs missing
@@ -137,9 +137,8 @@ class RunRecord {
   /// clock, world state, rulings and each agent once (unless it is ruled to have failed, as a lost
   /// process's agents are), every decision its schedule (unless it was skipped), and the end was
   /// announced. What comes after the newest tick of a mission without an end, and that tick, are
-  /// not asked for: they need not have been. A sender without any message is found by its ticks.
-  /// What a killed start had sent and nobody logged is reported apart where it is known, and its
-  /// ticks count.
+  /// not required. A sender without any message is found by its ticks. Messages of a killed start
+  /// that were not logged are reported apart where they are known, and its ticks count.
   Completeness CheckComplete() const;
 
  private:

@@ -14,8 +14,8 @@
 
 namespace muster::tools {
 
-/// What `muster top` shows of a mission: how far it is, who does what, how the processes and the
-/// bus are. Rates and ages come from the wall time in the messages, so a log that is read later
+/// What `muster top` shows of a mission: how far it is, what each agent does, how the processes and
+/// the bus are. Rates and ages come from the wall time in the messages, so a log that is read later
 /// tells the same.
 class TopView {
  public:

@@ -12,7 +12,7 @@ namespace muster::scheduler {
 /// Where a decision's wall time went, seconds.
 struct CertifiedProfile {
   double weights_s = 0;     ///< expected costs and gains
-  double candidates_s = 0;  ///< finding and ordering who can go where
+  double candidates_s = 0;  ///< finding and ordering the feasible ways
   double bound_s = 0;       ///< the linear relaxation and its bounds
   double search_s = 0;      ///< assignments
   std::int64_t work = 0;    ///< the solver's steps

@@ -29,7 +29,7 @@ struct Answer {
   bool by_node = false;
 };
 
-/// Reads such a line, with whatever ids it has, and puts in where each action leads. Throws
+/// Reads such a line, without checking its ids, and adds the place where each action leads. Throws
 /// InputError that says what is wrong with it.
 Answer ReadAnswer(std::string_view line, const Situation& situation);
 

@@ -26,7 +26,7 @@ struct HowDecided {
   std::int32_t variant = 0, variants = 1;  ///< `rollout`: which of its variants, of how many
   std::vector<std::uint32_t> draws;        ///< `rollout`: the numbers of the random draws, if any
   /// Whether these settings lead to exactly the commanded actions. They do not where another build
-  /// decided, or where nobody was commanded. The settings are then those of the first variant.
+  /// decided, or where no agent was commanded. The settings are then those of the first variant.
   bool again = false;
 };
 struct Deciding {
@@ -43,7 +43,7 @@ class MatchingPolicy : public Policy {
                            const std::vector<Action>& commanded) const = 0;
 };
 
-/// Matches by value per true duration, sends ahead who would wait. Two matchings: the first among
+/// Matches by value per true duration, sends waiting agents ahead. Two matchings: the first among
 /// the agents that are idle now or soon; of its pairs those of two idle agents are commanded. The
 /// second among the same agents as they will be after it; an idle agent of one of its pairs that
 /// has nothing else to do goes ahead. Source: ours.

@@ -19,7 +19,7 @@ struct Participant {
   bool idle = false;     ///< can be commanded now
 };
 
-/// Who takes part, by AgentKind.
+/// The agents that take part, by AgentKind.
 using Participants = PerKind<std::vector<Participant>>;
 
 /// Time of the first decision at or after t.
@@ -46,7 +46,7 @@ struct OpenSites {
 };
 OpenSites OpenSitesOf(const Situation& situation);
 
-/// The heaviest set of pairs in which nobody, no task and no place is used twice. Sorted by UAV.
+/// The heaviest set of pairs in which no agent, task or place is used twice. Sorted by UAV.
 /// `candidates`, when given, takes the number of pairs to choose from. threads: 1 or 2; the result
 /// does not depend on it.
 std::vector<Match> HeaviestPairs(const Situation& situation, const Participants& participants,

@@ -10,7 +10,7 @@
 
 namespace muster::scheduler {
 
-/// The pairs that a matching chooses from, as an Instance in which nobody goes alone: its partners
+/// The pairs that a matching chooses from, as an Instance without lone actions: its partners
 /// are the workers, then the vehicles; its sites the open tasks, then the charging points with a
 /// free place. A pair's weight is its worth, in tasks.
 struct PossiblePairs {
@@ -20,10 +20,10 @@ struct PossiblePairs {
   std::int32_t n_workers = 0;          ///< partners that are workers
 };
 
-/// Who could meet where. Ways that end too late with any partner are left out, which only makes the
-/// instance smaller: Instance::Compatible refuses every pair that ends too late. Agents are looked
-/// for near each site, so the cost is that of the ways found. threads: 1 or 2; the result does not
-/// depend on it.
+/// The agents that could meet at each site. Ways that end too late with any partner are left out,
+/// which only makes the instance smaller: Instance::Compatible refuses every pair that ends too
+/// late. The search looks for agents near each site, so its cost is that of the ways found.
+/// threads: 1 or 2; the result does not depend on it.
 PossiblePairs FindPairs(const Situation& situation, const Participants& participants,
                         const OpenSites& open, const HorizonSettings& settings, int threads = 1);
 

@@ -32,9 +32,9 @@ struct HorizonSettings {
   /// A pair with an idle member and one that is not sends the idle one on its way.
   bool meet_ahead = true;
 
-  /// Nobody is commanded farther than one interval: a pair that cannot meet before the next
-  /// decision, and whoever goes ahead, takes a free move of one interval's length towards the place
-  /// and is matched anew. Off by default: the paper's nine kinds of action have no such move.
+  /// No command leads farther than one interval. A pair that cannot meet before the next decision,
+  /// and an agent that goes ahead, take a free move of one interval's length towards the place, and
+  /// are matched anew. Off by default: the paper's nine kinds of action have no such move.
   bool steps = false;
 
   // Weights.

@@ -53,7 +53,7 @@ using Choices = PerKind<std::vector<int>>;
 
 /// The actions that the choices come to. A UAV and a worker (vehicle) that chose the same place and
 /// can meet there before the next decision become a pair, the lowest UAV first, then the lowest
-/// partner; whoever is without one goes towards its choice, at most as far as one interval allows.
+/// partner. An agent without a partner goes towards its choice, as far as one interval allows.
 std::vector<Action> ActionsOf(const Situation& situation, const Observation& observation,
                               const Choices& choices);
 

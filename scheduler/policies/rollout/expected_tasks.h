@@ -14,8 +14,8 @@ struct ExpectedTasks {
 
 /// Imagines the tasks that are still to be reported, `per_hour` of them in the mean, at any time
 /// from now to the limit, each like a task that is known now: its place, cost and priority, due and
-/// gone as long after its report. Nothing is expected before a task is known. What the scenario
-/// holds and nobody has reported has no part in it. Drawn by (seed, decision, `future`).
+/// gone as long after its report. Nothing is expected before a task is known. Tasks of the
+/// scenario that are not reported yet have no part in it. Drawn by (seed, decision, `future`).
 /// Source: ours; deciding with sampled futures is that of Bent and Van Hentenryck, "Scenario-Based
 /// Planning for Partially Dynamic Vehicle Routing with Stochastic Customers" (2004).
 ExpectedTasks ExpectTasks(const Situation& situation, double per_hour, std::uint32_t future);

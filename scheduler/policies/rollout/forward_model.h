@@ -9,10 +9,10 @@
 namespace muster::scheduler {
 
 /// The known situation carried forward without messages, on the mission's rule book
-/// (model/agent.h): the agents of the situation with their own online times, nobody who comes
-/// online later, no disturbances. Outcomes are those of the mission as long as that is all there
-/// is (forward_model_mission_test). Meetings without a command (Rules::start_on_meeting) are left
-/// out.
+/// (model/agent.h): the agents of the situation with their own online times, without agents that
+/// come online later and without disturbances. Outcomes are those of the mission as long as that is
+/// all there is (forward_model_mission_test). Meetings without a command (Rules::start_on_meeting)
+/// are left out.
 class ForwardModel {
  public:
   /// The last `expected` tasks of the situation are known once their time of report has come. Of
