@@ -37,7 +37,9 @@ TEST(DecodeMessage, OpensOnEachChannelTheTypeOfTheTable) {
             const auto message = DecodeMessage({std::string(row.name), Encode(sample)});
             const bool is_its_type = row.type == T::getTypeName();
             EXPECT_EQ(message.has_value(), is_its_type) << row.name << " " << T::getTypeName();
-            if (message) EXPECT_TRUE(std::holds_alternative<T>(*message)) << row.name;
+            if (message) {
+              EXPECT_TRUE(std::holds_alternative<T>(*message)) << row.name;
+            }
           };
           (expect(samples), ...);
         },
