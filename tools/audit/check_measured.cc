@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
 #include "tools/audit/checks.h"
 
 namespace muster::tools::audit {

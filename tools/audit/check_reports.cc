@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "base/units.h"
 #include "tools/audit/checks.h"
 #include "tools/audit/unlisted.h"
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "base/units.h"
+#include "tools/audit/values.h"
 
 namespace muster::tools::audit {
 namespace {

@@ -15,6 +15,8 @@ namespace muster::tools::audit {
 inline constexpr double kTolerance_m = 1e-3;
 inline constexpr std::int64_t kToleranceUs = 2;
 
+inline double ToSeconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+
 /// Equal but for rounding.
 bool Near(double a_m, double b_m);
 bool NearUs(std::int64_t a, std::int64_t b);
