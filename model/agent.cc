@@ -43,8 +43,12 @@ void StopAt(AgentState* agent, TimeUs t, std::span<const Task> tasks) {
   agent->action = ActionKind::kNone;
   agent->target = agent->partner = -1;
   agent->activity.reset();
-  agent->set_out.reset();
   if (agent->measured) NoteLeg(agent);
+}
+
+/// When the present leg began: that of a measured agent is told anew as it goes.
+TimeUs SetOutAt(const AgentState& agent) {
+  return agent.measured ? agent.measured->set_out_us : agent.depart_us;
 }
 
 /// Whether it is the sensing or charging that the agent was sent to.
@@ -250,7 +254,7 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     if (ruling.fails()) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
-    } else if (agent->action != ActionKind::kNone && ruling.at_us >= agent->set_out_us()) {
+    } else if (agent->action != ActionKind::kNone && ruling.at_us >= SetOutAt(*agent)) {
       StopAt(agent, ruling.at_us, tasks);
     }
   }
@@ -278,7 +282,6 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
   agent->arrive_us = now + TravelUs(agent->WayM(agent->from, agent->to), agent->speed_m_s);
   agent->action = action.kind;
   agent->activity.reset();
-  agent->set_out.reset();
   agent->busy_until_us = IsPair(action.kind) ? kNever : agent->arrive_us;
   agent->target = action.task.valid() ? action.task.value : action.charge.value;
   if (IsPair(action.kind)) {

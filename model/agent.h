@@ -87,20 +87,10 @@ struct AgentState {
   std::optional<Activity> activity;  ///< of the action under way, once known
   bool failed = false;
   std::optional<Measured> measured;  ///< none: it does what is computed
-  /// The start of a free move by a way that is not straight, when `from` is a later place on it.
-  struct SetOut {
-    TimeUs at_us = 0;
-    double range_m = 0;
-  };
-  std::optional<SetOut> set_out;
 
   bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
   /// May be scheduled at t: online, not failed, nothing under way.
   bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
-  /// When the present leg began, also where `from` is a later place on it.
-  TimeUs set_out_us() const {
-    return measured ? measured->set_out_us : set_out ? set_out->at_us : depart_us;
-  }
   WaysOf own_ways() const { return {ways, kind}; }
   /// Metres of its way between two places.
   double WayM(Point a, Point b) const { return ways->Length(kind, a, b); }

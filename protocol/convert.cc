@@ -152,12 +152,10 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   if (agent.action == ActionKind::kGoTo && t < agent.arrive_us) {
     if (agent.measured && agent.depart_us == t && agent.measured->set_out_us < t) {
       TellGoal(agent, agent.measured->set_out_us, t, &wire);
-    } else if (!agent.ways->straight(agent.kind) && agent.set_out_us() < t) {
-      const Point from = BehindGoal(agent, here, t - agent.set_out_us(), t);
+    } else if (!agent.ways->straight(agent.kind) && agent.depart_us < t) {
+      const Point from = BehindGoal(agent, here, t - agent.depart_us, t);
       wire.from_x_m = from.x_m;
       wire.from_y_m = from.y_m;
-      wire.depart_us = agent.set_out_us();
-      if (agent.set_out) wire.range_at_departure_m = agent.set_out->range_m;
     }
   }
   if (TellsWholeLeg(agent, t)) {
@@ -232,19 +230,14 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   if (limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured) {
     ReadMeasured({wire.x_m, wire.y_m}, wire.range_left_m, t, limits.scenario.rules, &agent);
   }
-  KnowRestOfMove(wire, t, &agent);
-  return agent;
-}
-
-void KnowRestOfMove(const agent_t& wire, TimeUs t, AgentState* agent) {
-  if (agent->action != ActionKind::kGoTo || agent->ways->straight(agent->kind) ||
-      wire.depart_us >= t || t >= agent->arrive_us) {
-    return;
+  if (action == ActionKind::kGoTo && !agent.ways->straight(kind) && agent.depart_us < t &&
+      t < agent.arrive_us) {
+    // The origin that is told stands for the goal: the way is known from here on.
+    agent.from = {wire.x_m, wire.y_m};
+    agent.depart_us = t;
+    agent.range_at_departure_m = wire.range_left_m;
   }
-  agent->set_out = {wire.depart_us, wire.range_at_departure_m};
-  agent->from = {wire.x_m, wire.y_m};
-  agent->depart_us = t;
-  agent->range_at_departure_m = wire.range_left_m;
+  return agent;
 }
 
 activity_t ToWire(const Activity& activity) {

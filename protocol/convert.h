@@ -68,11 +68,6 @@ std::vector<agent_states_t> PartsOf(const agent_states_t& states);
 std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t,
                                    const WireLimits& limits);
 
-/// A report of time t tells the goal of a free move by a way that is not straight, but not where
-/// the move began: from the report on, its readers know the rest of the way. The process that
-/// reports calls this too, so that it computes what it would compute after a restart, bit for bit.
-void KnowRestOfMove(const agent_t& wire, TimeUs t, AgentState* agent);
-
 activity_t ToWire(const Activity& activity);
 std::optional<Activity> FromWire(const activity_t& wire, const WireLimits& limits);
 

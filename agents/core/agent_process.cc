@@ -398,7 +398,6 @@ void AgentProcess::ReportTick(const Now& now) {
       SayAsComputed(&agent, tick_us_);
     }
     wires.push_back(ToWire(agent, tick_us_, scenario()->tasks));
-    KnowRestOfMove(wires.back(), tick_us_, &agent);
     if (failures_.contains(agent.id)) wires.back().status = NumberOf(AgentStatus::kFailed);
   }
   Publish(std::move(wires), SpeaksWhole(), now);
