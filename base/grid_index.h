@@ -35,18 +35,18 @@ class GridIndex {
     }
   }
 
-  /// The least length(point, distance), which is never below the distance; infinity when there is
-  /// no point.
+  /// The least length(index, point, distance), which is never below the distance; infinity when
+  /// there is no point. It is asked of every point that is no further away than that.
   template <class Length>
   double Nearest(Point centre, Length&& length) const {
     double nearest = std::numeric_limits<double>::infinity();
     if (order_.empty()) return nearest;
     const double reach = ReachFrom(centre);
-    for (double radius = 1 / per_m_; nearest > radius; radius *= 2) {
-      Within(centre, radius, [&](std::int32_t, Point point, double distance) {
-        nearest = std::min(nearest, length(point, distance));
+    for (double radius = 1 / per_m_;; radius *= 2) {
+      Within(centre, radius, [&](std::int32_t i, Point point, double distance) {
+        nearest = std::min(nearest, length(i, point, distance));
       });
-      if (radius > reach) break;
+      if (nearest <= radius || radius > reach) break;
     }
     return nearest;
   }

@@ -34,6 +34,7 @@ struct Channel {
 
 namespace channel {
 inline constexpr std::string_view kScenario = "MUSTER_SCENARIO";
+inline constexpr std::string_view kRoads = "MUSTER_ROADS";
 inline constexpr std::string_view kClock = "MUSTER_CLOCK";
 inline constexpr std::string_view kWorld = "MUSTER_WORLD";
 inline constexpr std::string_view kRulings = "MUSTER_RULINGS";
@@ -64,6 +65,8 @@ inline constexpr unsigned kWorldAndScheduler =
 inline constexpr unsigned kWorldAndAgents = kWorldAlone | static_cast<unsigned>(Hearer::kAgents);
 inline constexpr Channel kChannels[] = {
     {channel::kScenario, "scenario_t", process_name::kWorld, "at start, on request", 64 * kMiB},
+    {channel::kRoads, "roads_t", process_name::kWorld, "after the scenario that names roads",
+     64 * kMiB},
     {channel::kClock, "clock_t", process_name::kWorld, "every tick", 1024},
     {channel::kWorld, "world_state_t", process_name::kWorld, "every tick", 16 * kMiB},
     {channel::kRulings, "rulings_t", process_name::kWorld, "every tick", 4 * kMiB},

@@ -276,14 +276,21 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
   MUSTER_CHECK(agent->idle(now), "{}:{} at {}", ToString(agent->kind), agent->id, now);
   agent->decision = decision;
   if (IsStay(action.kind)) return;
+  const Ways::Stop goal = action.kind == ActionKind::kGoTo
+                              ? agent->ways->StopNear(agent->kind, action.to)
+                              : Ways::Stop{action.to};
+  const double way_m = agent->WayM(agent->to, goal.at);
+  if (std::isinf(way_m)) return;  // where no way leads it is not sent
   agent->from = agent->to;
-  agent->to = action.to;
+  agent->to = goal.at;
   agent->depart_us = now;
-  agent->arrive_us = now + TravelUs(agent->WayM(agent->from, agent->to), agent->speed_m_s);
+  agent->arrive_us = now + TravelUs(way_m, agent->speed_m_s);
   agent->action = action.kind;
   agent->activity.reset();
   agent->busy_until_us = IsPair(action.kind) ? kNever : agent->arrive_us;
-  agent->target = action.task.valid() ? action.task.value : action.charge.value;
+  agent->target = action.task.valid()     ? action.task.value
+                  : action.charge.valid() ? action.charge.value
+                                          : goal.number;
   if (IsPair(action.kind)) {
     agent->partner = agent->kind != AgentKind::kUav      ? action.uav.value
                      : action.kind == ActionKind::kSense ? action.worker.value

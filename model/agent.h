@@ -80,7 +80,7 @@ struct AgentState {
   double range_per_m = 1;  ///< range spent per metre of this leg: 1, more in wind
 
   ActionKind action = ActionKind::kNone;  ///< under way; kNone when free
-  std::int32_t target = -1;               ///< task or charging point of the action
+  std::int32_t target = -1;  ///< task or charging point of the action; of kGoTo: its numbered stop
   std::int32_t partner = -1;
   std::int32_t decision = -1;        ///< that commanded the last action
   TimeUs busy_until_us = 0;          ///< kNever while a pair's activity is not known yet

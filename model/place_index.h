@@ -34,7 +34,7 @@ class PlaceIndex {
   }
   /// Metres to the place that is nearest by way; infinity where there is none.
   double NearestFrom(Point from) const {
-    return grid_.Nearest(from, [&](Point place, double distance_m) {
+    return grid_.Nearest(from, [&](std::int32_t, Point place, double distance_m) {
       return ways_.straight() ? distance_m : ways_.Length(from, place);
     });
   }

@@ -2,8 +2,32 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
+#include <mutex>
+#include <utility>
 
 namespace muster {
+namespace {
+
+/// What the ways of a scenario with roads depend on.
+using RoadsKey = std::pair<std::string, std::vector<double>>;
+
+/// Missions in one process share the ways of equal scenarios, and so what was found on them.
+std::shared_ptr<const RoadWays> SharedWays(RoadsKey key, const std::function<RoadWays*()>& make) {
+  static std::mutex mutex;
+  static std::map<RoadsKey, std::weak_ptr<const RoadWays>> known;
+  const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const RoadWays>& entry = known[std::move(key)];
+  std::shared_ptr<const RoadWays> ways = entry.lock();
+  if (ways == nullptr) {
+    ways.reset(make());
+    entry = ways;
+  }
+  return ways;
+}
+
+}  // namespace
 
 bool Task::IsPlain() const {
   return reported_us == 0 && due_us == kNever && expires_us == kNever && revisit_us == kNever &&
@@ -25,6 +49,24 @@ bool Scenario::IsOpen() const {
                                           std::mem_fn(&AgentSpec::measured));
                      }) ||
          !std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.IsPlain(); });
+}
+
+void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario) {
+  std::vector<Point> sites;
+  for (std::size_t i = 0; i < scenario->n_tasks(); ++i) sites.push_back(scenario->tasks[i].at);
+  for (const ChargingPoint& point : scenario->charging_points) sites.push_back(point.at);
+  RoadsKey key{roads.text, {}};
+  for (const OpenGround& ground : {roads.open_ground.workers, roads.open_ground.vehicles}) {
+    key.second.insert(key.second.end(), {static_cast<double>(ground.percent), ground.reach_m});
+  }
+  for (const Point& site : sites) key.second.insert(key.second.end(), {site.x_m, site.y_m});
+  std::shared_ptr<const RoadWays> ways = SharedWays(std::move(key), [&] {
+    return new RoadWays(std::make_shared<const Roads>(ParseRoads(roads.text, file)),
+                        roads.open_ground, std::move(sites));
+  });
+  roads.network = ways->roads();
+  scenario->ways = std::move(ways);
+  scenario->roads = std::make_shared<const ScenarioRoads>(std::move(roads));
 }
 
 void AddRoom(const Room& room, Scenario* scenario) {

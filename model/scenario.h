@@ -13,6 +13,7 @@
 #include "base/moment.h"
 #include "base/units.h"
 #include "model/per_kind.h"
+#include "model/road_ways.h"
 #include "model/ways.h"
 
 namespace muster {
@@ -131,6 +132,15 @@ struct Origin {
   double longitude_deg = 0;
 };
 
+/// The road network that workers and vehicles of a scenario travel by.
+struct ScenarioRoads {
+  std::string file;  ///< name of the road file, which stands beside the scenario's
+  std::string text;  ///< of that file
+  /// By agent class, off the road.
+  PerKind<OpenGround> open_ground = {{}, {50, 1000}, {25, 1000}};
+  std::shared_ptr<const Roads> network;
+};
+
 /// A mission: who, where, when. Ids are indices. SI units; see scenario_json.h for the file.
 struct Scenario {
   std::string name;
@@ -144,7 +154,8 @@ struct Scenario {
   std::vector<AgentSpec> uavs, workers, vehicles;
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
-  std::shared_ptr<const Ways> ways = DefaultWays();  ///< how its agents travel
+  std::shared_ptr<const ScenarioRoads> roads;        ///< null: nobody needs any
+  std::shared_ptr<const Ways> ways = DefaultWays();  ///< how its agents travel; by roads, if any
 
   Room room;  ///< the vacant ends of these lists
 
@@ -163,6 +174,10 @@ struct Scenario {
     return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);
   }
 };
+
+/// Sends workers and vehicles by these roads. Their network is read from the text; errors name
+/// `file`.
+void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario);
 
 /// Adds so many vacant tasks and agents.
 void AddRoom(const Room& room, Scenario* scenario);

@@ -16,6 +16,7 @@
 #include "base/json_tree.h"
 #include "base/number_text.h"
 #include "base/object_reader.h"
+#include "base/sha256.h"
 #include "base/text_file.h"
 #include "model/task_reader.h"
 
@@ -23,6 +24,8 @@ namespace muster {
 namespace {
 
 // Reading.
+
+constexpr double kFarthestOffRoad_km = 100;
 
 Point ReadPoint(const ObjectReader& object) {
   return {object.Number("x_km", kKm), object.Number("y_km", kKm)};
@@ -185,6 +188,51 @@ Room ReadRoom(const ObjectReader& object) {
   return {count("tasks"), {count("uavs"), count("workers"), count("vehicles")}};
 }
 
+OpenGround ReadOpenGround(const ObjectReader& object) {
+  object.AllowOnly({"percent", "reach_km"});
+  return {static_cast<std::int32_t>(object.Integer("percent", 0, 100)),
+          object.Number("reach_km", kKm, 0, kFarthestOffRoad_km)};
+}
+
+/// The name alone: the file stands beside the scenario's.
+std::string ReadRoadFileName(const ObjectReader& object) {
+  std::string name = object.String("file");
+  if (!name.ends_with(kRoadFileEnd) || name.find('/') != std::string::npos) {
+    object.Fail("file", *object.Optional("file"),
+                fmt::format("the name of a file *{} in the scenario's folder", kRoadFileEnd));
+  }
+  return name;
+}
+
+/// All of the key "roads" but the roads.
+ScenarioRoads ReadRoadsKey(const ObjectReader& object) {
+  object.AllowOnly({"file", "sha256", "open_ground"});
+  ScenarioRoads roads;
+  roads.file = ReadRoadFileName(object);
+  if (!object.Has("open_ground")) return roads;
+  const ObjectReader ground = object.Child("open_ground");
+  ground.AllowOnly({"workers", "vehicles"});
+  if (ground.Has("workers")) roads.open_ground.workers = ReadOpenGround(ground.Child("workers"));
+  if (ground.Has("vehicles")) roads.open_ground.vehicles = ReadOpenGround(ground.Child("vehicles"));
+  return roads;
+}
+
+void TakeRoads(const ObjectReader& object, const std::string& text, std::string_view file,
+               Scenario* scenario) {
+  ScenarioRoads roads = ReadRoadsKey(object);
+  const std::string expected = object.String("sha256");
+  if (text.empty()) {
+    throw RoadsLacking(fmt::format("{}: roads: found no road file, expected {}", file, roads.file));
+  }
+  if (const std::string found = Sha256(text); found != expected) {
+    throw RoadsLacking(fmt::format("{}: roads.sha256: the road file {} has {}, expected {}", file,
+                                   roads.file, found, expected));
+  }
+  roads.text = text;
+  const std::string name = roads.file;
+  UseRoads(std::move(roads), name, scenario);
+}
+
 Disturbances::Interval ReadInterval(const ObjectReader& object, std::string_view key, Unit unit) {
   if (!object.Has(key)) return {};
   const std::vector<JsonValue>& ends = object.Array(key);
@@ -214,6 +262,14 @@ std::uint64_t ReadSeed(const ObjectReader& top) {
   return seed;
 }
 
+/// "": none.
+std::string RoadFileNamedBy(const std::string& json, std::string_view file) {
+  if (json.find("\"roads\"") == std::string::npos) return "";
+  const JsonValue tree = ParseJson(json, file);
+  const ObjectReader top(tree, "", file);
+  return top.Has("roads") ? ReadRoadFileName(top.Child("roads")) : "";
+}
+
 // Writing.
 
 class Writer {
@@ -221,8 +277,8 @@ class Writer {
   std::string Write(const Scenario& scenario) {
     const Rules& rules = scenario.rules;
     const bool open = scenario.IsOpen();
-    Add("{{\n  \"version\": {},\n  \"name\": {},\n  \"seed\": {},\n", open ? 2 : 1,
-        Quoted(scenario.name), scenario.seed);
+    Add("{{\n  \"version\": {},\n  \"name\": {},\n  \"seed\": {},\n",
+        open || scenario.roads ? 2 : 1, Quoted(scenario.name), scenario.seed);
     Add("  \"area_km\": [{}, {}],\n", ToText(scenario.width_m, kKm),
         ToText(scenario.height_m, kKm));
     Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
@@ -258,6 +314,7 @@ class Writer {
       Add("  \"room\": {{\"tasks\": {}, \"uavs\": {}, \"workers\": {}, \"vehicles\": {}}},\n",
           room.tasks, room.agents.uavs, room.agents.workers, room.agents.vehicles);
     }
+    if (scenario.roads) AddRoads(*scenario.roads);
     Agents("uavs", AgentKind::kUav, scenario);
     Agents("workers", AgentKind::kWorker, scenario);
     Agents("vehicles", AgentKind::kVehicle, scenario);
@@ -285,6 +342,17 @@ class Writer {
 
   static std::string Quoted(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+
+  void AddRoads(const ScenarioRoads& roads) {
+    const auto ground = [](const OpenGround& open) {
+      return fmt::format("{{\"percent\": {}, \"reach_km\": {}}}", open.percent,
+                         ToText(open.reach_m, kKm));
+    };
+    Add("  \"roads\": {{\"file\": {}, \"sha256\": \"{}\",\n", Quoted(roads.file),
+        Sha256(roads.text));
+    Add("    \"open_ground\": {{\"workers\": {}, \"vehicles\": {}}}}},\n",
+        ground(roads.open_ground.workers), ground(roads.open_ground.vehicles));
   }
 
   void AddTask(const Task& task) {
@@ -354,8 +422,8 @@ class Writer {
 
 }  // namespace
 
-Scenario ParseScenario(std::string_view json, std::string_view file) {
-  const JsonValue tree = ParseJson(json, file);
+Scenario ParseScenario(const ScenarioText& text, std::string_view file) {
+  const JsonValue tree = ParseJson(text.json, file);
   const ObjectReader top(tree, "", file);
   // The version first: another version's keys would only confuse.
   const JsonValue& number = top.Required("version", "1 or 2");
@@ -365,9 +433,9 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   const int version = number.text == "1" ? 1 : 2;
   top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "start",
                  "origin", "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
-                 "charging_points", "room"});
-  if (version == 1 && top.Has("room")) {
-    top.Fail("room", "in version 1", "version 2");
+                 "charging_points", "room", "roads"});
+  for (const char* key : {"room", "roads"}) {
+    if (version == 1 && top.Has(key)) top.Fail(key, "in version 1", "version 2");
   }
   Scenario scenario;
   if (top.Has("room")) scenario.room = ReadRoom(top.Child("room"));
@@ -402,6 +470,7 @@ Scenario ParseScenario(std::string_view json, std::string_view file) {
   scenario.charging_points = ReadChargingPoints(top);
   const Room room = std::exchange(scenario.room, {});
   ValidateScenario(scenario, file, room.tasks > 0);
+  if (top.Has("roads")) TakeRoads(top.Child("roads"), text.roads, file, &scenario);
   AddRoom(room, &scenario);
   return scenario;
 }
@@ -415,7 +484,15 @@ Scenario LoadScenario(const std::string& file) {
         fmt::format("{}: found a run directory, expected a scenario file; its scenario is {}", file,
                     inside.string()));
   }
-  return ParseScenario(ReadTextFile(file, "a scenario"), file);
+  ScenarioText text(ReadTextFile(file, "a scenario"));
+  if (const std::string roads = RoadFileNamedBy(text.json, file); !roads.empty()) {
+    text.roads = ReadTextFile((fs::path(file).parent_path() / roads).string(), "the road file");
+  }
+  return ParseScenario(text, file);
+}
+
+ScenarioText TextOf(const Scenario& scenario) {
+  return {ScenarioToJson(scenario), scenario.roads ? scenario.roads->text : ""};
 }
 
 std::string ScenarioToJson(const Scenario& scenario) { return Writer().Write(scenario); }

@@ -36,6 +36,18 @@ Point Ways::BentPlaceAfter(AgentKind kind, Point from, Point to, double share) c
   return to;
 }
 
+double Ways::BentGroundLength(AgentKind kind, Point from, Point to) const {
+  return BentLength(kind, from, to);
+}
+
+Ways::Stop Ways::BentStopNear(AgentKind, Point wanted) const { return {wanted}; }
+
+Point Ways::BentStopBefore(AgentKind kind, Point from, Point to, double share) const {
+  return BentPlaceAfter(kind, from, to, share);
+}
+
+std::optional<Point> Ways::BentNumberedStop(AgentKind, std::int32_t) const { return {}; }
+
 const Ways& StraightWays() {
   static const Ways ways;
   return ways;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/geometry.h"
@@ -28,7 +30,8 @@ class Ways {
   /// Whether all ways of that kind are straight lines.
   bool straight(AgentKind kind) const { return !bends_[kind]; }
 
-  /// Metres from one place to the other; infinity where there is no way.
+  /// Metres from one place to the other, as the agent would make them at full speed; infinity where
+  /// there is no way.
   double Length(AgentKind kind, Point from, Point to) const {
     return straight(kind) ? Distance(from, to) : BentLength(kind, from, to);
   }
@@ -42,6 +45,29 @@ class Ways {
     return straight(kind) ? Distance(from, Lerp(from, to, share))
                           : share * BentLength(kind, from, to);
   }
+  /// Metres on the ground: those of Length() where the agent makes its full speed all along.
+  double GroundLength(AgentKind kind, Point from, Point to) const {
+    return straight(kind) ? Distance(from, to) : BentGroundLength(kind, from, to);
+  }
+
+  /// Where a move to no site can end. Places that are numbered can be told exactly by a report that
+  /// has room for an id only.
+  struct Stop {
+    Point at;
+    std::int32_t number = -1;  ///< -1: any place, none is numbered
+  };
+  /// The stop nearest to that place, in a straight line; it itself where none is numbered.
+  Stop StopNear(AgentKind kind, Point wanted) const {
+    return straight(kind) ? Stop{wanted} : BentStopNear(kind, wanted);
+  }
+  /// The last stop on the way that is not beyond that share of it; `from` where there is none.
+  Point StopBefore(AgentKind kind, Point from, Point to, double share) const {
+    return straight(kind) ? Lerp(from, to, share) : BentStopBefore(kind, from, to, share);
+  }
+  /// The place of that number.
+  std::optional<Point> NumberedStop(AgentKind kind, std::int32_t number) const {
+    return straight(kind) ? std::optional<Point>() : BentNumberedStop(kind, number);
+  }
   /// The places where the way changes direction, in order, without its two ends.
   std::vector<Point> Corners(AgentKind kind, Point from, Point to) const {
     return straight(kind) ? std::vector<Point>{} : BentCorners(kind, from, to);
@@ -53,7 +79,11 @@ class Ways {
  private:
   virtual double BentLength(AgentKind kind, Point from, Point to) const;
   virtual std::vector<Point> BentCorners(AgentKind kind, Point from, Point to) const;
-  Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
+  virtual Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
+  virtual double BentGroundLength(AgentKind kind, Point from, Point to) const;
+  virtual Stop BentStopNear(AgentKind kind, Point wanted) const;
+  virtual Point BentStopBefore(AgentKind kind, Point from, Point to, double share) const;
+  virtual std::optional<Point> BentNumberedStop(AgentKind kind, std::int32_t number) const;
 
   PerKind<bool> bends_ = {};
 };

@@ -19,7 +19,8 @@ bool NoneOrBelow(std::int32_t id, std::size_t count) { return id == -1 || Below(
 
 /// Where the leg of a report ends. Exact where it matters: on arrival the position is the target,
 /// and targets are places of the scenario; a free move under way is extrapolated.
-Point Destination(const agent_t& wire, ActionKind action, TimeUs t, const WireLimits& limits) {
+Point Destination(const agent_t& wire, AgentKind kind, ActionKind action, TimeUs t,
+                  const WireLimits& limits) {
   const Point here{wire.x_m, wire.y_m};
   if (t >= wire.arrive_us) return here;
   switch (action) {
@@ -34,6 +35,7 @@ Point Destination(const agent_t& wire, ActionKind action, TimeUs t, const WireLi
     default:
       break;
   }
+  if (const auto stop = limits.scenario.ways->NumberedStop(kind, wire.target_id)) return *stop;
   const Point from{wire.from_x_m, wire.from_y_m};
   if (t <= wire.depart_us) return here;
   return Lerp(from, here,
@@ -149,7 +151,7 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   wire.target_id = agent.target;
   wire.partner_id = agent.partner;
   wire.decision = agent.decision;
-  if (agent.action == ActionKind::kGoTo && t < agent.arrive_us) {
+  if (agent.action == ActionKind::kGoTo && t < agent.arrive_us && agent.target < 0) {
     if (agent.measured && agent.depart_us == t && agent.measured->set_out_us < t) {
       TellGoal(agent, agent.measured->set_out_us, t, &wire);
     } else if (!agent.ways->straight(agent.kind) && agent.depart_us < t) {
@@ -213,7 +215,7 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   agent.online_from_us = wire.online_from_us;
   agent.online_until_us = wire.online_until_us;
   agent.from = {wire.from_x_m, wire.from_y_m};
-  agent.to = Destination(wire, action, t, limits);
+  agent.to = Destination(wire, kind, action, t, limits);
   agent.depart_us = wire.depart_us;
   agent.arrive_us = wire.arrive_us;
   agent.range_at_departure_m = wire.range_at_departure_m;
@@ -230,8 +232,8 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   if (limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured) {
     ReadMeasured({wire.x_m, wire.y_m}, wire.range_left_m, t, limits.scenario.rules, &agent);
   }
-  if (action == ActionKind::kGoTo && !agent.ways->straight(kind) && agent.depart_us < t &&
-      t < agent.arrive_us) {
+  if (action == ActionKind::kGoTo && !agent.ways->straight(kind) && agent.target < 0 &&
+      agent.depart_us < t && t < agent.arrive_us) {
     // The origin that is told stands for the goal: the way is known from here on.
     agent.from = {wire.x_m, wire.y_m};
     agent.depart_us = t;

@@ -4,7 +4,6 @@
 #include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
-#include "model/scenario_json.h"
 
 namespace muster {
 namespace {
@@ -18,15 +17,18 @@ void Follower::OnMessage(const Message& message, const Packet& packet, const Now
     if (!TakeOrders(message, now)) OnMissionMessage(message, packet, now);
     return;
   }
-  const auto* const scenario = std::get_if<scenario_t>(&message);
-  if (scenario == nullptr) return;
-  if (Sha256(scenario->json) != scenario->sha256) return inbox().Reject();
-  try {
-    book_.emplace(ParseScenario(scenario->json, "scenario"));
-  } catch (const InputError&) {
-    return inbox().Reject();
+  const auto* scenario = std::get_if<scenario_t>(&message);
+  if (scenario != nullptr && Sha256(scenario->json) != scenario->sha256) return inbox().Reject();
+  switch (scenario_reader_.Take(message)) {
+    case ScenarioReader::Outcome::kRejected:
+      return inbox().Reject();
+    case ScenarioReader::Outcome::kWhole:
+      book_.emplace(scenario_reader_.scenario());
+      scenario_reader_ = {};
+      return OnScenario();
+    default:
+      return;
   }
-  OnScenario();
 }
 
 void Follower::OnStep(const Now& now) {

@@ -8,6 +8,7 @@
 #include "model/scenario.h"
 #include "protocol/order_book.h"
 #include "protocol/process.h"
+#include "protocol/scenario_reader.h"
 
 namespace muster {
 
@@ -50,6 +51,7 @@ class Follower : public Process {
   void OnMessage(const Message& message, const Packet& packet, const Now& now) final;
   void OnStep(const Now& now) final;
 
+  ScenarioReader scenario_reader_;  ///< until there is a book
   std::optional<OrderBook> book_;
   TimeUs lacks_orders_since_us_ = kNever;
   BackOff request_{5'000, 200'000};

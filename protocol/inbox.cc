@@ -40,6 +40,7 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (name == channel::kRestore) return DecodeAs<restore_t>(packet);
   if (name == channel::kAnswer) return DecodeAs<answer_t>(packet);
   if (name == channel::kScenario) return DecodeAs<scenario_t>(packet);
+  if (name == channel::kRoads) return DecodeAs<roads_t>(packet);
   if (name == channel::kOrder) return DecodeAs<order_t>(packet);
   if (name == channel::kOrders) return DecodeAs<orders_t>(packet);
   if (name == channel::kFault) return DecodeAs<fault_t>(packet);

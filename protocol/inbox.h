@@ -14,6 +14,7 @@
 #include <muster/process_status_t.hpp>
 #include <muster/request_t.hpp>
 #include <muster/restore_t.hpp>
+#include <muster/roads_t.hpp>
 #include <muster/rulings_t.hpp>
 #include <muster/scenario_t.hpp>
 #include <muster/schedule_t.hpp>
@@ -32,9 +33,10 @@ namespace muster {
 /// forged numbers of many starts make no sum that no message can carry.
 std::int64_t GapsIn(const IntervalSet& seqs);
 
-using Message = std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t,
-                             agent_changes_t, schedule_t, event_t, fault_t, process_status_t,
-                             log_status_t, request_t, restore_t, answer_t, order_t, orders_t>;
+using Message =
+    std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, agent_changes_t,
+                 schedule_t, event_t, fault_t, process_status_t, log_status_t, request_t, restore_t,
+                 answer_t, order_t, orders_t, roads_t>;
 const header_t& HeaderOf(const Message& message);
 
 /// The message that the packet is; none where it is not a valid one of its channel's type.

@@ -1,21 +1,10 @@
 #include "protocol/mission_reader.h"
 
-#include "base/check.h"
+#include <algorithm>
+
 #include "lcmtypes/channels.h"
-#include "model/scenario_json.h"
 
 namespace muster {
-namespace {
-
-std::optional<Scenario> ScenarioOf(const scenario_t& message) {
-  try {
-    return ParseScenario(message.json, "MUSTER_SCENARIO");
-  } catch (const InputError&) {
-    return {};
-  }
-}
-
-}  // namespace
 
 void MissionReader::Add(const Packet& packet, const Visit& visit) {
   const Channel* row = FindChannel(packet.channel);
@@ -32,24 +21,33 @@ void MissionReader::Add(const Packet& packet, const Visit& visit) {
     ++counts_.strangers;
     return;
   }
-  const auto* scenario = std::get_if<scenario_t>(&*message);
-  if (scenario != nullptr && row->AcceptsFrom(scenario->header.sender)) {
-    if (const std::optional<Scenario> base = ScenarioOf(*scenario)) {
-      book_.emplace(*base);
-      reports_.emplace(book_->scenario());
-      run_id_ = run_id;
-      Take(*message, packet, visit);
-      for (const auto& [held, held_packet] : std::exchange(held_back_, {})) {
-        Take(held, held_packet, visit);
-      }
-      return;
-    }
-    Reject();
+  auto outcome = ScenarioReader::Outcome::kNothing;
+  if (row->AcceptsFrom(HeaderOf(*message).sender)) outcome = scenario_reader_.Take(*message);
+  if (outcome == ScenarioReader::Outcome::kRejected) Reject();
+  if (outcome == ScenarioReader::Outcome::kWaits) run_id_ = run_id;
+  if (outcome == ScenarioReader::Outcome::kWhole) {
+    run_id_ = run_id;
+    return Begin(std::move(*message), packet, visit);
   }
   if (held_back_.size() < kMostHeldBack) {
     held_back_.emplace_back(std::move(*message), packet);
   } else {
     overflowed_ = true;
+  }
+}
+
+void MissionReader::Begin(Message message, const Packet& packet, const Visit& visit) {
+  book_.emplace(scenario_reader_.scenario());
+  scenario_reader_ = {};
+  reports_.emplace(book_->scenario());
+  held_back_.emplace_back(std::move(message), packet);
+  // The scenario first: the newest, if it was told before its roads.
+  const auto scenario = std::find_if(held_back_.rbegin(), held_back_.rend(), [](const auto& held) {
+    return std::holds_alternative<scenario_t>(held.first);
+  });
+  std::rotate(held_back_.begin(), std::prev(scenario.base()), scenario.base());
+  for (const auto& [held, held_packet] : std::exchange(held_back_, {})) {
+    Take(held, held_packet, visit);
   }
 }
 

@@ -14,12 +14,14 @@
 #include "protocol/inbox.h"
 #include "protocol/order_book.h"
 #include "protocol/report_reader.h"
+#include "protocol/scenario_reader.h"
 
 namespace muster {
 
 /// The one reader of a mission's packets, from a log, a live capture or the bus in memory alike: it
 /// decodes them, leaves out other runs and repeats, and holds back what comes before the scenario
-/// until it is there. A scenario_t that cannot be (it does not parse) is none. Memory grows with
+/// until it is there. The scenario is there with its roads,
+/// if it names any. A scenario_t that cannot be (it does not parse) is none. Memory grows with
 /// agents and gaps, and until the scenario is there with what is held back.
 class MissionReader {
  public:
@@ -68,11 +70,14 @@ class MissionReader {
   bool overflowed() const { return overflowed_; }
 
  private:
+  /// The scenario is whole.
+  void Begin(Message message, const Packet& packet, const Visit& visit);
   void Take(const Message& message, const Packet& packet, const Visit& visit);
 
   std::optional<std::int64_t> run_id_;
   std::optional<std::int64_t> heard_run_id_;
-  std::optional<OrderBook> book_;  ///< with the scenario
+  ScenarioReader scenario_reader_;  ///< until there is a book
+  std::optional<OrderBook> book_;   ///< with the scenario
   std::optional<std::int64_t> epoch_us_;
   std::vector<std::pair<Message, Packet>> held_back_;
   bool overflowed_ = false;

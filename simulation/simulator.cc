@@ -10,13 +10,13 @@
 
 namespace muster::tools {
 
-void Simulate(const std::string& json, const std::string& policy,
+void Simulate(const ScenarioText& scenario, const std::string& policy,
               const std::function<void(const Packet&)>& observe,
               const std::vector<world::Outage>& outages,
               const std::vector<world::PlannedOrder>& orders,
               const simulation::DriversOf& drivers) {
   simulation::ProcessSettings settings;
-  settings.scenario_json = json;
+  settings.scenario = scenario;
   settings.policy = policy;
   settings.stopwatch = MonotonicUs;
   settings.world.outages = outages;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "agents/core/agent_process.h"
+#include "model/scenario_json.h"
 #include "protocol/process.h"
 #include "scheduler/process/scheduler_process.h"
 #include "world/world_process.h"
@@ -21,7 +22,7 @@ using DriversOf = std::function<std::unique_ptr<agents::DriverPort>(AgentKind)>;
 
 /// What they are started with.
 struct ProcessSettings {
-  std::string scenario_json;
+  ScenarioText scenario;
   std::string policy;
   /// How long decisions took is measured by it; the log is to be a function of its seed: always 0.
   scheduler::Stopwatch stopwatch = [] { return TimeUs{0}; };

@@ -77,7 +77,7 @@ int Main(int argc, char** argv) {
   if (world.recorded && flags.window == 0) flags.window = 10;
   const Scenario scenario = LoadScenario(arguments->Get("scenario"));
   const Window window(flags.window, arguments->Get<std::size_t>("window-bytes"));
-  WorldProcess process(flags.identity, window, ScenarioToJson(scenario), world);
+  WorldProcess process(flags.identity, window, TextOf(scenario), world);
   const auto bus = OpenBus(flags, GuardedChannels::kOfWorld);
   return RunProcess(&process, bus.get(), flags.quiet);
 }

@@ -39,11 +39,11 @@ PerKind<ToldAgents> ToldOf(const std::shared_ptr<const Scenario>& shared) {
 
 }  // namespace
 
-WorldProcess::WorldProcess(const Identity& identity, Window window, std::string json,
+WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText text,
                            const WorldOptions& options)
     : Process(identity, window),
-      json_(std::move(json)),
-      desk_(ParseScenario(json_, "scenario"), options.orders),
+      text_(std::move(text)),
+      desk_(ParseScenario(text_, "scenario"), options.orders),
       scenario_(desk_.scenario()),
       limits_(scenario_),
       options_(options),
@@ -217,7 +217,7 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const 
 
 void WorldProcess::Answer(const request_t& request, const Now& now) {
   if (request.channel == channel::kScenario && scenario_packet_) {
-    sender().Resend(scenario_packet_);
+    TellScenarioAgain();
     if (clock_packet_) sender().Resend(clock_packet_);
   }
   if (wait_ == Wait::kRestore) return;
@@ -357,6 +357,23 @@ void WorldProcess::Lose(const std::string& name, const Now& now) {
   });
 }
 
+void WorldProcess::TellScenario(const Now& now) {
+  scenario_t scenario{};
+  scenario.sha256 = Sha256(text_.json);
+  scenario.json = text_.json;
+  scenario_packet_ = sender().Send(channel::kScenario, std::move(scenario), 0, now);
+  if (text_.roads.empty()) return;
+  roads_t roads{};
+  roads.sha256 = Sha256(text_.roads);
+  roads.roads = text_.roads;
+  roads_packet_ = sender().Send(channel::kRoads, std::move(roads), 0, now);
+}
+
+void WorldProcess::TellScenarioAgain() {
+  sender().Resend(scenario_packet_);
+  if (roads_packet_) sender().Resend(roads_packet_);
+}
+
 void WorldProcess::Begin(const Now& now) {
   if (clock_.phase() == Phase::kReady) set_state(ProcessState::kReady);
   PublishClock(now);
@@ -367,10 +384,7 @@ void WorldProcess::OnStep(const Now& now) {
   attendance_.peers().NoteAwake(now.monotonic_us);
   if (LogHolds(now)) attendance_.peers().NoteHeld(now.monotonic_us);
   if (!scenario_packet_) {
-    scenario_t scenario{};
-    scenario.sha256 = Sha256(json_);
-    scenario.json = json_;
-    scenario_packet_ = sender().Send(channel::kScenario, std::move(scenario), 0, now);
+    TellScenario(now);
     if (identity().boot_id > 0) {
       WaitFor(Wait::kRestore, now);
       AskForState(now);
@@ -433,7 +447,7 @@ void WorldProcess::StartTick(const Now& now) {
 
 void WorldProcess::Repeat(const Now& now) {
   if (!ended()) {
-    if (clock_.phase() == Phase::kReady) sender().Resend(scenario_packet_);
+    if (clock_.phase() == Phase::kReady) TellScenarioAgain();
     const bool schedule_lacks =
         clock_.tick() == schedule_tick_ + 1 || now.monotonic_us - asked_us_ > kMissedUs;
     if (schedule_packet_ && wait_ == Wait::kStates && schedule_lacks) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/scenario.h"
+#include "model/scenario_json.h"
 #include "protocol/agent_changes.h"
 #include "protocol/convert.h"
 #include "protocol/process.h"
@@ -38,8 +39,8 @@ struct WorldOptions {
 /// with its answer.
 class WorldProcess : public Process {
  public:
-  /// `json` is the scenario's file text, published as it is.
-  WorldProcess(const Identity& identity, Window window, std::string json,
+  /// `text` is published as it is.
+  WorldProcess(const Identity& identity, Window window, ScenarioText text,
                const WorldOptions& options);
 
   bool ended() const { return clock_.phase() == MissionClock::Phase::kEnded; }
@@ -68,6 +69,8 @@ class WorldProcess : public Process {
   bool RestoreState(const Now& now);
   /// An agent whose process was lost before this one started again.
   void RestoreLost(const Restoring::Lost& lost);
+  void TellScenario(const Now& now);
+  void TellScenarioAgain();
   void Begin(const Now& now);
   /// Takes those steps of the lockstep that need no further input, else asks for it again.
   void GoOn(const Now& now);
@@ -89,7 +92,7 @@ class WorldProcess : public Process {
   TimeUs AllWholeUs() const;
   void StopWaiting();
 
-  const std::string json_;
+  const ScenarioText text_;
   OrderDesk desk_;
   const Scenario& scenario_;  ///< with the orders taken so far
   const WireLimits limits_;
@@ -108,7 +111,7 @@ class WorldProcess : public Process {
   DriverFailures driver_failures_;
   bool has_news_ = false;       ///< somebody has reported since the last step
   PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
-  SentPacket scenario_packet_, clock_packet_, world_packet_, rulings_packet_;
+  SentPacket scenario_packet_, roads_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket orders_packet_;                    ///< of the tick
   std::map<std::int64_t, SentPacket> answers_;  ///< to orders, by tick
   SentPacket schedule_packet_;                  ///< the decision in force, as the scheduler sent it

@@ -177,12 +177,12 @@ TypeRow RowOf() {
 
 const TypeRow* FindType(std::string_view name) {
   static const TypeRow rows[] = {
-      RowOf<agent_states_t>(), RowOf<clock_t>(),         RowOf<event_t>(),
-      RowOf<fault_t>(),        RowOf<log_status_t>(),    RowOf<process_status_t>(),
-      RowOf<request_t>(),      RowOf<restore_t>(),       RowOf<rulings_t>(),
-      RowOf<scenario_t>(),     RowOf<schedule_t>(),      RowOf<world_state_t>(),
-      RowOf<answer_t>(),       RowOf<agent_changes_t>(), RowOf<order_t>(),
-      RowOf<orders_t>(),
+      RowOf<agent_states_t>(), RowOf<clock_t>(),      RowOf<event_t>(),
+      RowOf<fault_t>(),        RowOf<log_status_t>(), RowOf<process_status_t>(),
+      RowOf<request_t>(),      RowOf<restore_t>(),    RowOf<rulings_t>(),
+      RowOf<roads_t>(),        RowOf<scenario_t>(),   RowOf<schedule_t>(),
+      RowOf<world_state_t>(),  RowOf<answer_t>(),     RowOf<agent_changes_t>(),
+      RowOf<order_t>(),        RowOf<orders_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -268,6 +268,10 @@ bool ValidActivity(const activity_t& a) {
 bool ValidRuling(const ruling_t& r) {
   return IsWord<AgentKind>(r.agent_kind) && IsWord<RulingKind>(r.kind) &&
          NotNegative(r.agent_id, r.at_us);
+}
+
+bool IsSha256(std::string_view text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 }  // namespace
@@ -378,10 +382,8 @@ bool Valid(const rulings_t& m) {
   return Valid(m.header) && m.tick >= 0 &&
          std::all_of(m.rulings.begin(), m.rulings.end(), ValidRuling);
 }
-bool Valid(const scenario_t& m) {
-  return Valid(m.header) && m.sha256.size() == 64 &&
-         m.sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
+bool Valid(const roads_t& m) { return Valid(m.header) && IsSha256(m.sha256); }
+bool Valid(const scenario_t& m) { return Valid(m.header) && IsSha256(m.sha256); }
 bool Valid(const schedule_t& m) {
   return Valid(m.header) && NotNegative(m.decision, m.tick, m.candidates, m.solve_us) &&
          IsName(m.policy) && Finite(m.weight) && !std::isinf(m.bound) &&
@@ -439,6 +441,7 @@ MUSTER_CODEC(orders_t);
 MUSTER_CODEC(process_status_t);
 MUSTER_CODEC(request_t);
 MUSTER_CODEC(restore_t);
+MUSTER_CODEC(roads_t);
 MUSTER_CODEC(rulings_t);
 MUSTER_CODEC(scenario_t);
 MUSTER_CODEC(schedule_t);

@@ -20,6 +20,7 @@
 #include "muster/process_status_t.hpp"
 #include "muster/request_t.hpp"
 #include "muster/restore_t.hpp"
+#include "muster/roads_t.hpp"
 #include "muster/rulings_t.hpp"
 #include "muster/scenario_t.hpp"
 #include "muster/schedule_t.hpp"
@@ -59,6 +60,7 @@ bool Valid(const request_t& message);
 bool Valid(const restore_t& message);
 bool Valid(const answer_t& message);
 bool Valid(const rulings_t& message);
+bool Valid(const roads_t& message);
 bool Valid(const scenario_t& message);
 bool Valid(const schedule_t& message);
 bool Valid(const world_state_t& message);

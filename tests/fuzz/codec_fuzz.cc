@@ -46,6 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Check<request_t>(bytes, "MUSTER_REQUEST");
   Check<restore_t>(bytes, "MUSTER_RESTORE");
   Check<answer_t>(bytes, "MUSTER_ANSWER");
+  Check<roads_t>(bytes, "MUSTER_ROADS");
   Check<rulings_t>(bytes, "MUSTER_RULINGS");
   Check<scenario_t>(bytes, "MUSTER_SCENARIO");
   Check<schedule_t>(bytes, "MUSTER_SCHEDULE");

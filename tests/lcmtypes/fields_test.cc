@@ -74,7 +74,8 @@ TEST(VisitFields, NamesEveryFieldOfEveryFile) {
   Add<header_t>(&visited), Add<log_mark_t>(&visited), Add<log_status_t>(&visited);
   Add<order_book_t>(&visited), Add<order_t>(&visited), Add<orders_t>(&visited);
   Add<process_status_t>(&visited), Add<refused_order_t>(&visited), Add<request_t>(&visited);
-  Add<restore_t>(&visited), Add<ruling_t>(&visited), Add<rulings_t>(&visited);
+  Add<restore_t>(&visited), Add<roads_t>(&visited);
+  Add<ruling_t>(&visited), Add<rulings_t>(&visited);
   Add<scenario_t>(&visited), Add<schedule_t>(&visited), Add<taken_order_t>(&visited);
   Add<world_state_t>(&visited);
   std::size_t files = 0;

@@ -193,6 +193,14 @@ rulings_t SampleRulings() {
   return rulings;
 }
 
+roads_t SampleRoads() {
+  roads_t roads{};
+  roads.header = Header(9);
+  roads.sha256 = std::string(64, 'b');
+  roads.roads = R"({"version": 1})";
+  return roads;
+}
+
 scenario_t SampleScenario() {
   scenario_t scenario{};
   scenario.header = Header(9);
@@ -248,7 +256,8 @@ AllMessages SampleMessages() {
   return {SampleAgentChanges(), SampleAgentStates(),   SampleAnswer(),    SampleClock(),
           SampleEvent(),        SampleFault(),         SampleLogStatus(), SampleOrder(),
           SampleOrders(),       SampleProcessStatus(), SampleRequest(),   SampleRestore(),
-          SampleRulings(),      SampleScenario(),      SampleSchedule(),  SampleWorldState()};
+          SampleRoads(),        SampleRulings(),       SampleScenario(),  SampleSchedule(),
+          SampleWorldState()};
 }
 
 }  // namespace muster

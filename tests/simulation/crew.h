@@ -26,7 +26,7 @@ inline std::unique_ptr<Process> StartProcess(
     const world::WorldOptions& options = {}, const std::string& policy = "mpq",
     std::size_t most_whole = agents::AgentProcess::kMostWhole) {
   simulation::ProcessSettings settings;
-  settings.scenario_json = json;
+  settings.scenario = json;
   settings.policy = policy;
   settings.world = options;
   settings.most_whole = most_whole;

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tools/audit/road_ways.h"
+
 namespace muster::tools::audit {
 namespace {
 
@@ -62,6 +64,26 @@ std::vector<Scenario::Agent> AgentsOf(const json& list, int kind) {
   return agents;
 }
 
+std::shared_ptr<const Ways> WaysOf(const json& top, const std::string& roads,
+                                   const std::vector<Scenario::Charge>& charges) {
+  const json& key = top.at("roads");
+  if (const std::string found = Sha256Of(roads); found != key.at("sha256").get<std::string>()) {
+    throw std::invalid_argument("roads_t has the SHA-256 " + found + ", the scenario names " +
+                                key.at("sha256").get<std::string>());
+  }
+  OpenGround ground[3] = {{}, {50, 1000}, {25, 1000}};
+  const json open = key.value("open_ground", json::object());
+  for (const int kind : {kWorker, kVehicle}) {
+    if (!open.contains(kLists[kind])) continue;
+    const json& its = open.at(kLists[kind]);
+    ground[kind] = {its.at("percent").get<std::int64_t>(), its.at("reach_km").get<double>() * kKm};
+  }
+  std::vector<Place> sites;
+  for (const json& task : top.at("tasks")) sites.push_back(PlaceOf(task));
+  for (const Scenario::Charge& charge : charges) sites.push_back(charge.at);
+  return ReadRoadWays(roads, ground, std::move(sites));
+}
+
 /// UAVs' ways to the nearest of some places, in time that hardly grows with their number: only
 /// those less far to the east or west than the nearest so far are looked at.
 class Nearest {
@@ -105,7 +127,9 @@ std::int32_t Scenario::DecisionAt(std::int64_t tick) const {
   return t < limit_us && t % interval_us == 0 ? static_cast<std::int32_t>(t / interval_us) : -1;
 }
 
-Scenario ParseScenario(const std::string& text) {
+bool NamesRoads(const std::string& text) { return json::parse(text).contains("roads"); }
+
+Scenario ParseScenario(const std::string& text, const std::string& roads) {
   const json top = json::parse(text);
   Scenario s;
   s.seed = top.at("seed").get<std::uint64_t>();
@@ -135,6 +159,7 @@ Scenario ParseScenario(const std::string& text) {
     }
     s.charges.push_back(charge);
   }
+  if (top.contains("roads")) s.ways = WaysOf(top, roads, s.charges);
   const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);

@@ -77,7 +77,9 @@ struct Scenario {
 };
 
 /// Throws std::exception when the text is no scenario of version 1 or 2.
-Scenario ParseScenario(const std::string& json);
+/// `roads`: of the road file, if it names one (names_roads).
+Scenario ParseScenario(const std::string& json, const std::string& roads = "");
+bool NamesRoads(const std::string& json);
 
 /// An order that was taken, as far as the audit looks at it.
 struct AuditOrder {

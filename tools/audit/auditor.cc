@@ -26,7 +26,7 @@ void CheckClock(const View& view) {
 
 void Auditor::Add(const Packet& packet) {
   if (FindChannel(packet.channel) == nullptr) return;
-  if (!view_ && packet.channel != channel::kScenario) {
+  if (!view_ && packet.channel != channel::kScenario && packet.channel != channel::kRoads) {
     if (held_back_.size() < kMaxHeldBack) held_back_.push_back(packet);
     return;
   }
@@ -96,7 +96,10 @@ void Auditor::CheckSkipped() {
 
 const std::vector<Violation>& Auditor::Finish() {
   if (!view_) {
-    if (findings_.count() == 0) findings_.Add(0, "scenario", "the log has no scenario_t");
+    if (findings_.count() == 0) {
+      findings_.Add(0, "scenario", "the log has no {}",
+                    intake_.waits_for_roads() ? "roads_t, which its scenario names" : "scenario_t");
+    }
     return findings_.Sorted();
   }
   intake_.Finish();

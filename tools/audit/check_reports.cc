@@ -48,6 +48,11 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
                          sense ? action.task_id : action.charge_id, 0, 0});
     return;
   }
+  const auto [goal, stop] = action.kind == ActionKind::kGoTo
+                                ? model->ways->StopNear(model->kind, {action.x_m, action.y_m})
+                                : std::pair(Place{action.x_m, action.y_m}, -1);
+  const double way_m = model->WayM(model->to, goal);
+  if (!obeys && std::isinf(way_m)) return;  // no way leads there
   if (!obeys) {
     view.Violate("obedience", "{} did not begin {} of decision {}", model->name(), Name(action),
                  command.decision);
@@ -67,17 +72,22 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
     range_m = std::min(range_m, a.range_at_departure_m);
   }
   model->from = model->to;
-  model->to = {action.x_m, action.y_m};
+  model->to = goal;
   model->depart_us = command.at_us;
-  model->arrive_us =
-      command.at_us + DurationUs(model->WayM(model->from, model->to), model->spec->speed_m_s);
+  model->arrive_us = command.at_us + DurationUs(way_m, model->spec->speed_m_s);
   // Which of two roundings is right does not matter; what follows rests on the reported one.
-  if (NearUs(model->arrive_us, a.arrive_us)) model->arrive_us = a.arrive_us;
+  const double rounding_us = model->ways->rounding_m(model->kind) / model->spec->speed_m_s * 1e6;
+  if (NearUs(model->arrive_us, a.arrive_us) ||
+      std::abs(static_cast<double>(model->arrive_us - a.arrive_us)) <= rounding_us) {
+    model->arrive_us = a.arrive_us;
+  }
   model->range_at_departure_m = range_m;
   model->range_per_m = 1;
   model->way_seen = model->kind != kUav || view.scenario.wind.high <= 0;
   model->action = static_cast<ActionKind>(action.kind);
-  model->target = action.task_id >= 0 ? action.task_id : action.charge_id;
+  model->target = action.task_id >= 0     ? action.task_id
+                  : action.charge_id >= 0 ? action.charge_id
+                                          : stop;
   model->partner = !pair                               ? -1
                    : model->kind != kUav               ? action.uav_id
                    : action.kind == ActionKind::kSense ? action.worker_id
@@ -115,7 +125,7 @@ void CheckMotion(const View& view, const AgentModel& model, const agent_t& a) {
                  model.decision, fmt::format(what, std::forward<T>(values)...));
   };
   const Place expected = model.At(view.now_us);
-  if (Apart(expected, {a.x_m, a.y_m}) > kTolerance_m) {
+  if (Apart(expected, {a.x_m, a.y_m}) > kTolerance_m + model.ways->rounding_m(model.kind)) {
     differs("motion", "is at ({:.3f}, {:.3f}) m, its way leads it to ({:.3f}, {:.3f}) m", a.x_m,
             a.y_m, expected.x_m, expected.y_m);
     return;
@@ -232,7 +242,8 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   const double moved = model->WayM(model->was, here);
   const double seconds = ToSeconds(view.now_us - model->was_us);
   const double most = model->spec->speed_m_s * seconds;
-  if (moved > most + kTolerance_m && !model->spec->measured) {
+  const double rounding_m = model->ways->rounding_m(model->kind);
+  if (moved > most + kTolerance_m + rounding_m && !model->spec->measured) {
     view.Violate("speed", "{} moved {:.3f} m in {:.6g} s, at {:.6g} m/s it moves at most {:.3f} m",
                  model->name(), moved, seconds, model->spec->speed_m_s, most);
   }

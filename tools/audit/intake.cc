@@ -83,6 +83,8 @@ void Intake::Take(const Packet& packet) {
   };
   if (name == channel::kScenario) {
     if (const auto m = Admit<scenario_t>(packet)) TakeScenario(*m);
+  } else if (name == channel::kRoads) {
+    if (const auto m = Admit<roads_t>(packet)) TakeRoads(*m);
   } else if (name == channel::kClock) {
     const auto m = Admit<clock_t>(packet);
     if (m && m->phase == ClockPhase::kEnded) ended_ = true;
@@ -126,7 +128,11 @@ void Intake::TakeScenario(const scenario_t& message) {
     return;
   }
   try {
-    heard_.scenario = ParseScenario(message.json);
+    if (NamesRoads(message.json) && !roads_) {
+      waits_for_roads_ = message;
+      return;
+    }
+    heard_.scenario = ParseScenario(message.json, roads_ ? roads_->roads : "");
   } catch (const std::exception& error) {
     findings_->Add(0, "scenario", "the log's scenario cannot be read: {}", error.what());
     return;
@@ -136,6 +142,18 @@ void Intake::TakeScenario(const scenario_t& message) {
     findings_->Add(0, "scenario", "sha256 is {}, the message says {}", Sha256Of(message.json),
                    heard_.sha256);
   }
+}
+
+void Intake::TakeRoads(const roads_t& message) {
+  if (roads_) {
+    if (message.sha256 != roads_->sha256) {
+      findings_->Add(message.header.sim_us, "scenario",
+                     "the log holds two different road networks");
+    }
+    return;
+  }
+  roads_ = message;
+  if (waits_for_roads_) TakeScenario(*std::exchange(waits_for_roads_, std::nullopt));
 }
 
 TickFacts* Intake::FactsOf(std::int64_t tick) {

@@ -72,6 +72,8 @@ class Intake {
 
   const Heard& heard() const { return heard_; }
   std::int64_t next_tick() const { return next_tick_; }
+  /// The scenario is there and names roads, which are not.
+  bool waits_for_roads() const { return waits_for_roads_.has_value(); }
   bool stopped() const { return stopped_; }
   /// Reports of ticks that have been checked: a lost process that is back says where it stood.
   std::vector<Report> TakeLate() { return std::exchange(late_, {}); }
@@ -86,6 +88,7 @@ class Intake {
   template <class Message>
   std::optional<Message> Admit(const Packet& packet);
   void TakeScenario(const scenario_t& message);
+  void TakeRoads(const roads_t& message);
   void TakeStates(const agent_states_t& message, int kind);
   void TakeChanges(const agent_changes_t& message, int kind);
   void TakeReport(const Report& report, TickFacts* facts);
@@ -102,6 +105,8 @@ class Intake {
 
   Findings* findings_;
   Heard heard_;
+  std::optional<scenario_t> waits_for_roads_;
+  std::optional<roads_t> roads_;
   std::optional<std::int64_t> run_id_;
   std::map<std::pair<std::string, std::int64_t>, Sender> senders_;
   std::map<MessageKey, std::size_t> recent_;

@@ -16,11 +16,12 @@ const T* Find(const std::vector<T>& all, std::int32_t id) {
 }
 
 /// Where the leg under way ends.
-Place EndOfWay(const agent_t& told, std::int64_t told_us, const Scenario& scenario) {
+Place EndOfWay(const agent_t& told, int kind, std::int64_t told_us, const Scenario& scenario) {
   const bool to_charge = told.action == ActionKind::kUavToCharge ||
                          told.action == ActionKind::kVehicleToCharge ||
                          told.action == ActionKind::kCharge;
   if (told.action == ActionKind::kGoTo || told.action == ActionKind::kNone) {
+    if (const auto stop = scenario.ways->StopOf(kind, told.target_id)) return *stop;
     // Straight on.
     const double part = static_cast<double>(told.arrive_us - told.depart_us) /
                         static_cast<double>(std::max<std::int64_t>(1, told_us - told.depart_us));
@@ -85,7 +86,7 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   model.failed = told.status == AgentStatus::kFailed;
   if (told_us < told.arrive_us) {
     const double moved = model.WayM({told.from_x_m, told.from_y_m}, model.from);
-    model.to = EndOfWay(told, told_us, scenario);
+    model.to = EndOfWay(told, kind, told_us, scenario);
     if (scenario.wind.high > 0 && moved > 0) {
       model.range_per_m = (told.range_at_departure_m - told.range_left_m) / moved;
     }

@@ -21,6 +21,12 @@ Place Ways::After(int, Place from, Place to, double part) const {
   return {from.x_m + part * (to.x_m - from.x_m), from.y_m + part * (to.y_m - from.y_m)};
 }
 
+double Ways::rounding_m(int) const { return 0; }
+
+std::pair<Place, int> Ways::StopNear(int, Place wanted) const { return {wanted, -1}; }
+
+std::optional<Place> Ways::StopOf(int, int) const { return {}; }
+
 std::shared_ptr<const Ways> DefaultWays() { return Default(); }
 
 ScopedDefaultWays::ScopedDefaultWays(std::shared_ptr<const Ways> ways)

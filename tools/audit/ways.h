@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 
 namespace muster::tools::audit {
 
@@ -21,6 +23,13 @@ class Ways {
   virtual double Length(int kind, Place from, Place to) const;
   /// The place after that part (0 to 1) of the way.
   virtual Place After(int kind, Place from, Place to, double part) const;
+  /// Metres by which two right answers may differ, because ways are put together of rounded parts.
+  virtual double rounding_m(int kind) const;
+  /// Where a move to no site ends that was sent to that place, and the number of that stop; -1:
+  /// stops have no numbers, and it ends where it was sent to.
+  virtual std::pair<Place, int> StopNear(int kind, Place wanted) const;
+  /// The stop of that number.
+  virtual std::optional<Place> StopOf(int kind, int number) const;
 };
 
 /// The ways of a scenario that says nothing of them: straight ones.

@@ -83,10 +83,10 @@ void RunArrivals(const BenchOptions& options,
   for (const std::string& arrivals : options.instances) {
     for (const double load : options.loads) {
       for (const std::uint64_t seed : options.AllSeeds()) {
-        const std::string json = ScenarioToJson(ArrivalsScenario(&imported, arrivals, load, seed));
+        const ScenarioText text = TextOf(ArrivalsScenario(&imported, arrivals, load, seed));
         for (const std::string& policy : options.methods) {
           RunRecord record;
-          Simulate(json, policy, [&](const Packet& packet) { record.Add(packet); });
+          Simulate(text, policy, [&](const Packet& packet) { record.Add(packet); });
           report({arrivals, load, seed, policy, ServiceOf(record, *record.scenario())});
         }
       }

@@ -19,6 +19,7 @@
 #include "tools/bench/plot.h"
 #include "tools/bench/sheet.h"
 #include "tools/bench/statistics.h"
+#include "tools/files/scenario_file.h"
 #include "tools/files/scratch_folder.h"
 #include "tools/host/worker_pool.h"
 
@@ -123,7 +124,7 @@ void RunMissionSuite(const BenchOptions& options,
           Generate(instance.settings, static_cast<std::uint64_t>(options.first_seed));
       if (options.limit_min) scenario.rules.limit_us = ToUs(*options.limit_min * 60);
       const std::string file = scratch.File("scenario.json");
-      std::ofstream(file, std::ios::trunc) << ScenarioToJson(scenario);
+      WriteScenarioFile(scenario, file);
       MissionRow row;
       row.instance = instance.name;
       row.size = instance.size;

@@ -117,7 +117,7 @@ void RunScale(const BenchOptions& options, const std::function<void(const BenchR
 std::vector<Situation> SituationsOf(const GeneratorSettings& settings, std::uint64_t seed,
                                     std::vector<double>* fuse_s) {
   SituationRecorder recorder;
-  Simulate(ScenarioToJson(Generate(settings, seed)), "certified",
+  Simulate(TextOf(Generate(settings, seed)), "certified",
            [&](const Packet& packet) { recorder.Add(packet); });
   return recorder.Situations(fuse_s);
 }

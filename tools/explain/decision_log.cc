@@ -45,9 +45,12 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
     Handle(
         message,
         [&](const scenario_t&) {
-          if (!log.scenario_packet.bytes.empty()) return;
+          if (!log.scenario_packets.empty()) return;
           log.scenario = *reader.scenario();
-          log.scenario_packet = packet;
+          log.scenario_packets = {packet};
+        },
+        [&](const roads_t&) {
+          if (log.scenario_packets.size() == 1) log.scenario_packets.push_back(packet);
         },
         [&](const clock_t& clock) {
           LoggedDecision* decision =

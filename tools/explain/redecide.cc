@@ -26,7 +26,7 @@ class Scheduler {
       : process_({log.run_id, "muster-redecide", 0}, 0, policy, [] { return TimeUs{0}; }),
         orders_(*log.orders),
         next_orders_(orders_.said().begin()) {
-    Feed({log.scenario_packet});
+    Feed(log.scenario_packets);
   }
 
   /// None when it does not decide.

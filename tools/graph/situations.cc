@@ -71,7 +71,7 @@ std::vector<scheduler::Situation> SituationsOf(const std::string& run_or_scenari
       throw InputError(fmt::format("{}: the log holds no scenario", run_or_scenario));
     }
   } else {
-    Simulate(ScenarioToJson(LoadScenario(run_or_scenario)), policy,
+    Simulate(TextOf(LoadScenario(run_or_scenario)), policy,
              [&](const Packet& packet) { recorder.Add(packet); });
   }
   return recorder.Situations();

@@ -25,6 +25,7 @@
 #include "protocol/run_process.h"
 #include "tools/files/log_files.h"
 #include "tools/files/run_directory.h"
+#include "tools/files/scenario_file.h"
 #include "tools/host/network_namespace.h"
 #include "tools/host/progress.h"
 #include "tools/host/stop_signals.h"
@@ -200,7 +201,7 @@ RunDirectory MakeDirectory(const LaunchOptions& options, const Scenario& scenari
           : RunDirectory::Take(options.out);
   manifest.scenario_json = ScenarioToJson(scenario);
   mission->scenario_file = directory.File("scenario.json");
-  directory.Write("scenario.json", manifest.scenario_json);
+  WriteScenarioFile(scenario, mission->scenario_file);
   if (mission->key) directory.WriteSecret(kSealKeyFile, mission->key->Text());
   if (!orders.empty()) {
     mission->orders_file = directory.File(kOrdersFile);

@@ -12,6 +12,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "tools/files/pending_file.h"
+#include "tools/files/scenario_file.h"
 #include "tools/log/export.h"
 #include "tools/log/log_edit.h"
 #include "tools/log/log_info.h"
@@ -131,9 +132,11 @@ int Orders(int argc, const char* const* argv) {
   source.ShowProgress("orders");
   const CapturedOrders captured = CaptureOrders(&source);
   fmt::print("{}", captured.lines);
-  if (arguments->Has("scenario")) WriteFile(arguments->Get("scenario"), captured.scenario_json);
+  if (arguments->Has("scenario")) {
+    WriteScenarioFile(*captured.scenario, arguments->Get("scenario"));
+  }
   if (arguments->Has("with-orders")) {
-    WriteFile(arguments->Get("with-orders"), captured.scenario_with_json);
+    WriteScenarioFile(*captured.with, arguments->Get("with-orders"));
     if (captured.left_out > 0) {
       Say("muster: {} of {} orders have no place in a scenario: those that cancel, hold, resume or "
           "end an agent's stay\n",

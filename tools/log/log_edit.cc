@@ -54,6 +54,7 @@ EditResult CutLog(LogSource* source, std::int64_t from_us, std::int64_t to_us,
     if (message.header) at_us = message.header->sim_us;
     // Without the orders before it nobody knew what it is about.
     return message.packet.channel == channel::kScenario ||
+           message.packet.channel == channel::kRoads ||
            (message.packet.channel == channel::kOrders && at_us <= to_us) ||
            (from_us <= at_us && at_us <= to_us);
   });

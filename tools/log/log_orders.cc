@@ -45,10 +45,8 @@ CapturedOrders CaptureOrders(MessageSource* source) {
   MissionReader reader;
   CapturedOrders captured;
   const auto visit = [&](const Message& message, const Packet&) {
-    const auto* scenario = std::get_if<scenario_t>(&message);
-    if (scenario != nullptr && captured.scenario_json.empty()) {
-      captured.scenario_json =
-          ScenarioToJson(WithoutRoom(ParseScenario(scenario->json, "scenario")));
+    if (std::holds_alternative<scenario_t>(message) && !captured.scenario) {
+      captured.scenario = WithoutRoom(*reader.scenario());
     }
   };
   while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
@@ -66,7 +64,7 @@ CapturedOrders CaptureOrders(MessageSource* source) {
                            kind != OrderKind::kAgentJoin;
     }
   }
-  captured.scenario_with_json = ScenarioToJson(WithoutRoom(*book.scenario()));
+  captured.with = WithoutRoom(*book.scenario());
   return captured;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "model/scenario.h"
 #include "tools/log/log_source.h"
 
 namespace muster::tools {
@@ -11,10 +13,10 @@ namespace muster::tools {
 /// again.
 struct CapturedOrders {
   std::string lines;
-  std::string scenario_json;  ///< the mission's scenario, as it was before
+  std::optional<Scenario> scenario;  ///< the mission's, as it was before
   /// With all tasks and agents that orders added as if the file had had them, their report times
   /// and changes included.
-  std::string scenario_with_json;
+  std::optional<Scenario> with;
   int left_out = 0;  ///< orders that such a file cannot say: cancel, hold, resume, leave, recall
   int taken = 0;
 };

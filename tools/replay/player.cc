@@ -25,8 +25,11 @@ Player::Player(MessageSource* source, PlayerOptions options)
 void Player::Fetch() {
   while (auto message = source_->Next()) {
     if (message->header) log_us_ = std::max(log_us_, message->header->sim_us);
-    if (log_us_ < options_.start_offset_us && message->packet.channel != channel::kScenario)
+    const std::string& channel = message->packet.channel;
+    if (log_us_ < options_.start_offset_us && channel != channel::kScenario &&
+        channel != channel::kRoads) {
       continue;
+    }
     next_ = Due{std::move(*message), std::max(log_us_, options_.start_offset_us)};
     return;
   }

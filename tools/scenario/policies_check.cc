@@ -32,7 +32,7 @@ int PoliciesCheck(int argc, const char* const* argv) {
   rules.limit_us =
       std::min(rules.limit_us, rules.interval_us * arguments->Get<std::int64_t>("decisions"));
   RunRecord record;
-  Simulate(ScenarioToJson(scenario), policy, [&](const Packet& packet) { record.Add(packet); });
+  Simulate(TextOf(scenario), policy, [&](const Packet& packet) { record.Add(packet); });
   for (const auto& [index, schedule] : record.schedules()) {
     const auto pairs = std::count_if(
         schedule.actions.begin(), schedule.actions.end(),

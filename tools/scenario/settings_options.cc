@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "model/scenario_json.h"
 #include "tools/files/pending_file.h"
+#include "tools/files/scenario_file.h"
 
 namespace muster::tools {
 namespace {
@@ -290,12 +291,11 @@ GeneratorSettings SettingsFrom(const Arguments& arguments, const GeneratorSettin
 
 void WriteScenario(const Scenario& scenario, const Arguments& arguments) {
   ValidateScenario(scenario, "scenario");
-  const std::string text = ScenarioToJson(scenario);
-  if (!arguments.Has("out")) {
-    fmt::print("{}", text);
-    return;
+  if (arguments.Has("out")) return WriteScenarioFile(scenario, arguments.Get("out"));
+  if (scenario.roads) {
+    throw InputError("muster: --out: found none, expected a file: a road file is written beside it");
   }
-  WriteFile(arguments.Get("out"), text);
+  fmt::print("{}", ScenarioToJson(scenario));
 }
 
 }  // namespace muster::tools

@@ -16,6 +16,7 @@
 #include "simulation/simulator.h"
 #include "simulation/start_process.h"
 #include "tools/files/run_directory.h"
+#include "tools/files/scenario_file.h"
 #include "tools/host/stop_signals.h"
 #include "tools/launch/fault_options.h"
 #include "tools/record/report_json.h"
@@ -54,7 +55,7 @@ MissionResult SimulateFast(const Scenario& scenario, const std::string& policy,
                            const std::vector<world::PlannedOrder>& orders, LogFiles* log) {
   MissionResult result;
   Simulate(
-      ScenarioToJson(scenario), policy,
+      TextOf(scenario), policy,
       [&](const Packet& packet) {
         result.record.Add(packet);
         if (log) log->Write(0, DecodeHeader(packet).value_or(header_t{}).sim_us, packet);
@@ -132,7 +133,7 @@ int SimulateCommand(int argc, const char* const* argv) {
   if (log) log->Flush();
   PrintProblems(result);
   if (directory) {
-    directory->Write("scenario.json", ScenarioToJson(scenario));
+    WriteScenarioFile(scenario, directory->File("scenario.json"));
     directory->Write("report.json", Report(result.record).dump(2) + "\n");
   }
   fmt::print(

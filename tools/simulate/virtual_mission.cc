@@ -106,7 +106,7 @@ class VirtualHost : public MissionHost {
 VirtualHost::VirtualHost(const VirtualMission& mission)
     : mission_(mission), network_(mission.fault_seed) {
   for (const PlannedFault& fault : mission.faults) patience_us_ += fault.for_real_us;
-  settings_.scenario_json = ScenarioToJson(mission.scenario);
+  settings_.scenario = TextOf(mission.scenario);
   settings_.policy = mission.policy;
   settings_.world.recorded = true;
   settings_.world.goes_on = mission.goes_on;
@@ -217,7 +217,7 @@ std::optional<std::pair<Packet, std::int64_t>> VirtualHost::NextLogged() {
 std::string UndisturbedDigest(const VirtualMission& mission) {
   RunRecord record;
   Simulate(
-      ScenarioToJson(mission.scenario), mission.policy,
+      TextOf(mission.scenario), mission.policy,
       [&](const Packet& packet) { record.Add(packet); }, OutagesIn(mission.faults), mission.orders);
   return Digest(record);
 }

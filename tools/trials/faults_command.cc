@@ -53,7 +53,7 @@ FaultEvidence ReadEvidence(const std::string& run, bool undisturbed) {
   const RunRecord& record = evidence.record;
   if (undisturbed && record.scenario() && !record.schedules().empty()) {
     RunRecord simulated;
-    Simulate(ScenarioToJson(*record.scenario()), record.schedules().begin()->second.policy,
+    Simulate(TextOf(*record.scenario()), record.schedules().begin()->second.policy,
              [&](const Packet& packet) { simulated.Add(packet); });
     evidence.undisturbed_digest = Digest(simulated);
   }

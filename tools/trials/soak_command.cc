@@ -13,6 +13,7 @@
 #include "protocol/run_process.h"
 #include "scheduler/policies/registry.h"
 #include "tools/files/run_directory.h"
+#include "tools/files/scenario_file.h"
 #include "tools/host/progress.h"
 #include "tools/host/stop_signals.h"
 #include "tools/host/worker_pool.h"
@@ -92,7 +93,7 @@ std::optional<SoakOptions> ParseSoakOptions(int argc, const char* const* argv) {
 
 /// What to call to see that mission again by `muster simulate`, with its files in `directory`.
 std::string WriteMission(const VirtualMission& mission, const RunDirectory& directory) {
-  directory.Write("scenario.json", ScenarioToJson(mission.scenario));
+  WriteScenarioFile(mission.scenario, directory.File("scenario.json"));
   directory.Write("plan.json", ToJson(mission.faults));
   return fmt::format(
       "muster simulate {0}/scenario.json --faults {0}/plan.json --policy {1} --fault-seed {2} "

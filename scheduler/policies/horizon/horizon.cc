@@ -163,7 +163,8 @@ class Planner {
         // A little less than the interval allows, so that rounding does not make it longer.
         const double share = static_cast<double>(situation_.site->rules.interval_us - 1) /
                              static_cast<double>(travel);
-        action.to = situation_.site->ways->PlaceAfter(kind, member.at, action.to, share);
+        action.to = situation_.site->ways->StopBefore(kind, member.at, action.to, share);
+        if (action.to == member.at) return;
         arrive = NextDecision();
       }
     }

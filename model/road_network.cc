@@ -1,0 +1,415 @@
+#include "model/road_network.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+
+#include "base/check.h"
+#include "base/units.h"
+
+namespace muster {
+namespace {
+
+constexpr double kHalfSpacing_m = 50;
+constexpr std::size_t kMostSpots = 1 << 20;
+constexpr std::size_t kMostWays = 1 << 17;
+constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
+constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+
+std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+Point ToPoint(RoadPoint p) { return {p.x_mm / 1000.0, p.y_mm / 1000.0}; }
+
+/// Smallest whole number that is not below 100 `mm` / `percent`.
+std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
+  return (100 * mm + percent - 1) / percent;
+}
+
+std::uint64_t Mixed(std::uint64_t a, std::uint64_t b) {
+  a ^= b + 0x9e3779b97f4a7c15U + (a << 6) + (a >> 2);
+  a *= 0xbf58476d1ce4e5b9U;
+  return a ^ (a >> 31);
+}
+
+}  // namespace
+
+/// Costs from nodes to one spot, found outwards from it as far as was asked: of what Dijkstra's
+/// algorithm has reached, all that costs no more than the head of the queue is final.
+class RoadNetwork::Search {
+ public:
+  Search(const RoadNetwork& network, const Spot& to)
+      : network_(network), cost_mm_(network.arcs_of_.size() - 1, kUnreached) {
+    const Line& line = network.lines_[At(to.road)];
+    Reach(line.first_node, to.along_mm);
+    if (line.backward || to.along_mm == line.cost_mm) {
+      Reach(line.last_node, line.cost_mm - to.along_mm);
+    }
+  }
+
+  /// kUnreached: no way leads from there.
+  std::uint32_t CostFrom(std::int32_t node) {
+    const std::lock_guard lock(mutex_);
+    while (!queue_.empty() && cost_mm_[At(node)] > queue_.top().first) {
+      const auto [cost_mm, settled] = queue_.top();
+      queue_.pop();
+      if (cost_mm > cost_mm_[At(settled)]) continue;
+      for (const Arc& arc : network_.ArcsOf(settled)) {
+        if (arc.enters) Reach(arc.other, std::int64_t{cost_mm} + arc.cost_mm);
+      }
+    }
+    return cost_mm_[At(node)];
+  }
+
+ private:
+  void Reach(std::int32_t node, std::int64_t cost_mm) {
+    if (cost_mm >= cost_mm_[At(node)]) return;
+    cost_mm_[At(node)] = static_cast<std::uint32_t>(cost_mm);
+    queue_.emplace(static_cast<std::uint32_t>(cost_mm), node);
+  }
+
+  using Entry = std::pair<std::uint32_t, std::int32_t>;
+  const RoadNetwork& network_;
+  std::mutex mutex_;
+  std::vector<std::uint32_t> cost_mm_;  ///< by node
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
+
+std::size_t RoadNetwork::PointHash::operator()(Point p) const {
+  // Minus zero is zero.
+  return Mixed(std::bit_cast<std::uint64_t>(p.x_m + 0.0),
+               std::bit_cast<std::uint64_t>(p.y_m + 0.0));
+}
+
+std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
+  return Mixed(PointHash()(pair.from), PointHash()(pair.to));
+}
+
+RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
+                         std::span<const Point> sites)
+    : open_ground_(open_ground) {
+  AddRoads(roads, kind);
+  IndexSegments();
+  IndexStops(roads, kind, sites);
+}
+
+void RoadNetwork::AddRoads(const Roads& roads, AgentKind kind) {
+  std::vector<std::int32_t> node_of(roads.points.size(), -1);
+  std::int32_t n_nodes = 0;
+  const auto node = [&](std::int32_t point) {
+    std::int32_t& known = node_of[At(point)];
+    if (known < 0) known = n_nodes++;
+    return known;
+  };
+  for (const Road& road : roads.roads) {
+    const RoadClass& its_class = roads.classes[At(road.road_class)];
+    const std::int32_t percent = its_class.percent[kind];
+    if (percent == 0) continue;
+    Line line{};
+    line.backward = kind == AgentKind::kWorker || !its_class.one_way;
+    line.first_node = node(road.points.front());
+    line.last_node = node(road.points.back());
+    line.first_segment = static_cast<std::int32_t>(segments_.size());
+    for (std::size_t i = 1; i < road.points.size(); ++i) {
+      Segment segment{};
+      segment.a = roads.points[At(road.points[i - 1])];
+      segment.b = roads.points[At(road.points[i])];
+      segment.road = static_cast<std::int32_t>(lines_.size());
+      segment.begins_mm = line.cost_mm;
+      segment.cost_mm = AtPercent(LengthMm(segment.a, segment.b), percent);
+      line.cost_mm += segment.cost_mm;
+      segments_.push_back(segment);
+    }
+    line.end_segment = static_cast<std::int32_t>(segments_.size());
+    lines_.push_back(line);
+  }
+  ConnectNodes(At(n_nodes));
+}
+
+void RoadNetwork::ConnectNodes(std::size_t n_nodes) {
+  arcs_of_.assign(n_nodes + 1, 0);
+  for (const Line& line : lines_) {
+    ++arcs_of_[At(line.first_node) + 1];
+    ++arcs_of_[At(line.last_node) + 1];
+  }
+  for (std::size_t i = 0; i < n_nodes; ++i) arcs_of_[i + 1] += arcs_of_[i];
+  std::vector<std::size_t> next(arcs_of_.begin(), arcs_of_.end() - 1);
+  arcs_.resize(2 * lines_.size());
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const Line& line = lines_[i];
+    const auto index = static_cast<std::int32_t>(i);
+    const auto cost_mm =
+        static_cast<std::uint32_t>(std::min<std::int64_t>(line.cost_mm, kUnreached));
+    arcs_[next[At(line.first_node)]++] = {index, line.last_node, cost_mm, true, line.backward};
+    arcs_[next[At(line.last_node)]++] = {index, line.first_node, cost_mm, line.backward, true};
+  }
+}
+
+void RoadNetwork::IndexSegments() {
+  std::vector<Point> samples;
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    const Point a = ToPoint(segments_[i].a), b = ToPoint(segments_[i].b);
+    const auto pieces = static_cast<int>(std::ceil(Distance(a, b) / (2 * kHalfSpacing_m)));
+    for (int k = 0; k < pieces; ++k) {
+      samples.push_back(Lerp(a, b, (k + 0.5) / pieces));
+      segment_of_sample_.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  samples_.emplace(samples);
+}
+
+void RoadNetwork::IndexStops(const Roads& roads, AgentKind kind, std::span<const Point> sites) {
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    if (SpotOf(sites[i])) stops_.emplace_back(static_cast<std::int32_t>(i), sites[i]);
+  }
+  std::vector<bool> usable(roads.points.size());
+  for (const Road& road : roads.roads) {
+    if (roads.classes[At(road.road_class)].percent[kind] == 0) continue;
+    for (const std::int32_t point : road.points) usable[At(point)] = true;
+  }
+  for (std::size_t i = 0; i < usable.size(); ++i) {
+    if (!usable[i]) continue;
+    stops_.emplace_back(static_cast<std::int32_t>(sites.size() + i), ToPoint(roads.points[i]));
+  }
+  std::vector<Point> places;
+  for (const auto& [number, place] : stops_) places.push_back(place);
+  stop_index_.emplace(places);
+}
+
+std::span<const RoadNetwork::Arc> RoadNetwork::ArcsOf(std::int32_t node) const {
+  const std::size_t begin = arcs_of_[At(node)];
+  return std::span(arcs_).subspan(begin, arcs_of_[At(node) + 1] - begin);
+}
+
+std::int64_t RoadNetwork::OpenCost(double metres) const {
+  const std::int64_t mm = RoundHalfAway(metres * 1000);
+  if (mm == 0) return 0;
+  if (open_ground_.percent == 0 || metres > open_ground_.reach_m) return -1;
+  return AtPercent(mm, open_ground_.percent);
+}
+
+std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
+  const double x_mm = place.x_m * 1000, y_mm = place.y_m * 1000;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  std::int32_t of = -1;
+  Spot spot;
+  samples_->Nearest(place, [&](std::int32_t sample, Point, double) {
+    const std::int32_t index = segment_of_sample_[At(sample)];
+    const Segment& segment = segments_[At(index)];
+    const double dx = segment.b.x_mm - double{1} * segment.a.x_mm;
+    const double dy = segment.b.y_mm - double{1} * segment.a.y_mm;
+    const double share = std::clamp(
+        ((x_mm - segment.a.x_mm) * dx + (y_mm - segment.a.y_mm) * dy) / (dx * dx + dy * dy), 0.0,
+        1.0);
+    const std::int64_t mm = RoundHalfAway(share * static_cast<double>(segment.cost_mm));
+    const Point at = Lerp(ToPoint(segment.a), ToPoint(segment.b),
+                          static_cast<double>(mm) / static_cast<double>(segment.cost_mm));
+    const double distance_m = Distance(place, at);
+    if (distance_m < nearest_m || (distance_m == nearest_m && index < of)) {
+      nearest_m = distance_m;
+      of = index;
+      spot = {segment.road, segment.begins_mm + mm, 0, at};
+    }
+    return distance_m + kHalfSpacing_m + 1;  // 1: a place is moved by rounding
+  });
+  if (of < 0) return {};
+  spot.off_mm = OpenCost(nearest_m);
+  if (spot.off_mm < 0) return {};
+  return spot;
+}
+
+std::optional<RoadNetwork::Spot> RoadNetwork::SpotOf(Point place) const {
+  {
+    const std::shared_lock lock(mutex_);
+    if (const auto known = spots_.find(place); known != spots_.end()) return known->second;
+  }
+  const std::optional<Spot> found = FindSpot(place);
+  const std::unique_lock lock(mutex_);
+  if (spots_.size() >= kMostSpots) spots_.clear();
+  spots_.emplace(place, found);
+  return found;
+}
+
+std::shared_ptr<RoadNetwork::Search> RoadNetwork::SearchTo(const Spot& spot) const {
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(spot.road) << 40 ^ static_cast<std::uint64_t>(spot.along_mm);
+  {
+    const std::shared_lock lock(mutex_);
+    if (const auto known = searches_.find(key); known != searches_.end()) return known->second;
+  }
+  auto made = std::make_shared<Search>(*this, spot);
+  const std::unique_lock lock(mutex_);
+  if (searches_.size() * 4 * arcs_of_.size() >= kMostSearchBytes) searches_.clear();
+  return searches_.emplace(key, std::move(made)).first->second;
+}
+
+std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, std::int32_t* first) const {
+  const Line& line = lines_[At(from.road)];
+  std::int64_t best = -1;
+  const auto offer = [&](std::int64_t cost_mm, std::int32_t by) {
+    if (best >= 0 && cost_mm >= best) return;
+    best = cost_mm;
+    *first = by;
+  };
+  if (from.road == to.road) {
+    if (from.along_mm <= to.along_mm) offer(to.along_mm - from.along_mm, -1);
+    if (from.along_mm >= to.along_mm && line.backward) offer(from.along_mm - to.along_mm, -1);
+  }
+  const std::shared_ptr<Search> search = SearchTo(to);
+  const auto offer_by = [&](std::int32_t node, std::int64_t cost_mm) {
+    const std::uint32_t rest_mm = search->CostFrom(node);
+    if (rest_mm != kUnreached) offer(cost_mm + rest_mm, node);
+  };
+  offer_by(line.last_node, line.cost_mm - from.along_mm);
+  if (line.backward || from.along_mm == 0) offer_by(line.first_node, from.along_mm);
+  return best;
+}
+
+std::int64_t RoadNetwork::Cost(Point from, Point to) const {
+  if (from == to) return 0;
+  const std::optional<Spot> start = SpotOf(from), goal = SpotOf(to);
+  if (!start || !goal) return -1;
+  if (start->road == goal->road && start->along_mm == goal->along_mm) {
+    const std::int64_t direct_mm = OpenCost(Distance(from, to));
+    return direct_mm >= 0 ? direct_mm : start->off_mm + goal->off_mm;
+  }
+  std::int32_t first = -1;
+  const std::int64_t road_mm = RoadCost(*start, *goal, &first);
+  return road_mm < 0 ? -1 : start->off_mm + road_mm + goal->off_mm;
+}
+
+void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm,
+                         Way* way) const {
+  const auto place = [&](const Segment& segment, std::int64_t mm) {
+    return Lerp(ToPoint(segment.a), ToPoint(segment.b),
+                static_cast<double>(mm - segment.begins_mm) / static_cast<double>(segment.cost_mm));
+  };
+  const auto go = [&](const Segment& segment, std::int64_t begin_mm, std::int64_t end_mm) {
+    const std::int64_t cost_mm = std::abs(end_mm - begin_mm);
+    if (cost_mm == 0) return;
+    way->corners.push_back(place(segment, end_mm));
+    way->reached_mm.push_back(way->reached_mm.back() + cost_mm);
+    way->ground_mm += LengthMm(segment.a, segment.b) * cost_mm / segment.cost_mm;
+  };
+  if (from_mm <= to_mm) {
+    for (std::int32_t i = line.first_segment; i < line.end_segment; ++i) {
+      const Segment& s = segments_[At(i)];
+      if (s.begins_mm + s.cost_mm <= from_mm || s.begins_mm >= to_mm) continue;
+      go(s, std::max(from_mm, s.begins_mm), std::min(to_mm, s.begins_mm + s.cost_mm));
+    }
+  } else {
+    for (std::int32_t i = line.end_segment - 1; i >= line.first_segment; --i) {
+      const Segment& s = segments_[At(i)];
+      if (s.begins_mm + s.cost_mm <= to_mm || s.begins_mm >= from_mm) continue;
+      go(s, std::min(from_mm, s.begins_mm + s.cost_mm), std::max(to_mm, s.begins_mm));
+    }
+  }
+}
+
+std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point to) const {
+  auto way = std::make_shared<Way>();
+  way->corners = {from};
+  way->reached_mm = {0};
+  const auto across = [&](Point end, std::int64_t cost_mm) {
+    if (cost_mm == 0) return;
+    way->ground_mm += RoundHalfAway(Distance(way->corners.back(), end) * 1000);
+    way->corners.push_back(end);
+    way->reached_mm.push_back(way->reached_mm.back() + cost_mm);
+  };
+  const auto finished = [&] {
+    if (way->corners.size() == 1) {
+      way->corners.push_back(to);
+      way->reached_mm.push_back(0);
+    }
+    way->corners.back() = to;
+    return way;
+  };
+  if (from == to) return finished();
+  const std::optional<Spot> start = SpotOf(from), goal = SpotOf(to);
+  if (!start || !goal) return nullptr;
+  if (start->road == goal->road && start->along_mm == goal->along_mm) {
+    if (const std::int64_t direct_mm = OpenCost(Distance(from, to)); direct_mm >= 0) {
+      across(to, direct_mm);
+      return finished();
+    }
+  }
+  std::int32_t node = -1;
+  std::int64_t left_mm = RoadCost(*start, *goal, &node);
+  if (left_mm < 0) return nullptr;
+  across(start->at, start->off_mm);
+  const Line& last = lines_[At(goal->road)];
+  if (node < 0) {
+    Follow(last, start->along_mm, goal->along_mm, way.get());
+  } else {
+    const Line& line = lines_[At(start->road)];
+    // A loop has both its ends in one node.
+    const std::int64_t ahead_mm = line.cost_mm - start->along_mm;
+    const std::shared_ptr<Search> search = SearchTo(*goal);
+    const bool forward = node == line.last_node && left_mm == ahead_mm + search->CostFrom(node);
+    Follow(line, start->along_mm, forward ? line.cost_mm : 0, way.get());
+    left_mm -= forward ? ahead_mm : start->along_mm;
+    for (;;) {
+      if (node == last.first_node && left_mm == goal->along_mm) {
+        Follow(last, 0, goal->along_mm, way.get());
+        break;
+      }
+      // At a junction it is there, whatever the direction of the road that it was found on.
+      if (node == last.last_node && left_mm == last.cost_mm - goal->along_mm &&
+          (last.backward || left_mm == 0)) {
+        Follow(last, last.cost_mm, goal->along_mm, way.get());
+        break;
+      }
+      const auto arcs = ArcsOf(node);
+      const auto next = std::find_if(arcs.begin(), arcs.end(), [&](const Arc& arc) {
+        return arc.leaves && arc.cost_mm <= left_mm &&
+               search->CostFrom(arc.other) == left_mm - arc.cost_mm;
+      });
+      MUSTER_CHECK(next != arcs.end(), "node {} has {} mm left", node, left_mm);
+      const Line& taken = lines_[At(next->line)];
+      const bool ahead = taken.first_node == node;
+      Follow(taken, ahead ? 0 : taken.cost_mm, ahead ? taken.cost_mm : 0, way.get());
+      left_mm -= next->cost_mm;
+      node = next->other;
+    }
+  }
+  across(to, goal->off_mm);
+  return finished();
+}
+
+std::shared_ptr<const RoadNetwork::Way> RoadNetwork::WayBetween(Point from, Point to) const {
+  {
+    const std::shared_lock lock(mutex_);
+    if (const auto known = ways_.find({from, to}); known != ways_.end()) return known->second;
+  }
+  std::shared_ptr<const Way> found = FindWay(from, to);
+  const std::unique_lock lock(mutex_);
+  if (ways_.size() >= kMostWays) ways_.clear();
+  ways_.emplace(Pair{from, to}, found);
+  return found;
+}
+
+Ways::Stop RoadNetwork::StopNear(Point wanted) const {
+  Ways::Stop nearest{wanted};
+  double distance_m = std::numeric_limits<double>::infinity();
+  stop_index_->Nearest(wanted, [&](std::int32_t i, Point place, double away_m) {
+    const std::int32_t number = stops_[At(i)].first;
+    if (away_m < distance_m || (away_m == distance_m && number < nearest.number)) {
+      nearest = {place, number};
+      distance_m = away_m;
+    }
+    return away_m;
+  });
+  return nearest;
+}
+
+std::optional<Point> RoadNetwork::NumberedStop(std::int32_t number) const {
+  const auto stop =
+      std::lower_bound(stops_.begin(), stops_.end(), number,
+                       [](const auto& entry, std::int32_t n) { return entry.first < n; });
+  if (stop == stops_.end() || stop->first != number) return {};
+  return stop->second;
+}
+
+}  // namespace muster

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/geometry.h"
+#include "base/grid_index.h"
+#include "model/road_ways.h"
+#include "model/roads.h"
+#include "model/ways.h"
+
+namespace muster {
+
+/// The roads as one agent class uses them. Costs are whole millimetres at the class's full speed.
+class RoadNetwork {
+ public:
+  RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
+              std::span<const Point> sites);
+
+  /// Where a place is in the network: on that segment (of the one road that is nearest), so far
+  /// from its road's first point, across so much open ground.
+  struct Spot {
+    std::int32_t road = -1;     ///< index into this class's roads
+    std::int64_t along_mm = 0;  ///< cost from the road's first point
+    std::int64_t off_mm = 0;    ///< cost of the open ground
+    Point at;                   ///< on the road
+  };
+  /// A way from end to end. `reached_mm[i]`: cost up to corner i; the first is 0.
+  struct Way {
+    std::vector<Point> corners;  ///< both ends included
+    std::vector<std::int64_t> reached_mm;
+    std::int64_t ground_mm = 0;
+  };
+
+  /// None where no road is within reach.
+  std::optional<Spot> SpotOf(Point place) const;
+  /// Cost from one place to the other; -1: there is no way.
+  std::int64_t Cost(Point from, Point to) const;
+  /// The same way in full; its last reached_mm is the cost. Null: there is none.
+  std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
+
+  Ways::Stop StopNear(Point wanted) const;
+  std::optional<Point> NumberedStop(std::int32_t number) const;
+
+ private:
+  struct Segment {
+    RoadPoint a, b;
+    std::int32_t road;
+    std::int64_t begins_mm;  ///< cost along the road where it begins
+    std::int64_t cost_mm;
+  };
+  /// One of this class's roads.
+  struct Line {
+    std::int32_t first_node, last_node;
+    std::int32_t first_segment, end_segment;
+    std::int64_t cost_mm;
+    bool backward;  ///< also from its last point to its first
+  };
+  /// A road as seen from one of its ends.
+  struct Arc {
+    std::int32_t line, other;
+    std::uint32_t cost_mm;
+    bool leaves, enters;  ///< may be taken from here, to here
+  };
+  /// Costs to one spot, from the nodes that were asked for.
+  class Search;
+  struct PointHash {
+    std::size_t operator()(Point p) const;
+  };
+  struct Pair {
+    Point from, to;
+    bool operator==(const Pair&) const = default;
+  };
+  struct PairHash {
+    std::size_t operator()(const Pair& pair) const;
+  };
+
+  std::optional<Spot> FindSpot(Point place) const;
+  void AddRoads(const Roads& roads, AgentKind kind);
+  void ConnectNodes(std::size_t n_nodes);
+  void IndexSegments();
+  void IndexStops(const Roads& roads, AgentKind kind, std::span<const Point> sites);
+  std::shared_ptr<Search> SearchTo(const Spot& spot) const;
+  std::span<const Arc> ArcsOf(std::int32_t node) const;
+  /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
+  /// the first road by; -1: it stays on that road.
+  std::int64_t RoadCost(const Spot& from, const Spot& to, std::int32_t* first) const;
+  /// Cost of so many metres of open ground; -1: it is none to cross.
+  std::int64_t OpenCost(double metres) const;
+  std::shared_ptr<const Way> FindWay(Point from, Point to) const;
+  /// Appends the corners of a road between two of its places, the first left out.
+  void Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm, Way* way) const;
+
+  OpenGround open_ground_;
+  std::vector<Line> lines_;
+  std::vector<Segment> segments_;
+  std::vector<Arc> arcs_;             ///< by node, ascending by line
+  std::vector<std::size_t> arcs_of_;  ///< [nodes + 1] into arcs_
+
+  /// Points along the segments, so close that a place's distance to a segment is at most
+  /// kHalfSpacing_m less than that to the nearest of its points.
+  std::vector<std::int32_t> segment_of_sample_;
+  std::optional<GridIndex> samples_;
+
+  std::vector<std::pair<std::int32_t, Point>> stops_;  ///< number and place, ascending
+  std::optional<GridIndex> stop_index_;
+
+  // What was asked before.
+  mutable std::shared_mutex mutex_;
+  mutable std::unordered_map<Point, std::optional<Spot>, PointHash> spots_;
+  mutable std::unordered_map<std::uint64_t, std::shared_ptr<Search>> searches_;
+  mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;
+};
+
+}  // namespace muster

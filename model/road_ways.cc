@@ -1,0 +1,90 @@
+#include "model/road_ways.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "model/road_network.h"
+
+namespace muster {
+namespace {
+
+/// The corner that the way has reached after `mm`, or the last before; not its last one.
+std::size_t CornerBefore(const RoadNetwork::Way& way, double mm) {
+  const auto next = std::upper_bound(
+      way.reached_mm.begin() + 1, way.reached_mm.end() - 1, mm,
+      [](double done, std::int64_t reached) { return done < static_cast<double>(reached); });
+  return static_cast<std::size_t>(next - way.reached_mm.begin()) - 1;
+}
+
+}  // namespace
+
+RoadWays::RoadWays(std::shared_ptr<const Roads> roads, const PerKind<OpenGround>& open_ground,
+                   std::vector<Point> sites)
+    : Ways({false, true, true}),
+      roads_(std::move(roads)),
+      workers_(
+          std::make_unique<RoadNetwork>(*roads_, AgentKind::kWorker, open_ground.workers, sites)),
+      vehicles_(std::make_unique<RoadNetwork>(*roads_, AgentKind::kVehicle, open_ground.vehicles,
+                                              sites)) {}
+
+RoadWays::~RoadWays() = default;
+
+const RoadNetwork& RoadWays::network(AgentKind kind) const {
+  return kind == AgentKind::kWorker ? *workers_ : *vehicles_;
+}
+
+std::optional<double> RoadWays::ToRoad(AgentKind kind, Point place) const {
+  const auto spot = network(kind).SpotOf(place);
+  return spot ? std::optional(Distance(place, spot->at)) : std::nullopt;
+}
+
+double RoadWays::BentLength(AgentKind kind, Point from, Point to) const {
+  const std::int64_t mm = network(kind).Cost(from, to);
+  if (mm < 0) return std::numeric_limits<double>::infinity();
+  // Rounding may not make it shorter than the straight line.
+  return std::max(static_cast<double>(mm) / 1000, Distance(from, to));
+}
+
+std::vector<Point> RoadWays::BentCorners(AgentKind kind, Point from, Point to) const {
+  const auto way = network(kind).WayBetween(from, to);
+  return way ? std::vector<Point>(way->corners.begin() + 1, way->corners.end() - 1)
+             : std::vector<Point>();
+}
+
+Point RoadWays::BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const {
+  const auto way = network(kind).WayBetween(from, to);
+  if (!way || share <= 0) return from;
+  if (share >= 1) return to;
+  const double mm = share * static_cast<double>(way->reached_mm.back());
+  const std::size_t i = CornerBefore(*way, mm);
+  const auto begin_mm = static_cast<double>(way->reached_mm[i]);
+  const auto step_mm = static_cast<double>(way->reached_mm[i + 1]) - begin_mm;
+  return step_mm == 0 ? to : Lerp(way->corners[i], way->corners[i + 1], (mm - begin_mm) / step_mm);
+}
+
+double RoadWays::BentGroundLength(AgentKind kind, Point from, Point to) const {
+  const auto way = network(kind).WayBetween(from, to);
+  return way ? static_cast<double>(way->ground_mm) / 1000 : std::numeric_limits<double>::infinity();
+}
+
+Ways::Stop RoadWays::BentStopNear(AgentKind kind, Point wanted) const {
+  return network(kind).StopNear(wanted);
+}
+
+Point RoadWays::BentStopBefore(AgentKind kind, Point from, Point to, double share) const {
+  const auto way = network(kind).WayBetween(from, to);
+  if (!way) return from;
+  const double mm = share * static_cast<double>(way->reached_mm.back());
+  for (std::size_t i = CornerBefore(*way, mm); i > 0; --i) {
+    const Stop stop = StopNear(kind, way->corners[i]);
+    if (stop.at == way->corners[i]) return stop.at;
+  }
+  return from;
+}
+
+std::optional<Point> RoadWays::BentNumberedStop(AgentKind kind, std::int32_t number) const {
+  return network(kind).NumberedStop(number);
+}
+
+}  // namespace muster
