@@ -13,8 +13,8 @@ const std::vector<std::string>& ProcessNames() {
 
 std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSettings& settings) {
   if (identity.name == process_name::kWorld) {
-    return std::make_unique<world::WorldProcess>(identity, settings.world_window,
-                                                 settings.scenario, settings.world);
+    return std::make_unique<world::WorldProcess>(identity, settings.world_window, settings.scenario,
+                                                 settings.world);
   }
   if (identity.name == process_name::kScheduler) {
     return std::make_unique<scheduler::SchedulerProcess>(identity, settings.window, settings.policy,

@@ -17,6 +17,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "model/generator.h"
+#include "tests/model/street_grid.h"
 #include "tests/temporary_folder.h"
 
 namespace muster {
@@ -620,6 +621,54 @@ TEST(ScenarioJson, ReadyMadeScenariosAreWhatTheirCommandsWrite) {
   EXPECT_EQ(random_1, ScenarioToJson(Generate(PresetByName("Random_1"), 1)));
   const std::string haiti = ReadAll(MUSTER_SOURCE_DIR "/scenarios/haiti.json");
   EXPECT_EQ(haiti, ScenarioToJson(ParseScenario(haiti, "haiti.json")));
+}
+
+Scenario OnRoads() {
+  Scenario scenario = Generate(PresetByName("Random_10"), 1);
+  ScenarioRoads roads;
+  roads.file = "grid.roads.json";
+  roads.text = RoadsToJson(muster::testing::StreetGrid(4, 2000, 1));
+  roads.open_ground = {{}, {40, 500}, {0, 0}};
+  UseRoads(std::move(roads), "grid.roads.json", &scenario);
+  return scenario;
+}
+
+TEST(ScenarioRoads, AreReadAsTheyWereWritten) {
+  const ScenarioText text = TextOf(OnRoads());
+  const Scenario read = ParseScenario(text, "s.json");
+  EXPECT_EQ(ScenarioToJson(read), text.json);
+  EXPECT_FALSE(read.ways->straight(AgentKind::kWorker));
+  EXPECT_TRUE(read.ways->straight(AgentKind::kUav));
+  EXPECT_EQ(read.roads->open_ground.workers.percent, 40);
+  EXPECT_EQ(read.roads->open_ground.vehicles.reach_m, 0);
+  // Scenarios with the same roads and sites share what was found on them.
+  EXPECT_EQ(read.ways, ParseScenario(text, "s.json").ways);
+}
+
+TEST(ScenarioRoads, AreRefusedWhereTheyAreNotThoseThatAreNamed) {
+  const ScenarioText text = TextOf(OnRoads());
+  const auto error = [](const ScenarioText& from) {
+    try {
+      ParseScenario(from, "s.json");
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(error({text.json}), "s.json: roads: found no road file, expected grid.roads.json");
+  EXPECT_EQ(error({text.json, text.roads + " "})
+                .rfind("s.json: roads.sha256: the road file grid.roads.json has ", 0),
+            0u);
+  const auto with = [&](const std::string& before, const std::string& after) {
+    std::string changed = text.json;
+    changed.replace(changed.find(before), before.size(), after);
+    return error({changed, text.roads});
+  };
+  EXPECT_NE(with("grid.roads.json", "a/b.roads.json").find("roads.file"), std::string::npos);
+  EXPECT_NE(with("grid.roads.json", "grid.json").find("*.roads.json"), std::string::npos);
+  EXPECT_NE(with("\"percent\": 40", "\"percent\": 140").find("open_ground.workers.percent"),
+            std::string::npos);
+  EXPECT_NE(with("\"version\": 2", "\"version\": 1").find("in version 1"), std::string::npos);
 }
 
 }  // namespace

@@ -62,8 +62,7 @@ PaperRow FlyPaperRun(const PaperRun& run, const Scenario& scenario) {
     return row;
   }
   RunRecord record;
-  Simulate(TextOf(scenario), PolicyToRun(run),
-           [&](const Packet& packet) { record.Add(packet); });
+  Simulate(TextOf(scenario), PolicyToRun(run), [&](const Packet& packet) { record.Add(packet); });
   const nlohmann::ordered_json report = Report(record);
   row.done = report["tasks_done"];
   row.charges = report["charges"];

@@ -38,7 +38,7 @@ struct DecisionLog {
   std::int64_t run_id = 0;
   Scenario scenario;  ///< with all orders
   std::shared_ptr<const OrderBook> orders;
-  std::vector<Packet> scenario_packets;  ///< it, and its roads if any
+  std::vector<Packet> scenario_packets;              ///< it, and its roads if any
   std::map<std::int32_t, LoggedDecision> decisions;  ///< those that the log holds anything of
   std::vector<event_t> events;                       ///< each once, by time
   std::optional<world_state_t> last_world;           ///< of the highest tick

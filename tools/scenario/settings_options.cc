@@ -293,7 +293,8 @@ void WriteScenario(const Scenario& scenario, const Arguments& arguments) {
   ValidateScenario(scenario, "scenario");
   if (arguments.Has("out")) return WriteScenarioFile(scenario, arguments.Get("out"));
   if (scenario.roads) {
-    throw InputError("muster: --out: found none, expected a file: a road file is written beside it");
+    throw InputError(
+        "muster: --out: found none, expected a file: a road file is written beside it");
   }
   fmt::print("{}", ScenarioToJson(scenario));
 }

@@ -217,8 +217,8 @@ std::optional<std::pair<Packet, std::int64_t>> VirtualHost::NextLogged() {
 std::string UndisturbedDigest(const VirtualMission& mission) {
   RunRecord record;
   Simulate(
-      TextOf(mission.scenario), mission.policy,
-      [&](const Packet& packet) { record.Add(packet); }, OutagesIn(mission.faults), mission.orders);
+      TextOf(mission.scenario), mission.policy, [&](const Packet& packet) { record.Add(packet); },
+      OutagesIn(mission.faults), mission.orders);
   return Digest(record);
 }
 
