@@ -1,10 +1,12 @@
 #include "model/road_network.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <queue>
 
 #include "base/check.h"
@@ -14,10 +16,12 @@ namespace muster {
 namespace {
 
 constexpr double kHalfSpacing_m = 50;
-constexpr std::size_t kMostSpots = 1 << 20;
+constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
 constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
 constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+
+std::atomic<std::uint64_t> next_id = 1;
 
 std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -51,7 +55,6 @@ class RoadNetwork::Search {
 
   /// kUnreached: no way leads from there.
   std::uint32_t CostFrom(std::int32_t node) {
-    const std::lock_guard lock(mutex_);
     while (!queue_.empty() && cost_mm_[At(node)] > queue_.top().first) {
       const auto [cost_mm, settled] = queue_.top();
       queue_.pop();
@@ -72,9 +75,14 @@ class RoadNetwork::Search {
 
   using Entry = std::pair<std::uint32_t, std::int32_t>;
   const RoadNetwork& network_;
-  std::mutex mutex_;
   std::vector<std::uint32_t> cost_mm_;  ///< by node
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
+
+struct RoadNetwork::Known {
+  std::optional<Spot> spot;
+  std::mutex mutex;  ///< of what follows
+  std::unique_ptr<Search> search;
 };
 
 std::size_t RoadNetwork::PointHash::operator()(Point p) const {
@@ -89,11 +97,13 @@ std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
 
 RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
                          std::span<const Point> sites)
-    : open_ground_(open_ground) {
+    : open_ground_(open_ground), id_(next_id++) {
   AddRoads(roads, kind);
   IndexSegments();
   IndexStops(roads, kind, sites);
 }
+
+RoadNetwork::~RoadNetwork() = default;
 
 void RoadNetwork::AddRoads(const Roads& roads, AgentKind kind) {
   std::vector<std::int32_t> node_of(roads.points.size(), -1);
@@ -221,31 +231,59 @@ std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
 }
 
 std::optional<RoadNetwork::Spot> RoadNetwork::SpotOf(Point place) const {
-  {
-    const std::shared_lock lock(mutex_);
-    if (const auto known = spots_.find(place); known != spots_.end()) return known->second;
-  }
-  const std::optional<Spot> found = FindSpot(place);
-  const std::unique_lock lock(mutex_);
-  if (spots_.size() >= kMostSpots) spots_.clear();
-  spots_.emplace(place, found);
-  return found;
+  return KnownOf(place, false)->spot;
 }
 
-std::shared_ptr<RoadNetwork::Search> RoadNetwork::SearchTo(const Spot& spot) const {
-  const std::uint64_t key =
-      static_cast<std::uint64_t>(spot.road) << 40 ^ static_cast<std::uint64_t>(spot.along_mm);
+RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
+  // Callers ask for the same places again and again: each thread has those at hand.
+  struct Entry {
+    std::uint64_t network = 0;
+    Point place;
+    Known* known = nullptr;
+  };
+  constexpr std::size_t kEntries = 4096;
+  thread_local std::vector<Entry> at_hand(kEntries);
+  thread_local std::array<std::unique_ptr<Known>, 2> unkept;
+  Entry& entry = at_hand[PointHash()(place) % kEntries];
+  if (entry.network == id_ && entry.place == place) return entry.known;
   {
     const std::shared_lock lock(mutex_);
-    if (const auto known = searches_.find(key); known != searches_.end()) return known->second;
+    if (const auto found = known_.find(place); found != known_.end()) {
+      entry = {id_, place, found->second.get()};
+      return entry.known;
+    }
   }
-  auto made = std::make_shared<Search>(*this, spot);
+  auto made = std::make_unique<Known>();
+  made->spot = FindSpot(place);
   const std::unique_lock lock(mutex_);
-  if (searches_.size() * 4 * arcs_of_.size() >= kMostSearchBytes) searches_.clear();
-  return searches_.emplace(key, std::move(made)).first->second;
+  if (known_.size() >= kMostKnown) {
+    unkept[is_goal] = std::move(made);
+    return unkept[is_goal].get();
+  }
+  entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
+  return entry.known;
 }
 
-std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, std::int32_t* first) const {
+RoadNetwork::Search* RoadNetwork::SearchTo(Known* goal) const {
+  if (goal->search == nullptr) {
+    const std::size_t most = std::max<std::size_t>(16, kMostSearchBytes / (4 * arcs_of_.size()));
+    if (++n_searches_ > most) {
+      n_searches_ = 1;
+      const std::shared_lock lock(mutex_);
+      for (auto& [place, known] : known_) {
+        // Those that another thread works with are left.
+        if (known.get() == goal || !known->mutex.try_lock()) continue;
+        known->search.reset();
+        known->mutex.unlock();
+      }
+    }
+    goal->search = std::make_unique<Search>(*this, *goal->spot);
+  }
+  return goal->search.get();
+}
+
+std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* search,
+                                   std::int32_t* first) const {
   const Line& line = lines_[At(from.road)];
   std::int64_t best = -1;
   const auto offer = [&](std::int64_t cost_mm, std::int32_t by) {
@@ -257,7 +295,6 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, std::int32_
     if (from.along_mm <= to.along_mm) offer(to.along_mm - from.along_mm, -1);
     if (from.along_mm >= to.along_mm && line.backward) offer(from.along_mm - to.along_mm, -1);
   }
-  const std::shared_ptr<Search> search = SearchTo(to);
   const auto offer_by = [&](std::int32_t node, std::int64_t cost_mm) {
     const std::uint32_t rest_mm = search->CostFrom(node);
     if (rest_mm != kUnreached) offer(cost_mm + rest_mm, node);
@@ -269,14 +306,17 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, std::int32_
 
 std::int64_t RoadNetwork::Cost(Point from, Point to) const {
   if (from == to) return 0;
-  const std::optional<Spot> start = SpotOf(from), goal = SpotOf(to);
+  const std::optional<Spot>& start = KnownOf(from, false)->spot;
+  Known* const known_goal = KnownOf(to, true);
+  const std::optional<Spot>& goal = known_goal->spot;
   if (!start || !goal) return -1;
   if (start->road == goal->road && start->along_mm == goal->along_mm) {
     const std::int64_t direct_mm = OpenCost(Distance(from, to));
     return direct_mm >= 0 ? direct_mm : start->off_mm + goal->off_mm;
   }
   std::int32_t first = -1;
-  const std::int64_t road_mm = RoadCost(*start, *goal, &first);
+  const std::lock_guard lock(known_goal->mutex);
+  const std::int64_t road_mm = RoadCost(*start, *goal, SearchTo(known_goal), &first);
   return road_mm < 0 ? -1 : start->off_mm + road_mm + goal->off_mm;
 }
 
@@ -327,7 +367,9 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     return way;
   };
   if (from == to) return finished();
-  const std::optional<Spot> start = SpotOf(from), goal = SpotOf(to);
+  const std::optional<Spot>& start = KnownOf(from, false)->spot;
+  Known* const known_goal = KnownOf(to, true);
+  const std::optional<Spot>& goal = known_goal->spot;
   if (!start || !goal) return nullptr;
   if (start->road == goal->road && start->along_mm == goal->along_mm) {
     if (const std::int64_t direct_mm = OpenCost(Distance(from, to)); direct_mm >= 0) {
@@ -335,8 +377,10 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
       return finished();
     }
   }
+  const std::lock_guard lock(known_goal->mutex);
+  Search* const search = SearchTo(known_goal);
   std::int32_t node = -1;
-  std::int64_t left_mm = RoadCost(*start, *goal, &node);
+  std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
   if (left_mm < 0) return nullptr;
   across(start->at, start->off_mm);
   const Line& last = lines_[At(goal->road)];
@@ -346,7 +390,6 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     const Line& line = lines_[At(start->road)];
     // A loop has both its ends in one node.
     const std::int64_t ahead_mm = line.cost_mm - start->along_mm;
-    const std::shared_ptr<Search> search = SearchTo(*goal);
     const bool forward = node == line.last_node && left_mm == ahead_mm + search->CostFrom(node);
     Follow(line, start->along_mm, forward ? line.cost_mm : 0, way.get());
     left_mm -= forward ? ahead_mm : start->along_mm;

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <shared_mutex>
 #include <span>
@@ -23,6 +23,7 @@ class RoadNetwork {
  public:
   RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
               std::span<const Point> sites);
+  ~RoadNetwork();
 
   /// Where a place is in the network: on that segment (of the one road that is nearest), so far
   /// from its road's first point, across so much open ground.
@@ -71,6 +72,9 @@ class RoadNetwork {
   };
   /// Costs to one spot, from the nodes that were asked for.
   class Search;
+  /// What has been found out about a place: where it is in the network, and, once it was a goal,
+  /// what ways to it cost.
+  struct Known;
   struct PointHash {
     std::size_t operator()(Point p) const;
   };
@@ -87,11 +91,16 @@ class RoadNetwork {
   void ConnectNodes(std::size_t n_nodes);
   void IndexSegments();
   void IndexStops(const Roads& roads, AgentKind kind, std::span<const Point> sites);
-  std::shared_ptr<Search> SearchTo(const Spot& spot) const;
+  /// It stays as long as the network, or, when there are too many, until this thread asks for
+  /// another place in the same role.
+  Known* KnownOf(Point place, bool is_goal) const;
+  /// The costs of ways to that place, which has a spot and is locked.
+  Search* SearchTo(Known* goal) const;
   std::span<const Arc> ArcsOf(std::int32_t node) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
-  std::int64_t RoadCost(const Spot& from, const Spot& to, std::int32_t* first) const;
+  std::int64_t RoadCost(const Spot& from, const Spot& to, Search* search,
+                        std::int32_t* first) const;
   /// Cost of so many metres of open ground; -1: it is none to cross.
   std::int64_t OpenCost(double metres) const;
   std::shared_ptr<const Way> FindWay(Point from, Point to) const;
@@ -112,10 +121,12 @@ class RoadNetwork {
   std::vector<std::pair<std::int32_t, Point>> stops_;  ///< number and place, ascending
   std::optional<GridIndex> stop_index_;
 
+  const std::uint64_t id_;  ///< no other network of this process has it
+
   // What was asked before.
   mutable std::shared_mutex mutex_;
-  mutable std::unordered_map<Point, std::optional<Spot>, PointHash> spots_;
-  mutable std::unordered_map<std::uint64_t, std::shared_ptr<Search>> searches_;
+  mutable std::unordered_map<Point, std::unique_ptr<Known>, PointHash> known_;
+  mutable std::atomic<std::size_t> n_searches_ = 0;
   mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;
 };
 
