@@ -91,6 +91,8 @@ struct AgentState {
   bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
   /// May be scheduled at t: online, not failed, nothing under way.
   bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
+  /// The task or charging point of the action; -1: it has none.
+  std::int32_t site() const { return action == ActionKind::kGoTo ? -1 : target; }
   WaysOf own_ways() const { return {ways, kind}; }
   /// Metres of its way between two places.
   double WayM(Point a, Point b) const { return ways->Length(kind, a, b); }

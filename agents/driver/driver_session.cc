@@ -102,7 +102,7 @@ void DriverSession::GoTo(TimeUs at) {
   const bool to_task = agent_.action == ActionKind::kSense ||
                        agent_.action == ActionKind::kUavToTask ||
                        agent_.action == ActionKind::kWorkerToTask;
-  const bool to_charge = agent_.target >= 0 && !to_task;
+  const bool to_charge = agent_.site() >= 0 && !to_task;
   Json line = {{"mission_s", ToSeconds(at)},
                {"to", places_.ToJson(agent_.to)},
                {"expected_s", ToSeconds(agent_.arrive_us)},
@@ -117,6 +117,12 @@ void DriverSession::GoTo(TimeUs at) {
                                                            : AgentKind::kVehicle;
     line["then"] = senses ? "sense" : "charge";
     line["partner"] = NameOf(other, agent_.partner);
+  }
+  if (!agent_.own_ways().straight()) {
+    line["via"] = Json::array();
+    for (const Point& corner : agent_.ways->Corners(agent_.kind, agent_.from, agent_.to)) {
+      line["via"].push_back(places_.ToJson(corner));
+    }
   }
   Order(Command::Kind::kGoTo, line);
 }

@@ -1,6 +1,7 @@
 #include "scheduler/explain/look.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.h"
 #include "model/feasibility.h"
@@ -51,9 +52,9 @@ void ForEachPair(const Instance& instance, std::int32_t site, Visit visit) {
 }  // namespace
 
 std::string_view ToString(Obstacle obstacle) {
-  constexpr std::string_view kNames[] = {"none",          "no idle uav", "no idle partner",
-                                         "no free place", "range",       "online window",
-                                         "time limit",    "expiry",      "no use"};
+  constexpr std::string_view kNames[] = {
+      "none",          "no idle uav", "no idle partner", "no free place", "range",
+      "online window", "time limit",  "expiry",          "no road",       "no use"};
   return kNames[static_cast<int>(obstacle)];
 }
 
@@ -174,7 +175,25 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
   } else if (look.uavs_in_range == 0) {
     look.obstacle = look.nearest_range ? Obstacle::kRange : Obstacle::kNoUse;
   }
+  if (look.nearest_time) LookAtRoad(&look);
   return look;
+}
+
+void Look::LookAtRoad(PlaceLook* look) const {
+  const AgentKind kind = look->partner_kind();
+  const Ways& ways = *situation_.site->ways;
+  const std::int32_t index = IndexOf(kind, look->nearest_time->partner);
+  if (ways.straight(kind) || index < 0) return;
+  const Point from = participants_[kind][At(index)].at;
+  const Point to = look->charging ? situation_.site->charging_points[At(look->site)].at
+                                  : situation_.site->tasks[At(look->site)].at;
+  const double ground_m = ways.GroundLength(kind, from, to);
+  if (std::isfinite(ground_m)) {
+    look->nearest_time->partner_way = {ground_m, Distance(from, to)};
+  } else if (look->obstacle == Obstacle::kLimit || look->obstacle == Obstacle::kWindow ||
+             look->obstacle == Obstacle::kExpiry) {
+    look->obstacle = Obstacle::kNoRoad;
+  }
 }
 
 PaperLook::PaperLook(const Situation& situation)

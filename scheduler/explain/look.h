@@ -21,10 +21,11 @@ enum class Obstacle {
   kWindow,     ///< it would end after a participant's downtime
   kLimit,      ///< it would end after the mission
   kExpiry,     ///< they would not be there before the task expires
+  kNoRoad,     ///< no way by road leads there for any partner
   kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit", "expiry", "no use"
+/// "time limit", "expiry", "no road", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -38,6 +39,12 @@ struct RangeNeed {
   double needs_m() const { return way_m + cost_m + to_charge_m; }
 };
 
+/// A way that is not straight.
+struct RoadLook {
+  double ground_m = 0;
+  double straight_m = 0;
+};
+
 /// One UAV and one partner at one place.
 struct PairLook {
   UavId uav;
@@ -49,6 +56,7 @@ struct PairLook {
   std::optional<AgentKind> window_of;  ///< of kWindow: whose downtime
   /// When they can be commanded, unless they are idle; only in horizon's terms.
   std::optional<TimeUs> uav_free_us, partner_free_us;
+  std::optional<RoadLook> partner_way;  ///< of those that end too late, by road
 };
 
 /// All pairs at one place: of idle agents, in horizon's terms also of those that will be free soon.
@@ -116,6 +124,8 @@ class Look {
   /// (-1: any). Sets the obstacle where all pairs in range come too late.
   virtual void AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const = 0;
 
+  /// Says how the partner would get there, or that no road leads there.
+  void LookAtRoad(PlaceLook* look) const;
   bool IsFull(const PlaceLook& look) const {
     return look.charging && situation_.free_places(ChargeId(look.site)) == 0;
   }

@@ -54,6 +54,10 @@ Json FactJson(const PairLook& pair, bool charging) {
                {charging ? "vehicle" : "worker", pair.partner},
                {"end_s", Seconds(pair.end_us)},
                {"latest_s", Seconds(pair.latest_us)}};
+  if (pair.partner_way) {
+    json["partner_by_road_m"] = pair.partner_way->ground_m;
+    json["partner_straight_m"] = pair.partner_way->straight_m;
+  }
   if (pair.obstacle == scheduler::Obstacle::kNone) {
     json["weight"] = pair.weight;
   } else {
@@ -112,7 +116,7 @@ Json FactJson(const Activity& activity) {
 Json FactJson(const AgentState& state) {
   return {{"kind", static_cast<int>(state.action)},
           {"symbol", ToString(state.action)},
-          {"target", state.target},
+          {"target", state.site()},
           {"partner", state.partner},
           {"since_decision", state.decision},
           {"until_s", Seconds(state.busy_until_us)}};

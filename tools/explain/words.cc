@@ -24,10 +24,17 @@ std::string RangeWords(const RangeNeed& need, bool charging) {
                      Km(need.to_charge_m));
 }
 
+/// ", worker:7 goes 14.20 km by road (5.10 km straight)"; "" where ways are straight.
+std::string RoadWords(const PairLook& pair, bool charging) {
+  if (!pair.partner_way) return "";
+  return fmt::format(", {} goes {} by road ({} straight)", PartnerOf(pair, charging),
+                     Km(pair.partner_way->ground_m), Km(pair.partner_way->straight_m));
+}
+
 std::string LateWords(const PairLook& pair, bool charging) {
   if (pair.end_us == kNever) return PairWords(pair, charging) + " would never be done";
-  const std::string done =
-      fmt::format("{} would be done at {}", PairWords(pair, charging), ClockText(pair.end_us));
+  const std::string done = fmt::format("{} would be done at {}{}", PairWords(pair, charging),
+                                       ClockText(pair.end_us), RoadWords(pair, charging));
   if (!pair.window_of) {
     return fmt::format("{}, the mission ends at {}", done, ClockText(pair.latest_us));
   }
@@ -131,13 +138,16 @@ std::string ObstacleWords(const PlaceLook& look) {
     case Obstacle::kRange:
       return fmt::format("range (constraint {}): {}", look.charging ? 5 : 6,
                          look.nearest_range ? RangeWords(*look.nearest_range, look.charging) : "");
+    case Obstacle::kNoRoad:
+      return fmt::format("no road leads there for any {} that is {}", partner, Free(look));
     case Obstacle::kNoUse:
       return "charging would enable no further task";
     case Obstacle::kExpiry:
-      return look.nearest_time ? fmt::format("the task expires at {}, {} would be there at {}",
+      return look.nearest_time ? fmt::format("the task expires at {}, {} would be there at {}{}",
                                              ClockText(look.nearest_time->latest_us),
                                              PairWords(*look.nearest_time, false),
-                                             ClockText(look.nearest_time->end_us))
+                                             ClockText(look.nearest_time->end_us),
+                                             RoadWords(*look.nearest_time, false))
                                : "the task expires before";
     case Obstacle::kWindow:
     case Obstacle::kLimit:
@@ -189,7 +199,7 @@ std::string BusyWords(AgentKind kind, const AgentState& state) {
                                 : AgentKind::kWorker,
         state.partner);
     (charging ? action.charge.value : action.task.value) = state.target;
-  } else if (state.target >= 0) {
+  } else if (state.site() >= 0) {
     const bool charging =
         state.action == ActionKind::kUavToCharge || state.action == ActionKind::kVehicleToCharge;
     (charging ? action.charge.value : action.task.value) = state.target;

@@ -66,7 +66,7 @@ Json AgentFields(const Situation& situation, const AgentState& agent) {
   if (agent.kind == AgentKind::kVehicle) json["charge_rate_m_s"] = agent.charge_rate_m_s;
   if (!agent.idle(now)) {
     json["action"] = ToString(agent.action);
-    json["target"] = agent.target;
+    json["target"] = agent.site();
     json["partner"] = agent.partner;
     json["free_at_s"] = Seconds(agent.busy_until_us);
     json["free_x_m"] = agent.to.x_m;
