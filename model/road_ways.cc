@@ -46,10 +46,15 @@ double RoadWays::BentLength(AgentKind kind, Point from, Point to) const {
   return std::max(static_cast<double>(mm) / 1000, Distance(from, to));
 }
 
-std::vector<Point> RoadWays::BentCorners(AgentKind kind, Point from, Point to) const {
+std::vector<Ways::Corner> RoadWays::BentCorners(AgentKind kind, Point from, Point to) const {
   const auto way = network(kind).WayBetween(from, to);
-  return way ? std::vector<Point>(way->corners.begin() + 1, way->corners.end() - 1)
-             : std::vector<Point>();
+  std::vector<Corner> corners;
+  if (!way) return corners;
+  const auto whole_mm = static_cast<double>(way->reached_mm.back());
+  for (std::size_t i = 1; i + 1 < way->corners.size(); ++i) {
+    corners.push_back({way->corners[i], static_cast<double>(way->reached_mm[i]) / whole_mm});
+  }
+  return corners;
 }
 
 Point RoadWays::BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const {

@@ -39,7 +39,7 @@ class RoadWays final : public Ways {
 
  private:
   double BentLength(AgentKind kind, Point from, Point to) const override;
-  std::vector<Point> BentCorners(AgentKind kind, Point from, Point to) const override;
+  std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const override;
   Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const override;
   double BentGroundLength(AgentKind kind, Point from, Point to) const override;
   Stop BentStopNear(AgentKind kind, Point wanted) const override;

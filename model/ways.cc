@@ -14,24 +14,18 @@ std::shared_ptr<const Ways>& Default() {
 
 double Ways::BentLength(AgentKind, Point from, Point to) const { return Distance(from, to); }
 
-std::vector<Point> Ways::BentCorners(AgentKind, Point, Point) const { return {}; }
+std::vector<Ways::Corner> Ways::BentCorners(AgentKind, Point, Point) const { return {}; }
 
 Point Ways::BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const {
-  std::vector<Point> stops = BentCorners(kind, from, to);
-  stops.push_back(to);
-  double whole_m = 0;
-  Point last = from;
-  for (const Point& stop : stops) {
-    whole_m += Distance(last, stop);
-    last = stop;
-  }
-  double left_m = share * whole_m;
-  last = from;
-  for (const Point& stop : stops) {
-    const double step_m = Distance(last, stop);
-    if (left_m < step_m) return Lerp(last, stop, left_m / step_m);
-    left_m -= step_m;
-    last = stop;
+  if (share >= 1) return to;
+  Corner last{from, 0};
+  std::vector<Corner> corners = BentCorners(kind, from, to);
+  corners.push_back({to, 1});
+  for (const Corner& corner : corners) {
+    if (share < corner.share) {
+      return Lerp(last.at, corner.at, (share - last.share) / (corner.share - last.share));
+    }
+    last = corner;
   }
   return to;
 }

@@ -69,8 +69,13 @@ class Ways {
     return straight(kind) ? std::optional<Point>() : BentNumberedStop(kind, number);
   }
   /// The places where the way changes direction, in order, without its two ends.
-  std::vector<Point> Corners(AgentKind kind, Point from, Point to) const {
-    return straight(kind) ? std::vector<Point>{} : BentCorners(kind, from, to);
+  struct Corner {
+    Point at;
+    double share = 0;  ///< of the way that ends there
+    bool operator==(const Corner&) const = default;
+  };
+  std::vector<Corner> Corners(AgentKind kind, Point from, Point to) const {
+    return straight(kind) ? std::vector<Corner>{} : BentCorners(kind, from, to);
   }
 
  protected:
@@ -78,7 +83,7 @@ class Ways {
 
  private:
   virtual double BentLength(AgentKind kind, Point from, Point to) const;
-  virtual std::vector<Point> BentCorners(AgentKind kind, Point from, Point to) const;
+  virtual std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const;
   virtual Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
   virtual double BentGroundLength(AgentKind kind, Point from, Point to) const;
   virtual Stop BentStopNear(AgentKind kind, Point wanted) const;

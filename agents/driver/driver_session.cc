@@ -120,8 +120,8 @@ void DriverSession::GoTo(TimeUs at) {
   }
   if (!agent_.own_ways().straight()) {
     line["via"] = Json::array();
-    for (const Point& corner : agent_.ways->Corners(agent_.kind, agent_.from, agent_.to)) {
-      line["via"].push_back(places_.ToJson(corner));
+    for (const Ways::Corner& corner : agent_.ways->Corners(agent_.kind, agent_.from, agent_.to)) {
+      line["via"].push_back(places_.ToJson(corner.at));
     }
   }
   Order(Command::Kind::kGoTo, line);

@@ -18,9 +18,9 @@ class ManhattanWays : public Ways {
   double BentLength(AgentKind, Point from, Point to) const override {
     return std::abs(to.x_m - from.x_m) + std::abs(to.y_m - from.y_m);
   }
-  std::vector<Point> BentCorners(AgentKind, Point from, Point to) const override {
+  std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const override {
     if (from.x_m == to.x_m || from.y_m == to.y_m) return {};
-    return {{to.x_m, from.y_m}};
+    return {{{to.x_m, from.y_m}, std::abs(to.x_m - from.x_m) / Length(kind, from, to)}};
   }
 };
 

@@ -68,9 +68,11 @@ TEST(RoadWays, LengthsOfAVillageByHand) {
 
 TEST(RoadWays, PlacesAndCornersOfAVillageByHand) {
   const RoadWays ways(std::make_shared<const Roads>(Village()), kFields, {});
-  EXPECT_EQ(ways.Corners(kVehicle, {400, 200}, {0, 0}), (std::vector<Point>{{400, 300}, {0, 300}}));
+  EXPECT_EQ(ways.Corners(kVehicle, {400, 200}, {0, 0}),
+            (std::vector<Ways::Corner>{{{400, 300}, 0.125}, {{0, 300}, 0.625}}));
   EXPECT_EQ(ways.PlaceAfter(kVehicle, {400, 200}, {0, 0}, 0.5), (Point{100, 300}));
-  EXPECT_EQ(ways.Corners(kWorker, {100, -40}, {200, 20}), (std::vector<Point>{{100, 0}, {200, 0}}));
+  EXPECT_EQ(ways.Corners(kWorker, {100, -40}, {200, 20}),
+            (std::vector<Ways::Corner>{{{100, 0}, 80.0 / 220}, {{200, 0}, 180.0 / 220}}));
   const auto at = [&](double metres) {
     return ways.PlaceAfter(kWorker, {100, -40}, {200, 20}, metres / 220);
   };
@@ -184,9 +186,10 @@ TEST(RoadWays, OnStreetGridsWaysAreSound) {
           }
           double corner_to_corner = 0;
           Point last = a;
-          for (const Point corner : ways.Corners(kind, a, b)) {
-            corner_to_corner += Distance(last, corner);
-            last = corner;
+          for (const Ways::Corner& corner : ways.Corners(kind, a, b)) {
+            corner_to_corner += Distance(last, corner.at);
+            EXPECT_LE(Distance(ways.PlaceAfter(kind, a, b, corner.share), corner.at), 1e-6);
+            last = corner.at;
           }
           corner_to_corner += Distance(last, b);
           EXPECT_NEAR(corner_to_corner, ways.GroundLength(kind, a, b), 0.05);

@@ -32,7 +32,8 @@ TEST(Ways, BentOnesByHand) {
   const ManhattanWays ways;
   EXPECT_FALSE(ways.straight(AgentKind::kWorker));
   EXPECT_EQ(ways.Length(AgentKind::kUav, {0, 0}, {300, 400}), 700);
-  EXPECT_EQ(ways.Corners(AgentKind::kUav, {0, 0}, {300, 400}), (std::vector<Point>{{300, 0}}));
+  EXPECT_EQ(ways.Corners(AgentKind::kUav, {0, 0}, {300, 400}),
+            (std::vector<Ways::Corner>{{{300, 0}, 300.0 / 700}}));
   const auto after = [&](double share) {
     return ways.PlaceAfter(AgentKind::kUav, {0, 0}, {300, 400}, share);
   };

@@ -129,6 +129,24 @@ void WriteChanges(const Timeline& timeline, PageCursor* cursor, ordered_json* ch
   if (!agent_rows.empty()) (*chunk)["agent_rows"] = std::move(agent_rows);
 }
 
+/// What kinds there are, {name, for workers, for vehicles}, and each road: [kind, x, y, x, y, ...].
+ordered_json RoadLines(const ScenarioRoads& roads) {
+  const Roads& network = *roads.network;
+  ordered_json classes = ordered_json::array(), lines = ordered_json::array();
+  for (const RoadClass& one : network.classes) {
+    classes.push_back({one.name, one.percent.workers, one.percent.vehicles});
+  }
+  for (const Road& road : network.roads) {
+    ordered_json line = {road.road_class};
+    for (const std::int32_t point : road.points) {
+      const RoadPoint& at = network.points[static_cast<std::size_t>(point)];
+      line.insert(line.end(), {Whole(at.x_mm / 1000.0), Whole(at.y_mm / 1000.0)});
+    }
+    lines.push_back(std::move(line));
+  }
+  return {{"source", network.source}, {"classes", std::move(classes)}, {"lines", std::move(lines)}};
+}
+
 ordered_json Places(const Scenario& scenario) {
   ordered_json tasks = ordered_json::array();
   for (const Task& task : scenario.tasks) {
@@ -155,6 +173,7 @@ ordered_json Places(const Scenario& scenario) {
                         {"tasks", std::move(tasks)},
                         {"charging_points", std::move(charging)},
                         {"range_full_m", std::move(range)}};
+  if (scenario.roads) place["roads"] = RoadLines(*scenario.roads);
   if (scenario.IsOpen()) place["vacant"] = VacantAgents(scenario);
   if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);
   if (scenario.origin) {

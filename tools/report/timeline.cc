@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "protocol/convert.h"
 #include "protocol/process.h"
 
 namespace muster::tools {
@@ -133,15 +134,33 @@ void Timeline::TakeAgent(AgentKind kind, std::size_t index, const agent_t& now,
                          std::int64_t now_us) {
   if (now.online_until_us == 0) return;  // never online: nobody, or nobody yet
   Agent& agent = agents_[index];
-  Move(&agent, now, now_us);
+  Move(kind, &agent, now, now_us);
   Change(kind, &agent, now, now_us);
   agent.last = now;
   agent.last_us = now_us;
 }
 
-void Timeline::Move(Agent* agent, const agent_t& now, std::int64_t now_us) {
+void Timeline::PassCorners(AgentKind kind, const Agent& agent, std::int64_t until_us,
+                           Growing<Stop>* stops) const {
+  if (scenario_.ways->straight(kind) || agent.last->arrive_us <= agent.last_us) return;
+  const auto leg = FromWire(*agent.last, kind, agent.last_us, WireLimits(scenario_));
+  if (!leg) return;
+  const auto duration_us = static_cast<double>(leg->arrive_us - leg->depart_us);
+  for (const Ways::Corner& corner : scenario_.ways->Corners(kind, leg->from, leg->to)) {
+    const std::int64_t at_us = leg->depart_us + std::llround(corner.share * duration_us);
+    if (at_us > agent.last_us && at_us < until_us) {
+      Append(stops, {Ms(at_us), corner.at.x_m, corner.at.y_m, 0});
+    }
+  }
+}
+
+void Timeline::Move(AgentKind kind, Agent* agent, const agent_t& now, std::int64_t now_us) {
   if (agent->last) {
     const agent_t& last = *agent->last;
+    PassCorners(
+        kind, *agent,
+        std::min({now_us, last.arrive_us, now.depart_us > agent->last_us ? now.depart_us : now_us}),
+        &agent->stops);
     // The previous leg's end and the next one's start are known exactly.
     if (last.arrive_us > agent->last_us && last.arrive_us < now_us &&
         now.depart_us == last.depart_us) {

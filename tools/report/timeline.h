@@ -147,7 +147,10 @@ class Timeline {
  private:
   void TakeAgents(const agent_states_t& message);
   void TakeAgent(AgentKind kind, std::size_t index, const agent_t& now, std::int64_t now_us);
-  void Move(Agent* agent, const agent_t& now, std::int64_t now_us);
+  /// Adds the corners of a way by road that the agent has passed since its last report.
+  void PassCorners(AgentKind kind, const Agent& agent, std::int64_t until_us,
+                   Growing<Stop>* stops) const;
+  void Move(AgentKind kind, Agent* agent, const agent_t& now, std::int64_t now_us);
   void Change(AgentKind kind, Agent* agent, const agent_t& now, std::int64_t now_us);
   void TakeWorld(const world_state_t& world, std::int64_t now_us);
   void TakeProcess(const process_status_t& status);

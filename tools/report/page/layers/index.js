@@ -5,6 +5,7 @@ import { crowd } from "./crowd.js";
 import { differences } from "./differences.js";
 import { labels } from "./labels.js";
 import { marked } from "./marked.js";
+import { roads } from "./roads.js";
 import { scaleBar } from "./scale_bar.js";
 import { selected } from "./selected.js";
 import { tasks } from "./tasks.js";
@@ -19,7 +20,7 @@ import { ways } from "./ways.js";
 export const LAYERS = [...BELOW, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
 
 /** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
-const TOLD = [tasks, charging, agents, water, trails, ways];
+const TOLD = [tasks, charging, agents, water, roads, trails, ways];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {

@@ -1,5 +1,13 @@
 import { theme } from "../theme.js";
+import { rowAt } from "../time.js";
 import { MOVING } from "../words.js";
+
+/** Traces the rest of a way by road as far as it is known: on a live page, to its next corner. */
+function traceAhead(c, { x, y, t }, agent) {
+  const { stops, spans } = agent;
+  const end = spans[(rowAt(spans, 2, t) + 1) * 2] ?? Infinity;
+  for (let i = (rowAt(stops, 4, t) + 1) * 4; i < stops.length && stops[i] <= end; i += 4) c.lineTo(x(stops[i + 1]), y(stops[i + 2]));
+}
 
 /** Where those who move are going. */
 export const ways = {
@@ -17,7 +25,8 @@ export const ways = {
       for (const { agent, status, place, px, py } of map.ways) {
         if (agent.kind !== kind || status !== MOVING) continue;
         c.moveTo(px, py);
-        c.lineTo(x(place.toX), y(place.toY));
+        if (run.scenario.roads) traceAhead(c, map, agent);
+        else c.lineTo(x(place.toX), y(place.toY));
       }
       c.stroke();
     }

@@ -1,0 +1,35 @@
+import { theme } from "../theme.js";
+
+/** The roads as paths in metres, by what they are drawn as: 0 for people alone, 1 slow, 2 fast roads. */
+function pathsOf(run) {
+  return run.once("roads", () => {
+    const paths = [new Path2D(), new Path2D(), new Path2D()];
+    const { classes, lines } = run.scenario.roads;
+    for (const [kind, ...places] of lines) {
+      const vehicles = classes[kind][2];
+      const path = paths[vehicles === 0 ? 0 : vehicles < 70 ? 1 : 2];
+      path.moveTo(places[0], places[1]);
+      for (let i = 2; i < places.length; i += 2) path.lineTo(places[i], places[i + 1]);
+    }
+    return paths;
+  });
+}
+
+/** The roads that workers and vehicles travel by. */
+export const roads = {
+  legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => `road (${run.scenario.roads?.source})`,
+    shows: (run) => run.scenario.roads !== undefined }],
+  draw(c, { run, x, y }) {
+    if (!run.scenario.roads) return;
+    const perM = x(1) - x(0);
+    c.save();
+    c.transform(perM, 0, 0, y(1) - y(0), x(0), y(0));
+    c.strokeStyle = theme.road;
+    pathsOf(run).forEach((path, wide) => {
+      c.setLineDash(wide === 0 ? [3 / perM, 3 / perM] : []);
+      c.lineWidth = (0.6 + 0.7 * wide) / perM;
+      c.stroke(path);
+    });
+    c.restore();
+  },
+};
