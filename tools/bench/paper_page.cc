@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/spawn.h"
 #include "tools/bench/paper_tables.h"
 #include "tools/bench/plot.h"
 #include "tools/files/scratch_folder.h"
@@ -104,6 +105,7 @@ Plot PlotOf(const PaperTable& table, Measure measure) {
 
 /// The plots as SVG; none when gnuplot is not there or does not manage.
 std::vector<std::string> Draw(const std::vector<std::pair<const PaperTable*, Plot>>& plots) {
+  if (!FindProgram("gnuplot")) return {};
   const ScratchFolder folder("muster_plots");
   std::FILE* gnuplot = popen("gnuplot 2> /dev/null", "w");
   std::vector<std::string> files;
