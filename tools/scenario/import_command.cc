@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "base/say.h"
 #include "base/text.h"
+#include "tools/map/roads_option.h"
 #include "tools/scenario/import.h"
 #include "tools/scenario/settings_options.h"
 
@@ -142,6 +144,7 @@ int ImportCommand(int argc, const char* const* argv) {
       "or .geojson.");
   AddImportOptions(&options);
   AddSettingsOptions(&options, true);
+  AddRoadsOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string file = arguments->Get("points");
@@ -167,7 +170,10 @@ int ImportCommand(int argc, const char* const* argv) {
   request.may_turn = !arguments->Has("area");
   ReadStart(*arguments, &request);
 
-  const ImportResult result = Import(ReadTable(file), request);
+  ImportResult result = Import(ReadTable(file), request);
+  for (std::string& line : TakeRoads(*arguments, &result.scenario)) {
+    result.summary.push_back(std::move(line));
+  }
   WriteScenario(result.scenario, *arguments);
   if (!arguments->Has("quiet")) {
     for (const std::string& line : result.summary) Say("{}\n", line);

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
+#include "base/text.h"
+#include "tools/map/roads_option.h"
 #include "tools/scenario/settings_options.h"
 
 namespace muster::tools {
@@ -30,6 +35,17 @@ void ListPresets() {
   }
 }
 
+Origin ParseOrigin(const std::string& text) {
+  const std::vector<std::string> parts = Split(text, ',');
+  const auto latitude = ToNumber(parts.front()), longitude = ToNumber(parts.back());
+  if (parts.size() != 2 || !latitude || !longitude || std::abs(*latitude) > 90 ||
+      std::abs(*longitude) > 180) {
+    throw InputError("command line", "--origin", "'" + text + "'",
+                     "LAT,LON: degrees within 90 and 180, like 18.41,-72.47");
+  }
+  return {*latitude, *longitude};
+}
+
 }  // namespace
 
 int ScenarioCommand(int argc, const char* const* argv) {
@@ -39,7 +55,11 @@ int ScenarioCommand(int argc, const char* const* argv) {
   options.Flag("list", "Print the presets as a table and exit");
   options.Add("start", "TIME",
               "Mission time 0, like 2010-01-16T09:00:00-05:00 (default: not told)");
+  options.Add("origin", "LAT,LON",
+              "Degrees of the area's south-west corner, like 18.41,-72.47 (default: not told)");
+  options.Quiet();
   AddSettingsOptions(&options);
+  AddRoadsOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   if (arguments->Has("list")) {
@@ -56,7 +76,12 @@ int ScenarioCommand(int argc, const char* const* argv) {
       throw InputError("command line", "--start", "'" + text + "'", kMomentExpected);
     }
   }
+  if (arguments->Has("origin")) scenario.origin = ParseOrigin(arguments->Get("origin"));
+  const std::vector<std::string> summary = TakeRoads(*arguments, &scenario);
   WriteScenario(scenario, *arguments);
+  if (!arguments->Has("quiet")) {
+    for (const std::string& line : summary) Say("{}\n", line);
+  }
   return kExitOk;
 }
 

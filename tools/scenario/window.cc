@@ -1,6 +1,5 @@
 #include "tools/scenario/window.h"
 
-#include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,14 +7,12 @@
 #include <utility>
 
 #include "base/check.h"
+#include "tools/map/local_frame.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr double kStepM = 100;
-/// Depth below the corner's tangent plane at which a place counts as beyond the horizon: 1,100 km
-/// away, where ENU means nothing any more.
-constexpr double kDeepestM = -100'000;
 
 struct Square {
   long row, column;
@@ -152,16 +149,10 @@ double RoundDegrees(double degrees) { return std::round(degrees * 1e6) / 1e6; }
 }  // namespace
 
 std::vector<Point> Project(const std::vector<Origin>& places, Origin corner) {
-  const GeographicLib::LocalCartesian local(corner.latitude_deg, corner.longitude_deg);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const LocalFrame frame(corner);
   std::vector<Point> points;
   points.reserve(places.size());
-  for (const Origin& place : places) {
-    double z_m = 0;
-    Point& p = points.emplace_back();
-    local.Forward(place.latitude_deg, place.longitude_deg, 0, p.x_m, p.y_m, z_m);
-    if (z_m < kDeepestM) p = {kNan, kNan};
-  }
+  for (const Origin& place : places) points.push_back(frame.ToPoint(place));
   return points;
 }
 
@@ -175,10 +166,7 @@ Window DensestWindow(const std::vector<Origin>& places, double width_m, double h
   std::vector<Point> points = Project(places, frame);
   for (int round = 0; round < kRounds; ++round) {
     const Point corner = DensestCorner(points, width_m, height_m);
-    Origin origin;
-    double height = 0;
-    GeographicLib::LocalCartesian(frame.latitude_deg, frame.longitude_deg)
-        .Reverse(corner.x_m, corner.y_m, 0, origin.latitude_deg, origin.longitude_deg, height);
+    const Origin origin = LocalFrame(frame).ToPlace(corner);
     frame = {RoundDegrees(origin.latitude_deg), RoundDegrees(origin.longitude_deg)};
     points = Project(places, frame);
     std::size_t count = 0;
