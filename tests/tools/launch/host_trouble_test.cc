@@ -68,9 +68,9 @@ TEST_F(HostTrouble, AMissionOutlivesItsTerminal) {
   };
   for (const auto& [name, prepare] : cases) {
     // At full speed so small a mission may be over before the launcher hears of its minute 10.
-    const ChildResult result = Run({"run", scenario_, "--rate", "900", "--out", Out(name),
-                                    "--fault", "process_killed:uav@10"},
-                                   prepare);
+    const ChildResult result = Run(
+        {"run", scenario_, "--rate", "900", "--out", Out(name), "--fault", "process_killed:uav@10"},
+        prepare);
     EXPECT_EQ(result.exit_code, 0) << name << result.output;
     EXPECT_NE(result.output.find("complete"), std::string::npos) << name << result.output;
   }

@@ -36,8 +36,10 @@ try {
   for (const policy of ["rollout-steps", "certified", "mpq"]) muster("simulate", at("r1.json"), "--policy", policy, "--log", "--out", at(policy));
   muster("report", at("rollout-steps"), at("certified"), at("mpq"), "--out", at("three.html"));
   muster("report", at("mpq"), "--out", at("mpq.html"));
-  muster("simulate", fileURLToPath(new URL("../../../../scenarios/haiti.json", import.meta.url)), "--policy", "horizon", "--log", "--out", at("haiti"));
-  muster("report", at("haiti"), "--reasons", "0", "--out", at("haiti.html"));
+  for (const name of ["haiti", "haiti_2010"]) {
+    muster("simulate", fileURLToPath(new URL(`../../../../scenarios/${name}.json`, import.meta.url)), "--policy", "horizon", "--log", "--out", at(name));
+    muster("report", at(name), "--reasons", "0", "--out", at(`${name}.html`));
+  }
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => {
     try { execFileSync(path, ["--version"], { stdio: "ignore" }); return true; } catch { return false; }
   });
@@ -48,6 +50,7 @@ try {
   await take(browser, "report-comparison.webp", "three.html", { width: 1440, height: 1200, hash: "#t=6000" },
     (tab) => tab.locator("#comparison").evaluate((part) => part.scrollIntoView({ block: "end" })));
   await take(browser, "report-coast.webp", "haiti.html", { width: 1440, height: 900, hash: "#t=3600&sel=uav:11" });
+  await take(browser, "report-roads.webp", "haiti_2010.html", { width: 1440, height: 900, hash: "#t=4200" });
   const drawn = (tab) => tab.waitForFunction(() => document.getElementById("scene").dataset.drawn);
   await take(browser, "report-scene.webp", "mpq.html", { width: 1440, height: 900, hash: "#t=4860&sel=uav:25&look=scene" }, drawn);
   await take(browser, "report-space-time.webp", "mpq.html", { width: 1440, height: 900, scheme: "dark", hash: "#t=6000&sel=uav:25&look=time" }, drawn);
