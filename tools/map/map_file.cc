@@ -206,14 +206,30 @@ void CheckSize(const std::string& file) {
   }
 }
 
+/// Not a feature where it is none. Names in an encoding that their file does not tell are not
+/// UTF-8; nothing here depends on them.
+Json ParseLine(std::string_view line) {
+  Json feature = Json::parse(line, nullptr, false);
+  if (!feature.is_discarded()) return feature;
+  std::string plain(line);
+  for (char& c : plain) c = (static_cast<unsigned char>(c) & 0x80U) != 0 ? '?' : c;
+  return Json::parse(plain, nullptr, false);
+}
+
 void ReadFeatures(const std::string& file, const std::vector<std::string>& layer,
                   std::string_view expected, const std::function<void(const MapFeature&)>& take) {
   std::int64_t number = 0;
+  std::string odd;  // no feature: mostly of a program that is about to fail
   ReadByOgr(file, layer, expected, [&](std::string_view line) {
-    const Json feature = Json::parse(line, nullptr, false);
-    // What is none is of a program that is about to fail.
-    if (IsFeature(feature)) take(FeatureReader(file, ++number).Read(feature));
+    const Json feature = ParseLine(line);
+    ++number;
+    if (IsFeature(feature)) {
+      take(FeatureReader(file, number).Read(feature));
+    } else if (odd.empty()) {
+      odd = fmt::format("line {} of ogr2ogr, which is no feature", number);
+    }
   });
+  if (!odd.empty()) throw InputError(file, "content", odd, expected);
 }
 
 }  // namespace

@@ -243,14 +243,12 @@ class RoadBuilder::Network {
     std::vector<std::int32_t> uses(places_.size());
     for (const Way& part : parts) {
       for (const std::int32_t node : part.nodes) ++uses[At(node)];
-      uses[At(part.nodes.front())] += 2;
-      uses[At(part.nodes.back())] += 2;
     }
     for (const Way& part : parts) {
       Way way{part.line, part.road_class, {part.nodes.front()}};
       for (std::size_t k = 1; k < part.nodes.size(); ++k) {
         way.nodes.push_back(part.nodes[k]);
-        if (uses[At(part.nodes[k])] == 1) continue;
+        if (k + 1 < part.nodes.size() && uses[At(part.nodes[k])] == 1) continue;
         ways_.push_back(std::exchange(way, {part.line, part.road_class, {part.nodes[k]}}));
       }
     }
@@ -479,11 +477,9 @@ bool RoadBuilder::Clip(Point a, Point b, double* enters, double* leaves) const {
 }
 
 void RoadBuilder::Keep(std::vector<Spot> spots) {
-  // Rounding may move a cut to the point beside it, which others may meet.
+  // Rounding may move a cut to the point beside it, which other lines may meet. Of points in one
+  // place the first is kept.
   if (spots.size() > 1 && spots[0].is_cut && spots[0].at == spots[1].at) spots.erase(spots.begin());
-  if (spots.size() > 1 && spots.back().is_cut && spots.back().at == spots[spots.size() - 2].at) {
-    spots.pop_back();
-  }
   if (spots.size() > 1) pieces_.push_back({lines_.size() - 1, std::move(spots)});
 }
 

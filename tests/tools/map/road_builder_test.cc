@@ -70,6 +70,14 @@ TEST(RoadBuilder, LinesAreDividedWhereTheySharePoints) {
   EXPECT_EQ(built.roads.roads[1].points, (std::vector<std::int32_t>{2, 3}));
 }
 
+TEST(RoadBuilder, AnEndOnTheMiddleOfAnotherLineIsAJunction) {
+  const BuiltRoads built =
+      Built({{1, kStreet, {{50, 40}, {50, 0}}}, {2, kStreet, {{0, 0}, {50, 0}, {90, 0}}}});
+  EXPECT_EQ(RoadTexts(built),
+            (Texts{"1 street: 50,40 50,0", "2 street: 0,0 50,0", "2 street: 50,0 90,0"}));
+  EXPECT_EQ(built.junctions, 1U);
+}
+
 TEST(RoadBuilder, WhatCrossesWithoutASharedPointDoesNotMeet) {
   const BuiltRoads built = Built({{1, kStreet, {{0, 0}, {90, 0}}},
                                   {2, kPath, {{50, -40}, {50, 40}}},
@@ -186,6 +194,18 @@ TEST(RoadBuilder, CutEndsDoNotMeet) {
   EXPECT_NE(built.roads.roads[0].points.front(), built.roads.roads[0].points.back());
 }
 
+TEST(RoadBuilder, APointAtTheBorderIsNoCut) {
+  // The first point inside is in the same millimetre as the cut, and the other line meets it.
+  for (const bool is_last : {false, true}) {
+    Line line{1, kStreet, {{-1100, 500}, {-999.9998, 500}, {-990, 500}}};
+    if (is_last) std::reverse(line.places.begin(), line.places.end());
+    const BuiltRoads built = Built({line, {2, kPath, {{-999.9998, 500}, {-999.9998, 510}}}});
+    EXPECT_EQ(RoadTexts(built),
+              (Texts{is_last ? "1 street: -990,500 -1000,500" : "1 street: -1000,500 -990,500",
+                     "2 path: -1000,500 -1000,510"}));
+  }
+}
+
 TEST(RoadBuilder, PlacesOnOtherContinentsAreInNoArea) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   RoadBuilder builder(1000, 1000, 0);
@@ -208,6 +228,10 @@ TEST(RoadBuilder, JoinsPointsThatAreNear) {
   const BuiltRoads joined = Built(lines, 0.5);  // a triangle of 3, 4, 5
   EXPECT_EQ(RoadTexts(joined), (Texts{"1 street: 0,0 50,0 80,0"}));
   EXPECT_EQ(joined.joined, 1U);
+  // A barrier goes with its point.
+  EXPECT_EQ(RoadTexts(Built(lines, 0.5, {{50.3, 0.4}})),
+            (Texts{"1 street: 0,0 49,0", "1 street, barrier: 49,0 50,0 51,0",
+                   "2 street, cut off for vehicles: 51,0 80,0"}));
 }
 
 TEST(RoadBuilder, ABarrierClosesAMetreOnEachSideToVehicles) {

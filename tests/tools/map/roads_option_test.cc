@@ -150,6 +150,37 @@ TEST(RoadsOption, SaysWhatCameOfIt) {
           "  vehicles: 0 of 0 charging points are within 1 km of a road, and 0 of 0 starts"}));
 }
 
+TEST(RoadsOption, ShapefileInMetresWithNamesInAnUnknownEncoding) {
+  if (!HasOgr()) GTEST_SKIP() << kNoOgr;
+  const TemporaryFolder folder;
+  Write(folder.File("a.geojson"), R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"fclass": "track", "oneway": "B", "name": "Rue XY"},
+     "geometry":
+     {"type": "LineString", "coordinates": [[20.001, 10.001], [20.0015, 10.001]]}}]})");
+  const std::string make = fmt::format(
+      "ogr2ogr -f 'ESRI Shapefile' -t_srs EPSG:3857 -lco ENCODING=UTF-8 {} {} 2>/dev/null",
+      folder.File("a.shp"), folder.File("a.geojson"));
+  ASSERT_EQ(std::system(make.c_str()), 0);
+  std::string table = Read(folder.File("a.dbf"));
+  table.replace(table.find("XY"), 2, "\xE9\xE8");
+  Write(folder.File("a.dbf"), table);
+  Scenario scenario;
+  const auto said = Taken(folder.File("a.shp"), {10, 20}, 1000, 1000, &scenario);
+  EXPECT_EQ(said[0], "roads: a.shp: 1 lines, 1 of them roads, 1 in the area or within 1 km of it");
+  const Roads& roads = *scenario.roads->network;
+  EXPECT_EQ(roads.source, "a.shp");
+  ASSERT_EQ(roads.points.size(), 2U);
+  EXPECT_NEAR(roads.points[0].x_mm, 109'640, 50);
+  EXPECT_NEAR(roads.points[1].x_mm - roads.points[0].x_mm, 54'820, 50);
+  // Without its .prj nobody knows that these are metres: as degrees they are too large.
+  std::filesystem::remove(folder.File("a.prj"));
+  const std::string error = ErrorOf([&] {
+    Taken(folder.File("a.shp"), {10, 20}, 1000, 1000, &scenario);
+  });
+  EXPECT_NE(error.find("a.shp: feature 1: geometry.coordinates[0]: found [2226"), error.npos)
+      << error;
+}
+
 TEST(RoadsOption, GeoJsonNeedsNoOtherProgram) {
   const TemporaryFolder folder;
   Write(folder.File("two.geojson"), R"({"type": "FeatureCollection", "features": [
