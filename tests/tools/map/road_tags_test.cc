@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <string>
+#include <vector>
 
 namespace muster::tools {
 namespace {
@@ -35,6 +39,26 @@ TEST(RoadTags, ClassesHaveTheirUsualSpeeds) {
   EXPECT_EQ(RoadOf({{"fclass", "tertiary"}}), "tertiary: 100/56");
   EXPECT_EQ(RoadOf({{"type", "track"}}), "track: 90/19");
   EXPECT_EQ(RoadOf({{"highway", "track"}, {"type", "primary"}}), "track: 90/19");
+}
+
+/// A row of the guide names one or more classes: | `primary`, `road` | 100 | 60 | 75 |
+TEST(RoadTags, TheGuideHasTheTable) {
+  std::ifstream guide(MUSTER_SOURCE_DIR "/docs/guide/roads.md");
+  ASSERT_TRUE(guide.is_open());
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(guide, line);) rows.push_back(line);
+  for (const UsualRoad& usual : UsualRoads()) {
+    const std::string tail =
+        fmt::format(" | {} | {} | {} |", usual.workers_percent,
+                    usual.vehicles_km_h == 0 ? "" : fmt::format("{}", usual.vehicles_km_h),
+                    std::min(100L, std::lround(100 * usual.vehicles_km_h / kFullRoadSpeed_km_h)));
+    EXPECT_TRUE(std::any_of(rows.begin(), rows.end(),
+                            [&](const std::string& row) {
+                              return row.find(fmt::format("`{}`", usual.name)) != row.npos &&
+                                     row.ends_with(tail);
+                            }))
+        << usual.name << tail;
+  }
 }
 
 TEST(RoadTags, WhatIsNoRoadIsCounted) {
