@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "scheduler/policies/baselines/greedy.h"
 #include "scheduler/policies/baselines/kwta.h"
+#include "scheduler/policies/baselines/without_roads.h"
 #include "scheduler/policies/baselines/without_times.h"
 #include "scheduler/policies/certified/certified_policy.h"
 #include "scheduler/policies/external/external_policy.h"
@@ -73,6 +74,10 @@ template <std::unique_ptr<Policy> (*kMake)()>
 std::unique_ptr<Policy> WithoutTimes() {
   return std::make_unique<WithoutTimesPolicy>(kMake());
 }
+template <std::unique_ptr<Policy> (*kMake)()>
+std::unique_ptr<Policy> WithoutRoads() {
+  return std::make_unique<WithoutRoadsPolicy>(kMake());
+}
 std::unique_ptr<Policy> LearnedHorizon() { return std::make_unique<LearnedHorizonPolicy>(); }
 std::unique_ptr<Policy> LearnedRollout() { return std::make_unique<LearnedRolloutPolicy>(); }
 std::unique_ptr<Policy> Ils() { return std::make_unique<IlsPolicy>(); }
@@ -120,6 +125,12 @@ const Row kPolicies[] = {
       "rollout-steps that is told neither priorities nor due times"},
      &WithoutTimes<Rollout<true>>},
     {{kAblation, "horizon-without-times", "horizon that is told neither"}, &WithoutTimes<Horizon>},
+    {{kAblation, "rollout-steps-without-roads",
+      "rollout-steps that believes all ways to be straight (docs/results/roads.md)"},
+     &WithoutRoads<Rollout<true>>},
+    {{kAblation, "horizon-without-roads", "horizon that believes so"}, &WithoutRoads<Horizon>},
+    {{kAblation, "certified-without-roads", "certified that believes so"},
+     &WithoutRoads<Certified>},
     {{kAblation, "horizon-without-true-duration", "horizon that counts ways only"},
      &HorizonVariant<&HorizonSettings::true_duration>},
     {{kAblation, "horizon-without-soon-idle", "horizon with idle agents only"},
