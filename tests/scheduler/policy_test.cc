@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "base/check.h"
 #include "scheduler/checker.h"
+#include "tests/model/manhattan_ways.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -78,6 +81,31 @@ TEST(Policy, WithoutTimesPrioritiesAndDueTimesChangeNothing) {
     others += decide("horizon", timed) != decide("horizon", plain);
   }
   EXPECT_GT(others, 2);
+}
+
+TEST(Policy, WithoutRoadsItPlansInStraightLinesAndSendsNobodyInVain) {
+  const muster::testing::ManhattanWays manhattan;
+  std::size_t kept = 0, dropped = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Situation straight = RandomSituation(seed, {6, 8, 4, 15, 3, 15, false});
+    Situation bent = straight;
+    auto site = std::make_shared<Site>(*straight.site);
+    site->ways = {&manhattan, [](const Ways*) {}};
+    bent.site = site;
+    for (auto* agents : {&bent.uavs, &bent.workers, &bent.vehicles}) {
+      for (AgentState& agent : *agents) agent.ways = &manhattan;
+    }
+    const auto planned = MakePolicy("horizon")->Decide(straight).actions;
+    const auto sent = MakePolicy("horizon-without-roads")->Decide(bent).actions;
+    EXPECT_TRUE(CheckActions(bent, sent).empty()) << seed;
+    for (const Action& action : sent) {
+      EXPECT_NE(std::find(planned.begin(), planned.end(), action), planned.end()) << seed;
+    }
+    kept += sent.size();
+    dropped += planned.size() - sent.size();
+  }
+  EXPECT_GT(kept, 20u);
+  EXPECT_GT(dropped, 0u);
 }
 
 /// What every policy must keep.

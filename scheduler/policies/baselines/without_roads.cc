@@ -12,7 +12,7 @@ Decision WithoutRoadsPolicy::Decide(const Situation& situation) {
   site->ways = {&StraightWays(), [](const Ways*) {}};
   Situation straight = situation;
   straight.site = std::move(site);
-  for (std::vector<AgentState>* agents : {&straight.workers, &straight.vehicles}) {
+  for (std::vector<AgentState>* agents : {&straight.uavs, &straight.workers, &straight.vehicles}) {
     for (AgentState& agent : *agents) agent.ways = &StraightWays();
   }
   const Decision decided = policy_->Decide(straight);
