@@ -12,12 +12,13 @@
 
 #include "lcmtypes/words.h"
 #include "model/feasibility.h"
+#include "protocol/fault_kinds.h"
 #include "tools/host/progress.h"
 
 namespace muster::tools {
 namespace {
 
-constexpr std::int64_t kLongWaitMs = 5 * 60'000;
+constexpr TimeUs kLongWaitUs = 5 * kMinuteUs;
 constexpr double kLowRange = 0.2;  ///< of the full range
 
 std::string Since(std::int64_t ms) { return "since " + ClockText(ms * 1000); }
@@ -42,7 +43,8 @@ class Kind {
   std::vector<std::pair<double, Concern>> found_;
 };
 
-/// By id: faults that were applied and have not ended.
+/// By id: faults that were applied and have not ended. Not those of one agent, which is in trouble
+/// itself, nor that a process was killed: how long it is away is told of the process.
 std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
   std::map<std::string, std::int64_t> since;
   for (const event_t& event : timeline.events().rows) {
@@ -51,23 +53,11 @@ std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
   for (const event_t& event : timeline.events().rows) {
     if (event.kind == EventKind::kFaultEnded) since.erase(event.fault_id);
   }
-  return since;
-}
-
-/// Adds UAVs that are low, and those of them that reach no charging point.
-void AddRange(const Scenario& scenario, const std::string& name, const agent_t& uav, Kind* stranded,
-              Kind* low) {
-  if (!(uav.range_left_m < kLowRange * uav.range_full_m)) return;
-  const double nearest =
-      NearestChargeM(*scenario.ways, {uav.x_m, uav.y_m}, scenario.charging_points);
-  if (!scenario.charging_points.empty() && uav.range_left_m < nearest) {
-    stranded->Add(name,
-                  fmt::format("{:.1f} km left, {:.1f} km to the nearest", uav.range_left_m / 1000,
-                              nearest / 1000),
-                  nearest - uav.range_left_m);
-  } else {
-    low->Add(name, fmt::format("{:.1f} km left", uav.range_left_m / 1000), -uav.range_left_m);
+  for (const auto& [id, fault] : timeline.faults()) {
+    const auto kind = static_cast<FaultKind>(fault.kind);
+    if (RowOf(kind).of_agents() || kind == FaultKind::kProcessKilled) since.erase(id);
   }
+  return since;
 }
 
 /// The newest sensing of each task, by task.
@@ -96,8 +86,9 @@ void AddTasks(const Timeline& timeline, Kind* at_risk, Kind* undone) {
     const auto priority = static_cast<std::size_t>(task.priority);
     const double matters = 10 * static_cast<double>(priority);
     if (timeline.ended()) {
-      if (status == TaskStatus::kExpired) undone->Add(who, "expired", matters);
-      if (IsToDo(status)) undone->Add(who, "", matters);
+      if (status == TaskStatus::kExpired) undone->Add(who, "expired", 1 + matters);
+      if (IsToDo(status)) undone->Add(who, "", (status == TaskStatus::kOpen ? 2 : 1) + matters);
+      if (status == TaskStatus::kHeld) undone->Add(who, "held by an order", 1 + matters);
       continue;
     }
     const auto sensing = latest.find(static_cast<std::int32_t>(i));
@@ -146,6 +137,31 @@ std::optional<TaskRisk> RiskOf(const Task& task, TaskStatus status, std::optiona
                   fmt::format("due in {}, {}", minutes(task.due_us - now_us), why)};
 }
 
+std::optional<AgentTrouble> TroubleOf(AgentKind kind, AgentStatus status, TimeUs since_us,
+                                      TimeUs now_us, double range_m, double range_full_m,
+                                      const std::function<std::optional<double>()>& nearest_m) {
+  using Trouble = AgentTrouble::Kind;
+  if (status == AgentStatus::kFailed) {
+    return AgentTrouble{Trouble::kFailed, -ToSeconds(since_us), "since " + ClockText(since_us)};
+  }
+  if (status == AgentStatus::kWaiting) {
+    const TimeUs waited_us = now_us - since_us;
+    if (waited_us < kLongWaitUs) return {};
+    return AgentTrouble{Trouble::kWait, ToSeconds(waited_us),
+                        fmt::format("for {} min", std::llround(ToMinutes(waited_us)))};
+  }
+  const bool flies = kind == AgentKind::kUav && status != AgentStatus::kOffline &&
+                     status != AgentStatus::kCharging;
+  if (!flies || !(range_m < kLowRange * range_full_m)) return {};
+  const auto km = [](double metres) { return fmt::format("{:.1f} km", metres / 1000); };
+  if (const auto nearest = nearest_m(); nearest && range_m < *nearest) {
+    return AgentTrouble{Trouble::kStranded, *nearest - range_m,
+                        fmt::format("{} left, {} to the nearest", km(range_m), km(*nearest))};
+  }
+  return AgentTrouble{Trouble::kRange, -range_m / range_full_m,
+                      fmt::format("{} of {} left", km(range_m), km(range_full_m))};
+}
+
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent) {
   const Scenario& scenario = timeline.scenario();
   const std::int64_t now_ms = timeline.now_ms();
@@ -168,20 +184,18 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
     for (std::size_t id = 0; id < scenario.agents(kind).size(); ++id) {
       const Timeline::Agent& agent = timeline.agents()[timeline.IndexOf(kind, id)];
       if (!agent.last || agent.spans.rows.empty()) continue;
-      const std::int64_t since_ms = agent.spans.rows.back().t_ms;
-      const std::string name = fmt::format("{}:{}", ToString(kind), id);
-      const auto status = static_cast<AgentStatus>(agent.last->status);
-      if (status == AgentStatus::kFailed) {
-        failed.Add(name, Since(since_ms), -static_cast<double>(since_ms));
-      } else if (status == AgentStatus::kWaiting) {
-        const std::int64_t waited_ms = now_ms - since_ms;
-        if (waited_ms < kLongWaitMs) continue;
-        waiting.Add(name, fmt::format("for {} min", waited_ms / 60'000),
-                    static_cast<double>(waited_ms));
-      } else if (kind == AgentKind::kUav && status != AgentStatus::kOffline &&
-                 status != AgentStatus::kCharging) {
-        AddRange(scenario, name, *agent.last, &stranded, &low);
-      }
+      const auto nearest_m = [&]() -> std::optional<double> {
+        if (scenario.charging_points.empty()) return {};
+        return NearestChargeM(*scenario.ways, {agent.last->x_m, agent.last->y_m},
+                              scenario.charging_points);
+      };
+      const auto trouble = TroubleOf(kind, static_cast<AgentStatus>(agent.last->status),
+                                     agent.spans.rows.back().t_ms * 1000, now_ms * 1000,
+                                     agent.last->range_left_m, agent.last->range_full_m, nearest_m);
+      if (!trouble) continue;
+      Kind* const of[] = {&failed, &stranded, &waiting, &low};
+      of[static_cast<int>(trouble->kind)]->Add(fmt::format("{}:{}", ToString(kind), id),
+                                               trouble->note, trouble->harm);
     }
   }
   AddTasks(timeline, &at_risk, &tasks);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,23 @@ struct TaskRisk {
 /// attention.js); tests/tools/top/task_risks.json holds both to the same cases.
 std::optional<TaskRisk> RiskOf(const Task& task, TaskStatus status, std::optional<TimeUs> start_us,
                                TimeUs now_us, TimeUs interval_us);
+
+/// What is wrong with an agent: it has failed, cannot reach a charging point, waits for long for
+/// its partner, or is low.
+struct AgentTrouble {
+  enum class Kind { kFailed, kStranded, kWait, kRange };
+  Kind kind = Kind::kFailed;
+  double harm = 0;  ///< seconds, metres or the share of the full range, by kind
+  std::string note;
+};
+
+/// The trouble of an agent that has had that status since a time; none when all is well.
+/// `nearest_m`: to the charging point that is nearest; none: there is no charging point. The page
+/// has the same rule
+/// (`troubleOf` in attention.js); tests/tools/top/agent_troubles.json holds both to the same cases.
+std::optional<AgentTrouble> TroubleOf(AgentKind kind, AgentStatus status, TimeUs since_us,
+                                      TimeUs now_us, double range_m, double range_full_m,
+                                      const std::function<std::optional<double>()>& nearest_m);
 
 /// What needs attention at the newest time that `timeline` knows: kinds in the page's order, the
 /// most harmful first, each by harm. `silent`: processes that have sent nothing for long. A task is

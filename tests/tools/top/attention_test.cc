@@ -104,7 +104,7 @@ TEST(Attention, ATaskIsAtRiskWhenItsStartIsTooLateOrNobodyIsOnTheWay) {
             Lines({"tasks at risk: task 1 emergency, was due 2 min ago, nobody is on the way"}));
 }
 
-/// The page's run.test.mjs holds `timeRisk` to the same cases.
+/// The page's attention.test.mjs holds `timeRisk` to the same cases.
 TEST(Attention, RisksAreThoseOfTheCasesThatThePageHasToo) {
   std::ifstream in(MUSTER_SOURCE_DIR "/tests/tools/top/task_risks.json");
   const auto cases = nlohmann::json::parse(in);
@@ -128,6 +128,46 @@ TEST(Attention, RisksAreThoseOfTheCasesThatThePageHasToo) {
     ++risks;
   }
   EXPECT_GT(risks, 8u);
+}
+
+/// The page's attention.test.mjs holds `troubleOf` to the same cases.
+TEST(Attention, TroublesAreThoseOfTheCasesThatThePageHasToo) {
+  std::ifstream in(MUSTER_SOURCE_DIR "/tests/tools/top/agent_troubles.json");
+  const auto cases = nlohmann::json::parse(in);
+  constexpr const char* kNames[] = {"failed", "stranded", "wait", "range"};
+  std::size_t troubles = 0;
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.dump());
+    const auto us = [&](const char* key) {
+      return static_cast<TimeUs>(one.at(key).get<double>() * static_cast<double>(kMinuteUs));
+    };
+    const auto nearest = [&]() -> std::optional<double> {
+      if (!one.contains("nearest_km")) return {};
+      return 1000 * one.at("nearest_km").get<double>();
+    };
+    const auto kind = FromString<AgentKind>(one.at("class").get<std::string>());
+    const auto status = FromString<AgentStatus>(one.at("status").get<std::string>());
+    ASSERT_TRUE(kind && status);
+    const auto trouble =
+        TroubleOf(*kind, *status, us("since_min"), us("now_min"), 1000 * one.value("range_km", 0.0),
+                  1000 * one.value("full_km", 0.0), nearest);
+    ASSERT_EQ(trouble.has_value(), one.contains("trouble"));
+    if (!trouble) continue;
+    EXPECT_EQ(kNames[static_cast<int>(trouble->kind)], one.at("trouble").get<std::string>());
+    EXPECT_EQ(trouble->note, one.at("note").get<std::string>());
+    EXPECT_NEAR(trouble->harm, one.at("harm").get<double>(), 1e-9);
+    ++troubles;
+  }
+  EXPECT_GT(troubles, 7u);
+}
+
+TEST(Attention, AHeldTaskOfAMissionThatEndedIsNotDone) {
+  FakeLog log = MakeFakeMission();
+  ForEach<world_state_t>(&log, [](world_state_t& world) {
+    world.task_status = {NumberOf(TaskStatus::kHeld), NumberOf(TaskStatus::kOpen)};
+  });
+  EXPECT_EQ(Told(log), std::vector<std::string>(
+                           {"tasks not done: task 1 ", "tasks not done: task 0 held by an order"}));
 }
 
 TEST(Attention, ATaskThatExpiresIsWorseThanOneThatIsLate) {

@@ -90,22 +90,33 @@ function why(run, task, t) {
 /** Whether the forecast leaves tasks undone. */
 const late = (run, t) => forecastAt(run, t).done < run.tasksTotal;
 
-function agentsInTrouble(run, t) {
-  const found = [];
-  for (const agent of run.agents) {
-    const status = statusAt(agent, t);
-    const item = { type: "agent", index: agent.index };
-    if (status === FAILED) {
-      const { since } = spanAt(run, agent, t);
-      found.push({ kind: "failed", item, harm: -since, text: agent.label, note: `since ${clockText(since)}` });
-    } else if (status === WAITING) {
-      const { since } = spanAt(run, agent, t);
-      if (t - since >= LONG_WAIT_MS) found.push({ kind: "wait", item, harm: t - since, text: agent.label, note: `for ${minutes(t - since)}` });
-    } else if (agent.kind === UAV && status !== OFFLINE && status !== CHARGING) {
-      lowRange(run, agent, t, found);
-    }
+/**
+ * What is wrong with an agent: { kind, harm, note }; null: nothing. `since` and `nearest` (metres to the nearest charging
+ * point; null: there is none) are asked for where they matter. The terminal has the same rule (TroubleOf in tools/top/attention.h).
+ */
+export function troubleOf({ kind, status, range, fullRange }, t, since, nearest) {
+  if (status === FAILED) return { kind: "failed", harm: -since() / 1000, note: `since ${clockText(since())}` };
+  if (status === WAITING) {
+    const waited = t - since();
+    return waited < LONG_WAIT_MS ? null : { kind: "wait", harm: waited / 1000, note: `for ${minutes(waited)}` };
   }
-  return found;
+  if (kind !== UAV || status === OFFLINE || status === CHARGING || !(range < LOW_RANGE * fullRange)) return null;
+  const km = (m) => `${number(m / 1000, 1)} km`;
+  const far = nearest();
+  return far !== null && range < far
+    ? { kind: "stranded", harm: far - range, note: `${km(range)} left, ${km(far)} to the nearest` }
+    : { kind: "range", harm: -range / fullRange, note: `${km(range)} of ${km(fullRange)} left` };
+}
+
+function agentsInTrouble(run, t) {
+  return run.agents.flatMap((agent) => {
+    const place = agent.kind === UAV ? placeAt(agent, t) : null;
+    const known = { kind: agent.kind, status: statusAt(agent, t), range: place?.range, fullRange: agent.fullRange };
+    // Places and ranges are whole metres in the page.
+    const trouble = troubleOf(known, t, () => spanAt(run, agent, t).since,
+      () => (run.charging.length > 0 ? Math.max(0, toCharging(run, place) - 2) : null));
+    return trouble ? [{ ...trouble, item: { type: "agent", index: agent.index }, text: agent.label }] : [];
+  });
 }
 
 /** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
@@ -124,24 +135,12 @@ function toCharging(run, place) {
   return nearest;
 }
 
-function lowRange(run, agent, t, found) {
-  const place = placeAt(agent, t);
-  if (!place || !(place.range < LOW_RANGE * agent.fullRange)) return;
-  const nearest = toCharging(run, place);
-  const item = { type: "agent", index: agent.index };
-  const km = (m) => `${number(m / 1000, 1)} km`;
-  // Places and ranges are whole metres in the page.
-  const stranded = run.charging.length > 0 && place.range + 2 < nearest;
-  found.push(stranded
-    ? { kind: "stranded", item, harm: nearest - place.range, text: agent.label, note: `${km(place.range)} left, ${km(nearest)} to the nearest` }
-    : { kind: "range", item, harm: -place.range / agent.fullRange, text: agent.label, note: `${km(place.range)} of ${km(agent.fullRange)} left` });
-}
-
 /** What needs attention at t, by kind and harm: [{ kind, item, text, note }]. `silentMs`: since a live page heard anything. */
 export function attentionAt(run, t, silentMs = 0) {
   const found = [...agentsInTrouble(run, t), ...tasksAtRisk(run, t)];
   for (const band of faultBands(run)) {
-    if (band.kind === "agent" || band.from > t || (band.to <= t && band.to > band.from) || (band.to === band.from && t - band.to > run.tickMs)) continue;
+    const lasts = band.open || (band.to === band.from ? t - band.to <= run.tickMs : t < band.to);
+    if (band.kind === "agent" || band.from > t || !lasts) continue;
     const kind = band.kind === "process" ? "process" : "fault";
     found.push({ kind, item: null, t: band.from, harm: -band.from, text: band.label.replace(/^lost: /, ""), note: `since ${clockText(band.from)}` });
   }

@@ -262,12 +262,12 @@ function findBands(run) {
     const process = event.detail.split(/[ ,]/)[0];
     if (event.kind === "fault_applied") {
       if (faults.has(event.fault)) continue; // each process that it hits says so
-      const band = { from: event.t, to: end, label: faultText(run, event.fault), kind: "fault" };
+      const band = { from: event.t, to: end, label: faultText(run, event.fault), kind: "fault", open: !run.ended };
       faults.set(event.fault, band);
       bands.push(band);
     } else if (event.kind === "fault_ended") {
       const band = faults.get(event.fault);
-      if (band) band.to = band.to === end ? event.t : Math.max(band.to, event.t);
+      if (band) Object.assign(band, { to: band.ended ? Math.max(band.to, event.t) : event.t, ended: true, open: false });
     } else if (event.kind === "process_lost") {
       // The launcher and the world both say so, each when it notices.
       if (lost.get(process)?.open) continue;
@@ -285,7 +285,7 @@ function findBands(run) {
     const kind = run.faults.find((fault) => fault.id === id)?.kind;
     if (kind?.startsWith("agent_")) band.kind = "agent"; // of one agent alone
     // How long a killed process is away is a band of its own.
-    if (kind === "process_killed") band.to = band.from;
+    if (kind === "process_killed") Object.assign(band, { to: band.from, open: false });
   }
   return bands;
 }

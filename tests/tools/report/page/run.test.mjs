@@ -1,10 +1,9 @@
 // The page's logic, without a browser: node --test run.test.mjs
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
 import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
-import { attentionAt, forecastAt, timeRisk } from "../../../../tools/report/page/attention.js";
+import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { cellWords, countCells } from "../../../../tools/report/page/layers/crowd.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
@@ -487,14 +486,3 @@ test("names keep away from what is taken, and places of a small area are told to
 });
 
 // attention_test.cc holds `muster top` to the same cases.
-test("the risk of a task is that of the terminal", () => {
-  const statuses = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
-  const ms = (minutes) => (minutes === undefined ? null : minutes * 60_000);
-  const cases = JSON.parse(readFileSync(new URL("../../top/task_risks.json", import.meta.url)));
-  for (const one of cases) {
-    const now = { status: statuses.indexOf(one.status), activity: one.start_min === undefined ? null : { start: ms(one.start_min) } };
-    const risk = timeRisk({ intervalMs: ms(one.interval_min) }, { due: ms(one.due_min), expires: ms(one.expires_min) }, now, ms(one.now_min));
-    assert.equal(risk?.note, one.note, JSON.stringify(one));
-    if (risk) assert.ok(Math.abs(risk.harm - one.harm) < 1e-9, JSON.stringify(one));
-  }
-});

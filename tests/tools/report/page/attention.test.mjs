@@ -1,0 +1,48 @@
+// What needs attention, by the same tables as the terminal's (tests/tools/top).
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
+import { Run, faultBands } from "../../../../tools/report/page/run.js";
+import { readWords } from "../../../../tools/report/page/words.js";
+
+const CLASSES = ["uav", "worker", "vehicle"];
+const STATUSES = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
+const TASKS = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
+readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [] });
+
+test("the trouble of an agent is that of the terminal", () => {
+  const ms = (minutes) => minutes * 60_000;
+  const cases = JSON.parse(readFileSync(new URL("../../top/agent_troubles.json", import.meta.url)));
+  for (const one of cases) {
+    const agent = { kind: CLASSES.indexOf(one.class), range: one.range_km * 1000, fullRange: one.full_km * 1000,
+      status: STATUSES.indexOf(one.status) };
+    const trouble = troubleOf(agent, ms(one.now_min), () => ms(one.since_min),
+      () => (one.nearest_km === undefined ? null : one.nearest_km * 1000));
+    assert.equal(trouble?.kind, one.trouble, JSON.stringify(one));
+    assert.equal(trouble?.note, one.note, JSON.stringify(one));
+    if (trouble) assert.ok(Math.abs(trouble.harm - one.harm) < 1e-9, JSON.stringify(one));
+  }
+});
+
+test("a fault in force and a lost process need attention at the newest time of a live page", () => {
+  const run = new Run({});
+  run.nowMs = 60000;
+  run.tickMs = 30000;
+  run.faults = [{ id: "f", kind: "loss", target: "*" }, { id: "k", kind: "process_killed", target: "uav" }];
+  const event = (t, kind, fault, detail = "") => ({ t, kind, fault, detail, uav: -1, worker: -1, vehicle: -1 });
+  run.events = [event(1000, "fault_applied", "f"), event(2000, "fault_applied", "k"), event(3000, "process_lost", "", "uav is lost")];
+  const kinds = () => faultBands(run).filter((band) => band.open).map((band) => [band.kind, band.from]);
+  assert.deepEqual(kinds(), [["fault", 1000], ["process", 3000]]);
+});
+
+test("the risk of a task is that of the terminal", () => {
+  const ms = (minutes) => (minutes === undefined ? null : minutes * 60_000);
+  const cases = JSON.parse(readFileSync(new URL("../../top/task_risks.json", import.meta.url)));
+  for (const one of cases) {
+    const now = { status: TASKS.indexOf(one.status), activity: one.start_min === undefined ? null : { start: ms(one.start_min) } };
+    const risk = timeRisk({ intervalMs: ms(one.interval_min) }, { due: ms(one.due_min), expires: ms(one.expires_min) }, now, ms(one.now_min));
+    assert.equal(risk?.note, one.note, JSON.stringify(one));
+    if (risk) assert.ok(Math.abs(risk.harm - one.harm) < 1e-9, JSON.stringify(one));
+  }
+});
