@@ -81,7 +81,7 @@ std::shared_ptr<const Ways> WaysOf(const json& top, const std::string& roads,
   std::vector<Place> sites;
   for (const json& task : top.at("tasks")) sites.push_back(PlaceOf(task));
   for (const Scenario::Charge& charge : charges) sites.push_back(charge.at);
-  return ReadRoadWays(roads, ground, std::move(sites));
+  return ReadRoadWays(roads, ground, sites);
 }
 
 /// UAVs' ways to the nearest of some places, in time that hardly grows with their number: only

@@ -365,8 +365,8 @@ class RoadWays : public Ways {
 }  // namespace
 
 std::shared_ptr<const Ways> ReadRoadWays(const std::string& text, const OpenGround (&ground)[3],
-                                         std::vector<Place> sites) {
-  return std::make_shared<const RoadWays>(json::parse(text), ground, std::move(sites));
+                                         const std::vector<Place>& sites) {
+  return std::make_shared<const RoadWays>(json::parse(text), ground, sites);
 }
 
 }  // namespace muster::tools::audit

@@ -21,6 +21,6 @@ struct OpenGround {
 /// shortest way. `sites`: the scenario's tasks and charging points, where moves may end as at road
 /// points. Throws std::exception when the text is no road file.
 std::shared_ptr<const Ways> ReadRoadWays(const std::string& text, const OpenGround (&ground)[3],
-                                         std::vector<Place> sites);
+                                         const std::vector<Place>& sites);
 
 }  // namespace muster::tools::audit
