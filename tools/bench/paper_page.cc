@@ -140,8 +140,8 @@ std::string WritePaperPage(const PaperRows& rows, const std::string& markdown_fi
     seeds.insert(run.seed);
   }
   const std::string intro = fmt::format(
-      "Share of tasks done: mean over the seeds and its standard error; in brackets what the paper "
-      "gives. {} runs, {} seeds, commit {}.",
+      "Each cell has the share of tasks done: the mean over the seeds ± its standard error, and in "
+      "brackets the paper's figure. {} runs, {} seeds, commit {}.",
       rows.size(), seeds.size(), fmt::join(builds, ", "));
   WriteFile(markdown_file, intro + "\n\n" + PaperMarkdown(rows, tables));
 

@@ -72,8 +72,9 @@ class Experiments {
   }
 
   void Intervals() {
-    PaperExperiment& group = Add("Group (1): decision interval", "Sec 5.2.1",
-                                 "3 h. The paper gives means over its four data sets.");
+    PaperExperiment& group =
+        Add("Group (1): decision interval", "Sec 5.2.1",
+            "Missions of 3 h. The paper's figures are means over its four data sets.");
     for (const int interval : {5, 10, 15}) {
       PaperCase base;
       base.interval_min = interval;
@@ -84,8 +85,9 @@ class Experiments {
     }
   }
   void Limits() {
-    PaperExperiment& group = Add("Group (2): limit time", "Sec 5.2.2",
-                                 "Interval 5 min. The paper gives means over its four data sets.");
+    PaperExperiment& group =
+        Add("Group (2): limit time", "Sec 5.2.2",
+            "Decisions every 5 min. The paper's figures are means over its four data sets.");
     for (const int hours : {2, 3, 4}) {
       PaperCase base;
       base.interval_min = 5;
@@ -110,7 +112,7 @@ class Experiments {
   }
   void Background() {
     PaperExperiment& group = Add("Group (3): area, tasks, charging points, online time",
-                                 "Sec 5.2.3", "Interval 10 min, 3 h.");
+                                 "Sec 5.2.3", "Decisions every 10 min, missions of 3 h.");
     Vary(&group, "area", {2, 1, 3},
          "area scale: mean of Random_2(20x20)+Random_1(30x30)+Random_3(40x40)");
     Vary(&group, "tasks", {4, 1, 5},
@@ -121,8 +123,8 @@ class Experiments {
          "online time: mean of Random_8(40min)+Random_1(60min)+Random_9(80min)");
   }
   void Agents() {
-    PaperExperiment& group =
-        Add("Group (4): numbers of agents", "Sec 5.2.4", "Interval 10 min, 3 h.");
+    PaperExperiment& group = Add("Group (4): numbers of agents", "Sec 5.2.4",
+                                 "Decisions every 10 min, missions of 3 h.");
     Vary(&group, "all agents", {10, 1, 11}, "total agents: mean of Random_10+Random_1+Random_11");
     Vary(&group, "workers", {12, 1, 13},
          "workers: mean of Random_12(30)+Random_1(50)+Random_13(70)");
@@ -131,8 +133,8 @@ class Experiments {
          "vehicles: mean of Random_16(10)+Random_1(20)+Random_17(30)");
   }
   void Power() {
-    PaperExperiment& group =
-        Add("Group (5): sensing cost and charging power", "Sec 5.2.5", "Interval 10 min, 3 h.");
+    PaperExperiment& group = Add("Group (5): sensing cost and charging power", "Sec 5.2.5",
+                                 "Decisions every 10 min, missions of 3 h.");
     Vary(&group, "sensing cost", {1, 18, 19, 20, 21, 22},
          "task cost power: mean over Random_1+Random_18..Random_22");
     Vary(&group, "charging power", {1, 23, 24, 25, 26, 27},
@@ -144,7 +146,8 @@ class Experiments {
       PaperExperiment& table = Add(
           three ? "Table 3: HoCs-ILS and HoCs-MPQ" : "Table 4: uniform and hierarchical weights",
           section,
-          "Interval 10 min, 3 h. New York stands in for BicycleOrder, Shenzhen for the other two.");
+          "Decisions every 10 min, missions of 3 h. New York stands in for BicycleOrder, Shenzhen "
+          "for the other two.");
       for (const std::string& set : kDrawn) table.lines.push_back({set, {With({}, set)}, set});
       if (!with_imports_) continue;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -153,7 +156,8 @@ class Experiments {
     }
   }
   void Table5() {
-    PaperExperiment& table = Add("Table 5: disturbances", "Table 5", "Interval 10 min, 3 h.");
+    PaperExperiment& table =
+        Add("Table 5: disturbances", "Table 5", "Decisions every 10 min, missions of 3 h.");
     constexpr std::array<std::array<const char*, 2>, 5> kNames = {
         {{"none", "base"},
          {"wind", "wind resistance power cost"},
@@ -177,8 +181,9 @@ class Experiments {
   }
   void Table6() {
     PaperExperiment& table = Add("Table 6: larger settings", "Table 6",
-                                 "Interval 10 min, 3 h; the paper does not say its own. Its first "
-                                 "row disagrees with its other figures for Random_1.");
+                                 "Decisions every 10 min, missions of 3 h; the paper does not say "
+                                 "what it used here. Its figure in the first row disagrees with "
+                                 "its other figures for Random_1.");
     const auto line = [&](const std::string& set, const char* published) {
       table.lines.push_back({set, {With({}, set)}, published});
     };

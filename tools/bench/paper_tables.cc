@@ -135,9 +135,10 @@ std::string Differences(const PaperRows& rows) {
                           n - above - below, below, least->mean, least->standard_error,
                           CaseName(least->what)));
   }
-  return "## Differences to mpq\n\nIn every setting, interval, limit, disturbance and mode: mean "
-         "of "
-         "the paired differences, seed by seed. Below: by more than one standard error.\n\n" +
+  return "## Differences to mpq\n\n"
+         "A case is a setting with an interval, a limit, a disturbance and a mode. Its difference "
+         "is the mean of the differences to `mpq` with the same seed. Above and below mean by more "
+         "than one standard error.\n\n" +
          sheet.Markdown() + (failing.empty() ? "" : "\nBelow:\n\n" + failing);
 }
 
