@@ -12,7 +12,7 @@ namespace {
 
 using Kind = MeasuredReport::Kind;
 
-/// No mission lasts so long; sums of such times do not overflow.
+/// Later than any mission lasts; sums of such times do not overflow.
 constexpr TimeUs kLatestUs = TimeUs{100} * 366 * 24 * 60 * kMinuteUs;
 
 /// Places in messages differ by rounding.
@@ -74,10 +74,12 @@ std::string CheckRange(const AgentState& agent, double range_m, Point at, bool c
 
 std::string CheckTime(const AgentState& agent, const MeasuredReport& report, TimeUs t) {
   if (report.at_us > t) {
-    return fmt::format("told of {:.1f} s, at {:.1f} s", ToSeconds(report.at_us), ToSeconds(t));
+    return fmt::format("a report about {:.1f} s, which comes at {:.1f} s", ToSeconds(report.at_us),
+                       ToSeconds(t));
   }
   if (IsOld(agent, report)) {
-    return fmt::format("told of {:.1f} s, older than what is known", ToSeconds(report.at_us));
+    return fmt::format("a report about {:.1f} s, older than what is known",
+                       ToSeconds(report.at_us));
   }
   return {};
 }
@@ -108,7 +110,7 @@ std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
   return {};
 }
 
-/// A place of one who is free: it stands there.
+/// The reported place of a free agent: it stands there.
 void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
   const double slack = SlackM(*agent), range = RangeAt(*agent, report.at_us, tasks);
   const double way = agent->WayM(agent->to, report.at);
@@ -120,7 +122,8 @@ void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Tas
   agent->depart_us = agent->arrive_us = agent->busy_until_us = report.at_us;
 }
 
-/// Of one who is where it was sent only the range counts, until sensing or charging begins.
+/// A report of an agent that is where it was sent: only the range counts, until sensing or charging
+/// begins.
 void Waits(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
   if (!report.range_m || !IsPair(agent->action)) return;
   if (agent->activity && agent->activity->start_us <= report.at_us) return;

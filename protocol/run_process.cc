@@ -81,8 +81,8 @@ void AddProcessOptions(Options* options, std::string_view default_name) {
   options->Add("boot-id", "N", "How often this process was started before").Integer(0).Default(0);
   options
       ->Add("window", "N",
-            "Messages that may be out unlogged: only with a recorder, which must be running; 0: "
-            "none records")
+            "Messages that may be out before they are in the log: needs a recorder that runs; 0: "
+            "there is no recorder")
       .Integer(0, std::numeric_limits<int>::max())
       .Default(0);
   options->Add(
@@ -114,7 +114,7 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   }
   if (!only_name.empty() && flags.identity.name != only_name) {
     throw InputError("command line", "--name", fmt::format("'{}'", flags.identity.name),
-                     fmt::format("{}: nobody listens to another", only_name));
+                     fmt::format("{}: the mission ignores any other", only_name));
   }
   return flags;
 }

@@ -37,7 +37,9 @@ int Main(int argc, char** argv) {
                   "The recorder of a mission: writes all messages to a log in lcm-logger's format, "
                   "and tells the other processes what it holds");
   options.Positional("log", "LOG").Required("the file to write, which must not exist");
-  options.Add("after", "LOG", "It goes on from that log, of an earlier start").Repeated();
+  options
+      .Add("after", "LOG", "The log of an earlier start of the recorder, which this one continues")
+      .Repeated();
   AddProcessOptions(&options, process_name::kRecorder);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

@@ -52,11 +52,12 @@ int Main(int argc, char** argv) {
       .Default(5);
   options
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
-           "An agent fails in [FROM, UNTIL), by order of that fault")
+           "The fault of that name lets an agent fail in [FROM, UNTIL)")
       .Repeated();
   options
       .Add("window-bytes", "N",
-           "Or as many messages as are together no larger: only with muster-recorder")
+           "Bytes of messages that may be out before they are in the log, where --window allows "
+           "less; only with muster-recorder")
       .Integer(0, 1 << 30)
       .Default(0);
   options.Add("orders", "FILE",

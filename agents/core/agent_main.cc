@@ -58,7 +58,7 @@ int Run(AgentKind kind, int argc, char** argv) {
            "scenario has as measured (docs/guide/drivers.md)")
       .Repeated();
   AddRateOption(&options);
-  options.Add("lost-after", "SECONDS", "A driver that owes an answer for so long has failed")
+  options.Add("lost-after", "SECONDS", "A driver that takes longer to answer has failed")
       .Number(Above0(3600))
       .Default(5);
   AddProcessOptions(&options, name);

@@ -330,7 +330,7 @@ def main():
     parser.add_argument("--name", default="worker")
     parser.add_argument("--run-id", type=int, default=1)
     parser.add_argument("--boot-id", type=int, default=0)
-    parser.add_argument("--window", type=int, default=0, help="messages that may be out unlogged")
+    parser.add_argument("--window", type=int, default=0, help="messages that may be out before they are in the log")
     parser.add_argument("--ids", type=id_range, help="of the workers to move, 0-9; default: all")
     parser.add_argument("--key", help="of a sealed mission: a file, or - for a line of stdin")
     parser.add_argument("--drop", type=float, default=0, help="share of packets to lose, 0 to 1")

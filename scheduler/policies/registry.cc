@@ -155,7 +155,7 @@ bool TakesExpectation(std::string_view name) {
 
 [[noreturn]] void FailToExpect(std::string_view name) {
   throw InputError("options", "--expect-arrivals", fmt::format("policy {}", Printable(name)),
-                   "one that looks so far ahead: rollout, rollout-steps");
+                   "a policy that forecasts: rollout or rollout-steps");
 }
 
 std::vector<std::string> Names() {
@@ -188,8 +188,8 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
           .Default(kDefaultPolicy);
   options
       ->Add("expect-arrivals", "RATE",
-            "rollout, rollout-steps: so many more tasks an hour will be reported, to be reckoned "
-            "with (docs/reference/scheduling.md; default: 0)")
+            "rollout, rollout-steps: how many more tasks an hour to expect "
+            "(docs/reference/scheduling.md; default: 0)")
       .Number({0, kMostExpectedPerHour});
   return policy;
 }
@@ -210,7 +210,7 @@ std::string PolicyFrom(const Arguments& arguments) {
 void AddDeadlineOption(Options* options) {
   options
       ->Add("deadline", "MS",
-            "Milliseconds that a decision may take, the best found until then is taken (default: "
+            "Milliseconds after which a policy takes the best decision that it has found (default: "
             "none, so that decisions can be repeated)")
       .Number(Above0(kMostDeadlineMs));
 }

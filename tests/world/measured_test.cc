@@ -311,11 +311,14 @@ TEST(Measured, WhatCannotBeIsRefusedAndChangesNothing) {
             "a range of 12050 m, at most 12000 m can be left");
   EXPECT_EQ(refusal([](F f) { f.At(kUav, {1800, 2400}, 300, {}, -1); }), "a range of -1 m");
   EXPECT_EQ(refusal([](F f) { f.At(kUav, {std::nan(""), 0}, 300); }), "no place");
-  EXPECT_EQ(refusal([](F f) { f.At(kUav, {0, 0}, 301); }), "told of 301.0 s, at 300.0 s");
+  EXPECT_EQ(refusal([](F f) {
+              f.At(kUav, {0, 0}, 301);
+            }),
+            "a report about 301.0 s, which comes at 300.0 s");
   EXPECT_EQ(refusal([](F f) {
               f.At(kUav, {0, 0}, -1);
             }),
-            "told of -1.0 s, older than what is known");
+            "a report about -1.0 s, older than what is known");
   EXPECT_EQ(refusal([](F f) { f.Arrived(kUav); }), "5000 m in 300 s are faster than its 10 m/s");
   EXPECT_EQ(refusal([](F f) { f.Done(kUav); }), "neither sensing nor charging has begun");
   EXPECT_EQ(refusal([](F f) { f.Arrived(kWorker); }), "it is computed, not measured");

@@ -33,22 +33,24 @@ constexpr int kMostProcesses = 64;
 
 void AddBenchOptions(Options* options) {
   options
-      ->Add(
-          "suite", "SUITE",
-          "decisions (of missions on the paper's data sets), scale (growing Random_29), hard "
-          "(families that are hard to prove), random (drawn settings), missions (whole ones over "
-          "LCM), arrivals (tasks that are reported meanwhile), paper (its experiments: completion "
-          "rates) or paper-long (the runs of those that take longest)")
+      ->Add("suite", "SUITE",
+            "decisions (of missions on the paper's data sets), scale (decisions of ever larger "
+            "Random_29), hard (families that are hard to prove), random (drawn settings), missions "
+            "(whole ones over LCM), arrivals (tasks that are reported while missions run), paper "
+            "(the paper's experiments: completion rates) or paper-long (those of them that take "
+            "longest)")
       .OneOf(
           {"decisions", "scale", "hard", "random", "missions", "arrivals", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
-  options->Add("scales", "X,...", "scale, missions: times Random_29's size")
+  options->Add("scales", "X,...", "scale, missions: sizes, as multiples of Random_29")
       .List()
       .Number(Above0(1000))
       .Default("1,3,10,30,100");
   options
-      ->Add("loads", "X,...", "arrivals: tasks, times those of Random_1 or of the data set's shape")
+      ->Add("loads", "X,...",
+            "arrivals: numbers of tasks, as multiples of those of Random_1 or of the data set's "
+            "shape")
       .List()
       .Number(Above0(100))
       .Default("0.5,1,2");
@@ -59,9 +61,9 @@ void AddBenchOptions(Options* options) {
   options->Add("cbc", "WHAT", "hard: what COIN-OR CBC is asked for, where it is installed")
       .OneOf({"nothing", "relaxation", "optimum"})
       .Default("optimum");
-  options->Add("first-seed", "N", "Their first seed").Integer(1, 1'000'000).Default(1);
+  options->Add("first-seed", "N", "First seed of the scenarios").Integer(1, 1'000'000).Default(1);
   options->Add("repetitions", "N", "Runs of each decision").Integer(1, 10'000).Default(1);
-  options->Add("threads", "N", "certified: 1 or 2").Integer(1, 2).Default(1);
+  options->Add("threads", "N", "Threads of certified, 1 or 2").Integer(1, 2).Default(1);
   options->Out("FILE", "CSV file; paper: folder for rows, tables and page");
   options->Add("plot", "FILE", "gnuplot script that draws the results, with --out");
   options->Group("Suite missions");
@@ -70,10 +72,9 @@ void AddBenchOptions(Options* options) {
       .Integer(1, kMostProcesses)
       .Default("1,2,4,12");
   options
-      ->Add(
-          "runs", "HOW,...",
-          "muster, lcm: over LCM, and who writes the log; none: over LCM without a log; simulate: "
-          "in one process")
+      ->Add("runs", "HOW,...",
+            "muster, lcm: over LCM, with muster-recorder or lcm-logger for the log; none: over LCM "
+            "without a log; simulate: in one process")
       .List()
       .OneOf({"muster", "lcm", "none", "simulate"})
       .Default("simulate,muster,none");

@@ -28,7 +28,8 @@ void AddPaperOptions(Options* options) {
       "it drawn places only");
   options->Flag("list-jobs",
                 "Print the runs as commands, one a line, for GNU parallel or a Slurm array");
-  options->Add("merge", "DIR...", "Put the rows of such jobs' folders together").List();
+  options->Add("merge", "DIR...", "Put the rows that such jobs wrote into these folders together")
+      .List();
   options->RestBelongsTo("merge");
   options->Quiet();
 }

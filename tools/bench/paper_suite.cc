@@ -106,7 +106,7 @@ class SuiteProgress {
   }
   void Failed(const PaperJob& job, const std::string& why) {
     Break();
-    Say("{} and what else is left of that mission: {}\n", NameOf(job[0]), why);
+    Say("{}, and the other runs of that mission that were left: {}\n", NameOf(job[0]), why);
     Ended(job);
   }
   void Break() { progress_.Break(); }

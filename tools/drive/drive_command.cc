@@ -67,7 +67,7 @@ int DriveCommand(int argc, const char* const* argv) {
       .Number(Above0(1e6))
       .Or("max")
       .Default("max");
-  options.Add("lost-after", "SECONDS", "So long it may be silent when something is asked of it")
+  options.Add("lost-after", "SECONDS", "Seconds that it may take to answer")
       .Number(Above0(3600))
       .Default(5);
   options.Json();

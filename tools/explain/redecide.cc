@@ -122,7 +122,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
       // Anybody may have written the log, so no program that it names is started.
       throw InputError("options", "--policy",
                        fmt::format("none, and the log's is {}", Printable(name)),
-                       "the policy, said by you, as it is a program");
+                       "--policy with it: a program that a log names is not started unasked");
     }
     auto& scheduler = schedulers[name];
     if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);

@@ -293,7 +293,8 @@ void CheckFaultPlan(FaultPlan* plan, const std::vector<std::string>& names,
     if (recorder_writes && fault.target == process_name::kLogger) {
       fault.target = process_name::kRecorder;
     }
-    if (!ids.insert(fault.id).second) Refuse(fault, "id", fault.id, "an id of its own");
+    if (!ids.insert(fault.id).second)
+      Refuse(fault, "id", fault.id, "an id that no other fault has");
     if (fault.id.size() > 64 || fault.id.find(':') != std::string::npos || HasControls(fault.id)) {
       Refuse(fault, "id", Printable(fault.id),
              "at most 64 characters, no colon, no control characters");

@@ -104,8 +104,8 @@ std::string LinkTraffic::Text() const {
   return text + (most >= kFull
                      ? fmt::format("{:<14} the link of {}, {:.0f} % full\n", "limited by", fullest,
                                    100 * most)
-                     : fmt::format("{:<14} no link: processes, and the ways that each tick's "
-                                   "questions and answers take\n",
+                     : fmt::format("{:<14} no link, but the processes and the delay of each "
+                                   "tick's messages\n",
                                    "limited by"));
 }
 

@@ -74,8 +74,9 @@ std::optional<std::string> Namesakes::OnHeard(const Packet& packet, const header
       if (*start.self != self && said_pids_.insert(header.sender).second) {
         said_.insert(header.sender);
         return fmt::format(
-            "two processes speak as {}: pid {} on {} and pid {} on {}: one of them is not of this "
-            "mission, and what it says may be believed",
+            "two processes send as {}: pid {} on {} and pid {} on {}. One of them does not belong "
+            "to "
+            "this mission, and what it says may be believed",
             status->name, start.self->pid, start.self->host, self.pid, self.host);
       }
     }
@@ -83,8 +84,9 @@ std::optional<std::string> Namesakes::OnHeard(const Packet& packet, const header
   const std::string contradiction = Contradiction(packet, header, known, &start);
   if (contradiction.empty() || !said_.insert(header.sender).second) return {};
   return fmt::format(
-      "somebody else speaks as {}, too: {}. Who is not of this mission may be believed (--seal "
-      "believes members alone)",
+      "another process sends as {}, too: {}. What it says may be believed (with --seal only "
+      "members "
+      "of the mission are)",
       header.sender, contradiction);
 }
 

@@ -64,7 +64,7 @@ Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
 }
 
 bool Supervisor::Ended() const {
-  // Who is stopped can repair nothing: the log comes first.
+  // A process that has been told to stop repairs nothing, so the log comes first.
   return logged_.end_announced() && injector_.Settled(*this) && !recorder_.behind() &&
          std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
            return member.gone || logged_.StateOf(member.name) == ProcessState::kEnded;
@@ -175,8 +175,9 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
   if (!request || request->header.run_id != plan_.run_id) return;
   std::vector<answer_t> answers = archive_.Answer(*request, now.monotonic_us);
   if (!answers.empty() && !archive_.AnswersAtOnce(*request)) {
-    Say(fmt::format("no process answered {} about {}: it got what was last heard",
-                    request->header.sender, request->channel));
+    Say(fmt::format(
+        "no process answered {} about {}: the launcher answered with what it had heard last",
+        request->header.sender, request->channel));
   }
   for (answer_t& answer : answers) recorder_.Answer(std::move(answer), now);
 }

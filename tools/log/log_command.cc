@@ -41,7 +41,7 @@ int Info(int argc, const char* const* argv) {
 
 int Repair(int argc, const char* const* argv) {
   Options options =
-      MakeOptions(argv[0], "Writes one clean log of a damaged, doubled or split one.");
+      MakeOptions(argv[0], "Writes one clean log from a damaged one, from copies or from parts.");
   options.Out("FILE", "New log file").Required("a new path");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -102,7 +102,7 @@ int Export(int argc, const char* const* argv) {
       .Required("csv, geojson or mcap");
   options.Out("PATH", "New folder (csv, geojson) or file (mcap)").Required("a new path");
   options.Add("origin", "LAT,LON",
-              "WGS84 of the south-west corner, for geojson of a scenario that names none");
+              "South-west corner in WGS84 degrees, for geojson of a scenario without an origin");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string format = arguments->Get("format");
@@ -151,7 +151,7 @@ int Orders(int argc, const char* const* argv) {
 int LogCommand(int argc, const char* const* argv) {
   static const std::vector<Command> commands = {
       {"info", "sums a log up by channel and sender", Info},
-      {"repair", "writes one clean log of a damaged, doubled or split one", Repair},
+      {"repair", "writes one clean log from a damaged one, from copies or from parts", Repair},
       {"cut", "copies the part between two mission times", Cut},
       {"orders", "prints the orders that a mission took", Orders},
       {"export", "to CSV, GeoJSON or MCAP", Export},

@@ -191,12 +191,12 @@ void AddRoadsOptions(Options* options) {
                "or a road file *.roads.json; one is written beside --out");
   options
       ->Add("roads-join", "M",
-            "Join points of roads that are at most so many metres apart, for maps whose lines "
+            "Metres: join points of roads that are no further apart, for maps whose lines "
             "have no points in common where they meet")
       .Number({0, 100})
       .Default(0);
   options->Add("roads-credit", "TEXT",
-               "Whom the roads' licence asks to be named (default: that of OpenStreetMap, for its "
+               "Name that the roads' licence asks to give (default: that of OpenStreetMap, for its "
                "formats)");
   options->Group("");
 }

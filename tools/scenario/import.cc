@@ -429,7 +429,8 @@ class Importer {
     const auto best = std::max_element(
         days.begin(), days.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     if (best == days.end()) {
-      if (request_.offset_min) Say("start: not told, the times have no date that is understood");
+      if (request_.offset_min)
+        Say("start: unknown, because the times have no date that can be read");
       return;
     }
     const auto [day, offset_min] = best->first;

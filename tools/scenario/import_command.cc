@@ -124,14 +124,15 @@ void AddImportOptions(Options* options) {
       "Column of the tasks' priorities: 0 to 3, or low, normal, high, emergency; a blank one "
       "is drawn (--priorities)");
   options->Add("task-name", "COLUMN", "Column of the tasks' names");
-  options->Add("external-id", "COLUMN", "Column of what others call the tasks");
+  options->Add("external-id", "COLUMN", "Column of the tasks' names in another system");
   options->Add(
       "start", "H:MM|TIME",
       "Time of day of the mission's start (default: the busiest), or the scenario's start, "
       "like 2010-01-16T09:00:00-05:00");
-  options->Add("utc-offset", "HH:MM",
-               "The clocks of the place, like -05:00: times without an offset are theirs, others "
-               "are put on them");
+  options->Add(
+      "utc-offset", "HH:MM",
+      "Offset of the place's clocks from UTC, like -05:00: times without an offset are read as "
+      "such, others are converted");
   options->Group("");
 }
 

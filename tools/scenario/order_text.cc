@@ -84,7 +84,7 @@ std::vector<world::PlannedOrder> ReadOrderFile(const std::string& file,
     const std::string where = fmt::format("{}: line {}", file == "-" ? "stdin" : file, number);
     orders.push_back(ReadOrder(line, where, origin));
     if (!ids.insert(orders.back().order.id).second) {
-      throw InputError(where, "id", orders.back().order.id, "one that no order before has");
+      throw InputError(where, "id", orders.back().order.id, "an id that no earlier order has");
     }
   }
   return orders;

@@ -54,9 +54,9 @@ int ScenarioCommand(int argc, const char* const* argv) {
       .Default("Random_1");
   options.Flag("list", "Print the presets as a table and exit");
   options.Add("start", "TIME",
-              "Mission time 0, like 2010-01-16T09:00:00-05:00 (default: not told)");
+              "When the mission starts, like 2010-01-16T09:00:00-05:00 (default: unknown)");
   options.Add("origin", "LAT,LON",
-              "Degrees of the area's south-west corner, like 18.41,-72.47 (default: not told)");
+              "Degrees of the area's south-west corner, like 18.41,-72.47 (default: unknown)");
   options.Quiet();
   AddSettingsOptions(&options);
   AddRoadsOptions(&options);

@@ -161,20 +161,19 @@ void AddCounts(Options* options) {
 }
 
 void AddTaskTimes(Options* options, bool may_be_rows) {
-  options->Group("Task in time (default: all known from the start, normal, never due)");
-  options->Add(
-      "arrivals", may_be_rows ? "rows|steady|bursts:N" : "steady|bursts:N",
-      fmt::format("When tasks are reported: {}steady: at any time of the mission; "
-                  "bursts:N: in N bursts of {} min; with :SHARE behind it a share of them, "
-                  "the others are known from the start",
-                  may_be_rows ? "rows: when their rows say; " : "", ToMinutes(kBurstUs)));
+  options->Group("Task time (default: all known from the start, normal, never due)");
+  options->Add("arrivals", may_be_rows ? "rows|steady|bursts:N" : "steady|bursts:N",
+               fmt::format("When tasks are reported: {}steady: at any time of the mission; "
+                           "bursts:N: in N bursts of {} min; with :SHARE behind it only that share "
+                           "of them, and the others are known from the start",
+                           may_be_rows ? "rows: when their rows say; " : "", ToMinutes(kBurstUs)));
   options->Add("priorities", "L,N,H,E", "Shares of low, normal, high and emergency, like 1,6,2,1");
   options->Add(
       "due", "A[:B]",
-      "Minutes from a task's report until it is due; four with commas: by priority; a part "
-      "may be none");
+      "Minutes from a task's report until it is due; four values with commas: by priority; "
+      "each may be none");
   options->Add("expires", "A[:B]",
-               "Minutes from a task's report until it is gone; likewise by priority");
+               "Minutes from a task's report until it expires; by priority as with --due");
 }
 
 void AddUnpublished(Options* options) {

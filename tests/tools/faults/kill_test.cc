@@ -185,7 +185,7 @@ TEST_F(KillTest, ASecondProcessOfANameIsRefusedAndNamed) {
     command.insert(command.end(), more.begin(), more.end());
     Child second({"second-" + name, command, folder_.File("second-" + name)});
     EXPECT_TRUE(Eventually([&] {
-      return muster.output().find("two processes speak as " + name) != std::string::npos ||
+      return muster.output().find("two processes send as " + name) != std::string::npos ||
              muster.child().Poll();
     })) << muster.output();
     ASSERT_TRUE(Eventually([&] { return second.Poll().has_value(); })) << name;

@@ -118,7 +118,7 @@ TEST(Namesakes, NamesTwoLivingProcessesOfOneNameOnce) {
   EXPECT_FALSE(said_by(1, 11, "here"));  // started again
   const auto line = said_by(1, 11, "there");
   ASSERT_TRUE(line);
-  EXPECT_EQ(line->rfind("two processes speak as world: pid 11 on here and pid 11 on there", 0), 0U)
+  EXPECT_EQ(line->rfind("two processes send as world: pid 11 on here and pid 11 on there", 0), 0U)
       << *line;
   EXPECT_FALSE(said_by(1, 12, "there"));
 }
@@ -140,7 +140,7 @@ TEST(Namesakes, NamesWhomNumbersBetray) {
     EXPECT_EQ(said(seq, 1000 + seq, seq), "") << seq;
   }
   EXPECT_NE(said(300, 1300, 301)
-                .find("somebody else speaks as world, too: its message 300 says "
+                .find("another process sends as world, too: its message 300 says "
                       "two things"),
             std::string::npos);
   EXPECT_EQ(said(300, 1300, 302), "") << "once";
