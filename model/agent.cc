@@ -118,7 +118,7 @@ double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   const double on_arrival = RangeOnArrival(agent);
   if (!agent.activity || t <= agent.activity->start_us) return on_arrival;
   const Activity& activity = *agent.activity;
-  // Whoever has said to be done is, though its partner may go on.
+  // An agent that has said that it is done is done, though its partner may go on.
   const bool done = t >= activity.end_us || (agent.measured && agent.measured->done);
   if (done && agent.measured && agent.measured->range_after_m) {
     return *agent.measured->range_after_m;

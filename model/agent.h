@@ -41,16 +41,16 @@ struct Ruling {
   bool operator==(const Ruling&) const = default;
 };
 
-/// Of an agent that is measured, not computed (measured.h): what has been told of its present leg.
+/// What a measured agent (measured.h) has reported of its present leg.
 struct Measured {
-  /// Where, when and with what range it has last said to be.
+  /// Where, when and with what range it has reported to be.
   struct Seen {
     Point at;
     TimeUs at_us = 0;
     double range_m = 0;
   };
-  Seen seen;
-  Seen anchor;            ///< the same, when the leg began
+  Seen seen;              ///< the last report
+  Seen anchor;            ///< the report when the leg began
   Point origin;           ///< of the leg
   TimeUs set_out_us = 0;  ///< when it set out on the leg, or came to stand still
   TimeUs planned_us = 0;  ///< arrival as planned then

@@ -12,7 +12,7 @@
 
 namespace muster {
 
-/// What somebody asks of a running mission (docs/guide/orders.md).
+/// A request to a running mission (docs/guide/orders.md).
 struct Order {
   std::string id, issuer;
   TimeUs not_before_us = 0;

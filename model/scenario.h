@@ -41,8 +41,8 @@ struct Task {
   double cost_m = 0;           ///< range that sensing takes (T_costPow)
   TimeUs reported_us = 0;      ///< the mission knows of the task from then on
   TimeUs due_us = kNever;      ///< sensing should have begun by then; later is late, not undone
-  TimeUs expires_us = kNever;  ///< sensing must begin before; then it is gone
-  TimeUs revisit_us = kNever;  ///< so long after it was done it wants to be sensed again
+  TimeUs expires_us = kNever;  ///< sensing must begin before; after that it cannot be done
+  TimeUs revisit_us = kNever;  ///< time from when it was done until it is to be sensed again
   Priority priority = Priority::kNormal;
   std::string name = {}, external_id = {}, source = {};  ///< as people call it; "": not given
 
@@ -87,8 +87,8 @@ struct Rules {
   /// late_worth of that. Ours.
   std::array<double, kPriorities> priority_worth = {0.5, 1, 2, 4};
   double late_worth = 0.5;
-  /// A pair of which a measured agent is not there so long after they should both have been is
-  /// given up. Ours.
+  /// A pair is given up if a measured agent of it has not arrived this long after both should have.
+  /// Ours.
   TimeUs patience_us = 10 * kMinuteUs;
 
   /// Ticks are 0 to last_tick(), whose time is the limit.

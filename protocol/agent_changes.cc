@@ -32,8 +32,8 @@ bool Same(const agent_t& a, const agent_t& b) {
   return comparison.same;
 }
 
-/// A report tells the goal of a free move only but for rounding, so who is on one is always listed:
-/// else outcomes would depend on how many agents a process has.
+/// A report tells the goal of a free move only up to rounding, so an agent on a free move is always
+/// listed. Otherwise outcomes would depend on how many agents a process has.
 bool IsOnFreeMove(const agent_t& wire, TimeUs t) {
   return wire.action == ActionKind::kGoTo && t < wire.arrive_us;
 }

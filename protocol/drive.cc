@@ -13,11 +13,11 @@ namespace {
 
 constexpr TimeUs kHeartbeatUs = 1'000'000;
 constexpr TimeUs kLongestWaitUs = 200'000;
-/// So long a process that starts gives way to one that is there already. Later it stays: whoever
-/// lies about it must not end it.
+/// A process gives way to an older one of its name only for so long after its start. Later it
+/// stays, so that no forged message can end it.
 constexpr TimeUs kNewUs = 5'000'000;
 constexpr TimeUs kMeetAgainUs = 100'000;
-/// For the answer of whoever has the name already.
+/// Time for a process that has the name already to answer.
 constexpr TimeUs kListenUs = 300'000;
 
 }  // namespace
@@ -95,7 +95,7 @@ void Drive::MeetNamesake(const process_status_t& status, const Usage& own, const
       (status.pid == own.pid && status.host == own.host)) {
     return;
   }
-  // Who has heard more is the older one. It says so twice: one message may be damaged.
+  // The process that has heard more is the older one. Two messages must say so: one may be damaged.
   if (now.monotonic_us < begun_us_ + kNewUs && status.received > process_->counters().received) {
     if (older_ && older_->pid == status.pid && older_->host == status.host &&
         older_->header.seq != header.seq) {

@@ -19,9 +19,9 @@ class Drive {
  public:
   Drive(Process* process, LossyBus* bus);
 
-  /// With what has arrived, possibly nothing. Throws SystemError where somebody else speaks under
-  /// this process's name and start, and has for longer, within its first seconds. `usage` is asked
-  /// for when the state is reported. Returns whether the process's state has changed.
+  /// Takes what has arrived, possibly nothing. Within its first seconds, throws SystemError when an
+  /// older process uses the same name and start. Calls `usage` when it reports the state. Returns
+  /// whether the process's state has changed.
   bool Turn(const std::vector<Packet>& arrived, const Now& now,
             const std::function<Usage()>& usage);
 

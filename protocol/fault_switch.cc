@@ -24,7 +24,7 @@ std::set<std::string> Names(std::string_view list) {
   return names;
 }
 
-/// Whom `name` does not hear.
+/// The processes that `name` does not hear.
 std::set<std::string> OtherSide(const std::string& target, const std::string& name) {
   const auto sides = SidesOf(target);
   if (!sides) return {};

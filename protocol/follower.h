@@ -29,8 +29,8 @@ class Follower : public Process {
   const std::shared_ptr<const Scenario>& scenario() const { return book_->scenario(); }
   /// With a scenario.
   const OrderBook& orders() const { return *book_; }
-  /// Asks for the orders up to that tick while it lacks some. Whether it has them all.
-  /// `boot_id`: of the world that speaks of that tick.
+  /// Whether all orders up to that tick are known; if not, asks for them. `boot_id`: the world's
+  /// start that published that tick.
   bool HasOrders(std::int64_t tick, std::int64_t boot_id, const Now& now);
 
   /// Goes from ready to running to ended as the clock says.

@@ -56,7 +56,7 @@ class Inbox {
   Inbox(std::int64_t run_id, std::string own_name);
 
   std::optional<Message> Open(const Packet& packet);
-  /// The same of a packet that somebody has decoded already: whether its message comes through.
+  /// The same for a packet that was decoded already: whether its message is accepted.
   bool Admit(const Packet& packet, const std::optional<Message>& message);
 
   const Counters& counters() const { return counters_; }
@@ -64,7 +64,7 @@ class Inbox {
   void Reject() { ++counters_.rejected; }
 
  private:
-  /// Notes the message's number; false when it cannot be.
+  /// Notes the message's number; false when the number is impossible.
   bool Count(const Message& message);
 
   std::int64_t run_id_;

@@ -18,30 +18,30 @@
 
 namespace muster {
 
-/// The one reader of a mission's packets, from a log, a live capture or the bus in memory alike: it
-/// decodes them, leaves out other runs and repeats, and holds back what comes before the scenario
-/// until it is there. The scenario is there with its roads,
-/// if it names any. A scenario_t that cannot be (it does not parse) is none. Memory grows with
-/// agents and gaps, and until the scenario is there with what is held back.
+/// The one reader of a mission's packets, whether they come from a log, a live capture or the bus
+/// in memory. It decodes them, leaves out other runs and repeats, and holds back messages that come
+/// before the scenario. A scenario that names roads counts as there when its roads are there, too.
+/// A scenario_t that does not parse is ignored. Memory grows with agents and gaps, and before the
+/// scenario with the messages that are held back.
 class MissionReader {
  public:
-  /// Called with what the mission said: each (sender, boot_id, seq) once, the scenario first. An
+  /// Called with each message, that is, each (sender, boot_id, seq), once, the scenario first. An
   /// agent_changes_t comes as the agent_states_t that it stands for, once that is known.
   using Visit = std::function<void(const Message&, const Packet&)>;
 
   /// Messages are of run `run_id`; none: of the run of the first scenario.
   explicit MissionReader(std::optional<std::int64_t> run_id = {}) : run_id_(run_id) {}
 
-  /// Takes a packet: any, in any order, as often as it comes. Visits the message that it is, or
-  /// nothing; with the scenario it and then, in their order, all that waited for it. What a sender
-  /// says where it may not publish counts as a message and is not visited.
+  /// Takes any packet, in any order, as often as it comes. Visits its message, if it is one of the
+  /// mission; with the scenario also, in their order, all messages that waited for it. A message on
+  /// a channel on which its sender may not publish is counted but not visited.
   void Add(const Packet& packet, const Visit& visit);
 
   struct Counts {
     std::int64_t messages = 0;     ///< distinct messages of this run
     std::int64_t duplicates = 0;   ///< same sender, boot and seq again
     std::int64_t strangers = 0;    ///< of another run
-    std::int64_t undecodable = 0;  ///< on a channel of ours, but no message of its type that can be
+    std::int64_t undecodable = 0;  ///< on a channel of ours, but no possible message of its type
     std::int64_t foreign = 0;      ///< on channels that are not ours
     bool operator==(const Counts&) const = default;
   };
@@ -64,13 +64,13 @@ class MissionReader {
   /// Numbers of the messages so far, by sender and boot_id.
   const std::map<std::pair<std::string, std::int64_t>, IntervalSet>& seqs() const { return seqs_; }
 
-  /// Messages that are held back at most; a sound log has a few there.
+  /// At most so many messages are held back; a sound log needs a few.
   static constexpr std::size_t kMostHeldBack = 20'000;
-  /// More than that came before a scenario, and are left out.
+  /// Whether more than that came before the scenario, so that some were left out.
   bool overflowed() const { return overflowed_; }
 
  private:
-  /// The scenario is whole.
+  /// Called when the scenario is complete.
   void Begin(Message message, const Packet& packet, const Visit& visit);
   void Take(const Message& message, const Packet& packet, const Visit& visit);
 

@@ -16,10 +16,9 @@
 
 namespace muster {
 
-/// The orders that a mission has taken, and its scenario as they have made it. A mission is its
-/// scenario and these; every process and every reader of a log keeps one. What is taken may be
-/// heard in any order, again, and after a restart of the world once more of the same tick: then the
-/// later start's word counts.
+/// The orders that a mission has taken, and its scenario as the orders have changed it. Every
+/// process and every reader of a log keeps one. The orders of a tick may arrive in any order and
+/// repeatedly. After a restart of the world they may differ; then those of the later start count.
 class OrderBook {
  public:
   explicit OrderBook(const Scenario& scenario);
@@ -31,27 +30,27 @@ class OrderBook {
   /// The scenario with all orders up to tick(). The object stays the same; it changes in place.
   const std::shared_ptr<const Scenario>& scenario() const { return view_; }
 
-  /// Takes what the world said of one tick. False: it cannot be, and nothing is taken.
+  /// Takes the world's orders_t of one tick. False: it is impossible, and nothing is taken.
   bool Take(const orders_t& orders);
-  /// What somebody else has heard so far.
+  /// Takes what another process has heard so far. False: as above.
   bool Take(const order_book_t& book);
 
   bool takes_orders() const { return takes_orders_; }
-  /// Whether all that was taken up to and with that tick is known. Always, in a mission that takes
-  /// no orders.
+  /// Whether all orders taken up to and including that tick are known. Always true in a mission
+  /// that takes no orders.
   bool complete(std::int64_t tick) const { return !takes_orders_ || tick <= tick_; }
-  /// The same, and none of that tick is an earlier start's word than `boot_id`.
+  /// The same, and that tick's orders are of the world's start `boot_id` or a later one.
   bool complete(std::int64_t tick, std::int64_t boot_id) const;
-  /// Up to and with which tick it is complete; -1: none.
+  /// The last tick up to which it is complete; -1: none.
   std::int64_t tick() const { return tick_; }
   std::span<const TakenOrder> TakenAt(std::int64_t tick) const;
   /// Whether an order of that id was taken or refused.
   bool knows(const std::string& id) const { return ids_.contains(id); }
   /// Orders taken and refused so far.
   std::int64_t size() const { return n_; }
-  /// What the world said of a tick up to tick().
+  /// The world's orders_t of a tick up to tick().
   orders_t SaidAt(std::int64_t tick) const;
-  /// What was said, by tick; some without orders are left out.
+  /// Each orders_t, by tick; some without orders are left out.
   const std::map<std::int64_t, orders_t>& said() const { return said_; }
   /// The book as it stood at that tick.
   OrderBook UpTo(std::int64_t tick) const;
@@ -61,11 +60,11 @@ class OrderBook {
   std::int64_t version() const { return version_; }
 
  private:
-  /// Adds it to the scenario; false: it cannot be, and the scenario must go back.
+  /// Adds them to the scenario; false: they are impossible, and the scenario must go back.
   bool Read(const orders_t& orders);
-  /// Forgets what came after that tick, and reads all before again.
+  /// Forgets what came after that tick, and reads all orders before it again.
   void GoBack(std::int64_t tick);
-  /// Reads as far as nothing lacks.
+  /// Reads up to the first tick whose orders are missing.
   bool GoOn();
 
   bool takes_orders_;

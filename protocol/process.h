@@ -24,7 +24,8 @@ struct Usage {
   std::int64_t rss_bytes = 0;
 };
 
-/// The answer to that question, its header not filled; no bytes: the mission has not begun.
+/// The answer to that request, its header not filled. `message`: empty if the mission has not
+/// begun.
 answer_t AnswerTo(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message);
 
 /// One participant of a mission as a pure core: packets and times in, packets out. No socket,
@@ -38,8 +39,8 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   /// Takes everything that has arrived (possibly nothing), does what has become due, appends what
-  /// is to be published to `out`. Throws InputError on a mission that cannot be (two processes for
-  /// one agent, say).
+  /// is to be published to `out`. Throws InputError on an impossible mission (for example, two
+  /// processes for one agent).
   void Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out);
 
   /// The same with one packet that was decoded once (DecodeMessage) for all its receivers.
@@ -53,14 +54,14 @@ class Process {
   /// second.
   void ReportStatus(const Usage& usage, const Now& now);
 
-  /// Publishes something that the edge has to say; the header is filled here.
+  /// Publishes an event that the edge has seen; the header is filled here.
   void Announce(event_t event, const Now& now);
 
-  /// Packets that were no message of this mission, or an impossible one.
+  /// Packets that were not a possible message of this mission.
   std::int64_t rejected() const { return inbox_.counters().rejected + refused_; }
-  /// How many its bus has refused so far: they count as rejected.
+  /// How many packets its bus has refused so far; they count as rejected.
   void NoteRefused(std::int64_t refused) { refused_ = refused; }
-  /// How many its bus has lost on purpose.
+  /// How many packets its bus has lost on purpose so far.
   void NoteDropped(std::int64_t dropped) { dropped_ = dropped; }
 
   ProcessState state() const { return state_; }
@@ -69,22 +70,22 @@ class Process {
 
  protected:
   virtual void OnMessage(const Message& message, const Packet& packet, const Now& now) = 0;
-  /// After all that has arrived.
+  /// Called after all that has arrived was handed to OnMessage.
   virtual void OnStep(const Now& now) = 0;
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
-  /// Messages of others that are known to exist and were not seen. A process that does not hear
-  /// every channel knows only of those that its bus has lost.
+  /// Messages of others that exist but did not arrive. A process that does not hear every channel
+  /// can count only those that its bus has lost.
   virtual std::int64_t lost() const { return dropped_; }
 
   /// Asks for the newest message of a channel.
   void Request(std::string_view channel, TimeUs sim_us, const Now& now);
-  /// What was asked so far needs no answer any more.
+  /// The requests so far need no answer any more.
   void ForgetQuestions() { questions_.clear(); }
-  /// Whether that answers a question of this very start that still needs an answer: what was said
-  /// to anybody else, or earlier, and is said again, tells nothing of the present.
+  /// Whether this answers a request of this start of the process that still needs an answer. An
+  /// answer to another process, or an old one that is repeated, tells nothing of the present.
   bool Answers(const answer_t& answer) const;
-  /// Answers a request with that message; no bytes: the mission has not begun.
+  /// Answers a request with that message; empty: the mission has not begun.
   void Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
               TimeUs sim_us, const Now& now);
 
@@ -105,7 +106,7 @@ class Process {
   std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
 };
 
-/// std::visit with a lambda a type; messages that no lambda names are ignored.
+/// std::visit with one lambda for each type; messages that no lambda takes are ignored.
 template <class... Handlers>
 struct Overloaded : Handlers... {
   using Handlers::operator()...;

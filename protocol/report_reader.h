@@ -16,15 +16,15 @@
 
 namespace muster {
 
-/// Turns agents' reports, whole states and changes in any order, into whole states. An earlier
-/// report may arrive later (a log is repaired), so changes wait for their base until so many
-/// reports have followed that it will not be repeated. Changes without a base are left out until
-/// the next whole states.
+/// Turns agents' reports, whole states and changes in any order, into whole states. A report may
+/// come after later ones, because logs are repaired. So changes wait for the report that they rest
+/// on, their base, until so many messages have followed that it will not come any more. Changes
+/// whose base is missing are left out, and so are those after them until the next whole states.
 class ReportReader {
  public:
   explicit ReportReader(const std::shared_ptr<const Scenario>& scenario);
 
-  /// With what a report says, or the reports that waited for it.
+  /// Called with the whole states of a report, and of each report that waited for it.
   using Visit = std::function<void(const agent_states_t&, const Packet&)>;
 
   /// Takes a report, agent_states_t or agent_changes_t, each once. `seqs`: the numbers of its
@@ -32,10 +32,11 @@ class ReportReader {
   void Add(const Message& report, const Packet& packet, const IntervalSet& seqs,
            const Visit& visit);
 
-  /// Changes so far that cannot be.
+  /// How many changes so far were impossible.
   std::int64_t impossible() const { return impossible_; }
 
-  /// So many messages back something may lack and still come; a sender has far fewer out at a time.
+  /// A message that is missing may still come until so many have followed it. A sender has far
+  /// fewer out at a time.
   static constexpr std::int64_t kMostBack = 64;
 
  private:
@@ -43,16 +44,17 @@ class ReportReader {
     Message report;
     Packet packet;
   };
-  /// Of a sender.
+  /// One start of a sender.
   struct Start {
-    std::int64_t next = 0;  ///< every number below has come, or does not come any more
+    std::int64_t next = 0;  ///< every number below has come, or will not come any more
     std::int64_t newest = -1;
-    std::map<std::int64_t, Held> held;  ///< by number: those whose base has not come
-    /// What was known before whole states that came before something that was said earlier.
+    std::map<std::int64_t, Held> held;  ///< by number: reports whose base has not come
+    /// What was known before whole states that arrived earlier than a lower-numbered message.
     std::optional<ToldAgents> before;
-    std::int64_t before_seq = 0;  ///< of those states: what is numbered lower rests on `before`
+    std::int64_t before_seq =
+        0;  ///< number of those states; lower-numbered reports rest on `before`
   };
-  /// Whether that report is done with.
+  /// Whether the report needs no further attention: it was visited or left out.
   bool Read(Start* start, const Message& report, const Packet& packet, const Visit& visit);
   void ReadHeld(Start* start, const Visit& visit);
 

@@ -35,7 +35,7 @@ struct ProcessFlags {
 };
 
 void AddProcessOptions(Options* options, std::string_view default_name);
-/// Throws InputError on a value that cannot be. `only_name`: the name that the process
+/// Throws InputError on an impossible value. `only_name`: the name that the process
 /// must have, because others ignore any other name on its channels (channels.h); "": any name.
 ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_name = "");
 

@@ -32,8 +32,9 @@ struct Identity {
 /// A published message: the bytes never change again, however often it is sent.
 using SentPacket = std::shared_ptr<const Packet>;
 
-/// Resend after first_us, then each time twice as long, up to longest_us. What has waited for long
-/// is said less often: after an eighth of the time that it has waited, up to rarest_us.
+/// When to send again: after first_us, then each time after twice as long, up to longest_us. A
+/// message that has waited for long is sent less often: after an eighth of the time that it has
+/// waited, up to rarest_us.
 class BackOff {
  public:
   BackOff(TimeUs first_us, TimeUs longest_us) : BackOff(first_us, longest_us, longest_us) {}
@@ -62,14 +63,15 @@ class BackOff {
   TimeUs due_us_ = kNever;
 };
 
-/// How much a sender may say again: as many bytes as it has said for the first time, and some more
-/// in a burst and over time. Beyond that one round a second, so that nothing is ever stuck. What
-/// was just said fills buffers: for the time that it takes to be read nothing is said again.
+/// How much a sender may repeat: as many bytes as it has sent for the first time, and some more in
+/// a burst and over time. Beyond that it may repeat one round a second, so that nothing is ever
+/// stuck. New messages fill the receivers' buffers, so nothing is repeated for the time that
+/// reading them takes.
 class RepeatBudget {
  public:
   void NoteFirst(std::size_t bytes, TimeUs now_us);
-  /// Whether that may be said again now; then it counts. `over_us`: when the asker was last allowed
-  /// to although nothing was left.
+  /// Whether so many bytes may be repeated now; if so, counts them. `over_us`: when the caller was
+  /// last allowed to although the budget was used up.
   bool Take(std::size_t bytes, TimeUs now_us, TimeUs* over_us);
 
  private:
@@ -79,30 +81,30 @@ class RepeatBudget {
   TimeUs quiet_until_us_ = 0;
 };
 
-/// How much of a process may be out unacknowledged.
+/// How many messages of a process may be out without acknowledgement.
 struct Window {
   /// Messages: stock lcm-logger queues 30 and drops the newest. 0: nothing is recorded, so no
   /// message waits and none is kept.
   int messages = 0;
-  /// Or as many as are together no larger than this: where our own recorder writes.
+  /// Or as many as are together no larger than this, if those are more. For our own recorder.
   std::size_t bytes = 0;
 
   Window(int most_messages, std::size_t most_bytes = 0)
       : messages(most_messages), bytes(most_bytes) {}
 };
 
-/// The windows of a mission that our own recorder writes: it says what the log holds before a
-/// sender comes to the end of one. The world's, also where lcm-logger writes, and those of all
-/// others.
+/// The windows in a mission that our own recorder writes, which says what the log holds before a
+/// sender comes to the end of its window. kWorldWindow is the world's, also where lcm-logger
+/// writes; kMemberWindow is that of all others.
 inline constexpr int kWorldWindow = 10;
 /// Events are many and small.
 inline constexpr std::size_t kWorldWindowBytes = 64 * 1024;
 inline constexpr int kMemberWindow = 8;
 
 /// Numbers, keeps and sends one process's messages. With a recorder, a message is kept until the
-/// recorder has it on disk, sent again with back-off until then, and no more than the window is
-/// out unacknowledged. What is under way is not lost: before it is said again, some four times as
-/// long passes as acknowledgements have taken of late.
+/// recorder has it on disk and repeated with back-off until then, and no more messages than the
+/// window are out without acknowledgement. A message that is still under way is not lost, so the
+/// first repeat comes after some four times as long as acknowledgements have taken lately.
 class Sender {
  public:
   Sender(Identity identity, Window window);
@@ -118,12 +120,12 @@ class Sender {
   /// Sends a packet again, byte for byte, unless it still waits for its first sending.
   void Resend(const SentPacket& packet);
 
-  /// Takes the recorder's word on what is on disk.
+  /// Takes what the recorder says is on disk.
   void Acknowledge(const log_status_t& status);
 
   /// Moves everything that may go out now to `out`: new messages within the window, and, as far as
-  /// the budget allows, resends and repairs of the log that are due. Resends beyond it are dropped:
-  /// a process that lacks them asks again.
+  /// the budget allows, resends and repairs of the log that are due. Resends beyond the budget are
+  /// dropped; a process that misses them asks again.
   void Flush(const Now& now, std::vector<Packet>* out);
 
   /// When Flush has something to do without further input, kNever when not.
@@ -132,11 +134,11 @@ class Sender {
   const Identity& identity() const { return identity_; }
   std::int64_t next_seq() const { return next_seq_; }
   std::int64_t resent() const { return resent_; }
-  /// For how long something has been out and nothing of it was acknowledged: the log is held up.
+  /// For how long messages have been out without any acknowledgement: the log is held up.
   TimeUs HeldUs(const Now& now) const { return out_ == 0 ? 0 : now.monotonic_us - progress_us_; }
   /// All sent and, with a recorder, on disk.
   bool drained() const { return kept_.empty() && resend_.empty(); }
-  /// Something waits for its first sending.
+  /// Whether a message waits for its first sending.
   bool holds_back() const { return out_ < kept_.size(); }
 
  private:
@@ -161,8 +163,8 @@ class Sender {
   std::vector<SentPacket> resend_;
   bool progressed_ = false;  ///< since the last Flush
   TimeUs progress_us_ = 0;   ///< latest time that something was acknowledged, or nothing was out
-  TimeUs acknowledged_sent_us_ = -1;  ///< when the newest that was acknowledged since was sent
-  TimeUs answer_us_ = 0;              ///< what acknowledgements have taken at most of late
+  TimeUs acknowledged_sent_us_ = -1;  ///< when the newest message acknowledged since was sent
+  TimeUs answer_us_ = 0;              ///< the longest that an acknowledgement has taken lately
   BackOff repair_{0, 0};
   RepeatBudget budget_;
   TimeUs resent_over_us_ = -kNever / 2, repaired_over_us_ = -kNever / 2;

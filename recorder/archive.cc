@@ -142,7 +142,7 @@ std::optional<std::int64_t> Archive::Consistent() const {
       const std::string& name = source.channel;
       const auto take = [&](std::int64_t t, const Messages& messages) {
         ForEachMessage(messages, [&](const std::vector<std::uint8_t>& bytes) {
-          // One that is impossible lacks below.
+          // An impossible one is missing below.
           static_cast<void>(restoring.Take(AnswerTo(QuestionFor(name), t, bytes)));
         });
       };

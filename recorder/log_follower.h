@@ -16,8 +16,8 @@ namespace muster::recorder {
 
 /// The marks are repeated after so long even without a reason, in case a packet was lost unseen.
 inline constexpr TimeUs kMarksIdleUs = 200'000;
-/// And no sooner than so long for a sender that shows that it has not heard them: senders repair
-/// after 20 ms, and what they repeat sooner is meant for others than the log.
+/// For a sender that shows that it has not heard them, the marks are repeated no sooner than this.
+/// Senders repair the log after 20 ms; what they repeat sooner is meant for other processes.
 inline constexpr TimeUs kMarksAgainUs = 10'000;
 
 /// How much of each sender's messages a growing log holds. Senders repeat themselves and the

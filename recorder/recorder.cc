@@ -140,7 +140,7 @@ bool Recorder::others_behind() const {
 }
 
 bool Recorder::IsAwaited(const Start& start, std::int64_t heard) const {
-  // What nobody has heard of somebody who has ended is lost.
+  // Messages of a start that has ended and that no process has heard are lost.
   return heard > follower_.next_seq(start.first, start.second) && !ended_.contains(start) &&
          !given_up_.contains(start);
 }

@@ -67,9 +67,10 @@ class Recorder {
   /// Latest monotonic time of the next Step even if nothing happens.
   TimeUs wake_us() const;
 
-  /// Something is known to be published and not in the log yet.
+  /// Whether a message is known to be published and is not in the log yet.
   bool behind() const;
-  /// What one start of a sender, which has not ended, must have said and the log lacks.
+  /// Messages that one start of a sender must have sent, that the log does not hold, and that may
+  /// still come, because it has not ended.
   struct Gap {
     std::string sender;
     std::int64_t boot_id = 0;
@@ -108,7 +109,7 @@ class Recorder {
   SentPacket newest_status_;  ///< the last log_status_t
   bool news_ = true;          ///< the marks have changed since
   bool finishing_ = false;
-  bool answer_wanted_ = false;  ///< somebody has not heard the marks
+  bool answer_wanted_ = false;  ///< a sender has not heard the marks
   bool has_news_out_ = false;   ///< own messages beside the marks are not in the log
   TimeUs marks_us_ = 0;         ///< said at last, for the first time
   TimeUs repeated_us_ = 0;

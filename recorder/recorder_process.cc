@@ -9,10 +9,10 @@
 namespace muster::recorder {
 namespace {
 
-/// Each word of the log's wakes everybody. It is said at once when a sender has so much out that it
-/// could come to the end of its window (kMemberWindow messages of most processes; of the world
-/// kWorldWindow or kWorldWindowBytes, whichever is more), and else after a moment that delays no
-/// repair.
+/// Each log_status_t wakes all processes. It is sent at once when a sender has so much out that it
+/// could come to the end of its window (kMemberWindow messages for most processes; for the world
+/// kWorldWindow or kWorldWindowBytes, whichever is more). Otherwise it is sent after a moment that
+/// is too short to cause repairs.
 constexpr int kUnsaid = kMemberWindow - 2;
 constexpr int kUnsaidOfWorld = kWorldWindow - 2;
 constexpr std::size_t kUnsaidBytesOfWorld = kWorldWindowBytes / 2;

@@ -48,14 +48,14 @@ class RecorderProcess : public Process {
   bool news_ = true;         ///< the log has grown since
   TimeUs news_us_ = kNever;  ///< when that was seen first
   bool has_room_ = true;     ///< in its window
-  bool is_urgent_ = true;    ///< and somebody may have to wait soon
+  bool is_urgent_ = true;    ///< and a sender may have to wait soon
   /// What the log holds of a start beyond what the marks say.
   struct Unsaid {
     int messages = 0;
     std::size_t bytes = 0;
   };
   std::map<std::pair<std::string, std::int64_t>, Unsaid> unsaid_;
-  bool answer_wanted_ = false;  ///< somebody has not heard the marks
+  bool answer_wanted_ = false;  ///< a sender has not heard the marks
   TimeUs said_us_ = 0;          ///< the marks, at last
   BackOff idle_;
 };

@@ -29,7 +29,7 @@ Solution::Conflict Solution::Conflicts(NodeId node) const {
       const NodeId owner = owner_[At(element)];
       if (owner != kNoNode && owner != node && !known(owner)) conflict.node[conflict.n++] = owner;
     } else if (capacity != kUnlimited) {
-      // The site is the last element: whoever leaves for the agents is known by now.
+      // The site is the last element: the nodes that leave because of the agents are known by now.
       NodeId leaves = kNoNode;
       std::int32_t stay = 0;
       for (const NodeId other : occupants_[At(element)]) {

@@ -42,7 +42,7 @@ void Simulate(const ScenarioText& scenario, const std::string& policy,
     }
     out.clear();
   };
-  // Whether anybody wants a turn without a packet: who begins, and who waits for drivers.
+  // Processes that want a turn without a packet: those that begin, and those that wait for drivers.
   const auto wake = [&](bool all) {
     bool any = false;
     for (std::size_t i = 0; i < processes.size(); ++i) {

@@ -46,7 +46,7 @@ class VirtualNetwork {
   void Leave(Participant* participant);
   void Send(const Participant& sender, Packet packet);
 
-  /// Is told of each packet when it is sent, once.
+  /// `tap` is called with each packet once, when it is sent.
   void set_tap(std::function<void(const Participant& sender, const Packet&)> tap) {
     tap_ = std::move(tap);
   }

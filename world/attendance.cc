@@ -64,7 +64,7 @@ void Attendance::Excuse(AgentKind kind, std::int32_t id) {
 bool Attendance::Lose(const std::string& process) {
   const bool was_there = peers_.presence(process) == Peers::Presence::kThere;
   peers_.set_presence(process, Peers::Presence::kLost);
-  // Whoever has reported for this tick has done so.
+  // Agents that have reported for this tick need no excuse.
   ForEachAgentOf(process, [&](AgentKind kind, std::int32_t id) {
     if (!reported(kind, id)) Excuse(kind, id);
   });

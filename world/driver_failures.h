@@ -9,14 +9,14 @@
 
 namespace muster::world {
 
-/// Why driven agents cannot go on, as their processes say it beside the reports.
+/// Why agents with drivers cannot go on: their processes send the reason beside the reports.
 class DriverFailures {
  public:
   explicit DriverFailures(const Scenario& scenario) : scenario_(scenario) {}
 
   void Hear(const event_t& event);
-  /// Whether a report that tells of that agent's failure is to be said again, since the reason was
-  /// not heard: a few times.
+  /// Whether to ask for a report again that says that the agent has failed, because the reason was
+  /// not heard. True a few times at most.
   bool Awaits(const AgentState& agent);
   std::string Why(const AgentState& agent) const;
 

@@ -16,9 +16,10 @@ class Handover {
  public:
   /// A report for the tick under way.
   void Add(AgentKind kind, const Packet& packet) { reports_[kind].push_back(packet); }
-  /// The same, said as changes: the whole states that they stand for.
+  /// The same for a report that came as changes: the whole states that they stand for.
   void Add(AgentKind kind, agent_states_t states) { told_[kind].push_back(std::move(states)); }
-  /// The tick under way is judged; `applied` is the decision in force. What was added is its.
+  /// Call when the tick under way is judged: the reports added since the last call are its reports.
+  /// `applied` is the decision in force.
   void Judge(std::int64_t tick, TimeUs sim_us, std::int32_t applied);
   /// An agent that no process has reported, as the verdict leaves it.
   void AddUnreported(AgentKind kind, const agent_t& agent) { unreported_[kind].push_back(agent); }

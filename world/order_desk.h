@@ -15,7 +15,7 @@
 
 namespace muster::world {
 
-/// Takes orders or refuses them with a reason, each id once, a tick's together.
+/// Takes orders or refuses them with a reason: each id once, and all of a tick together.
 class OrderDesk {
  public:
   /// `planned` are taken at the first tick that is not before their time.
@@ -28,14 +28,14 @@ class OrderDesk {
   bool Hear(const order_t& order);
   /// -1: it was not.
   std::int64_t AnsweredAt(const std::string& id) const;
-  /// An order of the world's own: that task again, when so long has passed since it was done.
+  /// Plans an order of the world's own: to do that task again, its revisit time after `done_us`.
   void Revisit(TaskId task, TimeUs done_us);
 
-  /// Decides on what has been heard, as things stand at tick `tick`, with the states of tasks and
-  /// agents after the tick before. What an earlier start has said of that tick
-  /// stands. The header is not filled; when it is, Take() has to follow.
+  /// Decides at tick `tick` on the orders heard so far, with the states of tasks and agents after
+  /// the tick before. If an earlier start of the world has decided on that tick, its decision
+  /// stands. The caller fills the header and then calls Take() with the result.
   orders_t Decide(std::int64_t tick, std::span<const TaskStatus> status, const Agents& agents);
-  /// What the world has said, or what somebody else has heard of an earlier start of it.
+  /// Takes what the world has published, or what another process has heard from an earlier start.
   void Take(const orders_t& orders);
   bool Take(const order_book_t& book);
 

@@ -24,7 +24,7 @@ bool Peers::Overdue(const std::string& name, TimeUs now_us) const {
   if (peer != peers_.end() && peer->second.presence == Presence::kLost) return true;
   if (peer == peers_.end() && is_first_) return false;
   const TimeUs awaited_us = AwaitedUs(now_us);
-  // Whoever was not asked had no need to speak.
+  // A process that was not asked had no need to answer.
   const bool silent = peer == peers_.end() || now_us - peer->second.heard_us >= lost_after_us_;
   return awaited_us >= (silent ? 1 : kDeaf) * lost_after_us_;
 }

@@ -197,7 +197,7 @@ void Referee::Return(TimeUs t) {
   JoinOutages(t);
   for (const Outage& outage : outages_) {
     if (outage.until_us > t || outage.goes_on) continue;
-    // Whoever had failed for good before does not come back.
+    // An agent that had failed for good before does not come back.
     const auto failed = failed_.find({outage.kind, outage.agent});
     if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;
     failed_.erase(failed);

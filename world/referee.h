@@ -27,7 +27,7 @@ struct Event {
   std::string by_fault;  ///< of an agent that fails or is back: the fault's id; "": not by a fault
 };
 
-/// Why an agent fails. Of two that come at the same time the first counts.
+/// Why an agent fails. Of two reasons at the same time the smaller counts.
 struct FailureReason {
   enum class Cause : std::int8_t { kFault, kProcessLost, kOutOfRange, kSudden, kSaid };
   Cause cause = Cause::kFault;
@@ -37,7 +37,7 @@ struct FailureReason {
     return {Cause::kProcessLost, std::move(process)};
   }
 
-  /// As an event tells it.
+  /// As in an event's detail.
   std::string Text() const;
   auto operator<=>(const FailureReason&) const = default;
 };
@@ -49,11 +49,11 @@ struct Outage {
   TimeUs from_us = 0;
   TimeUs until_us = kNever;
   FailureReason reason;
-  bool goes_on = false;  ///< in another one, after its end
+  bool goes_on = false;  ///< another outage begins where this one ends
 };
 
-/// Sensing or charging of a pair as it is known now. One to which the UAV cannot come is kNever
-/// until that is seen.
+/// Sensing or charging of a pair as it is known now. Its times are kNever if the UAV's range ends
+/// on the way.
 Activity ActivityOf(const AgentState& uav, const AgentState& partner, const Scenario& scenario);
 
 /// The states of all agents of a scenario; the index is the id.
@@ -78,11 +78,12 @@ class Referee {
   /// Takes a decision that was made at the last judged time: draws the match failures.
   void Take(std::int32_t decision, const std::vector<Action>& actions);
 
-  /// An order that the scenario has in it already: it is in force from the next judged time on.
+  /// Takes an order that the scenario contains already. It is in force from the next judged time
+  /// on.
   void Take(const TakenOrder& order) { orders_.push_back(order); }
 
   void Add(const Outage& outage) { outages_.push_back(outage); }
-  /// Those by that reason end at t.
+  /// Ends the outages with that reason at t.
   void EndOutages(const FailureReason& reason, TimeUs t);
 
   /// Continues from an earlier verdict on time t, as a restarted world does: outages that were over
@@ -118,27 +119,28 @@ class Referee {
   /// they have said that they are done.
   void MoveActivities(TimeUs t, Agents* agents);
   void PlanNewActivities(TimeUs t, Agents* agents);
-  /// Which pairs are given up by t, since a measured agent is too late.
+  /// Finds the pairs that are given up by t because a measured agent is too late.
   void FindLate(TimeUs t, Agents* agents);
   void GiveUpUntil(TimeUs t);
   void JoinOutages(TimeUs t);
   void Return(TimeUs t);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
   void Fail(const Failure& failure, Agents* agents);
-  /// Tasks whose last time for sensing to begin is at or before `t` are gone, if it has not.
+  /// Expires the tasks for which sensing has not begun and may not begin after `t`.
   void ExpireUntil(TimeUs t);
   /// The sensing at that task ends at `t` without effect.
   void CallOff(std::size_t task, TimeUs t);
-  /// Does so for one, and frees the agents that are still there; `agent` needs no freeing.
+  /// Ends one activity in this way and frees its agents, except `agent`.
   void Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent = {});
-  /// Does so for what the agent takes part in, if anything; it needs no freeing when it fails.
+  /// The same for the activity that the agent takes part in, if any. An agent that fails is not
+  /// freed.
   bool AbortActivityOf(const AgentState& agent, TimeUs t, bool fails);
   /// When tasks of the scenario are reported and expire, after `t`.
   void PlanTimes(TimeUs t);
   void PlanTimesOf(std::size_t task, TimeUs t);
   /// Orders' new tasks and agents, before time `t` is judged.
   void TakeIn(TimeUs t, Agents* agents);
-  /// What orders end or allow at `t`.
+  /// Carries out at `t` the orders that end or allow something.
   void Obey(TimeUs t, Agents* agents);
   void ObeyOfTask(const TakenOrder& taken, TimeUs t);
   void Recall(const TakenOrder& taken, TimeUs t, Agents* agents);
@@ -154,7 +156,7 @@ class Referee {
   void Emit(Event::Kind kind, TimeUs at_us, TaskId task, std::string detail);
   void Emit(Event::Kind kind, TimeUs at_us, AgentKey agent,
             const std::optional<FailureReason>& reason = {});
-  /// Of two orders for the same the first is named.
+  /// Of two orders with the same effect, only the first makes an event.
   void OnceATick();
   void EmitOrder(Event::Kind kind, TimeUs at_us, AgentKey agent, const Order& order);
 

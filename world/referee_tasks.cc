@@ -32,7 +32,7 @@ void Referee::PlanTimesOf(std::size_t x, TimeUs t) {
     const std::pair entry(at_us, x);
     plan->insert(std::lower_bound(plan->begin(), plan->end(), entry, std::greater()), entry);
   };
-  // What is known from the beginning is not reported, whoever says it.
+  // A task that is known from the beginning is not reported.
   const TimeUs reported_us = scenario_.tasks[x].reported_us;
   if (reported_us == 0 && task_status_[x] == TaskStatus::kUnreported) {
     task_status_[x] = TaskStatus::kOpen;

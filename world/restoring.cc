@@ -10,9 +10,11 @@
 namespace muster::world {
 namespace {
 
-/// Where a verdict may have been given without somebody: who listens answers twice in this time.
+/// If a verdict may have been given without some process: every living process answers twice in
+/// this time.
 constexpr TimeUs kHearAllUs = 600'000;
-/// For a report that must have been made, and that perhaps nobody has any more.
+/// How long to wait for a report that must have been made, but that perhaps no process has any
+/// more.
 constexpr TimeUs kGiveUpUs = 10 * kSecondUs;
 
 bool IsLoss(const std::optional<Ruling>& failure) {
@@ -235,7 +237,7 @@ std::optional<Restoring::Lost> Restoring::LostAgent(const Told& told,
     Settle(&agent, next->second, rules.TimeOf(next->first), scenario_.tasks);
   }
   if (!failure) return Lost{agent, rules.TimeOf(tick - 1) + 1};
-  // Whoever had failed for another reason before does not return with its process.
+  // An agent that had failed for another reason before does not return with its process.
   return Lost{agent, IsLoss(failure) ? failed_us : std::max(rules.TimeOf(t), failed_us) + 1};
 }
 

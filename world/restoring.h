@@ -18,16 +18,16 @@
 
 namespace muster::world {
 
-/// What the others still hold of a mission, while a world that starts again gathers it.
+/// Gathers what the other processes still know of a mission, for a world that starts again.
 class Restoring {
  public:
   /// `scenario` must outlive this object.
   Restoring(const Scenario& scenario, std::int64_t run_id);
 
-  /// Takes one answer; false: it is of no mission, of another one, or impossible.
+  /// Takes one answer; false: it is not a possible message of this mission.
   [[nodiscard]] bool Take(const answer_t& answer);
 
-  /// An agent that the mission went on without, as the verdicts since its last report leave it.
+  /// An agent without which the mission went on, as the verdicts since its last report leave it.
   struct Lost {
     AgentState agent;
     TimeUs from_us = 0;
@@ -36,28 +36,28 @@ class Restoring {
   struct State {
     std::int64_t tick = 0;  ///< to go on with; 0: from the beginning, there is no verdict yet
     std::int32_t applied_decision = -1;
-    /// In force one tick later, if that has been told: the decision due at `tick` may have been
-    /// passed over.
+    /// The decision in force one tick later, if a report says so: that due at `tick` may have been
+    /// skipped.
     std::optional<std::int32_t> next_decision;
     /// The verdict on the tick before.
     std::vector<TaskStatus> task_status;
     Verdict verdict;
-    std::vector<Packet> reports;  ///< what was told of the states at `tick`
+    std::vector<Packet> reports;  ///< those of the states at `tick`
     std::vector<Lost> lost;
-    bool is_certain = true;          ///< no: of somebody the last report lacks, it may still come
-    std::set<std::string> given_up;  ///< processes with such agents as Gap::kAccept speaks of
+    bool is_certain = true;  ///< false: an agent's last report is missing and may still come
+    std::set<std::string> given_up;  ///< processes with agents of Gap::kAccept
   };
-  /// The newest tick whose states all agents have been heard with; none: something still lacks.
+  /// The newest tick at which the states of all agents are known; none: something is still missing.
   std::optional<State> Newest() const;
   /// What to do with a lost agent if no living process has heard its last ticks.
   enum class Gap {
-    kWait,    ///< somebody may still tell
+    kWait,    ///< another process may still answer
     kAccept,  ///< it stands where it was last heard of
   };
   /// The same for a mission that goes on without lost processes. In lockstep, a process that is
   /// waited for is at most one tick behind the others, and never behind a verdict.
   std::optional<State> NewestWithoutLost(Gap gap = Gap::kWait) const;
-  /// The longest book of orders that any process has answered; none: no process has one.
+  /// The longest book of orders in any answer; none: no process has one.
   const std::optional<order_book_t>& book() const { return book_; }
   /// The process that has reported the agent; "": none yet.
   const std::string& OwnerOf(AgentKind kind, std::int32_t id) const {
@@ -79,7 +79,7 @@ class Restoring {
   /// What that verdict, if it is known, says of the agent's failure; none: it has not failed.
   static std::optional<Ruling> FailureOf(const AgentState& agent, const Verdicts& verdicts,
                                          std::int64_t tick);
-  /// None: something still lacks.
+  /// None: something is still missing.
   std::optional<Lost> LostAgent(const Told& told, const std::optional<Ruling>& failure,
                                 std::int64_t tick, const Verdicts& verdicts, Gap gap) const;
 
@@ -100,7 +100,7 @@ class Restoring {
 /// How long a restarted world listens before it goes on from `state`. All living processes have
 /// answered by then.
 TimeUs ListenUs(const Restoring::State& state, bool goes_on, TimeUs lost_after_us);
-/// So long it waits at most for what somebody may still tell.
+/// How long it waits at most for what another process may still answer.
 TimeUs GiveUpUs(TimeUs lost_after_us);
 
 }  // namespace muster::world

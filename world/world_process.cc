@@ -17,19 +17,20 @@ namespace {
 using Presence = Peers::Presence;
 
 constexpr TimeUs kLookUs = 20'000;
-/// First and longest pause before it asks again, and those of who has waited for long.
+/// First and longest pause before it asks again; BackOff lengthens the latter after a long wait.
 constexpr TimeUs kRepeatUs = 2'000;
 constexpr TimeUs kLongestRepeatUs = 40'000;
-/// At most so long it takes for granted that the fast answers of late were no accident.
+/// Longest time for which it expects answers to stay as fast as they were lately.
 constexpr TimeUs kMostStatesUs = 10'000;
 constexpr TimeUs kMostScheduleUs = 200'000;
-/// After a report the others' are on their way, too: so long at most they take.
+/// After one report the other reports are on their way, too. They take at most this long.
 constexpr TimeUs kNextReportUs = 10'000;
 /// Moving an agent, writing and reading its whole state takes about that.
 constexpr TimeUs kWholeStateUs = 1;
-/// Whoever has not reported for so long may have started again, and want the last decision.
+/// A process that has not reported for so long may have started again, and may need the last
+/// decision.
 constexpr TimeUs kMissedUs = 300'000;
-/// The recorder says every 200 ms at least what the log holds, and it may be lost once.
+/// The recorder says at least every 200 ms what the log holds; one such message may be lost.
 constexpr TimeUs kRecorderSilentUs = 450'000;
 
 PerKind<ToldAgents> ToldOf(const std::shared_ptr<const Scenario>& shared) {
@@ -467,7 +468,7 @@ void WorldProcess::Repeat(const Now& now) {
 
 TimeUs WorldProcess::OwnWakeUs() const {
   if (wait_ == Wait::kClock) return clock_.NextTickUs();
-  // Whoever sleeps takes itself for held up, and would never miss anybody.
+  // If it slept until something arrives, it would take itself for held up and never miss a process.
   const bool misses = options_.goes_on && wait_ != Wait::kNothing;
   return std::min(repeat_.due_us(), misses ? attendance_.peers().AwakeUntilUs() : kNever);
 }

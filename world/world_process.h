@@ -23,9 +23,9 @@ namespace muster::world {
 struct WorldOptions {
   double rate = 0;        ///< mission seconds per wall second; 0: as fast as it goes
   bool recorded = false;  ///< a recorder takes part: start only when it is there
-  /// Without agent processes and scheduler that are silent for lost_after_us, or that do not answer
-  /// for three times as long, the mission goes on: their agents count as failed until they are
-  /// back, their decisions are not in force. Else it waits for everybody.
+  /// true: the mission goes on without an agent process or scheduler that is silent for
+  /// lost_after_us, or does not answer for three times as long. Until it is back, its agents count
+  /// as failed, or no decision is in force. false: the mission waits for every process.
   bool goes_on = false;
   TimeUs lost_after_us = 5 * kSecondUs;
   /// Agents that fail by faults.
@@ -34,9 +34,9 @@ struct WorldOptions {
   std::vector<PlannedOrder> orders = {};
 };
 
-/// The world: clock and referee of a mission in lockstep (docs/reference/mission.md). It alone asks
-/// again: while it waits, it repeats what the others may lack, and each answers a repeated clock
-/// with its answer.
+/// The world: clock and referee of a mission in lockstep (docs/reference/mission.md). No other
+/// process repeats a question: while the world waits, it repeats what the others may have missed,
+/// and each of them answers a repeated clock.
 class WorldProcess : public Process {
  public:
   /// `text` is published as it is.
@@ -54,13 +54,13 @@ class WorldProcess : public Process {
  private:
   enum class Wait { kRestore, kStates, kSchedule, kClock, kLog, kNothing };
   using Phase = MissionClock::Phase;
-  /// `packet`: the message itself; null: it was said as changes.
+  /// `packet`: the message itself; null: it came as changes.
   void Take(const agent_states_t& states, const Packet* packet);
   void Take(const agent_changes_t& changes, const Packet& packet);
   void Take(const answer_t& answer);
-  /// A driver's word of failure that has not been ruled on.
+  /// Whether its driver has said that it has failed, and no verdict has said so yet.
   bool SaysToFail(const AgentState& agent) const;
-  /// Takes a report's state. Such a word is judged like any other failure.
+  /// Takes a report's state. A failure that a driver reports is judged like any other.
   void TakeIn(AgentState agent);
   bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
@@ -72,23 +72,24 @@ class WorldProcess : public Process {
   void TellScenario(const Now& now);
   void TellScenarioAgain();
   void Begin(const Now& now);
-  /// Takes those steps of the lockstep that need no further input, else asks for it again.
+  /// Takes those steps of the lockstep that need no further input; if there is none, asks again for
+  /// the input.
   void GoOn(const Now& now);
   void StartTick(const Now& now);
   void PublishClock(const Now& now);
-  /// Takes what orders there are, in a mission that takes any, and says so.
+  /// In a mission that takes orders: takes those that are there, and publishes them.
   void TakeOrders(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
   void Repeat(const Now& now);
-  /// Gives up those whose answer has been due for too long.
+  /// Gives up processes whose answer has been due for too long.
   void FindLost(const Now& now);
-  /// Nothing reaches the log, or no recorder reports that it does.
+  /// Whether the log holds the mission up: nothing reaches it, or no recorder reports that it does.
   bool LogHolds(const Now& now) const;
   void Lose(const std::string& name, const Now& now);
   void SayOfProcess(Event::Kind kind, const std::string& name, const Now& now);
   void WaitFor(Wait wait, const Now& now);
-  /// What it takes until all have told whole states.
+  /// How long it takes until all processes have sent whole states.
   TimeUs AllWholeUs() const;
   void StopWaiting();
 
@@ -109,8 +110,9 @@ class WorldProcess : public Process {
   Agents agents_;  ///< reports for the tick, then settled
   PerKind<ToldAgents> told_;
   DriverFailures driver_failures_;
-  bool has_news_ = false;       ///< somebody has reported since the last step
-  PerKind<bool> base_lacks_{};  ///< changes for the tick rest on what this process has not heard
+  bool has_news_ = false;  ///< somebody has reported since the last step
+  PerKind<bool>
+      base_lacks_{};  ///< changes for the tick rest on states that this process has not heard
   SentPacket scenario_packet_, roads_packet_, clock_packet_, world_packet_, rulings_packet_;
   SentPacket orders_packet_;                    ///< of the tick
   std::map<std::int64_t, SentPacket> answers_;  ///< to orders, by tick

@@ -28,7 +28,7 @@ bool WorldProcess::RestoreState(const Now& now) {
     return false;
   }
   if (desk_.book().takes_orders() && state->tick > 0) {
-    // Whoever has told of this tick has heard what was taken at it.
+    // A process that has reported this tick has heard the orders taken at it.
     if (!desk_.book().complete(state->tick)) return false;
   }
   if (state->tick > 0) {

@@ -10,7 +10,8 @@
 namespace muster::agents {
 namespace {
 
-/// Who has the schedule answers sooner. After that a move goes to where the report says it does.
+/// A process that has the schedule answers sooner. After this time a move goes to the goal that the
+/// report tells.
 constexpr TimeUs kGoalPatienceUs = 4 * kSecondUs;
 /// However far apart decisions are, a log tells everything at least so often, in ticks.
 constexpr std::int64_t kWholeEvery = 60;

@@ -25,9 +25,9 @@ using IdRange = std::optional<std::pair<std::int32_t, std::int32_t>>;
 /// repeated.
 class AgentProcess : public Follower {
  public:
-  /// A class of up to `most_whole` agents always tells whole states: one message, and readable as
-  /// it is. A larger one says no more when many processes share it. `drivers` speak for measured
-  /// agents; null: all do as computed.
+  /// A class of up to `most_whole` agents always sends whole states, which are one message and need
+  /// no other message to be read. What counts is the size of the class, not of the process's share.
+  /// `drivers` speak for measured agents; null: all agents are computed.
   AgentProcess(const Identity& identity, int window, AgentKind kind, IdRange ids,
                std::size_t most_whole = kMostWhole, std::unique_ptr<DriverPort> drivers = nullptr);
   static constexpr std::size_t kMostWhole = 256;
@@ -49,7 +49,7 @@ class AgentProcess : public Follower {
   /// Listens to the drivers, and reports the present tick when none has to be waited for any more.
   void HearDrivers(const Now& now);
   void ApplyReports();
-  /// Says why agents cannot go on, until the world has ruled that they have failed.
+  /// Publishes why agents cannot go on, until the world has ruled that they have failed.
   void SayFailures(const Now& now);
   void ReportTick(const Now& now);
   void Take(const clock_t& clock);
@@ -65,7 +65,7 @@ class AgentProcess : public Follower {
   bool CanAdvance() const;
   void Advance(const Now& now);
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
-  /// Whether the states of tick_ have to be said whole, though most of it may be known.
+  /// Whether whole states have to be sent at tick_.
   bool SpeaksWhole() const;
   void Publish(std::vector<agent_t> wires, bool whole, const Now& now);
 
@@ -75,7 +75,7 @@ class AgentProcess : public Follower {
   const std::unique_ptr<DriverPort> drivers_;
   std::vector<AgentState> agents_;
   std::vector<std::int32_t> driven_;              ///< ids
-  std::map<std::int32_t, std::string> failures_;  ///< of driven ones, that they have said
+  std::map<std::int32_t, std::string> failures_;  ///< what drivers have said, by agent
   bool is_driving_ = false;
   bool awaits_drivers_ = false;  ///< the present tick is not reported yet
   TimeUs listen_us_ = kNever;    ///< monotonic: when drivers are heard again
@@ -84,27 +84,29 @@ class AgentProcess : public Follower {
   TimeUs tick_us_ = 0;
   std::int32_t applied_decision_ = -1;
   bool restored_ = false;                 ///< has a state to go on from
-  std::int64_t lacks_orders_of_ = -1;     ///< tick of a state that it may not read yet
+  std::int64_t lacks_orders_of_ = -1;     ///< tick of a state that needs orders which are missing
   std::int64_t restore_from_ = 0;         ///< an older tick's state is not enough
   std::set<std::int32_t> still_unknown_;  ///< ids not restored yet
   std::vector<agent_t> restored_states_;  ///< to be published again
-  /// Ids of those on a free move: a report tells its end but for rounding, the schedule exactly.
+  /// Ids of agents on a free move: a report tells its goal only up to rounding, the schedule
+  /// exactly.
   std::set<std::int32_t> goalless_;
   TimeUs goals_asked_us_ = kNever;  ///< monotonic
 
-  /// What was published for the last two ticks: a world that starts again may ask for the earlier.
+  /// What was published for one tick. The last two are kept, because a world that starts again may
+  /// ask for the earlier one.
   struct Published {
     std::int64_t tick = -1;
     std::vector<SentPacket> failures;  ///< why driven agents cannot go on
     std::vector<SentPacket> packets;
-    /// Said as changes: the whole states, with the header of the first of the packets.
+    /// If the packets are changes: the whole states, with the header of the first packet.
     std::optional<agent_states_t> states;
   };
   void Answer(const request_t& request, const Published& published, const Now& now);
   void Resend(const Published& published);
   Published published_, published_before_;
-  std::optional<ToldAgents> told_;  ///< what its listeners know
-  bool says_whole_ = false;         ///< the next time: somebody has not heard it
+  std::optional<ToldAgents> told_;  ///< what the receivers know
+  bool says_whole_ = false;         ///< the next time: a receiver may lack them
   /// The verdict that led to tick_, for a world that starts again.
   struct Consumed {
     std::int64_t tick = -1;

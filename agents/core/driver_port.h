@@ -17,12 +17,13 @@ class DriverPort {
   /// this object.
   virtual void Begin(const Scenario& scenario, const AgentState& agent, TimeUs at) = 0;
   virtual bool drives(std::int32_t id) const = 0;
-  /// Tells what has become of the agent at `before`, the last tick, and that it is `at`.
+  /// Tells the driver what the agent's state was at `before`, the last tick, and that it is now
+  /// `at`.
   virtual void Tell(const AgentState& agent, TimeUs before, TimeUs at) = 0;
-  /// Reads what the drivers have said since. Returns whether no driver has to be waited for. May
+  /// Reads what the drivers have said since. Returns true when no driver has to be waited for. May
   /// wait a few milliseconds itself.
   virtual bool Listen() = 0;
-  /// What was said for a tick at `at`, in order. A failure is an agent's last word.
+  /// What was reported for a tick at `at`, in order. A failure is an agent's last report.
   virtual std::vector<MeasuredReport> TakeReports(TimeUs at) = 0;
   /// The longest time between two calls of Listen() while no driver has to be waited for.
   virtual TimeUs patience_us() const = 0;

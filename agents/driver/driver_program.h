@@ -26,14 +26,16 @@ class DriverProgram {
   DriverSession& session() { return *session_; }
   const DriverSession& session() const { return *session_; }
 
-  /// Writes what the session has to say and hears what has come. `patient`: until it has answered
-  /// the time that it was told, or the deadline; else what is there now. Returns the first thing
-  /// that is wrong ("": nothing): a line, after which it goes on; its silence; its end.
+  /// Writes the session's lines and reads those of the driver. `patient`: reads until the driver
+  /// has answered the time that it was told, or the deadline; otherwise reads what is there now.
+  /// Returns the first thing that is wrong ("": nothing): a line, after which it goes on; its
+  /// silence; its end.
   std::string Pump(bool patient, Clock::time_point deadline);
-  /// It has ended, and Pump has said how.
+  /// Whether it has ended; Pump has said how.
   bool ended() const { return program_ == nullptr; }
-  /// Told bye, it is given until then to end of itself. How it ended; "": it did not, and its stdin
-  /// is closed: it is killed a moment later, with this object.
+  /// After bye: waits until the deadline for the program to end by itself, and returns how it
+  /// ended.
+  /// "": it has not ended. Then its stdin is closed, and this object's destructor kills it.
   std::string AwaitEnd(Clock::time_point deadline);
 
   /// Monotonic, as the session's wall times.

@@ -9,7 +9,7 @@ namespace {
 
 using Clock = DriverProgram::Clock;
 
-/// So long at most it waits itself: packets come meanwhile.
+/// Longest wait for drivers at a time, because packets come meanwhile.
 constexpr std::chrono::milliseconds kMoment(5);
 /// At a rate what it says of a tick counts for that tick if it comes within this share of one.
 constexpr double kShareOfTick = 0.25;

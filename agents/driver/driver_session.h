@@ -14,19 +14,19 @@
 
 namespace muster::agents {
 
-/// What a mission has to say to the driver of one agent, and what it says back
-/// (docs/guide/drivers.md), as a pure state machine: states, times and its lines in, lines for it
-/// and reports out. A wrong line changes nothing; the reason is reported.
-/// Mission times end in `at`, wall times are monotonic.
+/// The talk between a mission and the driver of one agent (docs/guide/drivers.md), as a pure state
+/// machine: agent states, times and the driver's lines in; lines for the driver and reports out. A
+/// wrong line changes nothing; the reason is returned. `at` is a mission time; wall times are
+/// monotonic.
 class DriverSession {
  public:
   struct Rules {
     double rate = 0;  ///< mission seconds a wall second; 0: as fast as it goes
     TimeUs greeting_us = 10 * kSecondUs;
-    /// When it owes an answer, and is silent for so long, it is lost.
+    /// A driver that owes an answer and is silent for longer is lost.
     TimeUs lost_after_us = 5 * kSecondUs;
 
-    /// By when after its start it has to greet: many start slowly on a busy host.
+    /// Time after its start until which it has to greet. Many start slowly on a busy host.
     TimeUs HelloByUs() const { return std::max(greeting_us, lost_after_us); }
   };
 
@@ -34,35 +34,36 @@ class DriverSession {
   DriverSession(const Scenario& scenario, const AgentState& agent, TimeUs at, TimeUs wall_us,
                 const Rules& rules);
 
-  /// What the mission knows of the agent at that time: tells the driver what it has to do, where
-  /// that has changed. `why`: for a cancel.
+  /// Takes what the mission knows of the agent at that time, and tells the driver what to do if
+  /// that has changed. `why`: the reason of a cancel.
   void Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
               std::string_view why = "its partner or its task is gone");
   /// Tells the driver the time.
   void Tick(TimeUs at, TimeUs wall_us);
-  /// The mission is over for it. No line of it counts any more.
+  /// Tells the driver that the mission is over for it. No line of it counts any more.
   void Bye(std::string_view reason);
 
   /// Takes a line. Returns what is wrong with it; "": nothing.
   [[nodiscard]] std::string Hear(std::string_view line, TimeUs wall_us);
-  /// What is wrong with its silence by then; "": nothing.
+  /// What is wrong if it stays silent until then; "": nothing.
   [[nodiscard]] std::string Silence(TimeUs wall_us) const;
 
-  /// What it is to be told, without newlines, since the last call.
+  /// The lines for it since the last call, without newlines.
   std::vector<std::string> TakeLines();
   /// What it has reported since the last call, in order, for a tick at that time. Its failure is
-  /// the last. What is of a later time, and cannot be so by that tick, waits for the next, and with
-  /// it what was said after it; words on a command that is over by now are left out.
+  /// the last report. A report about a later time that is impossible at that tick waits for the
+  /// next tick, and so do all reports after it. Reports on a command that is over by now are left
+  /// out.
   std::vector<MeasuredReport> TakeReports(TimeUs at);
 
   bool greeted() const { return greeted_; }
   const std::string& name() const { return name_; }
-  /// Something is asked of it, for which it has an answer to give.
+  /// Whether it owes an answer to a command.
   bool asked() const { return asked_ && !over_; }
-  /// Whether it has said where it is at the time that it was told. At a rate it need not unless
-  /// something is asked of it; as fast as it goes the mission waits for it.
+  /// Whether it has said where it is at the time of the last Tick(). Without a rate the mission
+  /// waits for that; at a rate only if it owes an answer.
   bool answered() const { return answered_ || over_; }
-  /// It has said that it cannot go on, or was told bye.
+  /// Whether it has said that it cannot go on, or was told bye.
   bool over() const { return over_; }
 
  private:
@@ -73,13 +74,13 @@ class DriverSession {
   };
 
   void Say(const nlohmann::ordered_json& line);
-  /// Says it with a number of its own.
+  /// Says it with an id of its own.
   void Order(Command::Kind kind, const nlohmann::ordered_json& line);
   void GoTo(TimeUs at);
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
   TimeUs MissionUs(TimeUs wall_us) const;
-  /// Whether it is a word on another command than the mission has it do now.
+  /// Whether it is about another command than the present one.
   bool IsOver(const MeasuredReport& report) const;
 
   std::string Take(const DriverLine& said, TimeUs now_us);
@@ -90,9 +91,9 @@ class DriverSession {
   const Scenario& scenario_;
   const Rules rules_;
   const DriverPlaces places_;
-  AgentState agent_;                     ///< as the mission knows it, and it has said since
-  AgentState taken_;                     ///< as the mission knows it, with what it has taken since
-  TimeUs at_ = 0;                        ///< that it was told
+  AgentState agent_;  ///< as the mission knows it, with what the driver has said since
+  AgentState taken_;  ///< as the mission knows it, with the reports taken since
+  TimeUs at_ = 0;     ///< the mission time that it was told
   TimeUs started_us_ = 0, told_us_ = 0;  ///< wall: of its start, and of at_
   std::vector<Command> commands_;        ///< all so far; ids count from 1
   bool asked_ = false;                   ///< the last of them is not answered

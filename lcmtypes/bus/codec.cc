@@ -240,7 +240,8 @@ bool IsText(const std::string& text, std::size_t longest) {
 }
 bool IsName(const std::string& text) { return IsText(text, kMaxName); }
 
-/// Who set out for a damaged place beyond that would report times that no message can carry.
+/// An agent that set out for a damaged place beyond that would report times that no message can
+/// carry.
 bool IsPlace(double x_m, double y_m) {
   return std::abs(x_m) <= kFarthest_m && std::abs(y_m) <= kFarthest_m;
 }

@@ -92,7 +92,7 @@ SealKey SealKey::Load(const std::string& file) {
   }
   std::string text;
   const mode_t others = status.st_mode & (S_IRWXG | S_IRWXO);
-  // A pipe is of whoever holds its ends.
+  // A pipe belongs to the processes that hold its ends.
   const bool open_to_others = S_ISREG(status.st_mode) && others != 0;
   try {
     if (!open_to_others) text = FirstLine(fd, file);

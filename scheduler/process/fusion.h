@@ -13,9 +13,9 @@
 
 namespace muster::scheduler {
 
-/// Collects what is said of one tick until it is a whole: every agent's state exactly once, the
-/// world's state and its rulings. An agent that is ruled to have failed may say nothing. Messages
-/// may come in any order and repeatedly.
+/// Collects the messages of one tick until they are complete: every agent's state, the world's
+/// state and its rulings. The state of an agent that has failed by a ruling may be missing.
+/// Messages may come in any order and repeatedly.
 class Fusion {
  public:
   explicit Fusion(const std::shared_ptr<const Scenario>& scenario);
@@ -23,7 +23,7 @@ class Fusion {
   /// Forgets everything and collects for a decision at `tick`, time t.
   void Start(std::int64_t tick, TimeUs t, std::int32_t decision);
 
-  /// False when the message holds something impossible; then nothing of it is taken.
+  /// False if anything in the message is impossible; then nothing of it is taken.
   bool Take(const agent_states_t& states);
   bool Take(const world_state_t& world);
   bool Take(const rulings_t& rulings);

@@ -15,7 +15,7 @@ class Branching {
  public:
   struct Hooks {
     std::function<bool()> stop;
-    /// Best objective known so far: what is bounded by it is not looked into.
+    /// Best objective known so far: branches whose bound is not above it are cut.
     std::function<double()> best;
     /// The program's solution is whole: keep it.
     std::function<void()> whole;

@@ -78,7 +78,8 @@ std::int64_t CountNodes(const Instance& instance, int threads) {
     for (std::size_t s = begin; s < end; ++s) {
       const auto first = static_cast<std::size_t>(instance.partner_begin[s]);
       const auto last = static_cast<std::size_t>(instance.partner_begin[s + 1]);
-      // A partner that is later and has less time than any: whoever suits it suits all.
+      // A partner that arrives later and has less time than any here: a UAV that suits it suits
+      // all.
       TimeUs arrive = 0, latest = kNever;
       double rate = std::numeric_limits<double>::infinity();
       for (std::size_t j = first; j < last; ++j) {

@@ -104,7 +104,8 @@ class Devex {
                std::int32_t leaving, double reduced, double pivot, std::int64_t* work);
   /// Weights are 1 again.
   void Restart(const PackingLp& lp, std::int64_t* work);
-  /// Makes the reduced costs anew, as moves add up rounding: those of closed columns most of all.
+  /// Computes the reduced costs again, because steps add up rounding errors, most of all those of
+  /// closed columns.
   void Refresh(const PackingLp& lp, std::int64_t* work);
   std::int32_t Entering(const PackingLp& lp, std::int64_t* work);
 

@@ -12,12 +12,12 @@
 
 namespace muster::scheduler {
 
-/// Up to that many columns are searched for a proof of the optimum.
+/// Up to so many columns, a proof of the optimum is sought.
 inline constexpr std::size_t kProofColumns = 20000;
-/// Gap, relative, with which larger instances are content.
+/// Relative gap that is small enough for larger instances.
 inline constexpr double kCloseEnough = 1e-6;
-/// Gap, relative, with which a relaxation that was begun anew is content: the last prices that tie
-/// take more steps than all before.
+/// Relative gap that is small enough for a relaxation that was begun anew: among prices that tie,
+/// the last ones take more steps than all before.
 inline constexpr double kCloseEnoughAnew = 5e-10;
 
 /// The linear relaxation of the packing, by column generation: the program knows some columns of
@@ -29,11 +29,11 @@ class Relaxation {
   /// Both must outlive this. threads: 1 or 2; no result depends on it.
   Relaxation(const Instance& instance, Dual* dual, int threads);
 
-  /// Until no column is missing (or, of large instances, those missing count for next to nothing),
-  /// the work is done or `stop`. The dual is left at the best prices.
+  /// Solves until no column is missing (in large instances: until those missing count for next to
+  /// nothing), or the work limit is reached, or `stop`. Leaves the dual at the best prices.
   void Solve(std::int64_t work_limit, const std::function<bool()>& stop);
 
-  /// Whether it ended for want of columns.
+  /// Whether it ended because no column was missing.
   bool solved() const { return solved_; }
   /// Proven: no assignment weighs more.
   double bound() const { return bound_; }
@@ -72,11 +72,11 @@ class Relaxation {
     std::int32_t uav;
     Column column;
   };
-  /// Whether the program's steps are many and lead nowhere: it is to begin anew.
+  /// Whether the program has taken many steps without getting anywhere, so that it must begin anew.
   bool IsHard() const;
   void BeginAnew(const std::function<bool()>& stop);
   void TakePrices();
-  /// Tells equals apart, alike on every machine.
+  /// Orders equal columns, in the same way on every machine.
   std::uint32_t MixOf(std::int32_t uav, const Column& column) const;
   void PairsOf(std::int32_t uav, double most, std::vector<Column>* columns) const;
   void OffersOf(std::int32_t uav, std::vector<Column>* columns, std::vector<Offer>* offers) const;

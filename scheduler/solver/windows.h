@@ -51,7 +51,7 @@ class Windows {
   PackingLp Program(const Plan& plan, const Window& window);
   std::vector<std::int32_t> Search(const Plan& plan, const Window& window,
                                    const std::function<bool()>& stop);
-  /// Puts the chosen items into the plan, or what was held where there is none.
+  /// Puts the chosen items into the plan; an empty choice restores what was held.
   void Close(Plan* plan, const Window& window, const std::vector<std::int32_t>& chosen);
 
   const Instance& instance_;

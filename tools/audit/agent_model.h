@@ -55,7 +55,7 @@ struct AgentModel {
   bool says_arrived = false, says_done = false;
   bool overdue = false;         ///< what it does should be done by now
   bool goes_on_anew = false;    ///< its leg is not as planned: its rest begins at each report
-  bool cost_is_hidden = false;  ///< what it paid to communicate is not told apart from its way
+  bool cost_is_hidden = false;  ///< what it paid to communicate cannot be told from its way
   std::optional<double> range_after_m = {};  ///< that it has when it is done
 
   std::string name() const;

@@ -80,7 +80,7 @@ void Auditor::CheckTick() {
 void Auditor::CheckSkipped() {
   for (const std::int32_t decision : skipped_) {
     const std::int64_t t = decision * view_->scenario.interval_us;
-    // The world must have said that it misses somebody, and not yet that it is back.
+    // The world must have said that a process is lost, and not yet that it is back.
     std::set<std::string> lost;
     for (const event_t& event : intake_.heard().events) {
       if (event.at_us > t || event.header.sender != intake_.heard().clock_sender) continue;

@@ -31,12 +31,13 @@ struct Facts {
 /// other, and compares each report, activity, status and event with that. Memory grows with agents,
 /// decisions, events and gaps; a tick is dropped when it has been checked.
 ///
-/// Checking of ticks stops at the first one that breaks an invariant: what follows would follow
-/// from that.
+/// Checking of ticks stops at the first one that breaks an invariant, because later violations
+/// would only follow from that one.
 class Auditor {
  public:
   void Add(const Packet& packet);
-  /// To call once, after the last packet. Violations by mission time; empty: all holds.
+  /// Call once, after the last packet. Returns the violations by mission time; empty: all
+  /// invariants hold.
   const std::vector<Violation>& Finish();
 
   /// After Finish(): none when the log broke an invariant before its end.

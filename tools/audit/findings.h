@@ -11,7 +11,7 @@
 
 namespace muster::tools::audit {
 
-/// One thing that a log shows and that must not be.
+/// One violation of an invariant that a log shows.
 struct Violation {
   std::int64_t at_us = 0;  ///< mission time
   std::string invariant;   ///< a row of docs/reference/audit.md

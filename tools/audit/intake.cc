@@ -200,7 +200,7 @@ void Intake::TakeChanges(const agent_changes_t& message, int kind) {
                    header.sender, message.tick);
     return;
   }
-  // A range that no scenario has is told of once.
+  // A range that the scenario does not have is reported once.
   const auto last = std::min<std::int64_t>(
       message.last_id, static_cast<std::int64_t>(heard_.scenario->agents[kind].size()));
   auto listed = message.agents.begin();

@@ -46,7 +46,7 @@ struct Heard {
   std::int64_t undecodable = 0;  ///< packets on our channels that are no valid message
   std::map<std::int32_t, schedule_t> schedules;
   std::vector<event_t> events;  ///< after Intake::Finish() sorted and without repeats
-  std::string clock_sender;     ///< which process speaks as the clock
+  std::string clock_sender;     ///< which process sends the clock
 };
 
 /// Takes the messages of a log, each once, and puts together what they say of each tick. A tick is
@@ -57,8 +57,8 @@ class Intake {
 
   /// The scenario's message comes first.
   void Take(const Packet& packet);
-  /// The next tick, once all is here that it needs; else null. Too many ticks that wait for an
-  /// earlier one are a violation and the end.
+  /// The next tick, if everything that it needs is here; else null. If too many ticks wait for an
+  /// earlier one, that is a violation and ends the audit.
   const TickFacts* Next();
   /// The schedule of the decision due at the next tick; null: none is, or the world went on without
   /// it, as the scheduler was lost.
@@ -92,10 +92,10 @@ class Intake {
   void TakeStates(const agent_states_t& message, int kind);
   void TakeChanges(const agent_changes_t& message, int kind);
   void TakeReport(const Report& report, TickFacts* facts);
-  /// Whether a report of that class and tick can be, on the channel of class `kind`.
+  /// Whether a report of that class and tick is possible on the channel of class `kind`.
   bool CanReport(int said, int kind, std::int64_t tick, TickFacts** facts);
   void TakeSchedule(const schedule_t& message);
-  /// Null where the tick cannot be, or has been checked.
+  /// Null if the tick is impossible or has been checked.
   TickFacts* FactsOf(std::int64_t tick);
   bool Complete(const TickFacts& facts) const;
   /// Whether the clock after the next tick requires the decision due at it; none: that clock is not

@@ -38,7 +38,7 @@ struct Piece {
   bool backward;
 };
 
-/// Where a place comes to the road: so far along a piece, so much open ground beside it.
+/// Where a place meets the road: how far along a piece, and across how much open ground.
 struct Foot {
   int piece = -1;
   Mm along = 0, aside = 0;
@@ -240,7 +240,7 @@ class Streets {
       if (!around->known.emplace(next, cost).second) continue;
       for (const int index : beside_[static_cast<std::size_t>(next)]) {
         const Piece& piece = PieceAt(index);
-        // Who is to arrive here comes from its other end.
+        // An agent that arrives here has come from the other end of the piece.
         if (piece.b == next) around->rim.emplace(cost + piece.cost, piece.a);
         if (piece.a == next && piece.backward) around->rim.emplace(cost + piece.cost, piece.b);
       }

@@ -51,9 +51,9 @@ struct Flown {
   std::int64_t tick = -1;
 };
 
-/// One tick as all checks see it: what the log says of it, and the mission as it is by the audit's
-/// own arithmetic. A check that only looks takes it as const; those that follow the mission leave
-/// in it what the next ones need.
+/// One tick as all checks see it: what the log says of it, and the mission as the audit's own
+/// arithmetic has it. A check that changes nothing takes it as const. Those that follow the mission
+/// leave in it what later checks need.
 struct View {
   View(const Scenario& scenario, Findings* findings);
   View(const View&) = delete;

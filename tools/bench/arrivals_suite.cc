@@ -74,7 +74,7 @@ Scenario ArrivalsScenario(ImportedSettings* imported, const std::string& arrival
 void RunArrivals(const BenchOptions& options,
                  const std::function<void(const ArrivalsRow&)>& report) {
   ImportedSettings imported(options.data);
-  // What cannot be flown is said before the first mission.
+  // Missions that cannot be flown are refused before the first one starts.
   for (const std::string& arrivals : options.instances) {
     for (const double load : options.loads) {
       ArrivalsScenario(&imported, arrivals, load, static_cast<std::uint64_t>(options.first_seed));

@@ -106,7 +106,7 @@ void ReadRun(const MissionSetting& setting, const std::string& run, MissionFigur
 }
 
 /// A mission whose processes wait for no log: what `muster run` starts, without recorder and
-/// launcher. Somebody listens for its end.
+/// launcher. A listener waits for its end.
 class UnloggedMission {
  public:
   UnloggedMission(const MissionSetting& setting, std::string folder)

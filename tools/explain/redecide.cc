@@ -119,7 +119,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
     if (name.empty() && !logged.schedules.empty()) name = logged.schedules.front().policy;
     if (name.empty()) continue;  // nothing to say how, nothing to compare with
     if (policy.empty() && scheduler::IsExternal(name)) {
-      // Anybody may have written the log, so no program that it names is started.
+      // The log may come from anywhere, so no program that it names is started.
       throw InputError("options", "--policy",
                        fmt::format("none, and the log's is {}", Printable(name)),
                        "--policy with it: a program that a log names is not started unasked");

@@ -19,7 +19,7 @@ struct Redecided {
   schedule_t again = {};           ///< when nothing is missing
 };
 
-/// Puts what the log holds to the scheduler's process once more, decision by decision: the same
+/// Gives the log's messages to the scheduler's process once more, decision by decision: the same
 /// core that runs in a mission, packets in, schedule_t out. `policy` is how it decides; empty: as
 /// the logged schedules say. Decisions of which the log holds neither a schedule nor all messages
 /// are left out: the mission ended there. Throws InputError for an unknown policy, and
@@ -31,7 +31,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
 /// "actions[3].weight is 2.5, the log says 2.25". Numbers are compared bit for bit. Empty: none.
 std::string FirstDifference(const schedule_t& again, const schedule_t& logged);
 
-/// How many actions, stays aside, two decisions do not share.
+/// How many actions the two decisions do not share, not counting stays.
 struct ActionDifference {
   int only_logged = 0, only_again = 0;
 };

@@ -329,7 +329,7 @@ void AddAnswer(const Chapter<AgentAnswer>& chapter, AgentKind kind, Terms terms,
   if (terms == Terms::kHorizon || !answer.options.empty()) AddHow(chapter, lines);
 }
 
-/// In a summary: who is missing is missing now, or soon.
+/// An obstacle in the words of a summary: a missing agent is missing now, or will be soon.
 std::string_view ShortWords(Obstacle obstacle, Terms terms) {
   const bool paper = terms == Terms::kPaper;
   if (obstacle == Obstacle::kNoPartner) return paper ? "no idle worker" : "no worker soon";

@@ -32,7 +32,7 @@ bool Deafens(const PlannedFault& fault) {
   return fault.kind == FaultKind::kLoss && fault.probability >= 1;
 }
 
-/// While it lasts, the mission waits for somebody.
+/// Whether the mission waits for a process while the fault lasts.
 bool HoldsTheClock(const PlannedFault& fault) {
   return RowOf(fault.kind).holds_clock || Deafens(fault);
 }

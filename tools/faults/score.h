@@ -10,7 +10,7 @@
 
 namespace muster::tools {
 
-/// What a mission's log says, as far as faults are scored by it.
+/// What scoring faults needs of a mission's log.
 struct FaultEvidence {
   RunRecord record;
   /// Wall time of the first clock_t of each mission time, microseconds.

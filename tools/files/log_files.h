@@ -17,8 +17,8 @@ std::vector<std::string> LogFilesOf(const std::string& run);
 
 /// In the run directory of a sealed mission: the key of that run.
 inline constexpr std::string_view kSealKeyFile = "seal.key";
-/// The key beside a log file; none where none is, or somebody else's. Throws InputError where it is
-/// no key of a run.
+/// The key beside a log file; none if there is no file, or one that this user may not read. Throws
+/// InputError if the file is not the key of a run.
 std::optional<SealKey> KeyBeside(const std::string& log_file);
 
 /// Opens one log file. Where a key is beside it, messages without the right tag are left out.

@@ -21,7 +21,7 @@ void SituationRecorder::Add(const Packet& packet) {
     const TimeUs t = rules.TimeOf(message.tick);
     if (t % rules.interval_us != 0) return;
     const auto d = static_cast<std::size_t>(t / rules.interval_us);
-    // What cannot be is left out, as the scheduler leaves it out.
+    // Impossible messages are left out, as the scheduler leaves them out.
     if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(message));
   };
   reader_.Add(packet, [&](const Message& message, const Packet&) {

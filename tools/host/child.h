@@ -49,8 +49,8 @@ class Child {
   /// Reaps it if it has ended; never waits. Its end, once known, stays known.
   const std::optional<ChildEnd>& Poll();
   void Signal(int signal);
-  /// Continues it if a signal holds it, then sends SIGTERM. A child whose stdin is held gets that
-  /// closed instead: what it stands for ends, then itself.
+  /// Continues it if a signal holds it, then sends SIGTERM. If the child's stdin is
+  /// held, closes that instead: the program that the child stands for ends, and then the child.
   void AskToEnd();
   /// Whether a signal holds it now.
   bool Stopped() const;

@@ -20,23 +20,23 @@ class EndWatch {
  public:
   struct Waiting {
     std::vector<std::string> for_whom;  ///< in words; empty: all is done
-    std::int64_t gaps = 0;              ///< messages known to exist that the log lacks
-    bool may_be_filled = false;         ///< somebody is stopped, or about to start again
+    std::int64_t gaps = 0;              ///< messages that exist but are not in the log
+    bool may_be_filled = false;         ///< a process is stopped, or about to start again
   };
 
   /// Takes how things stand; a line to say now: after 3 s, 6 s, 12 s ...
   std::optional<std::string> Line(const Waiting& waiting, TimeUs now_us);
-  /// For 10 s, while all processes that could fill the gaps ran, the gaps have not become fewer.
+  /// Whether the gaps have not become fewer for 10 s, while all processes that could fill them ran.
   bool hopeless(TimeUs now_us) const;
 
  private:
   Patience patience_;
-  /// The fewest so far: what the living go on to say is a gap until it is in the log.
+  /// The fewest so far. Each new message is a gap until it is in the log.
   std::int64_t least_gaps_ = 0;
   TimeUs gaps_since_us_ = kNever;
 };
 
-/// For what a mission waits whose end is announced. `members`: the logger first.
+/// What a mission whose end is announced still waits for. `members`: the logger first.
 EndWatch::Waiting WaitingAtEnd(const std::vector<Member>& members, const MissionView& logged,
                                const recorder::Recorder& recorder, const MissionHost& host);
 

@@ -15,9 +15,9 @@ namespace muster::tools {
 /// Ethernet's headers, in as many datagrams and IP fragments as it needs.
 std::int64_t WireBytes(const Packet& packet);
 
-/// What the links of a mission's hosts carry, from the log: LCM sends to all, so a host's link
-/// carries what its processes say, and what all others say. Packets lost
-/// before the recorder are not counted.
+/// What the links of a mission's hosts carry, computed from the log. LCM sends to all hosts, so a
+/// host's link carries what its own processes send and what all others send. Packets that are lost
+/// before they reach the recorder are not counted.
 class LinkTraffic {
  public:
   /// `here`: what the host of the launcher, the recorder and all that `hosts` does not name is
@@ -35,7 +35,7 @@ class LinkTraffic {
   };
   /// In the hosts' order, `here` first.
   std::vector<Link> links() const;
-  /// For the summary: a line a link, and what limits the mission as far as links tell.
+  /// For the summary: a line for each link, and whether a link limits the mission.
   std::string Text() const;
 
  private:

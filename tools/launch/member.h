@@ -15,7 +15,7 @@ struct Member {
   TimeUs restart_us = kNever;  ///< then
   bool held = false;           ///< not before it is released
   std::int64_t forgiven = 0;   ///< ends that the fault plan caused
-  bool back_due = false;       ///< started again, and nothing heard of that start yet
+  bool back_due = false;       ///< started again, but nothing has been heard from that start yet
   bool gone = false;           ///< ended for good, and the mission goes on
 };
 

@@ -38,10 +38,10 @@ class MissionHost {
   /// Kills it if it still runs.
   virtual void Kill(const std::string& name) = 0;
   virtual bool IsStopped(const std::string& name) const = 0;
-  /// What it said at last, and where.
+  /// The last lines that it wrote, and where they are.
   virtual std::string LastWords(const std::string& name) const = 0;
 
-  /// "": there is room for the log; else where there is none.
+  /// "": there is room for the log; else the place where there is none.
   virtual std::string NoRoom() const { return ""; }
   /// The log's disk takes no further byte, or does again.
   virtual void SetDiskFull(bool full) = 0;
@@ -53,7 +53,7 @@ class MissionHost {
 
   /// For the display.
   virtual void Say(const std::string& line) = 0;
-  /// `lag_ticks`: ticks heard and not in the log yet. `at_end`: the last word.
+  /// `lag_ticks`: ticks heard and not in the log yet. `at_end`: this is the last call.
   virtual void Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) = 0;
 };
 

@@ -24,10 +24,11 @@ class Namesakes {
   /// What can be known of the sender otherwise.
   struct Known {
     std::int64_t logged = kNever;  ///< every number of that start below has been read in the log
-    std::int64_t starts = kNever;  ///< so often it was started
+    std::int64_t starts = kNever;  ///< how often it was started
   };
 
-  /// Takes a message of the mission as it is heard. A line that names the sender, once for each.
+  /// Takes a message of the mission as it is heard. Returns a line that names the sender if two
+  /// processes use its name; once for each sender.
   std::optional<std::string> OnHeard(const Packet& packet, const header_t& header,
                                      const Known& known);
 

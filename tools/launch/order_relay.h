@@ -18,7 +18,7 @@ class OrderRelay {
   explicit OrderRelay(OrderGate* gate) : gate_(gate) {}
 
   void Step(const Now& now, recorder::Recorder* speaker);
-  /// In the log.
+  /// Takes a message of the log.
   void OnLogged(const orders_t& orders);
   /// When to step again at the latest.
   TimeUs due_us() const { return open_.empty() ? kNever : again_us_; }

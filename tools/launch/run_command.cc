@@ -248,7 +248,7 @@ int RunCommand(int argc, const char* const* argv) {
   auto options = ParseLaunchOptions(argc, argv);
   if (!options) return kExitOk;
 
-  // All that can be wrong with the request or the host comes before the first file.
+  // Whatever is wrong with the request or the host is found before the first file is written.
   std::vector<world::PlannedOrder> orders;
   Scenario resolved = ResolveScenario(*options, &orders);
   MarkDriven(options->drivers, &resolved);

@@ -10,7 +10,7 @@
 
 namespace muster::tools {
 
-/// When to say that something is still waited for: after 3 s, 6 s, 12 s ...
+/// When to say that a mission still waits for something: after 3 s, 6 s, 12 s ...
 class Patience {
  public:
   /// What is waited for, from now on; the same again changes nothing. "": nothing.
@@ -37,9 +37,9 @@ class StallWatch {
   /// A line to print now: that the mission stands (after 3 s, 6 s, 12 s ...) and which process it
   /// waits for, or that it goes on, or that it is late (by 5 s, 10 s, 20 s ...).
   std::optional<std::string> Line(TimeUs now_us);
-  /// Whose word on the newest tick has not been heard.
+  /// Processes whose message on the newest tick has not been heard.
   std::vector<std::string> Missing() const;
-  /// The clock has been heard to run; to have ended.
+  /// Whether the clock has been heard to run, and to have ended.
   bool begun() const { return moved_us_ >= 0; }
   bool ended() const { return ended_; }
   /// Since that process was heard, or since the first call; microseconds.

@@ -42,9 +42,10 @@ struct MissionPlan {
   /// Called with every event of the log, as it is read; it must return soon.
   std::function<void(const Packet&)> on_logged = {};
   bool goes_on = false;  ///< without agent processes and scheduler when they are lost
-  TimeUs lost_after_us = 5 * kSecondUs;  ///< so long silent after the end, one is left behind
-  OrderGate* orders = nullptr;           ///< where orders come in; null: nowhere
-  double rate = 0;                       ///< mission seconds per wall second; 0: as fast as it goes
+  TimeUs lost_after_us =
+      5 * kSecondUs;  ///< a process that is silent for longer after the end is not waited for
+  OrderGate* orders = nullptr;  ///< where orders come in; null: nowhere
+  double rate = 0;              ///< mission seconds per wall second; 0: as fast as it goes
 };
 
 enum class MissionEnd {

@@ -75,7 +75,7 @@ void Supervisor::LeaveBehind(const Now& now) {
         stall_watch_.SilentUs(member->name, now.monotonic_us) < silent_us) {
       continue;
     }
-    // What it has said, and the log lacks, the recorder says in its place.
+    // The recorder publishes in its place what it has said and the log does not hold.
     recorder_.OnEnd(member->name, member->starts - 1, now);
     if (heard_.StateOf(member->name) == ProcessState::kEnded) continue;
     member->gone = true;

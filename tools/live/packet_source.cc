@@ -89,7 +89,7 @@ class HeardBus : public PacketSource {
       if (const auto header = DecodeHeader(packet)) heard_ = header->run_id;
       if (packet.channel == channel::kScenario) known_ = heard_;
     }
-    // Who has no key gets no answer.
+    // A process without the key gets no answer.
     if (sealed_) return packets;
     if (const auto question = request_.Due(heard_, heard_ && known_ == heard_, MonotonicUs())) {
       bus_.Publish(*question);

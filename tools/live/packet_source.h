@@ -27,9 +27,9 @@ class PacketSource {
 /// Run directory or log file when it is no LCM URL ("udpm://..."). Throws InputError, SystemError.
 std::unique_ptr<PacketSource> OpenPacketSource(const std::string& run_or_url);
 
-/// Asks for the scenario on the bus when the mission was under way before anybody listened. The
-/// question is one message with one seq, said again until it is answered, so the mission's log
-/// stays without gaps. The world answers by its scenario and clock.
+/// Asks for the scenario on the bus if the mission began before this process listened. The question
+/// is one message with one seq, repeated until it is answered, so the mission's log stays without
+/// gaps. The world answers by its scenario and clock.
 class ScenarioRequest {
  public:
   /// The packet to publish now, if any. `heard`: the run that is heard; `known`: its scenario is.

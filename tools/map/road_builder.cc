@@ -15,7 +15,7 @@
 namespace muster::tools {
 namespace {
 
-/// So much of a road is closed to vehicles on each side of a barrier.
+/// How much of a road is closed to vehicles on each side of a barrier.
 constexpr std::int64_t kBarrier_mm = 1000;
 
 std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }

@@ -27,11 +27,11 @@ struct MeasuredLeg {
   std::optional<TimeUs> arrived_us = {};
 };
 
-/// Planned against measured: gathers what measured agents told of their arrivals, in any order of
-/// the messages.
+/// Compares planned with measured arrivals: gathers what measured agents have reported, in any
+/// order of the messages.
 class MeasuredLegs {
  public:
-  /// What an agent told of a tick.
+  /// Takes an agent's report for a tick.
   void Take(const Scenario& scenario, AgentKind kind, std::int64_t tick, const agent_t& agent);
   /// By class, agent and decision. Ways that take less than what arrivals are known to
   /// (kMeasuredSlackUs) are left out: it was there.

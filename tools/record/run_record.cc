@@ -185,7 +185,7 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
   if (cover != nullptr) cover->agents.resize(said_.size());
   for (const agent_t& agent : message.agents) {
     const std::size_t i = *row_.Find(kind, agent.id);
-    // Who has not joined yet is nowhere.
+    // An agent that has not joined yet is nowhere.
     const bool is_vacant = agent.online_until_us == 0 && reader_.orders().takes_orders();
     if (kind == AgentKind::kUav && !is_vacant)
       tracks_[i].Add(message.tick, {agent.x_m, agent.y_m}, agent.range_left_m);

@@ -128,7 +128,7 @@ class RunRecord {
     std::vector<Gap> lost_tails;
     std::vector<Missing> missing;  ///< at most kMaxListed, the earliest
     std::int64_t n_missing = 0;    ///< (owner, tick) pairs missing
-    std::int64_t repeated = 0;     ///< states of an agent said twice of one tick
+    std::int64_t repeated = 0;     ///< states of an agent that were reported twice for one tick
     std::vector<std::string> damage;
     std::vector<std::string> torn_tails;
   };

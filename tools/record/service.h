@@ -9,9 +9,9 @@
 
 namespace muster::tools {
 
-/// How a mission served its tasks, where they are reported while it runs, due or of different
-/// priority. Of the tasks that were reported before the limit; only those whose sensing ended are
-/// done.
+/// How a mission served its tasks, if they are reported while it runs, are due, or differ in
+/// priority. It counts the tasks that were reported before the limit; done are only those whose
+/// sensing ended.
 struct Service {
   struct Of {
     int reported = 0;

@@ -88,7 +88,7 @@ class VirtualHost : public MissionHost {
     std::vector<VirtualLogger::Event> events = {};
     std::size_t read = 0;
   };
-  /// Its place among those whose packets are lost by draws of their own.
+  /// The seed of the draws by which that process loses packets.
   std::uint64_t SeedOf(const std::string& name) const;
 
   const VirtualMission& mission_;

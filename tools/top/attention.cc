@@ -43,8 +43,9 @@ class Kind {
   std::vector<std::pair<double, Concern>> found_;
 };
 
-/// By id: faults that were applied and have not ended. Not those of one agent, which is in trouble
-/// itself, nor that a process was killed: how long it is away is told of the process.
+/// By id: faults that were applied and have not ended. Faults of one agent are left out, because
+/// the agent is listed itself. So are killed processes, which are listed with how long they are
+/// away.
 std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
   std::map<std::string, std::int64_t> since;
   for (const event_t& event : timeline.events().rows) {

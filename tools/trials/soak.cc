@@ -90,7 +90,7 @@ VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
   plan.seed = seed;
   plan.rate_per_hour = settings.rate_per_hour;
   plan.kinds = AllSurvivableKinds();
-  // Who has failed by chance, or has run dry on the way, cannot fail by order.
+  // An agent that has failed by chance, or whose range has ended, cannot fail by a fault.
   const Disturbances& chances = mission.scenario.disturbances;
   if (chances.agent_failure.on() || chances.wind.on() || chances.communication_m.on()) {
     std::erase_if(plan.kinds, [](FaultKind kind) { return RowOf(kind).of_agents(); });

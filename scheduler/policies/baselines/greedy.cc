@@ -16,7 +16,7 @@ namespace muster::scheduler {
 namespace {
 
 /// The cells of an area and what they cost one agent class: the sum or least of the ways from a
-/// cell's centre to the targets. Of a large area only those are looked at that somebody can reach.
+/// cell's centre to the targets. In a large area only cells that an agent can reach are looked at.
 class Cells {
  public:
   Cells(const Site& site, AgentKind kind, const std::vector<Point>& targets, GreedyPolicy::Aim aim)

@@ -158,7 +158,8 @@ PerKind<Matrix> MeanFields(const Tensors& t, const Observation& observation,
         Matrix::Zero(static_cast<Eigen::Index>(observation.agents[kind].size()), kMeanField);
   }
   PerKind<Eigen::Index> next;
-  // Neighbours are those close by in a straight line: it is about who is seen, not about travel.
+  // Neighbours are the agents within a straight distance: what counts is which are seen, not
+  // travel.
   for (const One& one : all) {
     const auto neighbours = [&](double reach_m) {
       std::vector<const One*> near;

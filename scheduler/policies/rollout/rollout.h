@@ -12,47 +12,46 @@
 namespace muster::scheduler {
 
 struct RolloutSettings {
-  /// Ways to weigh, the first one first in a tie. Each is followed to the end of the known agents'
-  /// time by deciding on with the same weights.
+  /// Settings of horizon to try; in a tie the first one wins. Each one's decision is simulated to
+  /// the end of the known agents' time, and all later decisions are made with the same settings.
   std::vector<HorizonSettings> variants = DefaultVariants();
-  /// When the best variant leaves a known task undone: the best decision so far is varied this
-  /// often by chance (HorizonSettings::jitters), each followed with the variant's own weights.
+  /// If the best variant leaves a known task undone, the best decision so far is varied this often
+  /// by chance (HorizonSettings::jitters). Each is simulated with the variant's own settings.
   int draws = 48;
   double jitter = 0.1;
-  /// Rounds that the draws are parted into. Once a draw is better than the variant, those of later
-  /// rounds are around it: their own jitter is added to the draw's.
+  /// The draws come in so many rounds. Once a draw is better than the variant, the draws of later
+  /// rounds are near it: their own jitter is added to that draw's.
   int rounds = 1;
   double later_jitter = 0.07;
   /// Decisions that are simulated for the variants, and again for the draws; half as many where the
-  /// first variant's decision has more than `many_pairs` pairs to choose from. Repeatable: all that
-  /// are followed may go equally far.
+  /// first variant's decision has more than `many_pairs` pairs to choose from. Repeatable: all
+  /// simulations have the same share of it.
   std::int32_t work = 800;
   std::int64_t many_pairs = 12'000;
-  /// Pairs that these decisions may choose from, all together, for the variants and again for the
-  /// draws, as if each had those of the first variant's decision. Where that allows fewer than
-  /// `work`, the first variants and the first draws are followed, as many as can go to the end;
-  /// where not even two can, the first variant's decision stands.
+  /// Limit of the sum of pairs that these decisions choose from, for the variants and again for the
+  /// draws, with as many for each as the first variant's decision has. If that allows fewer
+  /// decisions than `work`, only so many of the first variants and draws are simulated as can go to
+  /// the end. If not even two can, the first variant's decision stands.
   std::int64_t pairs = 50'000'000;
-  /// Wall time after which nothing further is followed, for live use: an answer may then depend on
+  /// Wall time after which nothing more is simulated, for live use: an answer may then depend on
   /// the machine's speed.
   std::optional<std::chrono::steady_clock::duration> deadline;
   int threads = 2;  ///< 1 or 2; no answer depends on it without a deadline
-  /// What a task done at mission start is worth above one done at the limit, in tasks.
+  /// How much more a task done at mission start is worth than one done at the limit, in tasks.
   double early = 0.5;
   /// Tasks an hour that are expected to be reported from now on (ExpectTasks); 0: none.
   double expect_per_hour = 0;
-  /// So many futures are drawn where tasks are expected. A decision counts with what it gets done
-  /// in all of them; `work` is for each.
+  /// How many futures are drawn if tasks are expected. A decision counts with what it gets done in
+  /// all of them; each future has `work` decisions.
   int futures = 8;
 
   static std::vector<HorizonSettings> DefaultVariants();
 };
 
-/// Decides like that variant of `horizon` under which most tasks get done, the known situation
-/// carried forward on the rule book (ForwardModel); then tries other decisions near that one.
-/// Decisions that are alike are followed once, the first of them. Source: ours; the idea is that of
-/// rollout algorithms (Bertsekas, Tsitsiklis and Wu 1997): one step of improvement over base
-/// policies.
+/// Simulates the known situation forward by the rule book (ForwardModel) and decides like the
+/// variant of `horizon` that gets most tasks done; then tries other decisions near that one. Of
+/// equal decisions only the first is simulated. Source: ours; the idea is that of rollout
+/// algorithms (Bertsekas, Tsitsiklis and Wu 1997): one step of improvement over base policies.
 class RolloutPolicy : public MatchingPolicy {
  public:
   explicit RolloutPolicy(RolloutSettings settings = {});
@@ -71,21 +70,21 @@ class RolloutPolicy : public MatchingPolicy {
  private:
   struct Plan {
     HorizonSettings settings;  ///< decided with these
-    HorizonSettings follow;    ///< decides on with these
+    HorizonSettings follow;    ///< later decisions of the simulation are made with these
     Decision decision;
     bool decided = false, followed = false;
     double worth = 0;
     std::size_t done = 0;  ///< tasks
   };
-  /// What the plans are followed into; without expected tasks the situation alone.
+  /// The futures in which plans are simulated; without expected tasks the situation alone.
   std::vector<ExpectedTasks> FuturesOf(const Situation& situation) const;
-  /// Decides all plans that are not decided yet, follows those that differ from each other and from
-  /// `known`, for `work` simulated decisions in all.
+  /// Decides all plans that are not decided yet, and simulates those that differ from each other
+  /// and from `known`, with `work` simulated decisions in all.
   void Follow(const Situation& situation, const std::vector<ExpectedTasks>& futures,
               std::chrono::steady_clock::time_point start, std::int64_t work, const Plan* known,
               std::vector<Plan>* plans) const;
 
-  /// Varies the settings by a draw: by a first one widely, by another one around that.
+  /// Varies the settings by a draw: the first draw widely, further draws a little around it.
   void AddDraw(std::uint32_t draw, HorizonSettings* settings) const;
 
   RolloutSettings settings_;
