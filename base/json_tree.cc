@@ -236,8 +236,7 @@ std::string JsonValue::Shown() const {
       return shortened;
     case Type::kString:
       // dump() escapes what would break the message's one line; a cut may split a UTF-8 sequence.
-      return nlohmann::json(shortened).dump(-1, ' ', false,
-                                            nlohmann::json::error_handler_t::replace);
+      return JsonText(shortened);
     case Type::kArray:
       return fmt::format("an array of {}", items.size());
     case Type::kObject:
@@ -250,6 +249,10 @@ JsonValue ParseJson(std::string_view json, std::string_view file) {
   TreeBuilder builder(json, file);
   builder.Parse();
   return builder.Take();
+}
+
+std::string JsonText(std::string_view text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace muster

@@ -41,4 +41,7 @@ struct JsonValue::Member {
 /// size).
 JsonValue ParseJson(std::string_view json, std::string_view file);
 
+/// The text as a JSON string, with its quotes.
+std::string JsonText(std::string_view text);
+
 }  // namespace muster

@@ -121,6 +121,7 @@ enum class FaultKind : std::int8_t {
   kCorruption = 9,
   kDiskFull = 10,
   kForeign = 11,
+  kRoadClosed = 12,
 };
 
 /// process_status_t.state
@@ -182,9 +183,10 @@ inline constexpr std::array<std::string_view, 26> kNames<EventKind> = {
     "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves",   "driver_failed",
     "state_unknown"};
 template <>
-inline constexpr std::array<std::string_view, 12> kNames<FaultKind> = {
-    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition", "loss",
-    "duplication", "delay",        "reordering",     "corruption",      "disk_full", "foreign"};
+inline constexpr std::array<std::string_view, 13> kNames<FaultKind> = {
+    "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",
+    "loss",        "duplication",  "delay",          "reordering",      "corruption",
+    "disk_full",   "foreign",      "road_closed"};
 template <>
 inline constexpr std::array<std::string_view, 5> kNames<ProcessState> = {
     "starting", "ready", "running", "degraded", "ended"};

@@ -83,7 +83,7 @@ bool Takes(const AgentState& agent, const Activity& activity) {
 
 AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways) {
   AgentState agent;
-  agent.ways = &ways;
+  agent.ways = agent.leg_ways = &ways;
   agent.kind = kind;
   agent.id = id;
   agent.speed_m_s = spec.speed_m_s;
@@ -101,14 +101,52 @@ AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const
   return agent;
 }
 
+std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const Ways& now) {
+  const auto share =
+      agent.leg_ways->BarredAt(agent.kind, agent.from, agent.to, ShareAt(agent, since_us), now);
+  if (!share) return {};
+  const auto way_us = static_cast<double>(agent.arrive_us - agent.depart_us);
+  return agent.depart_us + static_cast<TimeUs>(std::ceil(*share * way_us));
+}
+
+void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
+  const Ways& before = *agent->leg_ways;
+  agent->ways = &now;
+  const bool under_way = agent->action != ActionKind::kNone && !agent->failed;
+  // Where a measured agent is it says itself, so its leg is always one by the ways of the present.
+  if (!under_way || agent->measured) agent->leg_ways = &now;
+  if (!under_way || (agent->measured && agent->measured->arrived)) return;
+  AgentState moved = *agent;
+  moved.leg_ways = &before;
+  const auto barred_us = BarredAt(moved, since_us, now);
+  if (!barred_us) return;
+  const Point here = PositionAt(moved, agent->measured ? t : std::min(*barred_us, t));
+  agent->leg_ways = &now;
+  agent->from = here;
+  agent->depart_us = t;
+  agent->activity.reset();
+  const double way_m = now.Length(agent->kind, here, agent->to);
+  if (std::isinf(way_m)) {
+    agent->to = here;
+    agent->arrive_us = t;
+    agent->action = ActionKind::kNone;
+    agent->target = agent->partner = -1;
+  } else {
+    agent->arrive_us = t + TravelUs(way_m, agent->speed_m_s);
+  }
+  agent->busy_until_us = IsPair(agent->action) ? kNever : agent->arrive_us;
+  if (agent->measured) NoteLeg(agent);
+}
+
 Point PositionAt(const AgentState& agent, TimeUs t) {
   if (t >= agent.arrive_us) return agent.to;
   if (t <= agent.depart_us) return agent.from;
-  return agent.ways->PlaceAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
+  return agent.leg_ways->PlaceAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
 }
 
 double RangeOnWayAt(const AgentState& agent, TimeUs t) {
-  const double way_m = agent.ways->LengthAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
+  const double way_m =
+      agent.leg_ways->LengthAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
   return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way_m);
 }
 
@@ -283,6 +321,7 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
   if (std::isinf(way_m)) return;  // where no way leads it is not sent
   agent->from = agent->to;
   agent->to = goal.at;
+  agent->leg_ways = agent->ways;
   agent->depart_us = now;
   agent->arrive_us = now + TravelUs(way_m, agent->speed_m_s);
   agent->action = action.kind;

@@ -71,7 +71,10 @@ struct AgentState {
   double charge_rate_m_s = 0;
   TimeUs online_from_us = 0;
   TimeUs online_until_us = 0;
-  const Ways* ways = &StraightWays();  ///< of the scenario, which outlives the agent
+  /// How it travels now, and how it does on its leg. The scenario's, which outlives the agent. A
+  /// leg keeps the ways that it began with until a road on it is closed.
+  const Ways* ways = &StraightWays();
+  const Ways* leg_ways = ways;
 
   Point from, to;
   TimeUs depart_us = 0;
@@ -100,6 +103,14 @@ struct AgentState {
 
 /// A fresh agent at mission start.
 AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways);
+
+/// When it comes on its leg to what is closed by `now`, not before since_us; none: it does not.
+std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const Ways& now);
+
+/// The ways have changed at t; those that are closed have been so since since_us, in the last tick.
+/// An agent that is under way to what is closed goes round: from where it stands before it, or from
+/// where it is at t. If no way is left, it stops there, free.
+void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now);
 
 /// Where the agent is at t (t >= depart_us).
 Point PositionAt(const AgentState& agent, TimeUs t);

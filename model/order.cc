@@ -93,6 +93,60 @@ std::int32_t AddAgent(const Order& order, TimeUs t, Scenario* scenario) {
   return static_cast<std::int32_t>(id);
 }
 
+/// Roads that the order names, ascending.
+std::vector<std::int32_t> RoadsOf(const Order& order, const Scenario& scenario) {
+  std::vector<std::int32_t> roads = RoadsIn(*scenario.roads->network, *order.area);
+  if (roads.empty()) {
+    throw InputError("order", "roads", RoadAreaToJson(*order.area), "a place where roads are");
+  }
+  return roads;
+}
+
+void CloseRoads(const Order& order, TimeUs t, Scenario* scenario) {
+  const TimeUs until_us = order.UntilUs(t);
+  if (until_us <= t) {
+    throw InputError("order", "until_min", TimeToText(until_us, kMinute),
+                     fmt::format("later than now ({})", TimeToText(t, kMinute)));
+  }
+  // What has been reported of earlier ticks stands.
+  const TimeUs tick_us = scenario->rules.tick_us;
+  if (order.since_us && (*order.since_us > t || *order.since_us < t - tick_us)) {
+    throw InputError("order", "since_min", TimeToText(*order.since_us, kMinute),
+                     fmt::format("a time in the last tick ({} to {})",
+                                 TimeToText(t - tick_us, kMinute), TimeToText(t, kMinute)));
+  }
+  std::vector<std::int32_t> roads = RoadsOf(order, *scenario);
+  const bool any_open = std::any_of(roads.begin(), roads.end(), [&](std::int32_t road) {
+    return std::none_of(
+        scenario->closures.begin(), scenario->closures.end(), [&](const Closure& closure) {
+          return std::binary_search(closure.roads.begin(), closure.roads.end(), road);
+        });
+  });
+  if (!any_open) throw InputError("all of these roads are closed already");
+  scenario->closures.push_back({order.id, order.name.value_or(""), t, std::move(roads)});
+  ChangeWays(t, scenario);
+}
+
+void OpenRoads(const Order& order, TimeUs t, Scenario* scenario) {
+  std::vector<Closure>& closures = scenario->closures;
+  if (!order.area) {
+    const auto n =
+        std::erase_if(closures, [&](const Closure& c) { return c.order == order.closure; });
+    if (n == 0) throw InputError(fmt::format("no roads are closed by an order {}", order.closure));
+    return ChangeWays(t, scenario);
+  }
+  const std::vector<std::int32_t> opened = RoadsOf(order, *scenario);
+  std::size_t n = 0;
+  for (Closure& closure : closures) {
+    n += std::erase_if(closure.roads, [&](std::int32_t road) {
+      return std::binary_search(opened.begin(), opened.end(), road);
+    });
+  }
+  if (n == 0) throw InputError("none of these roads is closed");
+  std::erase_if(closures, [](const Closure& closure) { return closure.roads.empty(); });
+  ChangeWays(t, scenario);
+}
+
 }  // namespace
 
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
@@ -112,6 +166,11 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
                                      scenario->n_agents(order.agent_kind) - 1));
       }
       return taken;
+    case OrderSubject::kRoads:
+      if (scenario->roads == nullptr) throw InputError("the scenario has no roads");
+      order.kind == OrderKind::kRoadClose ? CloseRoads(order, t, scenario)
+                                          : OpenRoads(order, t, scenario);
+      return taken;
     case OrderSubject::kTask:
       break;
   }
@@ -123,6 +182,16 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
     ChangeTask(order, t, &scenario->tasks[static_cast<std::size_t>(order.task_id)], *scenario);
   }
   return taken;
+}
+
+void FollowRoads(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
+                 const Scenario& scenario) {
+  TimeUs since_us = kNever;
+  for (const TakenOrder& one : taken) {
+    if (RowOf(one.order.kind).subject != OrderSubject::kRoads) continue;
+    since_us = std::min({since_us, t, one.order.since_us.value_or(t)});
+  }
+  if (since_us != kNever) GoRound(agent, since_us, t, scenario.WaysAt(t));
 }
 
 void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario) {

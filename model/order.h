@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,11 +26,22 @@ struct Order {
   std::optional<TimeUs> due_us, expires_us;
   /// The same, counted from when the order is taken.
   std::optional<TimeUs> due_in_us, expires_in_us;
-  std::optional<std::string> name;
+  std::optional<std::string> name;  ///< or of a closure
 
   AgentKind agent_kind = AgentKind::kUav;
   AgentSpec agent;  ///< that joins
   std::int32_t agent_id = -1;
+
+  std::optional<RoadArea> area;  ///< of the roads to close or open
+  std::string closure;           ///< to end, instead: the id of the order that closed the roads
+  /// The roads have been closed since then, though nobody knew: one who came to them stands there.
+  std::optional<TimeUs> since_us;
+  /// The roads are to be opened then.
+  std::optional<TimeUs> until_us, until_in_us;
+  /// The same when the order is taken at t; kNever: not.
+  TimeUs UntilUs(TimeUs t) const {
+    return until_us ? *until_us : until_in_us ? t + *until_in_us : kNever;
+  }
 };
 
 /// An order that the world has taken, with the task or the agent that it adds or is about.
@@ -46,6 +58,12 @@ struct TakenOrder {
 /// place, what it changes is changed. Throws InputError where that cannot be (no room, no such
 /// task, a place outside the area, times that contradict each other); then nothing is changed.
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t);
+
+/// What of the orders of a tick about roads concerns an agent, before it reports tick time t: it
+/// travels by the roads as they are now. One whose way is closed before it goes round from where it
+/// is, or stops there, free, if there is no way. `scenario` contains the orders.
+void FollowRoads(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
+                 const Scenario& scenario);
 
 /// What of an order that was taken at t concerns an agent itself, once it is settled by that tick's
 /// verdict: an agent that joins is there; one that leaves goes when what is under way is done.

@@ -105,6 +105,31 @@ void ReadAgentName(const ObjectReader& top, Order* order) {
   order->agent_id = std::stoi(digits);
 }
 
+void ReadRoadOrder(const ObjectReader& top, Order* order) {
+  if (order->kind == OrderKind::kRoadOpen) {
+    top.AllowOnly(
+        {"id", "issuer", "at_min", "order", "area_km", "circle_km", "roads", "near_km", "closure"});
+    if (top.Has("closure")) {
+      order->closure = ReadName(top, "closure");
+      for (const std::string_view key : kRoadAreaKeys) {
+        if (top.Has(key)) top.Fail(key, *top.Optional(key), "nothing beside closure");
+      }
+      return;
+    }
+  } else {
+    top.AllowOnly({"id", "issuer", "at_min", "order", "area_km", "circle_km", "roads", "near_km",
+                   "name", "since_min", "until_min", "until_in_min"});
+    if (top.Has("name")) order->name = ReadName(top, "name");
+    order->since_us = OptionalTime(top, "since_min");
+    order->until_us = OptionalTime(top, "until_min");
+    order->until_in_us = OptionalTime(top, "until_in_min");
+    if (order->until_us && order->until_in_us) {
+      top.Fail("until_in_min", *top.Optional("until_in_min"), "nothing beside until_min");
+    }
+  }
+  order->area = ReadRoadArea(top);
+}
+
 }  // namespace
 
 Order ParseOrder(std::string_view json, const std::string& where) {
@@ -135,6 +160,9 @@ Order ParseOrder(std::string_view json, const std::string& where) {
     case OrderSubject::kAgent:
       top.AllowOnly({"id", "issuer", "at_min", "order", "agent"});
       ReadAgentName(top, &order);
+      return order;
+    case OrderSubject::kRoads:
+      ReadRoadOrder(top, &order);
       return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {

@@ -17,10 +17,12 @@ enum class OrderKind : std::int8_t {
   kAgentJoin,
   kAgentLeave,
   kAgentRecall,
+  kRoadClose,
+  kRoadOpen,
 };
 
 /// What an order names, and so which keys it has.
-enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent };
+enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads };
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
 /// have their own rules for that.
@@ -51,6 +53,8 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kAgentJoin, "agent_join", OrderSubject::kNewAgent},
     {OrderKind::kAgentLeave, "agent_leave", OrderSubject::kAgent},
     {OrderKind::kAgentRecall, "agent_recall", OrderSubject::kAgent},
+    {OrderKind::kRoadClose, "road_close", OrderSubject::kRoads},
+    {OrderKind::kRoadOpen, "road_open", OrderSubject::kRoads},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {

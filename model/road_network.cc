@@ -45,8 +45,8 @@ std::uint64_t Mixed(std::uint64_t a, std::uint64_t b) {
 class RoadNetwork::Search {
  public:
   Search(const RoadNetwork& network, const Spot& to)
-      : network_(network), cost_mm_(network.arcs_of_.size() - 1, kUnreached) {
-    const Line& line = network.lines_[At(to.road)];
+      : network_(network), cost_mm_(network.map_->arcs_of.size() - 1, kUnreached) {
+    const Line& line = network.map_->lines[At(to.road)];
     Reach(line.first_node, to.along_mm);
     if (line.backward || to.along_mm == line.cost_mm) {
       Reach(line.last_node, line.cost_mm - to.along_mm);
@@ -59,8 +59,9 @@ class RoadNetwork::Search {
       const auto [cost_mm, settled] = queue_.top();
       queue_.pop();
       if (cost_mm > cost_mm_[At(settled)]) continue;
-      for (const Arc& arc : network_.ArcsOf(settled)) {
-        if (arc.enters) Reach(arc.other, std::int64_t{cost_mm} + arc.cost_mm);
+      for (const Arc& arc : network_.map_->ArcsOf(settled)) {
+        if (arc.enters && !network_.IsClosed(arc.line))
+          Reach(arc.other, std::int64_t{cost_mm} + arc.cost_mm);
       }
     }
     return cost_mm_[At(node)];
@@ -97,15 +98,25 @@ std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
 
 RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
                          std::span<const Point> sites)
-    : open_ground_(open_ground), id_(next_id++) {
-  AddRoads(roads, kind);
-  IndexSegments();
-  IndexStops(roads, kind, sites);
+    : id_(next_id++) {
+  const auto map = std::make_shared<Map>();
+  map->open_ground = open_ground;
+  map->AddRoads(roads, kind);
+  map->IndexSegments();
+  map_ = map;
+  map->IndexStops(*this, roads, kind, sites);
+}
+
+RoadNetwork::RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed)
+    : map_(all.map_), closed_(all.map_->lines.size()), id_(next_id++) {
+  for (std::size_t i = 0; i < closed_.size(); ++i) {
+    closed_[i] = closed[At(map_->lines[i].file_road)];
+  }
 }
 
 RoadNetwork::~RoadNetwork() = default;
 
-void RoadNetwork::AddRoads(const Roads& roads, AgentKind kind) {
+void RoadNetwork::Map::AddRoads(const Roads& roads, AgentKind kind) {
   std::vector<std::int32_t> node_of(roads.points.size(), -1);
   std::int32_t n_nodes = 0;
   const auto node = [&](std::int32_t point) {
@@ -118,61 +129,63 @@ void RoadNetwork::AddRoads(const Roads& roads, AgentKind kind) {
     const std::int32_t percent = its_class.percent[kind];
     if (percent == 0) continue;
     Line line{};
+    line.file_road = static_cast<std::int32_t>(&road - roads.roads.data());
     line.backward = kind == AgentKind::kWorker || !its_class.one_way;
     line.first_node = node(road.points.front());
     line.last_node = node(road.points.back());
-    line.first_segment = static_cast<std::int32_t>(segments_.size());
+    line.first_segment = static_cast<std::int32_t>(segments.size());
     for (std::size_t i = 1; i < road.points.size(); ++i) {
       Segment segment{};
       segment.a = roads.points[At(road.points[i - 1])];
       segment.b = roads.points[At(road.points[i])];
-      segment.road = static_cast<std::int32_t>(lines_.size());
+      segment.road = static_cast<std::int32_t>(lines.size());
       segment.begins_mm = line.cost_mm;
       segment.cost_mm = AtPercent(LengthMm(segment.a, segment.b), percent);
       line.cost_mm += segment.cost_mm;
-      segments_.push_back(segment);
+      segments.push_back(segment);
     }
-    line.end_segment = static_cast<std::int32_t>(segments_.size());
-    lines_.push_back(line);
+    line.end_segment = static_cast<std::int32_t>(segments.size());
+    lines.push_back(line);
   }
   ConnectNodes(At(n_nodes));
 }
 
-void RoadNetwork::ConnectNodes(std::size_t n_nodes) {
-  arcs_of_.assign(n_nodes + 1, 0);
-  for (const Line& line : lines_) {
-    ++arcs_of_[At(line.first_node) + 1];
-    ++arcs_of_[At(line.last_node) + 1];
+void RoadNetwork::Map::ConnectNodes(std::size_t n_nodes) {
+  arcs_of.assign(n_nodes + 1, 0);
+  for (const Line& line : lines) {
+    ++arcs_of[At(line.first_node) + 1];
+    ++arcs_of[At(line.last_node) + 1];
   }
-  for (std::size_t i = 0; i < n_nodes; ++i) arcs_of_[i + 1] += arcs_of_[i];
-  std::vector<std::size_t> next(arcs_of_.begin(), arcs_of_.end() - 1);
-  arcs_.resize(2 * lines_.size());
-  for (std::size_t i = 0; i < lines_.size(); ++i) {
-    const Line& line = lines_[i];
+  for (std::size_t i = 0; i < n_nodes; ++i) arcs_of[i + 1] += arcs_of[i];
+  std::vector<std::size_t> next(arcs_of.begin(), arcs_of.end() - 1);
+  arcs.resize(2 * lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Line& line = lines[i];
     const auto index = static_cast<std::int32_t>(i);
     const auto cost_mm =
         static_cast<std::uint32_t>(std::min<std::int64_t>(line.cost_mm, kUnreached));
-    arcs_[next[At(line.first_node)]++] = {index, line.last_node, cost_mm, true, line.backward};
-    arcs_[next[At(line.last_node)]++] = {index, line.first_node, cost_mm, line.backward, true};
+    arcs[next[At(line.first_node)]++] = {index, line.last_node, cost_mm, true, line.backward};
+    arcs[next[At(line.last_node)]++] = {index, line.first_node, cost_mm, line.backward, true};
   }
 }
 
-void RoadNetwork::IndexSegments() {
-  std::vector<Point> samples;
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const Point a = ToPoint(segments_[i].a), b = ToPoint(segments_[i].b);
+void RoadNetwork::Map::IndexSegments() {
+  std::vector<Point> places;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Point a = ToPoint(segments[i].a), b = ToPoint(segments[i].b);
     const auto pieces = static_cast<int>(std::ceil(Distance(a, b) / (2 * kHalfSpacing_m)));
     for (int k = 0; k < pieces; ++k) {
-      samples.push_back(Lerp(a, b, (k + 0.5) / pieces));
-      segment_of_sample_.push_back(static_cast<std::int32_t>(i));
+      places.push_back(Lerp(a, b, (k + 0.5) / pieces));
+      segment_of_sample.push_back(static_cast<std::int32_t>(i));
     }
   }
-  samples_.emplace(samples);
+  samples.emplace(places);
 }
 
-void RoadNetwork::IndexStops(const Roads& roads, AgentKind kind, std::span<const Point> sites) {
+void RoadNetwork::Map::IndexStops(const RoadNetwork& network, const Roads& roads, AgentKind kind,
+                                  std::span<const Point> sites) {
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    if (SpotOf(sites[i])) stops_.emplace_back(static_cast<std::int32_t>(i), sites[i]);
+    if (network.SpotOf(sites[i])) stops.emplace_back(static_cast<std::int32_t>(i), sites[i]);
   }
   std::vector<bool> usable(roads.points.size());
   for (const Road& road : roads.roads) {
@@ -181,23 +194,23 @@ void RoadNetwork::IndexStops(const Roads& roads, AgentKind kind, std::span<const
   }
   for (std::size_t i = 0; i < usable.size(); ++i) {
     if (!usable[i]) continue;
-    stops_.emplace_back(static_cast<std::int32_t>(sites.size() + i), ToPoint(roads.points[i]));
+    stops.emplace_back(static_cast<std::int32_t>(sites.size() + i), ToPoint(roads.points[i]));
   }
   std::vector<Point> places;
-  for (const auto& [number, place] : stops_) places.push_back(place);
-  stop_index_.emplace(places);
+  for (const auto& [number, place] : stops) places.push_back(place);
+  stop_index.emplace(places);
 }
 
-std::span<const RoadNetwork::Arc> RoadNetwork::ArcsOf(std::int32_t node) const {
-  const std::size_t begin = arcs_of_[At(node)];
-  return std::span(arcs_).subspan(begin, arcs_of_[At(node) + 1] - begin);
+std::span<const RoadNetwork::Arc> RoadNetwork::Map::ArcsOf(std::int32_t node) const {
+  const std::size_t begin = arcs_of[At(node)];
+  return std::span(arcs).subspan(begin, arcs_of[At(node) + 1] - begin);
 }
 
 std::int64_t RoadNetwork::OpenCost(double metres) const {
   const std::int64_t mm = RoundHalfAway(metres * 1000);
   if (mm == 0) return 0;
-  if (open_ground_.percent == 0 || metres > open_ground_.reach_m) return -1;
-  return AtPercent(mm, open_ground_.percent);
+  if (map_->open_ground.percent == 0 || metres > map_->open_ground.reach_m) return -1;
+  return AtPercent(mm, map_->open_ground.percent);
 }
 
 std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
@@ -205,9 +218,10 @@ std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
   double nearest_m = std::numeric_limits<double>::infinity();
   std::int32_t of = -1;
   Spot spot;
-  samples_->Nearest(place, [&](std::int32_t sample, Point, double) {
-    const std::int32_t index = segment_of_sample_[At(sample)];
-    const Segment& segment = segments_[At(index)];
+  map_->samples->Nearest(place, [&](std::int32_t sample, Point, double) {
+    const std::int32_t index = map_->segment_of_sample[At(sample)];
+    const Segment& segment = map_->segments[At(index)];
+    if (IsClosed(segment.road)) return std::numeric_limits<double>::infinity();
     const double dx = segment.b.x_mm - double{1} * segment.a.x_mm;
     const double dy = segment.b.y_mm - double{1} * segment.a.y_mm;
     const double share = std::clamp(
@@ -266,7 +280,8 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
 
 RoadNetwork::Search* RoadNetwork::SearchTo(Known* goal) const {
   if (goal->search == nullptr) {
-    const std::size_t most = std::max<std::size_t>(16, kMostSearchBytes / (4 * arcs_of_.size()));
+    const std::size_t most =
+        std::max<std::size_t>(16, kMostSearchBytes / (4 * map_->arcs_of.size()));
     if (++n_searches_ > most) {
       n_searches_ = 1;
       const std::shared_lock lock(mutex_);
@@ -284,7 +299,7 @@ RoadNetwork::Search* RoadNetwork::SearchTo(Known* goal) const {
 
 std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* search,
                                    std::int32_t* first) const {
-  const Line& line = lines_[At(from.road)];
+  const Line& line = map_->lines[At(from.road)];
   std::int64_t best = -1;
   const auto offer = [&](std::int64_t cost_mm, std::int32_t by) {
     if (best >= 0 && cost_mm >= best) return;
@@ -330,18 +345,19 @@ void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to
     const std::int64_t cost_mm = std::abs(end_mm - begin_mm);
     if (cost_mm == 0) return;
     way->corners.push_back(place(segment, end_mm));
+    way->roads.push_back(segment.road);
     way->reached_mm.push_back(way->reached_mm.back() + cost_mm);
     way->ground_mm += LengthMm(segment.a, segment.b) * cost_mm / segment.cost_mm;
   };
   if (from_mm <= to_mm) {
     for (std::int32_t i = line.first_segment; i < line.end_segment; ++i) {
-      const Segment& s = segments_[At(i)];
+      const Segment& s = map_->segments[At(i)];
       if (s.begins_mm + s.cost_mm <= from_mm || s.begins_mm >= to_mm) continue;
       go(s, std::max(from_mm, s.begins_mm), std::min(to_mm, s.begins_mm + s.cost_mm));
     }
   } else {
     for (std::int32_t i = line.end_segment - 1; i >= line.first_segment; --i) {
-      const Segment& s = segments_[At(i)];
+      const Segment& s = map_->segments[At(i)];
       if (s.begins_mm + s.cost_mm <= to_mm || s.begins_mm >= from_mm) continue;
       go(s, std::min(from_mm, s.begins_mm + s.cost_mm), std::max(to_mm, s.begins_mm));
     }
@@ -352,16 +368,19 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
   auto way = std::make_shared<Way>();
   way->corners = {from};
   way->reached_mm = {0};
+  way->roads = {-1};
   const auto across = [&](Point end, std::int64_t cost_mm) {
     if (cost_mm == 0) return;
     way->ground_mm += RoundHalfAway(Distance(way->corners.back(), end) * 1000);
     way->corners.push_back(end);
+    way->roads.push_back(-1);
     way->reached_mm.push_back(way->reached_mm.back() + cost_mm);
   };
   const auto finished = [&] {
     if (way->corners.size() == 1) {
       way->corners.push_back(to);
       way->reached_mm.push_back(0);
+      way->roads.push_back(-1);
     }
     way->corners.back() = to;
     return way;
@@ -383,11 +402,11 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
   std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
   if (left_mm < 0) return nullptr;
   across(start->at, start->off_mm);
-  const Line& last = lines_[At(goal->road)];
+  const Line& last = map_->lines[At(goal->road)];
   if (node < 0) {
     Follow(last, start->along_mm, goal->along_mm, way.get());
   } else {
-    const Line& line = lines_[At(start->road)];
+    const Line& line = map_->lines[At(start->road)];
     // A loop has both its ends in one node.
     const std::int64_t ahead_mm = line.cost_mm - start->along_mm;
     const bool forward = node == line.last_node && left_mm == ahead_mm + search->CostFrom(node);
@@ -404,13 +423,13 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
         Follow(last, last.cost_mm, goal->along_mm, way.get());
         break;
       }
-      const auto arcs = ArcsOf(node);
+      const auto arcs = map_->ArcsOf(node);
       const auto next = std::find_if(arcs.begin(), arcs.end(), [&](const Arc& arc) {
-        return arc.leaves && arc.cost_mm <= left_mm &&
+        return arc.leaves && !IsClosed(arc.line) && arc.cost_mm <= left_mm &&
                search->CostFrom(arc.other) == left_mm - arc.cost_mm;
       });
       MUSTER_CHECK(next != arcs.end(), "node {} has {} mm left", node, left_mm);
-      const Line& taken = lines_[At(next->line)];
+      const Line& taken = map_->lines[At(next->line)];
       const bool ahead = taken.first_node == node;
       Follow(taken, ahead ? 0 : taken.cost_mm, ahead ? taken.cost_mm : 0, way.get());
       left_mm -= next->cost_mm;
@@ -433,11 +452,19 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::WayBetween(Point from, Poin
   return found;
 }
 
+std::int64_t RoadNetwork::BarredAt(const Way& way, double begin_mm, const RoadNetwork& now) const {
+  for (std::size_t i = 1; i < way.roads.size(); ++i) {
+    const bool is_behind = static_cast<double>(way.reached_mm[i]) <= begin_mm;
+    if (!is_behind && way.roads[i] >= 0 && now.IsClosed(way.roads[i])) return way.reached_mm[i - 1];
+  }
+  return -1;
+}
+
 Ways::Stop RoadNetwork::StopNear(Point wanted) const {
   Ways::Stop nearest{wanted};
   double distance_m = std::numeric_limits<double>::infinity();
-  stop_index_->Nearest(wanted, [&](std::int32_t i, Point place, double away_m) {
-    const std::int32_t number = stops_[At(i)].first;
+  map_->stop_index->Nearest(wanted, [&](std::int32_t i, Point place, double away_m) {
+    const std::int32_t number = map_->stops[At(i)].first;
     if (away_m < distance_m || (away_m == distance_m && number < nearest.number)) {
       nearest = {place, number};
       distance_m = away_m;
@@ -449,9 +476,9 @@ Ways::Stop RoadNetwork::StopNear(Point wanted) const {
 
 std::optional<Point> RoadNetwork::NumberedStop(std::int32_t number) const {
   const auto stop =
-      std::lower_bound(stops_.begin(), stops_.end(), number,
+      std::lower_bound(map_->stops.begin(), map_->stops.end(), number,
                        [](const auto& entry, std::int32_t n) { return entry.first < n; });
-  if (stop == stops_.end() || stop->first != number) return {};
+  if (stop == map_->stops.end() || stop->first != number) return {};
   return stop->second;
 }
 

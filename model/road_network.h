@@ -23,6 +23,8 @@ class RoadNetwork {
  public:
   RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
               std::span<const Point> sites);
+  /// The same without the closed roads. `closed`: [roads of the file].
+  RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed);
   ~RoadNetwork();
 
   /// Where a place is in the network: on that segment (of the one road that is nearest), so far
@@ -37,6 +39,7 @@ class RoadNetwork {
   struct Way {
     std::vector<Point> corners;  ///< both ends included
     std::vector<std::int64_t> reached_mm;
+    std::vector<std::int32_t> roads;  ///< that lead to corner i; -1: open ground, or none
     std::int64_t ground_mm = 0;
   };
 
@@ -46,6 +49,10 @@ class RoadNetwork {
   std::int64_t Cost(Point from, Point to) const;
   /// The same way in full; its last reached_mm is the cost. Null: there is none.
   std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
+
+  /// After which of its millimetres, not before `begin_mm`, the way comes to a road that is closed
+  /// in `now`; -1: to none. The way is of a network of the same roads.
+  std::int64_t BarredAt(const Way& way, double begin_mm, const RoadNetwork& now) const;
 
   Ways::Stop StopNear(Point wanted) const;
   std::optional<Point> NumberedStop(std::int32_t number) const;
@@ -62,7 +69,8 @@ class RoadNetwork {
     std::int32_t first_node, last_node;
     std::int32_t first_segment, end_segment;
     std::int64_t cost_mm;
-    bool backward;  ///< also from its last point to its first
+    bool backward;           ///< also from its last point to its first
+    std::int32_t file_road;  ///< index in the road file
   };
   /// A road as seen from one of its ends.
   struct Arc {
@@ -86,17 +94,39 @@ class RoadNetwork {
     std::size_t operator()(const Pair& pair) const;
   };
 
+  /// What stays as it is whatever is closed.
+  struct Map {
+    OpenGround open_ground;
+    std::vector<Line> lines;
+    std::vector<Segment> segments;
+    std::vector<Arc> arcs;             ///< by node, ascending by line
+    std::vector<std::size_t> arcs_of;  ///< [nodes + 1] into arcs
+
+    /// Points along the segments, so close that a place's distance to a segment is at most
+    /// kHalfSpacing_m less than that to the nearest of its points.
+    std::vector<std::int32_t> segment_of_sample;
+    std::optional<GridIndex> samples;
+
+    std::vector<std::pair<std::int32_t, Point>> stops;  ///< number and place, ascending
+    std::optional<GridIndex> stop_index;
+
+    void AddRoads(const Roads& roads, AgentKind kind);
+    void ConnectNodes(std::size_t n_nodes);
+    void IndexSegments();
+    void IndexStops(const RoadNetwork& network, const Roads& roads, AgentKind kind,
+                    std::span<const Point> sites);
+    std::span<const Arc> ArcsOf(std::int32_t node) const;
+  };
+
   std::optional<Spot> FindSpot(Point place) const;
-  void AddRoads(const Roads& roads, AgentKind kind);
-  void ConnectNodes(std::size_t n_nodes);
-  void IndexSegments();
-  void IndexStops(const Roads& roads, AgentKind kind, std::span<const Point> sites);
+  bool IsClosed(std::int32_t line) const {
+    return !closed_.empty() && closed_[static_cast<std::size_t>(line)];
+  }
   /// It stays as long as the network, or, when there are too many, until this thread asks for
   /// another place in the same role.
   Known* KnownOf(Point place, bool is_goal) const;
   /// The costs of ways to that place, which has a spot and is locked.
   Search* SearchTo(Known* goal) const;
-  std::span<const Arc> ArcsOf(std::int32_t node) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
   std::int64_t RoadCost(const Spot& from, const Spot& to, Search* search,
@@ -107,19 +137,8 @@ class RoadNetwork {
   /// Appends the corners of a road between two of its places, the first left out.
   void Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm, Way* way) const;
 
-  OpenGround open_ground_;
-  std::vector<Line> lines_;
-  std::vector<Segment> segments_;
-  std::vector<Arc> arcs_;             ///< by node, ascending by line
-  std::vector<std::size_t> arcs_of_;  ///< [nodes + 1] into arcs_
-
-  /// Points along the segments, so close that a place's distance to a segment is at most
-  /// kHalfSpacing_m less than that to the nearest of its points.
-  std::vector<std::int32_t> segment_of_sample_;
-  std::optional<GridIndex> samples_;
-
-  std::vector<std::pair<std::int32_t, Point>> stops_;  ///< number and place, ascending
-  std::optional<GridIndex> stop_index_;
+  std::shared_ptr<const Map> map_;
+  std::vector<bool> closed_;  ///< [lines]; empty: none is
 
   const std::uint64_t id_;  ///< no other network of this process has it
 

@@ -28,7 +28,25 @@ RoadWays::RoadWays(std::shared_ptr<const Roads> roads, const PerKind<OpenGround>
       vehicles_(std::make_unique<RoadNetwork>(*roads_, AgentKind::kVehicle, open_ground.vehicles,
                                               sites)) {}
 
+RoadWays::RoadWays(const RoadWays& all, const std::vector<bool>& closed)
+    : Ways({false, true, true}),
+      roads_(all.roads_),
+      workers_(std::make_unique<RoadNetwork>(*all.workers_, closed)),
+      vehicles_(std::make_unique<RoadNetwork>(*all.vehicles_, closed)) {}
+
 RoadWays::~RoadWays() = default;
+
+std::shared_ptr<const RoadWays> RoadWays::Without(const std::vector<std::int32_t>& closed) const {
+  if (closed.empty()) return shared_from_this();
+  const std::lock_guard lock(mutex_);
+  std::unique_ptr<const RoadWays>& made = without_[closed];
+  if (made == nullptr) {
+    std::vector<bool> is_closed(roads_->roads.size());
+    for (const std::int32_t road : closed) is_closed[static_cast<std::size_t>(road)] = true;
+    made.reset(new RoadWays(*this, is_closed));
+  }
+  return {shared_from_this(), made.get()};
+}
 
 const RoadNetwork& RoadWays::network(AgentKind kind) const {
   return kind == AgentKind::kWorker ? *workers_ : *vehicles_;
@@ -86,6 +104,17 @@ Point RoadWays::BentStopBefore(AgentKind kind, Point from, Point to, double shar
     if (stop.at == way->corners[i]) return stop.at;
   }
   return from;
+}
+
+std::optional<double> RoadWays::BentBarredAt(AgentKind kind, Point from, Point to, double share,
+                                             const Ways& now) const {
+  const auto way = network(kind).WayBetween(from, to);
+  const auto* roads_now = dynamic_cast<const RoadWays*>(&now);
+  if (!way || roads_now == nullptr) return {};
+  const auto whole_mm = static_cast<double>(way->reached_mm.back());
+  const std::int64_t mm = network(kind).BarredAt(*way, share * whole_mm, roads_now->network(kind));
+  if (mm < 0) return {};
+  return std::max(share, static_cast<double>(mm) / whole_mm);
 }
 
 std::optional<Point> RoadWays::BentNumberedStop(AgentKind kind, std::int32_t number) const {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -25,7 +27,7 @@ class RoadNetwork;
 /// Lengths are sums of whole millimetres and equal ways are told apart by ids, so every machine
 /// finds the same way. Searches are made when they are first asked for, one for each goal, as far
 /// as was asked, and kept. Memory: 4 bytes for each junction and goal.
-class RoadWays final : public Ways {
+class RoadWays final : public Ways, public std::enable_shared_from_this<RoadWays> {
  public:
   /// `sites`: places where agents may stop beside the road points, as tasks and charging points.
   RoadWays(std::shared_ptr<const Roads> roads, const PerKind<OpenGround>& open_ground,
@@ -33,6 +35,11 @@ class RoadWays final : public Ways {
   ~RoadWays() override;
 
   const std::shared_ptr<const Roads>& roads() const { return roads_; }
+
+  /// The same roads without those: indices, ascending. It is made once for equal ones, and is there
+  /// as long as this object, which a shared pointer must own. Stops stay: who is sent to one on a
+  /// closed road goes to it across open ground.
+  std::shared_ptr<const RoadWays> Without(const std::vector<std::int32_t>& closed) const;
 
   /// Metres across open ground to the nearest road; none: no road is within reach.
   std::optional<double> ToRoad(AgentKind kind, Point place) const;
@@ -45,10 +52,15 @@ class RoadWays final : public Ways {
   Stop BentStopNear(AgentKind kind, Point wanted) const override;
   Point BentStopBefore(AgentKind kind, Point from, Point to, double share) const override;
   std::optional<Point> BentNumberedStop(AgentKind kind, std::int32_t number) const override;
+  std::optional<double> BentBarredAt(AgentKind kind, Point from, Point to, double share,
+                                     const Ways& now) const override;
+  RoadWays(const RoadWays& all, const std::vector<bool>& closed);
   const RoadNetwork& network(AgentKind kind) const;
 
   std::shared_ptr<const Roads> roads_;
   std::unique_ptr<const RoadNetwork> workers_, vehicles_;
+  mutable std::mutex mutex_;
+  mutable std::map<std::vector<std::int32_t>, std::unique_ptr<const RoadWays>> without_;
 };
 
 }  // namespace muster

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/json_tree.h"
@@ -77,10 +76,6 @@ std::string Joined(const std::vector<std::int32_t>& numbers) {
   return fmt::format("[{}]", fmt::join(numbers, ","));
 }
 
-std::string Quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 }  // namespace
 
 std::int64_t LengthMm(RoadPoint a, RoadPoint b) {
@@ -135,14 +130,14 @@ Roads ParseRoads(std::string_view json, std::string_view file) {
 
 std::string RoadsToJson(const Roads& roads) {
   std::string text = fmt::format("{{\n  \"version\": 1,\n  \"source\": {},\n  \"classes\": [",
-                                 Quoted(roads.source));
+                                 JsonText(roads.source));
   const auto add = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
   };
   for (const RoadClass& one : roads.classes) {
     add("{}\n    {{\"name\": {}, \"workers_percent\": {}, \"vehicles_percent\": {}, "
         "\"one_way\": {}}}",
-        &one == roads.classes.data() ? "" : ",", Quoted(one.name), one.percent.workers,
+        &one == roads.classes.data() ? "" : ",", JsonText(one.name), one.percent.workers,
         one.percent.vehicles, one.one_way);
   }
   std::vector<std::int32_t> x_mm, y_mm;

@@ -1,10 +1,15 @@
 #include "model/scenario.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <utility>
+
+#include "base/check.h"
 
 namespace muster {
 namespace {
@@ -65,8 +70,35 @@ void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario) 
                         roads.open_ground, std::move(sites));
   });
   roads.network = ways->roads();
+  for (const PlannedClosure& closure : roads.closures) {
+    if (!RoadsIn(*roads.network, closure.area).empty()) continue;
+    throw InputError(fmt::format("{}: the closure of {{{}}} meets none of its roads", file,
+                                 RoadAreaToJson(closure.area)));
+  }
+  roads.ways = ways;
   scenario->ways = std::move(ways);
   scenario->roads = std::make_shared<const ScenarioRoads>(std::move(roads));
+}
+
+const Ways& Scenario::WaysAt(TimeUs t) const {
+  for (auto change = changed_ways.rbegin(); change != changed_ways.rend(); ++change) {
+    if (change->at_us <= t) return *change->ways;
+  }
+  return *ways;
+}
+
+void ChangeWays(TimeUs t, Scenario* scenario) {
+  std::vector<std::int32_t> closed;
+  for (const Closure& closure : scenario->closures) {
+    closed.insert(closed.end(), closure.roads.begin(), closure.roads.end());
+  }
+  std::sort(closed.begin(), closed.end());
+  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
+  auto& changes = scenario->changed_ways;
+  if (changes.empty()) changes.push_back({std::numeric_limits<TimeUs>::min(), scenario->ways, {}});
+  scenario->ways = scenario->roads->ways->Without(closed);
+  if (changes.back().at_us == t) changes.pop_back();
+  changes.push_back({t, scenario->ways, scenario->closures});
 }
 
 void AddRoom(const Room& room, Scenario* scenario) {

@@ -13,6 +13,7 @@
 #include "base/moment.h"
 #include "base/units.h"
 #include "model/per_kind.h"
+#include "model/road_area.h"
 #include "model/road_ways.h"
 #include "model/ways.h"
 
@@ -132,13 +133,31 @@ struct Origin {
   double longitude_deg = 0;
 };
 
+/// Roads that are to be closed for a time that is known before the mission begins.
+struct PlannedClosure {
+  RoadArea area;
+  std::string name;  ///< as people call it; "": not given
+  TimeUs from_us = 0;
+  TimeUs until_us = kNever;
+};
+
+/// Roads that an order has closed.
+struct Closure {
+  std::string order;  ///< its id
+  std::string name;   ///< as people call it; "": not given
+  TimeUs since_us = 0;
+  std::vector<std::int32_t> roads;  ///< indices, ascending
+};
+
 /// The road network that workers and vehicles of a scenario travel by.
 struct ScenarioRoads {
   std::string file;  ///< name of the road file, which stands beside the scenario's
   std::string text;  ///< of that file
   /// By agent class, off the road.
   PerKind<OpenGround> open_ground = {{}, {50, 1000}, {25, 1000}};
+  std::vector<PlannedClosure> closures;
   std::shared_ptr<const Roads> network;
+  std::shared_ptr<const RoadWays> ways;  ///< while no road is closed
 };
 
 /// A mission: who, where, when. Ids are indices. SI units; see scenario_json.h for the file.
@@ -154,8 +173,16 @@ struct Scenario {
   std::vector<AgentSpec> uavs, workers, vehicles;
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
-  std::shared_ptr<const ScenarioRoads> roads;        ///< null: nobody needs any
-  std::shared_ptr<const Ways> ways = DefaultWays();  ///< how its agents travel; by roads, if any
+  std::shared_ptr<const ScenarioRoads> roads;  ///< null: nobody needs any
+  /// How its agents travel: by roads, if there are any, as they are after all orders so far.
+  std::shared_ptr<const Ways> ways = DefaultWays();
+  std::vector<Closure> closures;  ///< in force, in the order in which they came
+  struct WaysSince {
+    TimeUs at_us;
+    std::shared_ptr<const Ways> ways;
+    std::vector<Closure> closures;  ///< in force from then on
+  };
+  std::vector<WaysSince> changed_ways;  ///< each change so far; first what held before
 
   Room room;  ///< the vacant ends of these lists
 
@@ -165,6 +192,10 @@ struct Scenario {
   const std::vector<AgentSpec>& agents(AgentKind kind) const {
     return ByKind(kind, uavs, workers, vehicles);
   }
+  /// The ways at that time, with the orders of its tick.
+  const Ways& WaysAt(TimeUs t) const;
+  /// Whether orders may come.
+  bool takes_orders() const { return room.any() || roads != nullptr; }
   AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }
   /// Whether it needs version 2 of the file: a task has more than a place and a cost, or a rule of
   /// such tasks is not the usual one.
@@ -178,6 +209,9 @@ struct Scenario {
 /// Sends workers and vehicles by these roads. Their network is read from the text; errors name
 /// `file`.
 void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario);
+
+/// After a change of the closures at t: the ways follow.
+void ChangeWays(TimeUs t, Scenario* scenario);
 
 /// Adds so many vacant tasks and agents.
 void AddRoom(const Room& room, Scenario* scenario);

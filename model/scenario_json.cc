@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <initializer_list>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <unordered_set>
 #include <utility>
 
@@ -204,11 +203,30 @@ std::string ReadRoadFileName(const ObjectReader& object) {
   return name;
 }
 
+PlannedClosure ReadClosure(const ObjectReader& object) {
+  object.AllowOnly({"area_km", "circle_km", "roads", "near_km", "name", "from_min", "until_min"});
+  PlannedClosure closure;
+  closure.area = ReadRoadArea(object);
+  if (object.Has("name")) closure.name = object.String("name");
+  if (object.Has("from_min")) closure.from_us = object.Time("from_min", kMinute);
+  if (object.Has("until_min")) closure.until_us = object.Time("until_min", kMinute);
+  if (closure.until_us <= closure.from_us) {
+    object.Fail("until_min", *object.Optional("until_min"), "later than from_min");
+  }
+  return closure;
+}
+
 /// All of the key "roads" but the roads.
 ScenarioRoads ReadRoadsKey(const ObjectReader& object) {
-  object.AllowOnly({"file", "sha256", "open_ground"});
+  object.AllowOnly({"file", "sha256", "open_ground", "closures"});
   ScenarioRoads roads;
   roads.file = ReadRoadFileName(object);
+  if (object.Has("closures")) {
+    const std::vector<JsonValue>& closures = object.Array("closures");
+    for (std::size_t i = 0; i < closures.size(); ++i) {
+      roads.closures.push_back(ReadClosure(object.Element("closures", closures[i], i)));
+    }
+  }
   if (!object.Has("open_ground")) return roads;
   const ObjectReader ground = object.Child("open_ground");
   ground.AllowOnly({"workers", "vehicles"});
@@ -278,12 +296,12 @@ class Writer {
     const Rules& rules = scenario.rules;
     const bool open = scenario.IsOpen();
     Add("{{\n  \"version\": {},\n  \"name\": {},\n  \"seed\": {},\n",
-        open || scenario.roads ? 2 : 1, Quoted(scenario.name), scenario.seed);
+        open || scenario.roads ? 2 : 1, JsonText(scenario.name), scenario.seed);
     Add("  \"area_km\": [{}, {}],\n", ToText(scenario.width_m, kKm),
         ToText(scenario.height_m, kKm));
     Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
         TimeToText(rules.limit_us, kMinute));
-    if (scenario.start) Add("  \"start\": {},\n", Quoted(scenario.start->text));
+    if (scenario.start) Add("  \"start\": {},\n", JsonText(scenario.start->text));
     if (scenario.origin) {
       Add("  \"origin\": {{\"latitude_deg\": {}, \"longitude_deg\": {}}},\n",
           ToText(scenario.origin->latitude_deg, kOne),
@@ -340,19 +358,26 @@ class Writer {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
   }
 
-  static std::string Quoted(const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  }
-
   void AddRoads(const ScenarioRoads& roads) {
     const auto ground = [](const OpenGround& open) {
       return fmt::format("{{\"percent\": {}, \"reach_km\": {}}}", open.percent,
                          ToText(open.reach_m, kKm));
     };
-    Add("  \"roads\": {{\"file\": {}, \"sha256\": \"{}\",\n", Quoted(roads.file),
+    Add("  \"roads\": {{\"file\": {}, \"sha256\": \"{}\",\n", JsonText(roads.file),
         Sha256(roads.text));
-    Add("    \"open_ground\": {{\"workers\": {}, \"vehicles\": {}}}}},\n",
+    Add("    \"open_ground\": {{\"workers\": {}, \"vehicles\": {}}}",
         ground(roads.open_ground.workers), ground(roads.open_ground.vehicles));
+    for (const PlannedClosure& closure : roads.closures) {
+      Add("{}\n      {{{}", &closure == roads.closures.data() ? ",\n    \"closures\": [" : ",",
+          RoadAreaToJson(closure.area));
+      if (!closure.name.empty()) Add(", \"name\": {}", JsonText(closure.name));
+      Add(", \"from_min\": {}", TimeToText(closure.from_us, kMinute));
+      if (closure.until_us != kNever) {
+        Add(", \"until_min\": {}", TimeToText(closure.until_us, kMinute));
+      }
+      text_ += '}';
+    }
+    text_ += roads.closures.empty() ? "},\n" : "]},\n";
   }
 
   void AddTask(const Task& task) {
@@ -367,7 +392,7 @@ class Writer {
       if (t != usual) Add(", \"{}\": {}", key, TimeToText(t, kMinute));
     };
     const auto text = [&](std::string_view key, const std::string& value) {
-      if (!value.empty()) Add(", \"{}\": {}", key, Quoted(value));
+      if (!value.empty()) Add(", \"{}\": {}", key, JsonText(value));
     };
     time("reported_min", task.reported_us, 0);
     time("due_min", task.due_us, kNever);

@@ -42,6 +42,10 @@ Point Ways::BentStopBefore(AgentKind kind, Point from, Point to, double share) c
 
 std::optional<Point> Ways::BentNumberedStop(AgentKind, std::int32_t) const { return {}; }
 
+std::optional<double> Ways::BentBarredAt(AgentKind, Point, Point, double, const Ways&) const {
+  return {};
+}
+
 const Ways& StraightWays() {
   static const Ways ways;
   return ways;

@@ -77,6 +77,12 @@ class Ways {
   std::vector<Corner> Corners(AgentKind kind, Point from, Point to) const {
     return straight(kind) ? std::vector<Corner>{} : BentCorners(kind, from, to);
   }
+  /// The share of the way at which it comes to what is closed by `now`, not before that share;
+  /// none: the rest can still be gone.
+  std::optional<double> BarredAt(AgentKind kind, Point from, Point to, double share,
+                                 const Ways& now) const {
+    return straight(kind) ? std::optional<double>() : BentBarredAt(kind, from, to, share, now);
+  }
 
  protected:
   explicit Ways(PerKind<bool> bends) : bends_(bends) {}
@@ -89,6 +95,8 @@ class Ways {
   virtual Stop BentStopNear(AgentKind kind, Point wanted) const;
   virtual Point BentStopBefore(AgentKind kind, Point from, Point to, double share) const;
   virtual std::optional<Point> BentNumberedStop(AgentKind kind, std::int32_t number) const;
+  virtual std::optional<double> BentBarredAt(AgentKind kind, Point from, Point to, double share,
+                                             const Ways& now) const;
 
   PerKind<bool> bends_ = {};
 };

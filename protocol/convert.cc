@@ -206,7 +206,10 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
   if (wire.depart_us < 0 || wire.depart_us > t || wire.arrive_us < wire.depart_us) return {};
   if (!NumbersFit(wire, kind)) return {};
   AgentState agent;
-  agent.ways = limits.scenario.ways.get();
+  // A measured agent's leg is always one by the ways of the present (GoRound).
+  const bool measured = limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured;
+  agent.ways = &limits.scenario.WaysAt(t);
+  agent.leg_ways = measured ? agent.ways : &limits.scenario.WaysAt(wire.depart_us);
   agent.kind = kind;
   agent.id = wire.id;
   agent.speed_m_s = wire.speed_m_s;
@@ -229,7 +232,7 @@ std::optional<AgentState> FromWire(const agent_t& wire, AgentKind kind, TimeUs t
         RangePerMetre(UavId(wire.id), wire.decision, limits.disturbances, limits.seed);
   }
   agent.failed = wire.status == AgentStatus::kFailed;
-  if (limits.scenario.agents(kind)[static_cast<std::size_t>(wire.id)].measured) {
+  if (measured) {
     ReadMeasured({wire.x_m, wire.y_m}, wire.range_left_m, t, limits.scenario.rules, &agent);
   }
   if (action == ActionKind::kGoTo && !agent.ways->straight(kind) && agent.target < 0 &&

@@ -80,6 +80,7 @@ constexpr std::array<FaultRow, kNames<FaultKind>.size()> kRows = {{
      .must_end = true,
      .kills = true},
     {.kind = FaultKind::kForeign, .target = FaultTarget::kEverybody},
+    {.kind = FaultKind::kRoadClosed, .target = FaultTarget::kRoads, .effect = "roads closed"},
 }};
 
 static_assert([] {

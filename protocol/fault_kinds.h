@@ -16,6 +16,7 @@ enum class FaultTarget {
   kReceivers,  ///< the process whose incoming packets suffer; "*": all processes
   kEverybody,  ///< "*"
   kLog,        ///< the process that writes the log
+  kRoads,      ///< "2.5/3/0.4": the roads in a circle, as its centre and radius in km
 };
 
 /// All that is particular to one kind of fault. Its name is in lcmtypes/words.h.
@@ -46,8 +47,9 @@ struct FaultRow {
   /// The packets that it has hit; null: those that the process has rejected.
   std::int64_t PacketFaultCounters::*hits = nullptr;
 
-  /// Agents fail in mission time, and the world says so.
   constexpr bool of_agents() const { return target == FaultTarget::kAgent; }
+  /// In mission time, and the world says so.
+  constexpr bool by_world() const { return of_agents() || target == FaultTarget::kRoads; }
   /// Each process that it concerns sees it in the packets that it receives, and confirms it.
   constexpr bool of_packets() const {
     return target == FaultTarget::kSides || target == FaultTarget::kReceivers ||

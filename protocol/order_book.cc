@@ -29,7 +29,7 @@ bool SayTheSame(const orders_t& a, const orders_t& b) {
 }  // namespace
 
 OrderBook::OrderBook(const Scenario& scenario)
-    : takes_orders_(scenario.room.any()),
+    : takes_orders_(scenario.takes_orders()),
       base_(takes_orders_ ? std::optional(scenario) : std::nullopt),
       scenario_(std::make_shared<Scenario>(scenario)),
       view_(scenario_) {}

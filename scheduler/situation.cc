@@ -11,6 +11,8 @@ Site::Site(const Scenario& scenario)
     : tasks(scenario.tasks),
       charging_points(scenario.charging_points),
       ways(scenario.ways),
+      open_roads(scenario.roads ? scenario.roads->ways : nullptr),
+      closures(scenario.closures),
       rules(scenario.rules),
       width_m(scenario.width_m),
       height_m(scenario.height_m),

@@ -11,15 +11,14 @@
 namespace muster::tools {
 
 void Simulate(const ScenarioText& scenario, const std::string& policy,
-              const std::function<void(const Packet&)>& observe,
-              const std::vector<world::Outage>& outages,
+              const std::function<void(const Packet&)>& observe, const world::WorldFaults& faults,
               const std::vector<world::PlannedOrder>& orders,
               const simulation::DriversOf& drivers) {
   simulation::ProcessSettings settings;
   settings.scenario = scenario;
   settings.policy = policy;
   settings.stopwatch = MonotonicUs;
-  settings.world.outages = outages;
+  settings.world.faults = faults;
   settings.world.orders = orders;
   settings.drivers = drivers;
   std::vector<std::unique_ptr<Process>> processes;

@@ -37,6 +37,18 @@ Outage ReadOutage(const std::string& text) {
   throw InputError("command line", "--outage", text, "CLASS:ID:FROM_US:UNTIL_US:FAULT");
 }
 
+/// "2.5/3/0.4:600000000:1200000000:f1"
+HiddenClosure ReadHiddenClosure(const std::string& text) {
+  const std::vector<std::string> parts = Split(text, ':');
+  if (parts.size() == 4 && !parts[3].empty()) {
+    const auto area = CircleFrom(parts[0]);
+    const auto from_us = ToInteger(parts[1]);
+    const auto until_us = ToInteger(parts[2], from_us.value_or(0) + 1);
+    if (area && from_us && until_us) return {*area, *from_us, *until_us, parts[3]};
+  }
+  throw InputError("command line", "--closure", text, "X_KM/Y_KM/RADIUS_KM:FROM_US:UNTIL_US:FAULT");
+}
+
 int Main(int argc, char** argv) {
   Options options("muster-world", "The world of a mission: its clock and its referee");
   options.Scenario();
@@ -53,6 +65,10 @@ int Main(int argc, char** argv) {
   options
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
            "The fault of that name lets an agent fail in [FROM, UNTIL)")
+      .Repeated();
+  options
+      .Add("closure", "X_KM/Y_KM/RADIUS_KM:FROM_US:UNTIL_US:FAULT",
+           "The fault of that name closes the roads in a circle in [FROM, UNTIL)")
       .Repeated();
   options
       .Add("window-bytes", "N",
@@ -72,7 +88,10 @@ int Main(int argc, char** argv) {
   world.goes_on = arguments->Get("on-loss") == "continue";
   world.lost_after_us = ToUs(arguments->Get<double>("lost-after"));
   for (const std::string& text : arguments->All("outage")) {
-    world.outages.push_back(ReadOutage(text));
+    world.faults.outages.push_back(ReadOutage(text));
+  }
+  for (const std::string& text : arguments->All("closure")) {
+    world.faults.closures.push_back(ReadHiddenClosure(text));
   }
   if (arguments->Has("orders")) world.orders = ReadPlannedOrders(arguments->Get("orders"));
   if (world.recorded && flags.window == 0) flags.window = 10;

@@ -1,8 +1,10 @@
-// The referee's part in pairs of which a partner is measured (docs/reference/mission.md).
+// The referee's part in pairs whose legs change under way: a partner is measured, or roads are
+// closed before one (docs/reference/mission.md).
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "model/feasibility.h"
 #include "model/measured.h"
 #include "world/referee.h"
 
@@ -43,10 +45,11 @@ void Referee::MoveActivities(TimeUs t, Agents* agents) {
     Activity& activity = known.activity;
     const AgentState& uav = agents->uavs[activity.uav.index()];
     const AgentState& partner = agents->at(PartnerKind(activity.kind), activity.partner);
-    if (known.is_aborted || (!uav.measured && !partner.measured)) continue;
+    const bool is_measured = uav.measured || partner.measured;
+    if (known.is_aborted || (!is_measured && !RoadsChange())) continue;
     if (!AreAt(activity, uav, partner)) continue;
     if (activity.start_us > previous_us_) activity = ActivityOf(uav, partner, scenario_);
-    if (activity.start_us > t) continue;
+    if (activity.start_us > t || !is_measured) continue;
     if (SaysDone(uav) && SaysDone(partner)) {
       activity.end_us = std::min(activity.end_us, t);
     } else if (activity.end_us <= t) {
@@ -55,23 +58,42 @@ void Referee::MoveActivities(TimeUs t, Agents* agents) {
   }
 }
 
+bool Referee::RoadsChange() const {
+  return std::any_of(orders_.begin(), orders_.end(), [](const TakenOrder& taken) {
+    return RowOf(taken.order.kind).subject == OrderSubject::kRoads;
+  });
+}
+
+std::string Referee::BarredPair(const Activity& activity, const AgentState& uav,
+                                const AgentState& partner, TimeUs t) const {
+  if (!RoadsChange() || activity.start_us == kNever || partner.failed || uav.failed) return "";
+  if (partner.action == ActionKind::kNone) return NameOf(partner) + " is cut off";
+  const TimeUs latest_us =
+      std::min(LatestEnd(uav, scenario_.rules), LatestEnd(partner, scenario_.rules));
+  const bool goes_round = partner.depart_us == t && AreAt(activity, uav, partner);
+  return goes_round && activity.end_us > latest_us ? NameOf(partner) + " has too far to go round"
+                                                   : "";
+}
+
 void Referee::FindLate(TimeUs t, Agents* agents) {
   late_.clear();
   for (std::size_t i = 0; i < activities_.size(); ++i) {
     const Activity& activity = activities_[i].activity;
     const AgentState& uav = agents->uavs[activity.uav.index()];
     const AgentState& partner = agents->at(PartnerKind(activity.kind), activity.partner);
-    if (activities_[i].is_aborted || activity.start_us <= t ||
-        (!uav.measured && !partner.measured) || !AreAt(activity, uav, partner)) {
+    if (activities_[i].is_aborted || activity.start_us <= t) continue;
+    if (const std::string why = BarredPair(activity, uav, partner, t); !why.empty()) {
+      late_.push_back({t, i, why});
       continue;
     }
+    if ((!uav.measured && !partner.measured) || !AreAt(activity, uav, partner)) continue;
     const TimeUs planned = std::max(PlannedArrival(uav), PlannedArrival(partner));
     const TimeUs at = std::max(planned + scenario_.rules.patience_us, previous_us_ + 1);
     if (at > t) continue;
     const bool both = !SaysArrived(uav) && !SaysArrived(partner);
     late_.push_back({at, i,
-                     both ? fmt::format("{} and {} are", NameOf(uav), NameOf(partner))
-                          : fmt::format("{} is", NameOf(SaysArrived(uav) ? partner : uav))});
+                     both ? fmt::format("{} and {} are late", NameOf(uav), NameOf(partner))
+                          : fmt::format("{} is late", NameOf(SaysArrived(uav) ? partner : uav))});
   }
   std::stable_sort(late_.begin(), late_.end(),
                    [](const Late& a, const Late& b) { return a.at_us > b.at_us; });
@@ -90,7 +112,7 @@ void Referee::GiveUpUntil(TimeUs t) {
     released_.push_back({partner, activity.partner, Ruling::Kind::kReleased, late.at_us});
     const bool sensing = activity.kind == Activity::Kind::kSensing;
     Emit(sensing ? Event::Kind::kSensingAborted : Event::Kind::kChargingAborted, late.at_us,
-         activity, fmt::format("before its start: {} late", late.who));
+         activity, "before its start: " + late.why);
     if (sensing) ExpireIfLate(static_cast<std::size_t>(activity.site), late.at_us);
   }
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/json_tree.h"
 #include "base/number_text.h"
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
@@ -49,10 +50,39 @@ void CheckAgent(const Order& order, TimeUs t, const AgentState& agent) {
   if (agent.online_until_us <= t && agent.busy_until_us <= t) refuse("has left");
 }
 
+/// Written by the world itself.
+PlannedOrder Written(std::string id, std::string json) {
+  PlannedOrder planned{ParseOrder(json, "order"), std::move(json)};
+  planned.order.id = std::move(id);
+  planned.order.issuer = process_name::kWorld;
+  return planned;
+}
+
+PlannedOrder ToOrder(const PlannedClosure& closure, std::ptrdiff_t number) {
+  std::string json =
+      fmt::format("{{\"order\": \"road_close\", \"at_min\": {}, {}",
+                  TimeToText(closure.from_us, kMinute), RoadAreaToJson(closure.area));
+  if (!closure.name.empty()) json += fmt::format(", \"name\": {}", JsonText(closure.name));
+  if (closure.until_us != kNever) {
+    json += fmt::format(", \"until_min\": {}", TimeToText(closure.until_us, kMinute));
+  }
+  return Written(fmt::format("closure:{}", number), json + "}");
+}
+
+bool IsInForce(const std::string& closure, const Scenario& scenario) {
+  return std::any_of(scenario.closures.begin(), scenario.closures.end(),
+                     [&](const Closure& one) { return one.order == closure; });
+}
+
 }  // namespace
 
 OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned)
     : book_(scenario), planned_(std::move(planned)) {
+  if (scenario.roads) {
+    for (const PlannedClosure& closure : scenario.roads->closures) {
+      planned_.push_back(ToOrder(closure, &closure - scenario.roads->closures.data()));
+    }
+  }
   std::stable_sort(planned_.begin(), planned_.end(), [](const auto& a, const auto& b) {
     return a.order.not_before_us < b.order.not_before_us;
   });
@@ -79,11 +109,32 @@ void OrderDesk::Revisit(TaskId id, TimeUs done_us) {
   task.reported_us = done_us + task.revisit_us;
   if (late_us != kNever) task.due_us = task.reported_us + late_us;
   if (gone_us != kNever) task.expires_us = task.reported_us + gone_us;
+  Give(fmt::format("revisit:{}", id.value),
+       fmt::format("{{\"order\": \"task_add\", \"task\": {}}}", TaskToJson(task)));
+}
+
+void OrderDesk::Give(const std::string& id, std::string json) {
   order_t order{};
-  order.id = fmt::format("revisit:{}", id.value);
+  order.id = id;
   order.issuer = process_name::kWorld;
-  order.json = fmt::format("{{\"order\": \"task_add\", \"task\": {}}}", TaskToJson(task));
+  order.json = std::move(json);
   Hear(order);
+}
+
+void OrderDesk::PlanOpening(const TakenOrder& taken, TimeUs t) {
+  const TimeUs until_us = taken.order.UntilUs(t);
+  if (taken.order.kind != OrderKind::kRoadClose || until_us == kNever) return;
+  std::string id = "open:" + taken.order.id;
+  const auto is_same = [&](const PlannedOrder& other) { return other.order.id == id; };
+  if (std::any_of(planned_.begin(), planned_.end(), is_same)) return;
+  PlannedOrder opening = Written(
+      std::move(id), fmt::format("{{\"order\": \"road_open\", \"at_min\": {}, \"closure\": {}}}",
+                                 TimeToText(until_us, kMinute), JsonText(taken.order.id)));
+  const auto place = std::lower_bound(planned_.begin(), planned_.end(), opening,
+                                      [](const PlannedOrder& a, const PlannedOrder& b) {
+                                        return a.order.not_before_us > b.order.not_before_us;
+                                      });
+  planned_.insert(place, std::move(opening));
 }
 
 orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status,
@@ -99,6 +150,12 @@ orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status
        planned_.pop_back()) {
     const PlannedOrder& next = planned_.back();
     if (answered_.contains(next.order.id)) continue;
+    // Somebody has opened those roads already.
+    const std::string& ended = next.order.closure;
+    if (!ended.empty() && next.order.issuer == process_name::kWorld &&
+        !IsInForce(ended, scenario)) {
+      continue;
+    }
     DecideOn({next.order.id, next.order.issuer, next.json}, t, status, agents, &scenario, &said);
     bytes += next.json.size();
   }
@@ -147,6 +204,9 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
 
 void OrderDesk::Take(const orders_t& orders) {
   MUSTER_CHECK(book_.Take(orders), "orders of tick {}", orders.tick);
+  for (const TakenOrder& taken : book_.TakenAt(orders.tick)) {
+    PlanOpening(taken, scenario().rules.TimeOf(orders.tick));
+  }
   for (const taken_order_t& order : orders.taken) answered_[order.id] = orders.tick;
   for (const refused_order_t& order : orders.refused) answered_[order.id] = orders.tick;
 }
@@ -156,6 +216,9 @@ bool OrderDesk::Take(const order_book_t& book) {
   for (const auto& [tick, orders] : book_.said()) {
     for (const taken_order_t& order : orders.taken) answered_[order.id] = tick;
     for (const refused_order_t& order : orders.refused) answered_[order.id] = tick;
+    for (const TakenOrder& taken : book_.TakenAt(tick)) {
+      PlanOpening(taken, scenario().rules.TimeOf(tick));
+    }
   }
   return true;
 }

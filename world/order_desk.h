@@ -18,7 +18,8 @@ namespace muster::world {
 /// Takes orders or refuses them with a reason: each id once, and all of a tick together.
 class OrderDesk {
  public:
-  /// `planned` are taken at the first tick that is not before their time.
+  /// `planned`, and the scenario's planned closures of roads, are taken at the first tick that is
+  /// not before their time.
   OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned);
 
   const OrderBook& book() const { return book_; }
@@ -28,6 +29,8 @@ class OrderDesk {
   bool Hear(const order_t& order);
   /// -1: it was not.
   std::int64_t AnsweredAt(const std::string& id) const;
+  /// Gives an order of the world's own. The second one of that id is not heard.
+  void Give(const std::string& id, std::string json);
   /// Plans an order of the world's own: to do that task again, its revisit time after `done_us`.
   void Revisit(TaskId task, TimeUs done_us);
 
@@ -46,6 +49,8 @@ class OrderDesk {
   struct Waiting {
     std::string id, issuer, json;
   };
+  /// Plans the opening of roads that the order closes for a time.
+  void PlanOpening(const TakenOrder& taken, TimeUs t);
   void DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
                 const Agents& agents, Scenario* scenario, orders_t* said);
 

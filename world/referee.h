@@ -116,11 +116,17 @@ class Referee {
 
   void UpdateVerdict();
   /// Activities with measured agents begin when these have said that they are there, and end when
-  /// they have said that they are done.
+  /// they have said that they are done; those of agents that go round begin later.
   void MoveActivities(TimeUs t, Agents* agents);
   void PlanNewActivities(TimeUs t, Agents* agents);
-  /// Finds the pairs that are given up by t because a measured agent is too late.
+  /// Finds the pairs that are given up by t because a measured agent is too late, or a closed road
+  /// keeps one from its place.
   void FindLate(TimeUs t, Agents* agents);
+  /// Whether the tick's orders close or open roads.
+  bool RoadsChange() const;
+  /// Why the pair is given up at t after a change of roads; "": it is not.
+  std::string BarredPair(const Activity& activity, const AgentState& uav, const AgentState& partner,
+                         TimeUs t) const;
   void GiveUpUntil(TimeUs t);
   void JoinOutages(TimeUs t);
   void Return(TimeUs t);
@@ -170,7 +176,7 @@ class Referee {
   struct Late {
     TimeUs at_us = 0;
     std::size_t activity = 0;
-    std::string who = {};
+    std::string why = {};
   };
   std::vector<Late> late_;  ///< pairs to be given up by the present verdict, latest first
   std::vector<Outage> outages_;

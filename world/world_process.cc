@@ -62,13 +62,17 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText
       agents_[kind].push_back(StartOf(kind, id, spec, *scenario_.ways));
     }
   }
-  for (const Outage& outage : options.outages) {
+  for (const Outage& outage : options.faults.outages) {
     if (outage.agent < 0 || static_cast<std::size_t>(outage.agent) >= agents_[outage.kind].size()) {
       throw InputError("command line", "--outage",
                        fmt::format("{} {}", ToString(outage.kind), outage.agent),
                        "an agent of the scenario");
     }
     referee_.Add(outage);
+  }
+  if (!options.faults.closures.empty() && scenario_.roads == nullptr) {
+    throw InputError("command line", "--closure", options.faults.closures.front().fault,
+                     "a scenario with roads");
   }
 }
 
@@ -203,6 +207,7 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const 
     actions.push_back(*action);
   }
   referee_.Take(schedule.decision, actions);
+  commanded_ = std::move(actions);
   scheduler_name_ = schedule.header.sender;
   attendance_.Join(scheduler_name_);
   if (attendance_.peers().presence(scheduler_name_) != Presence::kThere) {
@@ -238,8 +243,45 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
   }
 }
 
+void WorldProcess::FindClosures() {
+  if (scenario_.roads == nullptr || desk_.book().complete(clock_.tick())) return;
+  const std::int64_t last_tick = clock_.tick() - 1;
+  const Commands commands{commanded_, clock_.required_decision(), clock_.TimeOf(last_tick)};
+  static const std::vector<Action> kNone;
+  const Commands none{kNone};
+  for (const HiddenClosure& closure : options_.faults.closures) {
+    const std::string id = OrderIdOf(closure);
+    if (desk_.AnsweredAt(id) >= 0) continue;
+    if (!IsToldOrMet(closure, clock_.sim_us(), scenario_, agents_,
+                     schedule_tick_ == last_tick ? commands : none)) {
+      continue;
+    }
+    desk_.Give(id, OrderToClose(closure, clock_.sim_us(), scenario_.rules));
+  }
+}
+
+void WorldProcess::SayOfClosures(const Now& now) {
+  const TimeUs t = clock_.sim_us();
+  const TimeUs before = clock_.tick() > 0 ? clock_.TimeOf(clock_.tick() - 1) : -1;
+  const auto say = [&](const HiddenClosure& closure, EventKind kind, TimeUs at_us) {
+    if (at_us <= before || at_us > t) return;
+    event_t event{};
+    event.kind = NumberOf(kind);
+    event.at_us = at_us;
+    event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+    event.fault_id = closure.fault;
+    event.detail = identity().name;
+    sender().Send(channel::kEvent, std::move(event), t, now);
+  };
+  for (const HiddenClosure& closure : options_.faults.closures) {
+    say(closure, EventKind::kFaultApplied, closure.from_us);
+    say(closure, EventKind::kFaultEnded, closure.until_us);
+  }
+}
+
 void WorldProcess::TakeOrders(const Now& now) {
   if (!desk_.book().takes_orders()) return;
+  FindClosures();
   const std::int64_t tick = clock_.tick();
   orders_packet_ = sender().Send(
       channel::kOrders, desk_.Decide(tick, referee_.task_status(), agents_), clock_.sim_us(), now);
@@ -274,6 +316,7 @@ void WorldProcess::Judge(const Now& now) {
   world_packet_ = sender().Send(channel::kWorld, WorldStateOf(referee_, tick), t, now);
   rulings_packet_ = sender().Send(channel::kRulings, RulingsOf(referee_.verdict(), tick), t, now);
   PublishEvents(now);
+  SayOfClosures(now);
 }
 
 void WorldProcess::PublishEvents(const Now& now) {

@@ -13,6 +13,7 @@
 #include "world/attendance.h"
 #include "world/driver_failures.h"
 #include "world/handover.h"
+#include "world/hidden_closures.h"
 #include "world/mission_clock.h"
 #include "world/order_desk.h"
 #include "world/referee.h"
@@ -28,8 +29,7 @@ struct WorldOptions {
   /// as failed, or no decision is in force. false: the mission waits for every process.
   bool goes_on = false;
   TimeUs lost_after_us = 5 * kSecondUs;
-  /// Agents that fail by faults.
-  std::vector<Outage> outages = {};
+  WorldFaults faults = {};
   /// Orders that are known before the mission begins.
   std::vector<PlannedOrder> orders = {};
 };
@@ -79,6 +79,10 @@ class WorldProcess : public Process {
   void PublishClock(const Now& now);
   /// In a mission that takes orders: takes those that are there, and publishes them.
   void TakeOrders(const Now& now);
+  /// Closes by order the roads of which it becomes known at the tick that they are closed.
+  void FindClosures();
+  /// Confirms the faults that close roads or end since the last tick.
+  void SayOfClosures(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);
   void Repeat(const Now& now);
@@ -123,6 +127,7 @@ class WorldProcess : public Process {
   std::int64_t schedule_tick_ = -1;  ///< of schedule_packet_
   std::string scheduler_name_{process_name::kScheduler};
   TimeUs look_us_ = 0;
+  std::vector<Action> commanded_;  ///< by schedule_packet_
 };
 
 }  // namespace muster::world

@@ -53,8 +53,8 @@ void ForEachPair(const Instance& instance, std::int32_t site, Visit visit) {
 
 std::string_view ToString(Obstacle obstacle) {
   constexpr std::string_view kNames[] = {
-      "none",          "no idle uav", "no idle partner", "no free place", "range",
-      "online window", "time limit",  "expiry",          "no road",       "no use"};
+      "none",       "no idle uav", "no idle partner", "no free place", "range", "online window",
+      "time limit", "expiry",      "no road",         "closed road",   "no use"};
   return kNames[static_cast<int>(obstacle)];
 }
 
@@ -192,8 +192,18 @@ void Look::LookAtRoad(PlaceLook* look) const {
     look->nearest_time->partner_way = {ground_m, Distance(from, to)};
   } else if (look->obstacle == Obstacle::kLimit || look->obstacle == Obstacle::kWindow ||
              look->obstacle == Obstacle::kExpiry) {
-    look->obstacle = Obstacle::kNoRoad;
+    look->closure = ClosureOnTheWay(kind, from, to);
+    look->obstacle = look->closure ? Obstacle::kClosed : Obstacle::kNoRoad;
   }
+}
+
+std::optional<Closure> Look::ClosureOnTheWay(AgentKind kind, Point from, Point to) const {
+  const RoadWays* open = situation_.site->open_roads.get();
+  if (open == nullptr) return {};
+  for (const Closure& closure : situation_.site->closures) {
+    if (open->BarredAt(kind, from, to, 0, *open->Without(closure.roads))) return closure;
+  }
+  return {};
 }
 
 PaperLook::PaperLook(const Situation& situation)

@@ -22,10 +22,11 @@ enum class Obstacle {
   kLimit,      ///< it would end after the mission
   kExpiry,     ///< they would not be there before the task expires
   kNoRoad,     ///< no way by road leads there for any partner
+  kClosed,     ///< none does since roads were closed
   kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit", "expiry", "no road", "no use"
+/// "time limit", "expiry", "no road", "closed road", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -75,6 +76,7 @@ struct PlaceLook {
   std::optional<RangeNeed>
       nearest_range;                     ///< of the UAVs that lack range, the one that lacks least
   std::optional<PairLook> nearest_time;  ///< of the pairs that end too late, the least late
+  std::optional<Closure> closure;        ///< of kClosed: one that the partner's way led through
 
   AgentKind partner_kind() const { return charging ? AgentKind::kVehicle : AgentKind::kWorker; }
 
@@ -126,6 +128,8 @@ class Look {
 
   /// Says how the partner would get there, or that no road leads there.
   void LookAtRoad(PlaceLook* look) const;
+  /// The first closure that bars the way which led there while all roads were open.
+  std::optional<Closure> ClosureOnTheWay(AgentKind kind, Point from, Point to) const;
   bool IsFull(const PlaceLook& look) const {
     return look.charging && situation_.free_places(ChargeId(look.site)) == 0;
   }

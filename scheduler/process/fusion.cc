@@ -88,6 +88,7 @@ Situation Fusion::Fuse(const OrderBook& orders) {
     site_version_ = orders.version();
     site_ = std::make_shared<const Site>(*orders.scenario());
   }
+  const Scenario& scenario = *orders.scenario();
   const Verdict verdict(*activities_, *rulings_);
   Situation situation;
   situation.site = site_;
@@ -99,9 +100,12 @@ Situation Fusion::Fuse(const OrderBook& orders) {
     for (const auto& reported : agents_[kind]) {
       if (!reported) continue;
       AgentState agent = *reported;
+      // The orders of the tick may have come after the report.
+      agent.ways = &scenario.WaysAt(now_us_);
+      agent.leg_ways = agent.measured ? agent.ways : &scenario.WaysAt(agent.depart_us);
       Settle(&agent, verdict, now_us_, site_->tasks);
       for (const TakenOrder& order : orders.TakenAt(tick_)) {
-        Obey(&agent, order, now_us_, *orders.scenario());
+        Obey(&agent, order, now_us_, scenario);
       }
       if (agent.failed || (!agent.online(now_us_) && agent.busy_until_us <= now_us_)) continue;
       out->push_back(agent);

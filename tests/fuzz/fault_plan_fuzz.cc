@@ -17,7 +17,7 @@ void Check(muster::tools::FaultPlan plan) {
     message.header.sender = "launcher";
     MUSTER_CHECK(DecodeValid<fault_t>(Encode(message)), "{}", fault.where);
   }
-  tools::OutagesOf(plan);
+  tools::WorldOptionsOf(plan);
 }
 
 }  // namespace

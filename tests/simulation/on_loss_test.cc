@@ -50,7 +50,7 @@ class Mission {
     world::WorldOptions options;
     options.goes_on = true;
     options.lost_after_us = lost_after_us_;
-    options.outages = outages_;
+    options.faults.outages = outages_;
     network_.Add(testing::StartProcess(name, boots_[name]++, json_, options, "mpq", most_whole));
   }
   void Kill(const std::string& name) { network_.Kill(name); }

@@ -14,7 +14,7 @@ Place AgentModel::At(std::int64_t t) const {
   if (t <= depart_us) return from;
   const double part =
       static_cast<double>(t - depart_us) / static_cast<double>(arrive_us - depart_us);
-  return ways->After(kind, from, to, part);
+  return leg_ways->After(kind, from, to, part);
 }
 
 double AgentModel::RangeAt(std::int64_t t) const {
@@ -56,6 +56,21 @@ void AgentModel::StopAt(std::int64_t t) {
   range_after_m.reset();
   set_out_us = planned_us = t;
   goes_on_anew = overdue = false;
+}
+
+void AgentModel::GoRound(const Ways& now, Place here, std::int64_t t) {
+  ways = leg_ways = &now;
+  from = here;
+  depart_us = t;
+  const double way_m = WayM(here, to);
+  if (std::isinf(way_m)) {
+    to = here;
+    arrive_us = t;
+    return StopAt(t);
+  }
+  arrive_us = planned_us = t + DurationUs(way_m, spec->speed_m_s);
+  set_out_us = t;
+  busy_until_us = pair() ? kForever : arrive_us;
 }
 
 std::int64_t DurationUs(double amount, double rate) {

@@ -30,7 +30,8 @@ struct AgentModel {
   int kind = kUav;
   int id = -1;
   const Scenario::Agent* spec = nullptr;
-  const Ways* ways = nullptr;
+  const Ways* ways = nullptr;      ///< now
+  const Ways* leg_ways = nullptr;  ///< of its leg: those that it began with
 
   Place from, to;
   std::int64_t depart_us = 0, arrive_us = 0;
@@ -73,6 +74,9 @@ struct AgentModel {
   AgentStatus StatusAt(std::int64_t t) const;
   /// Stands where it is at t, free.
   void StopAt(std::int64_t t);
+  /// Travels by these ways from now on, and makes the rest of its leg from there by them; it stops
+  /// there, free, if there is none.
+  void GoRound(const Ways& now, Place here, std::int64_t t);
   /// Is there for sure.
   void Anchor(Place at, std::int64_t t, double range_m) {
     anchor = at;

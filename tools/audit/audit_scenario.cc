@@ -64,8 +64,8 @@ std::vector<Scenario::Agent> AgentsOf(const json& list, int kind) {
   return agents;
 }
 
-std::shared_ptr<const Ways> WaysOf(const json& top, const std::string& roads,
-                                   const std::vector<Scenario::Charge>& charges) {
+std::shared_ptr<const RoadWays> WaysOf(const json& top, const std::string& roads,
+                                       const std::vector<Scenario::Charge>& charges) {
   const json& key = top.at("roads");
   if (const std::string found = Sha256Of(roads); found != key.at("sha256").get<std::string>()) {
     throw std::invalid_argument("roads_t has the SHA-256 " + found + ", the scenario names " +
@@ -122,6 +122,19 @@ std::int64_t Scenario::TimeOf(std::int64_t tick) const {
   return tick >= last_tick() ? limit_us : tick * tick_us;
 }
 
+const Ways& Scenario::WaysAt(std::int64_t t) const {
+  for (auto change = changes.rbegin(); change != changes.rend(); ++change) {
+    if (change->first <= t) return *change->second;
+  }
+  return *ways;
+}
+
+std::set<int> Scenario::ClosedRoads() const {
+  std::set<int> all;
+  for (const Closed& one : closed) all.insert(one.roads.begin(), one.roads.end());
+  return all;
+}
+
 std::int32_t Scenario::DecisionAt(std::int64_t tick) const {
   const std::int64_t t = TimeOf(tick);
   return t < limit_us && t % interval_us == 0 ? static_cast<std::int32_t>(t / interval_us) : -1;
@@ -159,7 +172,12 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
     }
     s.charges.push_back(charge);
   }
-  if (top.contains("roads")) s.ways = WaysOf(top, roads, s.charges);
+  if (top.contains("roads")) {
+    s.ways = s.roads = WaysOf(top, roads, s.charges);
+    for (const json& closure : top.at("roads").value("closures", json::array())) {
+      s.closures.push_back({MinutesOr(closure, "from_min", 0)});
+    }
+  }
   const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);
@@ -205,6 +223,13 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
   if (order.what == "task_change" &&
       (top.contains("expires_min") || top.contains("expires_in_min"))) {
     order.expires_us = time(top, "expires_min", "expires_in_min");
+  }
+  if (order.is_roads()) {
+    if (scenario.roads == nullptr) throw std::invalid_argument("there are no roads");
+    order.closure = top.value("closure", "");
+    if (order.closure.empty()) order.roads = scenario.roads->RoadsIn(text);
+    order.since_us = std::min(now_us, MinutesOr(top, "since_min", now_us));
+    order.until_us = time(top, "until_min", "until_in_min");
   }
   if (order.is_join()) {
     const json& item = top.at("agent");

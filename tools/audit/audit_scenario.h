@@ -4,11 +4,13 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lcmtypes/words.h"
-#include "tools/audit/ways.h"
+#include "tools/audit/road_ways.h"
 
 namespace muster::tools::audit {
 
@@ -63,11 +65,27 @@ struct Scenario {
   std::vector<Agent> agents[3];  ///< by class
   std::vector<Task> tasks;
   std::vector<Charge> charges;
-  std::shared_ptr<const Ways> ways = DefaultWays();
+  std::shared_ptr<const Ways> ways = DefaultWays();  ///< after all orders so far
+  std::shared_ptr<const RoadWays> roads;             ///< while none is closed; null: there are none
+  struct Closed {
+    std::string order;
+    std::int64_t until_us = kForever;
+    std::set<int> roads;
+  };
+  std::vector<Closed> closed;  ///< by orders, in force
+  /// When ways have changed, and what held from then on; first what held before.
+  std::vector<std::pair<std::int64_t, std::shared_ptr<const Ways>>> changes;
+  struct Planned {
+    std::int64_t from_us = 0;
+  };
+  std::vector<Planned> closures;  ///< that the scenario itself names
+  const Ways& WaysAt(std::int64_t t) const;
+  std::set<int> ClosedRoads() const;
   /// How many of each list are vacant, for orders to fill.
   int room_tasks = 0, room_agents[3] = {};
   bool takes_orders() const {
-    return room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
+    return roads != nullptr ||
+           room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
   }
 
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
@@ -88,9 +106,13 @@ struct AuditOrder {
   Scenario::Agent new_agent;
   std::optional<std::int64_t> expires_us;  ///< of a change
   int task = -1, kind = kUav, agent = -1;
+  std::string id, closure;  ///< its own, and that of the closure that it ends
+  std::set<int> roads;      ///< to be closed or opened
+  std::int64_t since_us = kForever, until_us = kForever;  ///< of a closure
 
   bool is_add() const { return what == "task_add"; }
   bool is_join() const { return what == "agent_join"; }
+  bool is_roads() const { return what.starts_with("road_"); }
   bool is_agents() const { return what.starts_with("agent_"); }
 };
 

@@ -141,16 +141,17 @@ void CheckActivities(View& view) {
   std::vector<Activity> listed;
   for (const activity_t& wire : view.said->world->activities) listed.push_back(FromWire(wire));
   for (Tracked& tracked : view.activities) {
-    const bool is_measured = view.IsMeasured(tracked.activity);
+    // Of a pair of which one is measured, or goes round closed roads.
+    const bool may_move = view.IsMeasured(tracked.activity) || view.GoesRound(tracked.activity);
     const auto it = std::find_if(listed.begin(), listed.end(), [&](const Activity& activity) {
       Activity moved = tracked.activity;
-      if (is_measured) moved.start_us = activity.start_us, moved.end_us = activity.end_us;
+      if (may_move) moved.start_us = activity.start_us, moved.end_us = activity.end_us;
       return activity == moved;
     });
     if (it == listed.end()) {
       view.Violate("activities", "no longer listed or changed: {}", Name(tracked.activity));
     } else {
-      if (is_measured) CheckMoved(view, &tracked, *it);
+      if (may_move) CheckMoved(view, &tracked, *it);
       listed.erase(it);
     }
   }

@@ -194,7 +194,21 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   }
 }
 
+/// Whether roads that the tick's orders close keep the pair's partner from its place, or let it
+/// come too late.
+bool IsBarred(View& view, const Activity& activity) {
+  if (!view.roads_since_us || activity.start_us <= view.now_us || activity.start_us == kForever) {
+    return false;
+  }
+  const auto [uav, partner] = view.MembersOf(activity);
+  if (uav->failed || partner->failed) return false;
+  if (partner->action == ActionKind::kNone) return true;
+  return partner->depart_us == view.now_us &&
+         activity.end_us > std::min(view.LatestEnd(*uav), view.LatestEnd(*partner));
+}
+
 std::int64_t GivenUpAt(View& view, const Activity& activity) {
+  if (IsBarred(view, activity)) return view.now_us;
   if (!view.IsMeasured(activity) || activity.start_us <= view.now_us) return kForever;
   std::int64_t planned_us = 0;
   for (const AgentModel* member : view.MembersOf(activity)) {

@@ -24,6 +24,27 @@ std::string WrongOf(const View& view, const AuditOrder& order) {
            : !view.IsInside(at)  ? "its task is outside the area"
                                  : "";
   }
+  if (order.is_roads()) {
+    const std::set<int> closed = view.scenario.ClosedRoads();
+    const auto is_closed = [&](int road) { return closed.contains(road); };
+    if (!order.closure.empty()) {
+      const auto& in_force = view.scenario.closed;
+      const bool known = std::any_of(in_force.begin(), in_force.end(),
+                                     [&](const auto& one) { return one.order == order.closure; });
+      return known ? "" : fmt::format("no roads are closed by {}", order.closure);
+    }
+    if (order.what == "road_open") {
+      return std::any_of(order.roads.begin(), order.roads.end(), is_closed)
+                 ? ""
+                 : "none of these roads is closed";
+    }
+    if (order.since_us < view.now_us - view.scenario.tick_us || order.until_us <= view.now_us) {
+      return fmt::format("closes roads in [{}, {}) us", order.since_us, order.until_us);
+    }
+    return std::all_of(order.roads.begin(), order.roads.end(), is_closed)
+               ? "these roads are closed already"
+               : "";
+  }
   const int n_agents = view.n_agents[order.kind];
   if (order.is_join()) {
     if (order.agent != n_agents) {
@@ -110,6 +131,63 @@ void ChangeTask(View& view, const AuditOrder& order) {
 
 }  // namespace
 
+void TakeRoads(View& view, const AuditOrder& order) {
+  Scenario& scenario = view.scenario;
+  if (order.what == "road_close") {
+    scenario.closed.push_back({order.id, order.until_us, order.roads});
+    view.roads_since_us = std::min(order.since_us, view.roads_since_us.value_or(view.now_us));
+  } else {
+    for (Scenario::Closed& one : scenario.closed) {
+      if (one.order == order.closure) one.roads.clear();
+      for (const int road : order.roads) one.roads.erase(road);
+    }
+    std::erase_if(scenario.closed, [](const Scenario::Closed& one) { return one.roads.empty(); });
+    view.roads_since_us = view.roads_since_us.value_or(view.now_us);
+  }
+}
+
+/// What the scenario or an earlier order has planned comes at its tick.
+void CheckPlanned(const View& view, const std::set<std::string>& answered) {
+  const auto& planned = view.scenario.closures;
+  for (std::size_t i = 0; i < planned.size(); ++i) {
+    if (planned[i].from_us > view.now_us || answered.contains(fmt::format("closure:{}", i))) {
+      continue;
+    }
+    view.Violate("orders", "the scenario's closure {} has not been made", i);
+  }
+  for (const Scenario::Closed& one : view.scenario.closed) {
+    if (one.until_us > view.now_us) continue;
+    view.Violate("orders", "the roads that {} closed until {} us are still closed", one.order,
+                 one.until_us);
+  }
+}
+
+void OrderCheck::CheckRoads(View& view) {
+  view.roads_since_us.reset();
+  if (!view.said->orders) return;
+  for (const taken_order_t& taken : view.said->orders->taken) {
+    try {
+      AuditOrder order = ParseAuditOrder(taken.json, view.now_us, view.scenario);
+      order.id = taken.id;
+      if (!order.is_roads()) continue;
+      if (const std::string wrong = WrongOf(view, order); !wrong.empty()) {
+        view.Violate("orders", "order {}: {}", taken.id, wrong);
+        continue;
+      }
+      TakeRoads(view, order);
+    } catch (const std::exception&) {  // Check() says so
+    }
+  }
+  if (!view.roads_since_us) return;
+  Scenario& scenario = view.scenario;
+  const std::set<int> closed = scenario.ClosedRoads();
+  if (scenario.changes.empty()) {
+    scenario.changes.emplace_back(std::numeric_limits<std::int64_t>::min(), scenario.ways);
+  }
+  scenario.ways = closed.empty() ? scenario.roads : scenario.roads->Without(closed);
+  scenario.changes.emplace_back(view.now_us, scenario.ways);
+}
+
 void OrderCheck::Check(View& view) {
   if (!view.said->orders) return;
   const orders_t& orders = *view.said->orders;
@@ -130,6 +208,7 @@ void OrderCheck::Check(View& view) {
       view.Violate("orders", "order {}: cannot be read: {}", taken.id, error.what());
       continue;
     }
+    if (order.is_roads()) continue;  // CheckRoads
     order.task = taken.task_id;
     order.kind = NumberOfClass(taken.agent_kind);
     order.agent = taken.agent_id;
@@ -140,6 +219,7 @@ void OrderCheck::Check(View& view) {
     TakeOrder(view, order);
     view.orders.push_back(order);
   }
+  CheckPlanned(view, answered_);
 }
 
 std::int64_t OrderedEnd(const View& view, const Activity& activity) {

@@ -29,6 +29,15 @@ void CheckSpec(const View& view, const AgentModel& model, const agent_t& a) {
   expect_us("online_until_us", a.online_until_us, model.spec->online_until_us);
 }
 
+/// Which of two roundings is right does not matter; what follows rests on the reported one.
+void TakeRoundedArrival(AgentModel* model, const agent_t& a) {
+  const double rounding_us = model->ways->rounding_m(model->kind) / model->spec->speed_m_s * 1e6;
+  if (NearUs(model->arrive_us, a.arrive_us) ||
+      std::abs(static_cast<double>(model->arrive_us - a.arrive_us)) <= rounding_us) {
+    model->arrive_us = a.arrive_us;
+  }
+}
+
 void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const auto found = view.commands.find({model->kind, model->id});
   if (found == view.commands.end()) return;
@@ -38,7 +47,9 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const bool pair = action.kind == ActionKind::kSense || action.kind == ActionKind::kCharge;
   const bool begins =
       model->spec->measured ? a.decision == command.decision : a.depart_us == command.at_us;
-  const bool obeys = a.action == action.kind && begins;
+  // Roads that are closed right before it may have sent it round, or stopped it.
+  const bool goes_round = view.roads_since_us && model->kind != kUav && a.depart_us == view.now_us;
+  const bool obeys = (a.action == action.kind && begins) || goes_round;
   if (!obeys && pair && view.scenario.match_failure.high > 0) {
     // The match failed; its event is looked for at the end.
     const bool sense = action.kind == ActionKind::kSense;
@@ -73,14 +84,10 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   }
   model->from = model->to;
   model->to = goal;
+  model->leg_ways = model->ways;
   model->depart_us = command.at_us;
   model->arrive_us = command.at_us + DurationUs(way_m, model->spec->speed_m_s);
-  // Which of two roundings is right does not matter; what follows rests on the reported one.
-  const double rounding_us = model->ways->rounding_m(model->kind) / model->spec->speed_m_s * 1e6;
-  if (NearUs(model->arrive_us, a.arrive_us) ||
-      std::abs(static_cast<double>(model->arrive_us - a.arrive_us)) <= rounding_us) {
-    model->arrive_us = a.arrive_us;
-  }
+  TakeRoundedArrival(model, a);
   model->range_at_departure_m = range_m;
   model->range_per_m = 1;
   model->way_seen = model->kind != kUav || view.scenario.wind.high <= 0;
@@ -99,6 +106,40 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->planned_us = model->arrive_us;
   model->range_after_m.reset();
   model->goes_on_anew = false;
+}
+
+/// Roads are closed or opened at this tick, before the agent reports it. `report`: null: it has
+/// none.
+void FollowRoads(const View& view, AgentModel* model, const agent_t* report) {
+  if (!view.roads_since_us) return;
+  const Ways& now = *view.scenario.ways;
+  const bool under_way = model->action != ActionKind::kNone && !model->failed;
+  const Ways& before =
+      *std::exchange(model->leg_ways, under_way && !model->spec->measured ? model->leg_ways : &now);
+  model->ways = &now;
+  const bool has_arrived =
+      model->spec->measured ? model->says_arrived : model->arrive_us <= *view.roads_since_us;
+  if (!under_way || has_arrived || model->arrive_us <= model->depart_us) return;
+  const auto duration = static_cast<double>(model->arrive_us - model->depart_us);
+  const auto gone = static_cast<double>(*view.roads_since_us - model->depart_us);
+  const auto part = before.MeetsAt(model->kind, model->from, model->to,
+                                   std::max(0.0, gone) / duration, view.scenario.ClosedRoads());
+  if (!part) return;
+  const bool stands_before =
+      !model->spec->measured &&
+      static_cast<double>(model->depart_us) + *part * duration < static_cast<double>(view.now_us);
+  const double here_part =
+      stands_before ? *part
+                    : std::min(1.0, static_cast<double>(view.now_us - model->depart_us) / duration);
+  Place here = before.After(model->kind, model->from, model->to, here_part);
+  // Of two roundings the reported one.
+  if (report != nullptr && Apart(here, {report->x_m, report->y_m}) <= now.rounding_m(model->kind)) {
+    here = {report->x_m, report->y_m};
+  }
+  model->GoRound(now, here, view.now_us);
+  if (report != nullptr) TakeRoundedArrival(model, *report);
+  model->planned_us = model->arrive_us;
+  if (!model->pair()) model->busy_until_us = model->arrive_us;
 }
 
 void SeeWay(const View& view, AgentModel* model, const agent_t& a) {
@@ -223,6 +264,7 @@ void ReportCheck::Check(View& view) {
         CheckReport(view, &model, *told, report->applied_decision);
       } else {
         view.commands.erase({kind, model.id});  // of a lost process: what it did is not known
+        FollowRoads(view, &model, nullptr);
       }
     }
   }
@@ -239,7 +281,9 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
 
   const Place here{a.x_m, a.y_m};
   // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
-  const double moved = model->WayM(model->was, here);
+  const bool is_new_leg = view.commands.contains({model->kind, model->id});
+  const Ways& ways = is_new_leg ? *model->ways : *model->leg_ways;
+  const double moved = ways.Length(model->kind, model->was, here);
   const double seconds = ToSeconds(view.now_us - model->was_us);
   const double most = model->spec->speed_m_s * seconds;
   const double rounding_m = model->ways->rounding_m(model->kind);
@@ -259,6 +303,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   if (view.findings->count() != before) return;
 
   ResolveCommand(view, model, a);
+  FollowRoads(view, model, &a);
   if (!model->spec->measured) {
     SeeWay(view, model, a);
     if (view.findings->count() == before) CheckMotion(view, *model, a);

@@ -40,6 +40,8 @@ class ReportCheck {
 /// The orders that the world says it took or refused.
 class OrderCheck {
  public:
+  /// Those about roads, which are in force before the agents report.
+  void CheckRoads(View& view);
   void Check(View& view);
 
  private:

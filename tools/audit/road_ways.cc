@@ -1,5 +1,6 @@
 #include "tools/audit/road_ways.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <list>
@@ -79,30 +80,69 @@ class Streets {
     return on_road == kNone ? kNone : start->aside + on_road + goal->aside;
   }
 
-  /// The place after so much of the cost.
-  Place After(Place from, Place to, double gone) const {
-    std::vector<std::pair<Place, Mm>> stops{{from, 0}};
-    const auto go = [&](Place next, Mm cost) {
-      stops.emplace_back(next, stops.back().second + cost);
+  /// A place on a way, what the way to it costs, and the road that leads to it; -1: open ground.
+  struct Step {
+    Place at;
+    Mm cost = 0;
+    int road = -1;
+  };
+
+  /// From one end to the other, both included; only the first place: there is no way.
+  std::vector<Step> Steps(Place from, Place to) const {
+    std::vector<Step> steps{{from, 0, -1}};
+    const auto go = [&](Place next, Mm cost, int road) {
+      steps.push_back({next, steps.back().cost + cost, road});
     };
     const auto start = FootOf(from), goal = FootOf(to);
-    if (Same(from, to) || !start || !goal) return to;
+    if (Same(from, to) || !start || !goal) return steps;
     const bool direct = start->piece == goal->piece && start->along == goal->along;
     if (!direct || Aside(from, to) == kNone) {
-      go(start->at, start->aside);
+      go(start->at, start->aside, -1);
       if (!direct) Walk(*start, *goal, go);
-      go(to, goal->aside);
+      go(to, goal->aside, -1);
     } else {
-      go(to, Aside(from, to));
+      go(to, Aside(from, to), -1);
     }
-    for (std::size_t i = 1; i < stops.size(); ++i) {
-      const auto [last, begins] = stops[i - 1];
-      const auto [next, ends] = stops[i];
+    return steps;
+  }
+
+  /// The place after so much of the cost.
+  Place After(Place from, Place to, double gone) const {
+    const std::vector<Step> steps = Steps(from, to);
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      const auto& [last, begins, ignored] = steps[i - 1];
+      const auto& [next, ends, road] = steps[i];
       if (gone > static_cast<double>(ends) || ends == begins) continue;
       const double part = (gone - static_cast<double>(begins)) / static_cast<double>(ends - begins);
       return {last.x_m + part * (next.x_m - last.x_m), last.y_m + part * (next.y_m - last.y_m)};
     }
     return to;
+  }
+
+  std::optional<double> MeetsAt(Place from, Place to, double part,
+                                const std::set<int>& roads) const {
+    const std::vector<Step> steps = Steps(from, to);
+    const auto whole = static_cast<double>(steps.back().cost);
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      const bool is_long = steps[i].cost > steps[i - 1].cost;
+      if (static_cast<double>(steps[i].cost) <= part * whole || !is_long ||
+          !roads.contains(steps[i].road)) {
+        continue;
+      }
+      return std::max(part, static_cast<double>(steps[i - 1].cost) / whole);
+    }
+    return {};
+  }
+
+  /// Takes these roads away.
+  void Close(const std::set<int>& roads) {
+    const auto is_closed = [&](int piece) { return roads.contains(PieceAt(piece).road); };
+    for (std::size_t point = 0; point < beside_.size(); ++point) {
+      std::erase_if(beside_[point], is_closed);
+    }
+    for (auto& [cell, pieces] : cells_) std::erase_if(pieces, is_closed);
+    feet_.clear();
+    around_.clear();
   }
 
   /// The site or road point nearest to a place: where a move to no site ends.
@@ -295,12 +335,12 @@ class Streets {
       const Mm ahead = piece.cost - start.along;
       const Mm first =
           point == piece.b && left == ahead + CostFrom(point, &around) ? ahead : start.along;
-      go(At(point), first);
+      go(At(point), first, piece.road);
       left -= first;
       const Piece& last = PieceAt(goal.piece);
       while (!(point == last.a && left == goal.along) &&
              !(point == last.b && left == last.cost - goal.along && (last.backward || left == 0))) {
-        int next = -1;
+        int next = -1, road = -1;
         Mm cost = 0;
         for (const int index : beside_[static_cast<std::size_t>(point)]) {
           const Piece& here = PieceAt(index);
@@ -309,16 +349,17 @@ class Streets {
           const int other = forward ? here.b : here.a;
           if ((next >= 0 && !to_goal) || CostFrom(other, &around) != left - here.cost) continue;
           next = other;
+          road = here.road;
           cost = here.cost;
           if (to_goal) break;
         }
         if (next < 0) throw std::logic_error("a way by road that ends nowhere");
-        go(At(next), cost);
+        go(At(next), cost, road);
         left -= cost;
         point = next;
       }
     }
-    go(goal.at, left);
+    go(goal.at, left, PieceAt(goal.piece).road);
   }
 
   const OpenGround ground_;
@@ -331,11 +372,128 @@ class Streets {
   mutable std::map<std::pair<int, Mm>, Around> around_;
 };
 
-class RoadWays : public Ways {
+/// The roads as lines on the ground, for orders that name some of them.
+class Lines {
  public:
-  RoadWays(const json& file, const OpenGround (&ground)[3], const std::vector<Place>& sites)
-      : workers_(file, "workers_percent", true, ground[kWorker], sites),
-        vehicles_(file, "vehicles_percent", false, ground[kVehicle], sites) {}
+  explicit Lines(const json& file) {
+    std::vector<std::pair<Mm, Mm>> points;
+    for (std::size_t i = 0; i < file.at("x_mm").size(); ++i) {
+      points.emplace_back(file.at("x_mm").at(i).get<Mm>(), file.at("y_mm").at(i).get<Mm>());
+    }
+    for (const json& road : file.at("roads")) {
+      ids_.push_back(road.at("id").get<std::int64_t>());
+      std::vector<std::pair<Mm, Mm>>& line = lines_.emplace_back();
+      for (const json& point : road.at("points"))
+        line.push_back(points.at(point.get<std::size_t>()));
+    }
+  }
+
+  std::set<int> Named(const json& order) const {
+    if (order.contains("roads")) {
+      const auto wanted = order.at("roads").get<std::set<std::int64_t>>();
+      return Those([&](std::size_t i) { return wanted.contains(ids_[i]); });
+    }
+    if (order.contains("area_km")) {
+      std::vector<std::pair<Mm, Mm>> area;
+      for (const json& corner : order.at("area_km")) area.push_back(MmOf(corner));
+      return Those([&](std::size_t i) { return Meets(lines_[i], area); });
+    }
+    const bool circle = order.contains("circle_km");
+    const json& where = order.at(circle ? "circle_km" : "near_km");
+    const Place centre{where.at(0).get<double>() * 1000, where.at(1).get<double>() * 1000};
+    if (circle) {
+      const double radius_m = where.at(2).get<double>() * 1000;
+      return Those([&](std::size_t i) { return Away(lines_[i], centre) <= radius_m; });
+    }
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < lines_.size(); ++i) {
+      if (Away(lines_[i], centre) < Away(lines_[nearest], centre)) nearest = i;
+    }
+    return {static_cast<int>(nearest)};
+  }
+
+ private:
+  using Spot = std::pair<Mm, Mm>;
+  using Exact = long double;  // its 64 bits hold the products of such numbers
+
+  static Spot MmOf(const json& corner) {
+    return {std::llround(corner.at(0).get<double>() * 1e6),
+            std::llround(corner.at(1).get<double>() * 1e6)};
+  }
+
+  template <class Is>
+  std::set<int> Those(const Is& is) const {
+    std::set<int> found;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (is(i)) found.insert(static_cast<int>(i));
+    }
+    return found;
+  }
+
+  /// Twice the area of the triangle, above 0 when it turns to the left.
+  static Exact Turn(Spot a, Spot b, Spot c) {
+    const auto part = [](Mm x, Mm y) { return static_cast<Exact>(x - y); };
+    return part(b.first, a.first) * part(c.second, a.second) -
+           part(b.second, a.second) * part(c.first, a.first);
+  }
+  static bool InBox(Spot a, Spot b, Spot c) {
+    return std::min(a.first, b.first) <= c.first && c.first <= std::max(a.first, b.first) &&
+           std::min(a.second, b.second) <= c.second && c.second <= std::max(a.second, b.second);
+  }
+  static bool Cross(Spot a, Spot b, Spot c, Spot d) {
+    const Exact abc = Turn(a, b, c), abd = Turn(a, b, d), cda = Turn(c, d, a), cdb = Turn(c, d, b);
+    const bool ab_parts = (abc < 0 && abd > 0) || (abc > 0 && abd < 0);
+    const bool cd_parts = (cda < 0 && cdb > 0) || (cda > 0 && cdb < 0);
+    return (ab_parts && cd_parts) || (abc == 0 && InBox(a, b, c)) || (abd == 0 && InBox(a, b, d)) ||
+           (cda == 0 && InBox(c, d, a)) || (cdb == 0 && InBox(c, d, b));
+  }
+
+  /// A line meets an area when it crosses its border or begins inside: when a ray to the east from
+  /// there crosses the border an odd number of times.
+  static bool Meets(const std::vector<Spot>& line, const std::vector<Spot>& area) {
+    int crossings = 0;
+    const Spot first = line.front();
+    for (std::size_t k = 0; k < area.size(); ++k) {
+      const Spot c = area[k], d = area[k + 1 == area.size() ? 0 : k + 1];
+      for (std::size_t i = 1; i < line.size(); ++i) {
+        if (Cross(line[i - 1], line[i], c, d)) return true;
+      }
+      const Spot low = c.second <= d.second ? c : d, high = c.second <= d.second ? d : c;
+      if (low.second <= first.second && first.second < high.second) {
+        crossings += Turn(low, high, first) > 0 ? 1 : 0;
+      }
+    }
+    return crossings % 2 == 1;
+  }
+
+  static double Away(const std::vector<Spot>& line, Place from) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const auto place = [](Spot s) {
+        return Place{static_cast<double>(s.first) / 1000, static_cast<double>(s.second) / 1000};
+      };
+      const Place a = place(line[i - 1]), b = place(line[i]);
+      const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
+      const double part = ((from.x_m - a.x_m) * dx + (from.y_m - a.y_m) * dy) / (dx * dx + dy * dy);
+      const double on = std::min(1.0, std::max(0.0, part));
+      least = std::min(least, Apart(from, {a.x_m + on * dx, a.y_m + on * dy}));
+    }
+    return least;
+  }
+
+  std::vector<std::int64_t> ids_;
+  std::vector<std::vector<Spot>> lines_;
+};
+
+class WaysOnRoads : public RoadWays {
+ public:
+  WaysOnRoads(const json& file, const OpenGround (&ground)[3], const std::vector<Place>& sites)
+      : lines_(std::make_shared<const Lines>(file)),
+        workers_(std::make_shared<Streets>(file, "workers_percent", true, ground[kWorker], sites)),
+        vehicles_(
+            std::make_shared<Streets>(file, "vehicles_percent", false, ground[kVehicle], sites)),
+        all_workers_(workers_),
+        all_vehicles_(vehicles_) {}
 
   double Length(int kind, Place from, Place to) const override {
     if (kind == kUav) return Apart(from, to);
@@ -350,23 +508,48 @@ class RoadWays : public Ways {
   }
   double rounding_m(int kind) const override { return kind == kUav ? 0 : 0.01; }
   std::pair<Place, int> StopNear(int kind, Place wanted) const override {
-    return kind == kUav ? Ways::StopNear(kind, wanted) : StreetsOf(kind).StopNear(wanted);
+    return kind == kUav ? Ways::StopNear(kind, wanted) : AllStreetsOf(kind).StopNear(wanted);
   }
   std::optional<Place> StopOf(int kind, int number) const override {
-    return kind == kUav || number < 0 ? std::nullopt : StreetsOf(kind).StopOf(number);
+    return kind == kUav || number < 0 ? std::nullopt : AllStreetsOf(kind).StopOf(number);
+  }
+  std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
+                                const std::set<int>& roads) const override {
+    return kind == kUav ? std::nullopt : StreetsOf(kind).MeetsAt(from, to, part, roads);
+  }
+  std::shared_ptr<const RoadWays> Without(const std::set<int>& roads) const override {
+    auto rest = std::make_shared<WaysOnRoads>(*this);
+    const auto close = [&](const Streets& all) {
+      auto streets = std::make_shared<Streets>(all);
+      streets->Close(roads);
+      return streets;
+    };
+    rest->workers_ = close(*all_workers_);
+    rest->vehicles_ = close(*all_vehicles_);
+    return rest;
+  }
+  std::set<int> RoadsIn(const std::string& order) const override {
+    std::set<int> found = lines_->Named(json::parse(order));
+    if (found.empty()) throw std::invalid_argument("it names no road");
+    return found;
   }
 
  private:
-  const Streets& StreetsOf(int kind) const { return kind == kWorker ? workers_ : vehicles_; }
+  const Streets& StreetsOf(int kind) const { return kind == kWorker ? *workers_ : *vehicles_; }
+  const Streets& AllStreetsOf(int kind) const {
+    return kind == kWorker ? *all_workers_ : *all_vehicles_;
+  }
 
-  Streets workers_, vehicles_;
+  std::shared_ptr<const Lines> lines_;
+  std::shared_ptr<const Streets> workers_, vehicles_;
+  std::shared_ptr<const Streets> all_workers_, all_vehicles_;  ///< while no road is closed
 };
 
 }  // namespace
 
-std::shared_ptr<const Ways> ReadRoadWays(const std::string& text, const OpenGround (&ground)[3],
-                                         const std::vector<Place>& sites) {
-  return std::make_shared<const RoadWays>(json::parse(text), ground, sites);
+std::shared_ptr<const RoadWays> ReadRoadWays(const std::string& text, const OpenGround (&ground)[3],
+                                             const std::vector<Place>& sites) {
+  return std::make_shared<const WaysOnRoads>(json::parse(text), ground, sites);
 }
 
 }  // namespace muster::tools::audit

@@ -76,7 +76,9 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   model.kind = kind;
   model.id = told.id;
   model.spec = &scenario.agents[kind][static_cast<std::size_t>(told.id)];
-  model.ways = scenario.ways.get();
+  // A measured agent's leg is always one by the ways of the present.
+  model.ways = model.leg_ways =
+      &scenario.WaysAt(model.spec->measured ? told_us : std::min(told.depart_us, told_us));
   model.from = model.to = {told.x_m, told.y_m};
   model.depart_us = told_us;
   model.arrive_us = std::max(told_us, told.arrive_us);

@@ -11,7 +11,7 @@ View::View(const Scenario& of, Findings* to) : scenario(of), findings(to) {
       model.kind = kind;
       model.id = static_cast<int>(agents[kind].size());
       model.spec = &spec;
-      model.ways = scenario.ways.get();
+      model.ways = model.leg_ways = scenario.ways.get();
       model.from = model.to = model.was = spec.at;
       model.range_at_departure_m = spec.range_m;
       model.Anchor(spec.at, 0, spec.range_m);
@@ -40,6 +40,11 @@ std::int64_t View::DurationOf(const Activity& activity, double range_m) {
 bool View::IsMeasured(const Activity& activity) {
   const auto [uav, partner] = MembersOf(activity);
   return uav->spec->measured || partner->spec->measured;
+}
+
+bool View::GoesRound(const Activity& activity) {
+  const AgentModel& partner = *MembersOf(activity)[1];
+  return roads_since_us && partner.action == activity.action() && partner.depart_us == now_us;
 }
 
 std::int64_t View::LatestEnd(const AgentModel& model) const {

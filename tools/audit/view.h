@@ -79,8 +79,11 @@ struct View {
   std::map<AgentKey, std::int64_t> released;  ///< at this tick
   std::set<AgentKey> said_failed;             ///< by themselves, at this tick
   std::vector<AuditOrder> orders;             ///< taken at this tick
-  std::vector<Flown> flown;                   ///< [n_uavs]
-  std::set<EventKey> expected;                ///< outcomes that must be said
+  /// Roads that the tick's orders close or open: since when the closed ones have been so, in the
+  /// last tick. None: they change no road.
+  std::optional<std::int64_t> roads_since_us;
+  std::vector<Flown> flown;     ///< [n_uavs]
+  std::set<EventKey> expected;  ///< outcomes that must be said
   std::vector<std::tuple<AgentKey, std::int64_t, std::int64_t>> expected_back;  ///< after, until
 
   template <class... T>
@@ -110,6 +113,8 @@ struct View {
   /// How long its sensing or charging takes when the UAV begins with that range.
   std::int64_t DurationOf(const Activity& activity, double range_m);
   bool IsMeasured(const Activity& activity);
+  /// Whether its partner has set out anew at this tick, as roads before it were closed.
+  bool GoesRound(const Activity& activity);
   /// When an agent must be free.
   std::int64_t LatestEnd(const AgentModel& model) const;
   std::int64_t NextTickUs() const;

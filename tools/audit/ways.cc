@@ -27,6 +27,10 @@ std::pair<Place, int> Ways::StopNear(int, Place wanted) const { return {wanted, 
 
 std::optional<Place> Ways::StopOf(int, int) const { return {}; }
 
+std::optional<double> Ways::MeetsAt(int, Place, Place, double, const std::set<int>&) const {
+  return {};
+}
+
 std::shared_ptr<const Ways> DefaultWays() { return Default(); }
 
 ScopedDefaultWays::ScopedDefaultWays(std::shared_ptr<const Ways> ways)

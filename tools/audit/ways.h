@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace muster::tools::audit {
@@ -30,6 +31,10 @@ class Ways {
   virtual std::pair<Place, int> StopNear(int kind, Place wanted) const;
   /// The stop of that number.
   virtual std::optional<Place> StopOf(int kind, int number) const;
+  /// After what part of the way, not before that one, it comes to one of those roads; none: to
+  /// none.
+  virtual std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
+                                        const std::set<int>& roads) const;
 };
 
 /// The ways of a scenario that says nothing of them: straight ones.

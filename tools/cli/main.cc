@@ -47,6 +47,7 @@ const std::vector<Command> kCommands = {
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
     {"report", "makes one page of one or several runs", ReportCommand},
+    {"road", "closes or opens roads of a running mission", RoadCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},

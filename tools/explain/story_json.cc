@@ -96,6 +96,11 @@ Json FactJson(const PlaceLook& look) {
   json["nearest_by_range"] = IfAny(look.nearest_range, NeedJson);
   json["nearest_by_time"] =
       IfAny(look.nearest_time, [&](const PairLook& pair) { return FactJson(pair, look.charging); });
+  if (look.closure) {
+    json["closure"] = {{"order", look.closure->order},
+                       {"name", look.closure->name},
+                       {"since_s", Seconds(look.closure->since_us)}};
+  }
   return json;
 }
 

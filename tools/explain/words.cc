@@ -140,6 +140,12 @@ std::string ObstacleWords(const PlaceLook& look) {
                          look.nearest_range ? RangeWords(*look.nearest_range, look.charging) : "");
     case Obstacle::kNoRoad:
       return fmt::format("no road leads there for any {} that is {}", partner, Free(look));
+    case Obstacle::kClosed: {
+      const Closure& closure = *look.closure;
+      return fmt::format("cut off for every {} that is {}, since {} by the closure {}", partner,
+                         Free(look), ClockText(closure.since_us),
+                         closure.name.empty() ? closure.order : closure.name);
+    }
     case Obstacle::kNoUse:
       return "charging would enable no further task";
     case Obstacle::kExpiry:

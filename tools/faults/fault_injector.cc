@@ -34,7 +34,7 @@ void FaultInjector::End(Injection* injection, TimeUs monotonic_us, FaultActions*
   injection->phase = Phase::kOver;
   injection->until_real_us = kNever;
   const FaultRow& row = RowOf(fault.kind);
-  if (row.of_agents()) return;
+  if (row.by_world()) return;
   if (row.end_signal != 0) actions->SignalProcess(fault.target, row.end_signal);
   if (row.target == FaultTarget::kLog) actions->SetDiskFull(false);
   if (row.kills) actions->ReleaseRestart(fault.target);

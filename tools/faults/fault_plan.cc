@@ -74,9 +74,9 @@ void SetValue(std::string_view key, double value, PlannedFault* fault) {
 /// It has all that its kind needs, and times that its kind can have.
 void CheckShape(const PlannedFault& fault) {
   const FaultRow& row = RowOf(fault.kind);
-  if (row.of_agents() && fault.for_real_us > 0) {
+  if (row.by_world() && fault.for_real_us > 0) {
     Refuse(fault, "for_s", fmt::format("{}", ToSeconds(fault.for_real_us)),
-           "for_min: agents fail in mission time");
+           "for_min: agents fail and roads are closed in mission time");
   }
   if ((row.must_end || Deafens(fault)) && fault.for_real_us == 0 && fault.for_us == 0) {
     Refuse(fault, row.of_agents() ? "for_min" : "for_s", "nothing",
@@ -252,6 +252,13 @@ void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& name
         }
       }
       RefuseTarget(fault, "an agent of the scenario, e.g. uav:3,");
+    case FaultTarget::kRoads: {
+      const auto area = CircleFrom(target);
+      if (!area || scenario.roads == nullptr || RoadsIn(*scenario.roads->network, *area).empty()) {
+        RefuseTarget(fault, "X_KM/Y_KM/RADIUS_KM, a circle with roads of the scenario,");
+      }
+      return;
+    }
     case FaultTarget::kSides: {
       const auto sides = SidesOf(target);
       const auto are_known = [&](const std::set<std::string>& side) {
@@ -361,15 +368,17 @@ std::string ToJson(const FaultPlan& plan) {
   return text + "\n]}\n";
 }
 
-std::vector<std::string> OutagesOf(const FaultPlan& plan) {
-  std::vector<std::string> outages;
+std::vector<std::string> WorldOptionsOf(const FaultPlan& plan) {
+  std::vector<std::string> options;
   for (const PlannedFault& fault : plan) {
-    if (!RowOf(fault.kind).of_agents()) continue;
-    outages.push_back(fmt::format("{}:{}:{}:{}", fault.target, fault.at_us,
+    const FaultRow& row = RowOf(fault.kind);
+    if (!row.by_world()) continue;
+    options.emplace_back(row.of_agents() ? "--outage" : "--closure");
+    options.push_back(fmt::format("{}:{}:{}:{}", fault.target, fault.at_us,
                                   fault.for_us > 0 ? fault.at_us + fault.for_us : kNever,
                                   fault.id));
   }
-  return outages;
+  return options;
 }
 
 }  // namespace muster::tools

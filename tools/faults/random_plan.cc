@@ -56,6 +56,14 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Rand
       if (row.must_end) fault->for_us = draws.minutes;
       return true;
     }
+    case FaultTarget::kRoads: {
+      if (scenario.roads == nullptr) return false;
+      const std::vector<RoadPoint>& points = scenario.roads->network->points;
+      const RoadPoint at = points[random->Below(static_cast<std::uint32_t>(points.size()))];
+      fault->target = fmt::format("{}/{}/{}", at.x_mm * 1e-6, at.y_mm * 1e-6, draws.share);
+      fault->for_us = draws.minutes;
+      return true;
+    }
     case FaultTarget::kProcess:
       fault->target = kMembers[draws.member];
       hold();
@@ -89,7 +97,7 @@ std::vector<FaultKind> AllSurvivableKinds() {
   std::vector<FaultKind> kinds;
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    if (!RowOf(kind).damages) kinds.push_back(kind);
+    if (!RowOf(kind).damages && RowOf(kind).target != FaultTarget::kRoads) kinds.push_back(kind);
   }
   return kinds;
 }

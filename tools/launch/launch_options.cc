@@ -301,9 +301,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",
                                fmt::to_string(options.lost_after_s)});
   }
-  for (const std::string& outage : OutagesOf(options.faults)) {
-    world.insert(world.end(), {"--outage", outage});
-  }
+  for (std::string& option : WorldOptionsOf(options.faults)) world.push_back(std::move(option));
   if (!mission.orders_file.empty()) {
     world.insert(world.end(), {"--orders", mission.orders_file});
   }

@@ -64,6 +64,9 @@ int Give(Json order, const Arguments& arguments) {
           bare[item].erase("longitude_deg");
           bare[item]["x_km"] = bare[item]["y_km"] = 0;
         }
+        for (const char* area : {"area_deg", "circle_deg", "near_deg"}) {
+          if (bare.erase(area) > 0) bare["near_km"] = {0, 0};
+        }
         return bare.dump();
       }(),
       "order");
@@ -114,6 +117,50 @@ void AddWhat(std::string_view about, Options* options) {
   options->Positional("what", fmt::format("{}", fmt::join(words, "|")))
       .OneOf(words)
       .Required(fmt::format("one of {}", fmt::join(words, ", ")));
+}
+
+/// "A,B" or "A,B,C"
+Json ReadNumbers(const std::string& flag, const std::string& text, std::size_t n,
+                 const char* expected) {
+  Json numbers = Json::array();
+  for (const std::string& part : Split(text, ',')) {
+    const auto number = ToNumber(part);
+    if (!number) throw InputError("command line", "--" + flag, text, expected);
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != n) throw InputError("command line", "--" + flag, text, expected);
+  return numbers;
+}
+
+/// Which roads an order means.
+void ReadRoads(const Arguments& arguments, Json* order) {
+  const std::string unit = arguments.Has("degrees") ? "_deg" : "_km";
+  int n = 0;
+  const auto has = [&](const char* flag) { return arguments.Has(flag) && ++n > 0; };
+  if (has("area")) {
+    Json& corners = (*order)["area" + unit] = Json::array();
+    for (const std::string& corner : Split(arguments.Get("area"), ' ')) {
+      corners.push_back(ReadNumbers("area", corner, 2, "\"X,Y X,Y X,Y ...\""));
+    }
+  }
+  if (has("circle")) {
+    (*order)["circle" + unit] =
+        ReadNumbers("circle", arguments.Get("circle"), 3, "X,Y,RADIUS, the radius in km");
+  }
+  if (has("near")) (*order)["near" + unit] = ReadNumbers("near", arguments.Get("near"), 2, "X,Y");
+  if (has("ids")) {
+    Json& ids = (*order)["roads"] = Json::array();
+    for (const std::string& part : Split(arguments.Get("ids"), ',')) {
+      const auto id = ToInteger(part);
+      if (!id) throw InputError("command line", "--ids", arguments.Get("ids"), "ID,ID,...");
+      ids.push_back(*id);
+    }
+  }
+  if (has("closure")) (*order)["closure"] = arguments.Get("closure");
+  if (n != 1) {
+    throw InputError("command line", "--area", n == 0 ? "nothing" : "more than one of them",
+                     "one of --area, --circle, --near, --ids, and to open --closure");
+  }
 }
 
 int ToTaskId(const Arguments& arguments) {
@@ -227,6 +274,32 @@ int AgentCommand(int argc, const char* const* argv) {
   number("until", "online_until_min");
   return Give({{"order", "agent_join"}, {"class", arguments->Get("agent")}, {"agent", agent}},
               *arguments);
+}
+
+int RoadCommand(int argc, const char* const* argv) {
+  Options options(
+      "muster road",
+      "Closes roads of a running mission, or opens them again (docs/guide/roads.md). Who is under "
+      "way to a closed road goes round. The mission was started with muster run --take-orders.");
+  AddWhat("road_", &options);
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  options.Add("area", "\"X,Y X,Y ...\"",
+              "The roads in or across an area: its corners, km from the south-west corner");
+  options.Add("circle", "X,Y,RADIUS", "The roads within so many km of a place");
+  options.Add("near", "X,Y", "The one road that is nearest to a place");
+  options.Add("ids", "ID,ID,...", "The roads with these ids in the map that they come from");
+  options.Add("closure", "ID", "To open: what the order with that id has closed");
+  options.Flag("degrees", "Places are given as LAT,LON in degrees");
+  options.Add("for", "MIN", "To close: open them again after so many minutes").Number(Above0(1e6));
+  options.Add("name", "TEXT", "To close: what people call it, as \"flood at the bridge\"");
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  Json order = {{"order", "road_" + arguments->Get("what")}};
+  ReadRoads(*arguments, &order);
+  if (arguments->Has("for")) order["until_in_min"] = arguments->Get<double>("for");
+  if (arguments->Has("name")) order["name"] = arguments->Get("name");
+  return Give(std::move(order), *arguments);
 }
 
 }  // namespace muster::tools

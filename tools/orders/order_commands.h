@@ -6,5 +6,7 @@ namespace muster::tools {
 int TaskCommand(int argc, const char* const* argv);
 /// `muster agent`: has an agent join or leave a running mission.
 int AgentCommand(int argc, const char* const* argv);
+/// `muster road`: closes or opens roads of a running mission.
+int RoadCommand(int argc, const char* const* argv);
 
 }  // namespace muster::tools

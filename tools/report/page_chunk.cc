@@ -147,6 +147,20 @@ ordered_json RoadLines(const ScenarioRoads& roads) {
   return {{"source", network.source}, {"classes", std::move(classes)}, {"lines", std::move(lines)}};
 }
 
+/// Each change of roads: from when, and what is closed then, {order, name, since, roads} each.
+ordered_json RoadChanges(const Scenario& scenario) {
+  ordered_json changes = ordered_json::array();
+  for (std::size_t i = 1; i < scenario.changed_ways.size(); ++i) {
+    const Scenario::WaysSince& change = scenario.changed_ways[i];
+    ordered_json closures = ordered_json::array();
+    for (const Closure& closure : change.closures) {
+      closures.push_back({closure.order, closure.name, Ms(closure.since_us), closure.roads});
+    }
+    changes.push_back({Ms(change.at_us), std::move(closures)});
+  }
+  return changes;
+}
+
 ordered_json Places(const Scenario& scenario) {
   ordered_json tasks = ordered_json::array();
   for (const Task& task : scenario.tasks) {
@@ -291,6 +305,11 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
     }
     chunk["faults"] = std::move(faults);
     cursor->faults = timeline.faults().size();
+  }
+  const std::size_t n_road_changes = timeline.scenario().changed_ways.size();
+  if (cursor->road_changes != n_road_changes) {
+    chunk["road_changes"] = RoadChanges(timeline.scenario());
+    cursor->road_changes = n_road_changes;
   }
   return chunk;
 }

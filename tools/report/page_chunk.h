@@ -21,7 +21,7 @@ struct PageCursor {
   std::vector<Place> stops, spans, tasks;  ///< by agent or task
   Place done, schedules, activities, events;
   std::map<std::string, Place> processes;
-  std::size_t faults = 0;
+  std::size_t faults = 0, road_changes = 0;
   std::vector<Task> told_tasks;  ///< of missions that are open, which orders may change
   PerKind<std::vector<AgentSpec>> told_agents;
 };

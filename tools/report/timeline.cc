@@ -146,7 +146,7 @@ void Timeline::PassCorners(AgentKind kind, const Agent& agent, std::int64_t unti
   const auto leg = FromWire(*agent.last, kind, agent.last_us, WireLimits(scenario_));
   if (!leg) return;
   const auto duration_us = static_cast<double>(leg->arrive_us - leg->depart_us);
-  for (const Ways::Corner& corner : scenario_.ways->Corners(kind, leg->from, leg->to)) {
+  for (const Ways::Corner& corner : leg->leg_ways->Corners(kind, leg->from, leg->to)) {
     const std::int64_t at_us = leg->depart_us + std::llround(corner.share * duration_us);
     if (at_us > agent.last_us && at_us < until_us) {
       Append(stops, {Ms(at_us), corner.at.x_m, corner.at.y_m, 0});

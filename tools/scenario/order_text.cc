@@ -48,6 +48,37 @@ void PutOnMap(Json* item, const std::string& where, const std::string& key,
   (*item)["y_km"] = at.y_m / 1000;
 }
 
+/// area_deg, circle_deg or near_deg of an order about roads, as area_km, circle_km or near_km.
+void PutAreaOnMap(Json* order, const std::string& where, const std::optional<Origin>& origin) {
+  for (const std::string name : {"area", "circle", "near"}) {
+    const std::string key = name + "_deg";
+    if (!order->contains(key)) continue;
+    if (!origin) {
+      throw InputError(where, key, "a place on Earth",
+                       fmt::format("{}_km: this scenario has no origin", name));
+    }
+    Json area = std::exchange((*order)[key], nullptr);
+    order->erase(key);
+    const auto put = [&](Json* place, std::size_t n) {
+      if (!place->is_array() || place->size() != n || !(*place)[0].is_number() ||
+          !(*place)[1].is_number() || !(std::abs((*place)[0].get<double>()) <= 90) ||
+          !(std::abs((*place)[1].get<double>()) <= 180)) {
+        throw InputError(where, key, place->dump(), "latitude and longitude in degrees");
+      }
+      const Point at =
+          Project({{(*place)[0].get<double>(), (*place)[1].get<double>()}}, *origin).front();
+      (*place)[0] = at.x_m / 1000;
+      (*place)[1] = at.y_m / 1000;
+    };
+    if (name == "area" && area.is_array()) {
+      for (Json& corner : area) put(&corner, 2);
+    } else {
+      put(&area, name == "circle" ? 3 : 2);
+    }
+    (*order)[name + "_km"] = std::move(area);
+  }
+}
+
 }  // namespace
 
 std::string FreshOrderId() {
@@ -63,6 +94,7 @@ world::PlannedOrder ReadOrder(std::string_view text, const std::string& where,
   if (!json.is_object()) throw InputError(where, "top level", "no object", "an object");
   if (json.contains("task")) PutOnMap(&json["task"], where, "task", origin);
   if (json.contains("agent")) PutOnMap(&json["agent"], where, "agent", origin);
+  PutAreaOnMap(&json, where, origin);
   world::PlannedOrder planned;
   planned.order = ParseOrder(json.dump(), where);
   if (planned.order.id.empty()) planned.order.id = FreshOrderId();

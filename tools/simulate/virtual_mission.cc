@@ -34,22 +34,26 @@ using simulation::VirtualProcess;
 constexpr std::int64_t kRunId = 1;
 constexpr TimeUs kPatienceUs = 30 * kMinuteUs;
 
-/// The plan's failing agents, as the world takes them.
-std::vector<world::Outage> OutagesIn(const FaultPlan& plan) {
-  std::vector<world::Outage> outages;
+/// The plan's failing agents and closed roads, as the world takes them.
+world::WorldFaults WorldFaultsIn(const FaultPlan& plan) {
+  world::WorldFaults faults;
   for (const PlannedFault& fault : plan) {
+    const TimeUs until_us = fault.for_us > 0 ? fault.at_us + fault.for_us : kNever;
+    if (RowOf(fault.kind).target == FaultTarget::kRoads) {
+      faults.closures.push_back({*CircleFrom(fault.target), fault.at_us, until_us, fault.id});
+    }
     if (!RowOf(fault.kind).of_agents()) continue;
-    world::Outage& outage = outages.emplace_back();
+    world::Outage& outage = faults.outages.emplace_back();
     const std::size_t colon = fault.target.find(':');
     for (const AgentKind kind : kAgentKinds) {
       if (fault.target.substr(0, colon) == ToString(kind)) outage.kind = kind;
     }
     outage.agent = std::stoi(fault.target.substr(colon + 1));
     outage.from_us = fault.at_us;
-    outage.until_us = fault.for_us > 0 ? fault.at_us + fault.for_us : kNever;
+    outage.until_us = until_us;
     outage.reason = {world::FailureReason::Cause::kFault, fault.id};
   }
-  return outages;
+  return faults;
 }
 
 /// Cores of processes, a logger and their network, all in virtual time.
@@ -111,7 +115,7 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.world.recorded = true;
   settings_.world.goes_on = mission.goes_on;
   settings_.world.lost_after_us = mission.lost_after_us;
-  settings_.world.outages = OutagesIn(mission.faults);
+  settings_.world.faults = WorldFaultsIn(mission.faults);
   settings_.world.orders = mission.orders;
   settings_.drivers = mission.drivers;
   settings_.world_window = kWorldWindow;
@@ -218,7 +222,7 @@ std::string UndisturbedDigest(const VirtualMission& mission) {
   RunRecord record;
   Simulate(
       TextOf(mission.scenario), mission.policy, [&](const Packet& packet) { record.Add(packet); },
-      OutagesIn(mission.faults), mission.orders);
+      WorldFaultsIn(mission.faults), mission.orders);
   return Digest(record);
 }
 

@@ -10,10 +10,11 @@ namespace muster::scheduler {
 Decision WithoutRoadsPolicy::Decide(const Situation& situation) {
   auto site = std::make_shared<Site>(*situation.site);
   site->ways = {&StraightWays(), [](const Ways*) {}};
+  site->open_roads = nullptr;
   Situation straight = situation;
   straight.site = std::move(site);
   for (std::vector<AgentState>* agents : {&straight.uavs, &straight.workers, &straight.vehicles}) {
-    for (AgentState& agent : *agents) agent.ways = &StraightWays();
+    for (AgentState& agent : *agents) agent.ways = agent.leg_ways = &StraightWays();
   }
   const Decision decided = policy_->Decide(straight);
   std::set<std::size_t> broken;

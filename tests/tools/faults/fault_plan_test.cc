@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/check.h"
+#include "tests/model/block.h"
 
 namespace muster::tools {
 namespace {
@@ -32,6 +33,31 @@ TEST(FaultPlan, RefusesANumberThatNoDoubleHolds) {
       "'2e2232')");
 }
 
+TEST(FaultPlan, ClosesRoadsThatThereAre) {
+  const auto error = [](const char* flag, const Scenario& scenario) -> std::string {
+    try {
+      FaultPlan plan = {ParseFaultFlag(flag, 0)};
+      CheckFaultPlan(&plan, kProcesses, scenario, false);
+    } catch (const InputError& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  Scenario block = testing::OnTheBlock();
+  block.rules.limit_us = 60 * kMinuteUs;
+  EXPECT_EQ(error("road_closed:0.4/0/0.1@10+20", block), "");
+  for (const char* flag :
+       {"road_closed:0.4/0@10", "road_closed:1.5/1.5/0.1@10", "road_closed:*@10"}) {
+    EXPECT_NE(error(flag, block).find("X_KM/Y_KM/RADIUS_KM, a circle with roads"),
+              std::string::npos)
+        << flag;
+  }
+  EXPECT_NE(error("road_closed:0.4/0/0.1@10+2s", block).find("mission time"), std::string::npos);
+  EXPECT_NE(error("road_closed:0.4/0/0.1@10", TwoUavs()).find("with roads"), std::string::npos);
+  EXPECT_EQ(WorldOptionsOf({ParseFaultFlag("road_closed:0.4/0/0.1@10+20", 3)}),
+            (std::vector<std::string>{"--closure", "0.4/0/0.1:600000000:1800000000:flag3"}));
+}
+
 TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {
   FaultPlan plan = ParseFaultPlan(R"({"version": 1, "faults": [
       {"kind": "loss", "target": "*", "at_min": 30, "for_min": 10, "probability": 0.3},
@@ -49,7 +75,8 @@ TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {
   EXPECT_EQ(plan[3].id, "f0");
   EXPECT_EQ(plan[3].at_us, 30 * kMinuteUs);
   EXPECT_EQ(ToWire(plan[3]).for_us, 10 * kMinuteUs);
-  EXPECT_EQ(OutagesOf(plan), std::vector<std::string>{"uav:1:300000000:2100000000:f3"});
+  EXPECT_EQ(WorldOptionsOf(plan),
+            (std::vector<std::string>{"--outage", "uav:1:300000000:2100000000:f3"}));
 }
 
 TEST(FaultPlan, ARecorderThatWritesTheLogStandsForLcmLogger) {

@@ -7,6 +7,7 @@
 
 #include "model/generator.h"
 #include "protocol/fault_kinds.h"
+#include "tests/model/block.h"
 
 namespace muster::tools {
 namespace {
@@ -55,12 +56,18 @@ TEST(RandomPlan, HoldsNobodyWhosePacketsHaveJustBegunToSuffer) {
 
 TEST(RandomPlan, DrawsWhatAPlanFileMayHold) {
   const Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  Scenario with_roads = testing::OnTheBlock();
+  with_roads.rules.limit_us = scenario.rules.limit_us;
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    const FaultPlan plan =
-        DrawPlan(scenario, {.seed = 3, .rate_per_hour = 30, .kinds = {kind}, .goes_on = true});
+    const Scenario& of = kind == FaultKind::kRoadClosed ? with_roads : scenario;
+    FaultPlan plan =
+        DrawPlan(of, {.seed = 3, .rate_per_hour = 30, .kinds = {kind}, .goes_on = true});
     EXPECT_FALSE(plan.empty()) << ToString(kind);
     EXPECT_EQ(ParseFaultPlan(ToJson(plan), "plan").size(), plan.size()) << ToString(kind);
+    if (kind == FaultKind::kRoadClosed) {
+      EXPECT_NO_THROW(CheckFaultPlan(&plan, {}, of, true));
+    }
   }
 }
 

@@ -31,7 +31,9 @@ export class Control {
     this.orders = new Orders(state.live ? tokenOfPage() : null, (entry) => this.#onOrder(entry));
     this.form = new OrderForm((order) => this.#words(order), (order) => this.orders.give(order, state.run.nowMs));
     this.form.closed = () => this.map.mark(null);
+    this.picks = "order-add"; // what the next click on the map is for
     byId("order-add").addEventListener("click", () => this.togglePick());
+    byId("order-road").addEventListener("click", () => this.togglePick("order-road"));
     byId("pick-stop").addEventListener("click", () => this.#stopPicking());
     byId("pick-enter").addEventListener("click", () => this.#add({ x: state.run.scenario.width_m / 2, y: state.run.scenario.height_m / 2 }));
     state.on("run data selection", () => this.draw());
@@ -51,16 +53,20 @@ export class Control {
     badge.dataset.state = badge.textContent;
     badge.title = this.allowed ? "This page gives orders to the mission" : "Orders need the address that muster run --control tells";
     byId("order-add").hidden = !this.allowed;
+    byId("order-road").hidden = !this.allowed || !run.scenario.roads;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
     if (!this.allowed && this.map.picking) this.#stopPicking();
     if (run) this.#findAdded();
     this.#drawCard();
   }
 
-  /** The next click on the map is the place of a new task; or no longer. */
-  togglePick() {
+  /** The next click on the map is the place of a new task, or of roads; or no longer. */
+  togglePick(button = "order-add") {
     if (!this.allowed) return;
-    if (this.map.picking) return this.#stopPicking();
+    const again = this.map.picking && this.picks === button;
+    if (this.map.picking) this.#stopPicking();
+    if (again) return;
+    this.picks = button;
     this.state.look("map");
     this.map.pick((place) => this.#add(place));
     this.#showPicking(true);
@@ -73,13 +79,15 @@ export class Control {
 
   #showPicking(on) {
     byId("pick-hint").hidden = !on;
-    byId("order-add").setAttribute("aria-pressed", String(on));
+    byId("pick-what").textContent = this.picks === "order-road" ? "the roads" : "the place of the new task";
+    byId(this.picks).setAttribute("aria-pressed", String(on));
   }
 
   #add(place) {
     this.#stopPicking();
     this.map.mark(place);
-    this.form.add(this.state.run, place);
+    if (this.picks === "order-road") this.form.roads(place);
+    else this.form.add(this.state.run, place);
   }
 
   /** What is asked back: with what speaks against it. */

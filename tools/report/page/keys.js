@@ -28,7 +28,7 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control 
     d: () => panels.open("decision"),
     e: () => panels.open("events"),
     p: () => panels.open("processes"),
-    Escape: () => (map.picking ? control.togglePick() : state.select(null)),
+    Escape: () => (map.picking ? control.togglePick(control.picks) : state.select(null)),
     "?": () => help.showModal(),
   };
   document.addEventListener("keydown", (event) => {

@@ -2,6 +2,7 @@ import { byId, element, number } from "./dom.js";
 import { PRIORITIES } from "./story.js";
 
 const DEFAULT_COST_KM = 3;
+const DEFAULT_RADIUS_KM = 0.1;
 
 function field(label, input) {
   return element("label", { class: "field" }, element("span", {}, label), input);
@@ -45,6 +46,23 @@ export class OrderForm {
     });
   }
 
+  /** Roads to close or open around a place, { x, y } in metres. */
+  roads(place) {
+    const km = (m) => Math.round(m) / 1000;
+    const what = element("select", { name: "what" }, element("option", { value: "road_close" }, "Close"), element("option", { value: "road_open" }, "Open"));
+    this.#write("Close or open roads", [field("Do what", what), field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
+      field("All roads within, km", decimal("radius", DEFAULT_RADIUS_KM, { min: 0 })), field("To close: for so many minutes", decimal("minutes", null, { min: 0 })),
+      field("To close: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+      if (values.x === null || values.y === null || !(values.radius >= 0)) return "A place and a distance in km are needed.";
+      const order = { order: values.what, circle_km: [values.x, values.y, values.radius] };
+      if (values.what === "road_open") return order;
+      if (values.minutes !== null && !(values.minutes > 0)) return "Roads are closed for more than 0 minutes.";
+      if (values.minutes !== null) order.until_in_min = values.minutes;
+      if (values.name) order.name = values.name;
+      return order;
+    });
+  }
+
   /** Another priority, due time, expiry or name of a task. */
   change(run, task) {
     this.#write(`Change task ${task.id}`, [priorityChoice(task.priority ?? 1), ...times(),
@@ -84,6 +102,7 @@ export class OrderForm {
     const data = new FormData(this.form);
     const numeric = (name) => (String(data.get(name) ?? "").trim() === "" ? null : Number(data.get(name)));
     return { x: numeric("x"), y: numeric("y"), cost: numeric("cost"), priority: numeric("priority"), due: numeric("due"), expires: numeric("expires"),
+      what: data.get("what"), radius: numeric("radius"), minutes: numeric("minutes"),
       name: String(data.get("name") ?? "").trim() };
   }
 

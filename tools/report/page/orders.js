@@ -20,6 +20,8 @@ const KINDS = {
   task_hold: { words: ({ task }) => `hold task ${task}`, more: "nobody is sent to it until it is resumed", on: "task", button: "Hold", when: (status) => [OPEN, RESERVED].includes(status) },
   task_cancel: { words: ({ task }) => `cancel task ${task}`, more: "nobody will do it, and all who are on the way are called off", on: "task", button: "Cancel task" },
   agent_recall: { words: ({ agent }) => `recall ${agent}`, more: "it hands back what it is at and leaves the mission at once, from where it is", on: "agent", button: "Recall", when: (status) => status !== OFFLINE },
+  road_close: { words: ({ circle_km: [x, y, r], until_in_min: min, name }) => `close the roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way to them go round, and pairs that cannot are called off" },
+  road_open: { words: ({ circle_km: [x, y, r] }) => `open the closed roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km` },
   agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
 };
 

@@ -31,6 +31,7 @@ export class Run {
     this.events = [];
     this.processes = new Map(); // name -> rows of SAMPLE
     this.faults = [];
+    this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads]]
     this.coast = null; // where land is: coast.js
     this.background = null; // shapes in degrees, drawn below the map
     this.reasons = null; // task -> why it was not done; reports only
@@ -71,6 +72,7 @@ export class Run {
       if (!this.processes.has(name)) this.processes.set(name, []);
       splice(this.processes.get(name), from * SAMPLE, rows);
     }
+    if (chunk.road_changes) this.roadChanges = chunk.road_changes;
     if (chunk.coast) this.coast = chunk.coast;
     if (chunk.background) this.background = chunk.background;
     if (chunk.reasons) this.reasons = new Map(chunk.reasons.tasks);

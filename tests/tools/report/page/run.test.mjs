@@ -6,6 +6,7 @@ import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { cellWords, countCells } from "../../../../tools/report/page/layers/crowd.js";
+import { closuresAt } from "../../../../tools/report/page/layers/roads.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
 import { placeLabels } from "../../../../tools/report/page/map_labels.js";
 import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
@@ -349,7 +350,17 @@ test("orders are told in words, and a token is in the address or is not", () => 
   assert.equal(words({ order: "task_change", task: 7, priority: 0, expires_min: 61.5 }), "change task 7: priority low, expires 1:01:30");
   assert.deepEqual(["task_cancel", "task_hold", "task_resume"].map((order) => words({ order, task: 7 })), ["cancel task 7", "hold task 7", "resume task 7"]);
   assert.deepEqual(["agent_leave", "agent_recall"].map((order) => words({ order, agent: "uav:3" })), ["let uav:3 leave", "recall uav:3"]);
+  assert.equal(words({ order: "road_close", circle_km: [3.25, 4, 0.1], until_in_min: 60, name: "flood" }), "close the roads within 0.10 km of 3.3, 4.0 km for 60 min (flood)");
+  assert.equal(words({ order: "road_open", circle_km: [3, 4, 0.1] }), "open the closed roads within 0.10 km of 3.0, 4.0 km");
   assert.deepEqual(["#token=ab&t=5", "#t=5&token=ab", "#t=5", "", "#token="].map(tokenOf), ["ab", "ab", null, null, null]);
+});
+
+test("what is closed at a time is what the last change of roads left closed", () => {
+  const run = begun();
+  assert.deepEqual(closuresAt(run, 0), []);
+  const flood = ["c1", "flood", 60000, [3, 4]], fire = ["c2", "", 90000, [5]];
+  run.apply({ now_ms: 200000, road_changes: [[60000, [flood]], [90000, [flood, fire]], [120000, []]] });
+  assert.deepEqual([59999, 60000, 89999, 90000, 120000].map((t) => closuresAt(run, t)), [[], [flood], [flood], [flood, fire], []]);
 });
 
 test("an order is sent with its token and an id of its own, and what became of it is kept", async () => {

@@ -5,7 +5,7 @@ import { crowd } from "./crowd.js";
 import { differences } from "./differences.js";
 import { labels } from "./labels.js";
 import { marked } from "./marked.js";
-import { roads } from "./roads.js";
+import { closed, roads } from "./roads.js";
 import { scaleBar } from "./scale_bar.js";
 import { selected } from "./selected.js";
 import { tasks } from "./tasks.js";
@@ -17,10 +17,10 @@ import { ways } from "./ways.js";
  * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend? }. `map` is what MapView says is in view. A layer
  * without `shows` is always drawn.
  */
-export const LAYERS = [...BELOW, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
+export const LAYERS = [...BELOW, closed, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
 
 /** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
-const TOLD = [tasks, charging, agents, water, roads, trails, ways];
+const TOLD = [tasks, charging, agents, water, roads, closed, trails, ways];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {

@@ -15,6 +15,43 @@ function pathsOf(run) {
   });
 }
 
+/** What is closed at that time: [order, name, since_ms, roads] each. */
+export function closuresAt(run, t) {
+  return run.roadChanges.filter(([at]) => at <= t).at(-1)?.[1] ?? [];
+}
+
+/** The closed roads as a path in metres. */
+function closedPath(run, closures) {
+  return run.once(`closed ${closures.map(([order, , , { length }]) => `${order} ${length}`)}`, () => {
+    const path = new Path2D();
+    for (const road of new Set(closures.flatMap(([, , , roads]) => roads))) {
+      const [, ...places] = run.scenario.roads.lines[road];
+      path.moveTo(places[0], places[1]);
+      for (let i = 2; i < places.length; i += 2) path.lineTo(places[i], places[i + 1]);
+    }
+    return path;
+  });
+}
+
+/** The roads that are closed, as broken lines over their own. */
+export const closed = {
+  legend: [{ id: "closed", mark: '<path d="M1 8 12 4 23 7" class="l-closed"/>', long: true, words: "closed road",
+    shows: (run) => run.roadChanges.length > 0 }],
+  shows: ({ run }) => run.roadChanges.length > 0,
+  draw(c, { run, x, y, t }) {
+    const closures = closuresAt(run, t);
+    if (closures.length === 0) return;
+    const perM = x(1) - x(0);
+    c.save();
+    c.transform(perM, 0, 0, y(1) - y(0), x(0), y(0));
+    c.strokeStyle = theme.failed;
+    c.lineWidth = 3 / perM;
+    c.setLineDash([2 / perM, 3 / perM]);
+    c.stroke(closedPath(run, closures));
+    c.restore();
+  },
+};
+
 /** The roads that workers and vehicles travel by. */
 export const roads = {
   legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => `road (${run.scenario.roads?.source})`,
