@@ -139,6 +139,8 @@ template <class... Visits>
 struct Overloaded : Visits... {
   using Visits::operator()...;
 };
+template <class... Visits>
+Overloaded(Visits...) -> Overloaded<Visits...>;
 
 std::string Pair(Point p) { return fmt::format("{}, {}", ToText(p.x_m, kKm), ToText(p.y_m, kKm)); }
 

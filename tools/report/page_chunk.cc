@@ -227,6 +227,38 @@ void FlatOfEach(const char* key, const Items& items, std::vector<PageCursor::Pla
   if (!all.empty()) (*chunk)[key] = std::move(all);
 }
 
+void WriteProcesses(const Timeline& timeline, PageCursor* cursor, ordered_json* chunk) {
+  ordered_json processes = ordered_json::array();
+  for (const auto& [process, samples] : timeline.processes()) {
+    ordered_json list = ordered_json::array();
+    const std::int64_t from =
+        Fresh(samples, &cursor->processes[process], &list,
+              [](const Timeline::ProcessSample& s, ordered_json* rows) {
+                rows->insert(rows->end(), {s.t_ms, Ms(s.wall_us), s.boot_id, s.received, s.lost,
+                                           s.rejected, s.resent, s.cpu_s, s.rss_bytes, s.state});
+              });
+    if (from >= 0) processes.push_back({process, from, std::move(list)});
+  }
+  if (!processes.empty()) (*chunk)["processes"] = std::move(processes);
+}
+
+void WriteFaultsAndRoads(const Timeline& timeline, PageCursor* cursor, ordered_json* chunk) {
+  if (cursor->faults != timeline.faults().size()) {
+    ordered_json faults = ordered_json::array();
+    for (const auto& [id, f] : timeline.faults()) {
+      faults.push_back({id, ToString<FaultKind>(f.kind), f.target, Ms(f.at_us), Ms(f.for_us),
+                        Number(f.probability)});
+    }
+    (*chunk)["faults"] = std::move(faults);
+    cursor->faults = timeline.faults().size();
+  }
+  const std::size_t n_road_changes = timeline.scenario().changed_ways.size();
+  if (cursor->road_changes != n_road_changes) {
+    (*chunk)["road_changes"] = RoadChanges(timeline.scenario());
+    cursor->road_changes = n_road_changes;
+  }
+}
+
 }  // namespace
 
 ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCursor* cursor,
@@ -285,32 +317,8 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
          list->push_back({ToString<EventKind>(e.kind), Ms(e.at_us), e.uav_id, e.worker_id,
                           e.vehicle_id, e.task_id, e.charge_id, e.fault_id, e.detail});
        });
-  ordered_json processes = ordered_json::array();
-  for (const auto& [process, samples] : timeline.processes()) {
-    ordered_json list = ordered_json::array();
-    const std::int64_t from =
-        Fresh(samples, &cursor->processes[process], &list,
-              [](const Timeline::ProcessSample& s, ordered_json* rows) {
-                rows->insert(rows->end(), {s.t_ms, Ms(s.wall_us), s.boot_id, s.received, s.lost,
-                                           s.rejected, s.resent, s.cpu_s, s.rss_bytes, s.state});
-              });
-    if (from >= 0) processes.push_back({process, from, std::move(list)});
-  }
-  if (!processes.empty()) chunk["processes"] = std::move(processes);
-  if (cursor->faults != timeline.faults().size()) {
-    ordered_json faults = ordered_json::array();
-    for (const auto& [id, f] : timeline.faults()) {
-      faults.push_back({id, ToString<FaultKind>(f.kind), f.target, Ms(f.at_us), Ms(f.for_us),
-                        Number(f.probability)});
-    }
-    chunk["faults"] = std::move(faults);
-    cursor->faults = timeline.faults().size();
-  }
-  const std::size_t n_road_changes = timeline.scenario().changed_ways.size();
-  if (cursor->road_changes != n_road_changes) {
-    chunk["road_changes"] = RoadChanges(timeline.scenario());
-    cursor->road_changes = n_road_changes;
-  }
+  WriteProcesses(timeline, cursor, &chunk);
+  WriteFaultsAndRoads(timeline, cursor, &chunk);
   return chunk;
 }
 

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { before, test } from "node:test";
 import { deflateSync, inflateSync } from "node:zlib";
 import { planeOf } from "../../../../tools/report/page/place.js";
-import { MUSTER_SCENARIOS, accessible, file, muster, open, picture, soon } from "./support.mjs";
+import { LOOKS, MUSTER_SCENARIOS, accessible, file, muster, open, picture, soon } from "./support.mjs";
 
 const DATA = /(x-muster-run">)([^<]*)(<)/;
 /** Land in the south of haiti's area, with a bay of 0.1 degrees in it and an island further north: 1e-5 degrees. */
@@ -42,18 +42,16 @@ const coloursAt = (page, places) => page.evaluate(async (wanted) => {
   });
 }, places.map((degrees) => planeOf({ scenario: { origin: ORIGIN } }, ...degrees)));
 
-for (const [width, height] of [[1440, 900], [1024, 768], [390, 844]]) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`water is filled and land is not, at ${width} x ${height}, ${colorScheme}`, async (t) => {
-      const page = await open(t, "coast.html", { viewport: { width, height }, colorScheme }, "#t=0");
-      await soon(async () => assert.ok(await page.locator("#legend-water").isVisible()));
-      assert.equal(await page.locator("#legend-water").innerText(), "water (made up)");
-      // Sea, the bay in the land, the island, land: away from the lines of the grid and from agents.
-      assert.deepEqual(await coloursAt(page, [[18.6473, -72.4637], [18.4853, -72.4273], [18.6113, -72.3413], [18.4273, -72.2613]]), [true, true, false, false]);
-      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
-      await accessible(page, "with a coast");
-    });
-  }
+for (const [width, height, colorScheme] of LOOKS) {
+  test(`water is filled and land is not, at ${width} x ${height}, ${colorScheme}`, async (t) => {
+    const page = await open(t, "coast.html", { viewport: { width, height }, colorScheme }, "#t=0");
+    await soon(async () => assert.ok(await page.locator("#legend-water").isVisible()));
+    assert.equal(await page.locator("#legend-water").innerText(), "water (made up)");
+    // Sea, the bay in the land, the island, land: away from the lines of the grid and from agents.
+    assert.deepEqual(await coloursAt(page, [[18.6473, -72.4637], [18.4853, -72.4273], [18.6113, -72.3413], [18.4273, -72.2613]]), [true, true, false, false]);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+    await accessible(page, "with a coast");
+  });
 }
 
 test("without a coast the map is as it was, and the scene's ground has it too", async (t) => {

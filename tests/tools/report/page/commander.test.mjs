@@ -4,9 +4,8 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
 import { inflateSync } from "node:zlib";
-import { MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub, soon } from "./support.mjs";
+import { LOOKS, MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub, soon } from "./support.mjs";
 
-const SIZES = [[1440, 900], [1024, 768], [390, 844]];
 const now = (page) => page.locator("#time-now").innerText();
 
 before(() => {
@@ -16,27 +15,25 @@ before(() => {
   muster("report", file("faulty"), "--out", file("faulty.html"));
 });
 
-for (const [width, height] of SIZES) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`attention, card and tasks at ${width} x ${height}, ${colorScheme}`, async (t) => {
-      const phone = width < 500;
-      const page = await open(t, "a.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" });
-      await accessible(page, "as it opens");
-      const map = await page.locator("#map").boundingBox();
-      await page.locator("#attention-list .alarm").first().click();
-      await page.locator("#card").waitFor();
-      const card = await page.locator("#card").boundingBox();
-      assert.ok(card.y >= 0 && card.y + card.height <= height, `the card is in view: ${JSON.stringify(card)}`);
-      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
-      const after = await page.locator("#map").boundingBox();
-      assert.deepEqual([after.width, after.height], [map.width, map.height], "the card does not shrink the map");
-      await accessible(page, "with a card");
-      for (const tab of width === 1440 ? ["decision", "events", "processes"] : []) {
-        await page.locator(`#panel-tabs [data-tab=${tab}]`).click();
-        await accessible(page, tab);
-      }
-    });
-  }
+for (const [width, height, colorScheme] of LOOKS) {
+  test(`attention, card and tasks at ${width} x ${height}, ${colorScheme}`, async (t) => {
+    const phone = width < 500;
+    const page = await open(t, "a.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" });
+    await accessible(page, "as it opens");
+    const map = await page.locator("#map").boundingBox();
+    await page.locator("#attention-list .alarm").first().click();
+    await page.locator("#card").waitFor();
+    const card = await page.locator("#card").boundingBox();
+    assert.ok(card.y >= 0 && card.y + card.height <= height, `the card is in view: ${JSON.stringify(card)}`);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+    const after = await page.locator("#map").boundingBox();
+    assert.deepEqual([after.width, after.height], [map.width, map.height], "the card does not shrink the map");
+    await accessible(page, "with a card");
+    for (const tab of width === 1440 ? ["decision", "events", "processes"] : []) {
+      await page.locator(`#panel-tabs [data-tab=${tab}]`).click();
+      await accessible(page, tab);
+    }
+  });
 }
 
 test("the page opens at its most telling moment and says which", async (t) => {

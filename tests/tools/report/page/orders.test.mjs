@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { before, test } from "node:test";
-import { MUSTER_SCENARIOS, accessible, browser, drawn, file, muster, picture, soon } from "./support.mjs";
+import { LOOKS, MUSTER_SCENARIOS, accessible, browser, drawn, file, muster, picture, soon } from "./support.mjs";
 import { TOKEN, livePage, liveRun, serve } from "./stub_server.mjs";
 
 const MINUTES = 61;
@@ -44,58 +44,56 @@ const select = (page, name) => page.evaluate((sel) => {
 }, name);
 const press = (page, name) => page.locator("#order").getByRole("button", { name, exact: true }).click();
 
-for (const [width, height] of [[1440, 900], [1024, 768], [390, 844]]) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`a task is added by a click on the map, asked back, at ${width} x ${height}, ${colorScheme}`, async (t) => {
-      const run = liveRun("o.html", MINUTES);
-      const id = run.scenario.task_times.length - 2;
-      const { url, given, tell } = await serve(html, run, (order) => taken(order, { task: id }));
-      const phone = width < 500;
-      const page = await openLive(t, `${url}#token=${TOKEN}`, { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone });
-      assert.ok(!(await page.evaluate(() => location.hash)).includes(TOKEN), "the address may be passed on");
-      assert.equal(await page.locator("#control-state").innerText(), "CONTROL");
-      await accessible(page, "with control");
-      await page.locator("#order-add").scrollIntoViewIfNeeded();
-      await drawn(page);
-      const map = await page.locator("#map").boundingBox();
-      await page.locator("#order-add").click();
-      await soon(async () => assert.ok(await page.locator("#pick-hint").isVisible()));
-      await drawn(page);
-      assert.deepEqual(await page.locator("#map").boundingBox(), map, "the map stays where it is");
-      const [x, y] = await page.evaluate(() => {
-        const { shown } = window.muster.parts.map;
-        return [shown.x(7000), shown.y(3000)];
-      });
-      await page.locator("#map").click({ position: { x, y } });
-      await page.locator("#order").waitFor();
-      const place = await page.evaluate(() => ["x", "y"].map((name) => Number(document.querySelector(`#order input[name=${name}]`).value)));
-      assert.ok(Math.abs(place[0] - 7) < 0.2 && Math.abs(place[1] - 3) < 0.2, place.join());
-      await page.locator("#order select[name=priority]").selectOption("emergency");
-      await page.locator("#order input[name=due]").fill("20");
-      await page.locator("#order input[name=name]").fill("school");
-      await accessible(page, "a new task");
-      await press(page, "Next");
-      await soon(async () => assert.match(await page.locator("#order .asked").innerText(), /^Add a task at 7\.\d, [23]\.\d km: 3\.0 km of range, priority emergency, due 1:21:00, name school\.$/));
-      assert.equal(given.length, 0, "nothing is sent before it was asked back");
-      await accessible(page, "asked back");
-      await press(page, "Give the order");
-      await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /taken, at 1:01:00$/));
-      assert.equal(given.length, 1);
-      const [{ id: orderId, ...order }] = given;
-      assert.match(orderId, /^page-/);
-      assert.deepEqual(order, { issuer: "page", order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school" } });
-      // The mission has it: it is on the map, in the table, and among what needs attention.
-      const count = () => page.evaluate(() => window.muster.state.run.tasksTotal);
-      const before = await count();
-      tell({ task_rows: [[id, place[0] * 1000, place[1] * 1000, 3000, 3660000, 4860000, null, 3, "school"]], tasks: [[id, 1, [3660000, 0]]], now_ms: 3690000 });
-      await page.waitForFunction((n) => window.muster.state.run.tasksTotal === n, before + 1);
-      await soon(async () => assert.match(await page.locator("#attention-list .a-risk").first().innerText(), new RegExp(`task ${id}, emergency`)));
-      await page.locator("#attention-list .a-risk").first().click();
-      await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${id} school`));
-      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
-      await accessible(page, "with the new task");
+for (const [width, height, colorScheme] of LOOKS) {
+  test(`a task is added by a click on the map, asked back, at ${width} x ${height}, ${colorScheme}`, async (t) => {
+    const run = liveRun("o.html", MINUTES);
+    const id = run.scenario.task_times.length - 2;
+    const { url, given, tell } = await serve(html, run, (order) => taken(order, { task: id }));
+    const phone = width < 500;
+    const page = await openLive(t, `${url}#token=${TOKEN}`, { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone });
+    assert.ok(!(await page.evaluate(() => location.hash)).includes(TOKEN), "the address may be passed on");
+    assert.equal(await page.locator("#control-state").innerText(), "CONTROL");
+    await accessible(page, "with control");
+    await page.locator("#order-add").scrollIntoViewIfNeeded();
+    await drawn(page);
+    const map = await page.locator("#map").boundingBox();
+    await page.locator("#order-add").click();
+    await soon(async () => assert.ok(await page.locator("#pick-hint").isVisible()));
+    await drawn(page);
+    assert.deepEqual(await page.locator("#map").boundingBox(), map, "the map stays where it is");
+    const [x, y] = await page.evaluate(() => {
+      const { shown } = window.muster.parts.map;
+      return [shown.x(7000), shown.y(3000)];
     });
-  }
+    await page.locator("#map").click({ position: { x, y } });
+    await page.locator("#order").waitFor();
+    const place = await page.evaluate(() => ["x", "y"].map((name) => Number(document.querySelector(`#order input[name=${name}]`).value)));
+    assert.ok(Math.abs(place[0] - 7) < 0.2 && Math.abs(place[1] - 3) < 0.2, place.join());
+    await page.locator("#order select[name=priority]").selectOption("emergency");
+    await page.locator("#order input[name=due]").fill("20");
+    await page.locator("#order input[name=name]").fill("school");
+    await accessible(page, "a new task");
+    await press(page, "Next");
+    await soon(async () => assert.match(await page.locator("#order .asked").innerText(), /^Add a task at 7\.\d, [23]\.\d km: 3\.0 km of range, priority emergency, due 1:21:00, name school\.$/));
+    assert.equal(given.length, 0, "nothing is sent before it was asked back");
+    await accessible(page, "asked back");
+    await press(page, "Give the order");
+    await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /taken, at 1:01:00$/));
+    assert.equal(given.length, 1);
+    const [{ id: orderId, ...order }] = given;
+    assert.match(orderId, /^page-/);
+    assert.deepEqual(order, { issuer: "page", order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school" } });
+    // The mission has it: it is on the map, in the table, and among what needs attention.
+    const count = () => page.evaluate(() => window.muster.state.run.tasksTotal);
+    const before = await count();
+    tell({ task_rows: [[id, place[0] * 1000, place[1] * 1000, 3000, 3660000, 4860000, null, 3, "school"]], tasks: [[id, 1, [3660000, 0]]], now_ms: 3690000 });
+    await page.waitForFunction((n) => window.muster.state.run.tasksTotal === n, before + 1);
+    await soon(async () => assert.match(await page.locator("#attention-list .a-risk").first().innerText(), new RegExp(`task ${id}, emergency`)));
+    await page.locator("#attention-list .a-risk").first().click();
+    await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${id} school`));
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+    await accessible(page, "with the new task");
+  });
 }
 
 test("a task is changed, held, resumed and cancelled; what is refused says why", async (t) => {

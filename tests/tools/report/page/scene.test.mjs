@@ -2,9 +2,8 @@
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { before, test } from "node:test";
-import { accessible, browser, drawn, file, json, muster, open, scrub, soon } from "./support.mjs";
+import { LOOKS, accessible, browser, drawn, file, json, muster, open, scrub, soon } from "./support.mjs";
 
-const SIZES = [[1440, 900], [1024, 768], [390, 844]];
 const SENSING = 4;
 const CHARGING = 5;
 
@@ -51,26 +50,24 @@ const camera = (page) => page.evaluate(() => {
   return { azimuth, polar, distance, target: [...target] };
 });
 
-for (const [width, height] of SIZES) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`the scene at ${width} x ${height}, ${colorScheme}`, async (t) => {
-      const phone = width < 500;
-      const page = await open(t, "a.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" }, "#t=4800");
-      assert.equal(await page.evaluate(() => typeof window.musterScene), "undefined", "nothing is unpacked before the tab is opened");
-      const map = await page.locator("#map").boundingBox();
-      await openScene(page);
-      assert.ok((await pixels(page)).colours > 100);
-      assert.ok(!(await page.locator("#map").isVisible()));
-      const box = await page.locator("#scene").boundingBox();
-      assert.ok(box.width >= 0.9 * map.width && box.height >= 0.6 * map.height, `${JSON.stringify(box)} in the place of ${JSON.stringify(map)}`);
-      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
-      assert.match(await page.locator("#scene-legend").innerText(), /scenery drawn from the seed/);
-      await accessible(page, "the scene");
-      await page.locator("#tab-time").click();
-      await scene(page);
-      await accessible(page, "space and time");
-    });
-  }
+for (const [width, height, colorScheme] of LOOKS) {
+  test(`the scene at ${width} x ${height}, ${colorScheme}`, async (t) => {
+    const phone = width < 500;
+    const page = await open(t, "a.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" }, "#t=4800");
+    assert.equal(await page.evaluate(() => typeof window.musterScene), "undefined", "nothing is unpacked before the tab is opened");
+    const map = await page.locator("#map").boundingBox();
+    await openScene(page);
+    assert.ok((await pixels(page)).colours > 100);
+    assert.ok(!(await page.locator("#map").isVisible()));
+    const box = await page.locator("#scene").boundingBox();
+    assert.ok(box.width >= 0.9 * map.width && box.height >= 0.6 * map.height, `${JSON.stringify(box)} in the place of ${JSON.stringify(map)}`);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+    assert.match(await page.locator("#scene-legend").innerText(), /scenery drawn from the seed/);
+    await accessible(page, "the scene");
+    await page.locator("#tab-time").click();
+    await scene(page);
+    await accessible(page, "space and time");
+  });
 }
 
 test("the scene follows the time, and shows what the run knows", async (t) => {

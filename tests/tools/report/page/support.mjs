@@ -15,6 +15,10 @@ const folder = mkdtempSync(join(tmpdir(), "muster-page-"));
 export const muster = (...args) => execFileSync(MUSTER_PROGRAM, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 export const file = (name) => join(folder, name);
 export const json = (name) => JSON.parse(readFileSync(file(name), "utf8"));
+/** What a page is looked at in: [width, height, colour scheme]. MUSTER_LOOKS=all: each size in both schemes. */
+export const LOOKS = process.env.MUSTER_LOOKS === "all" ?
+  [[1440, 900], [1024, 768], [390, 844]].flatMap((size) => ["light", "dark"].map((scheme) => [...size, scheme])) :
+  [[1440, 900, "light"], [1024, 768, "dark"], [390, 844, "light"]];
 let started;
 /** The browser of all tests. */
 export const browser = () => started;
