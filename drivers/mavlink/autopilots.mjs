@@ -8,14 +8,17 @@ const GLOBAL = 0, RELATIVE = 3;  // MAV_FRAME: altitude above the sea, above hom
 
 /** The autopilot itself acts on a battery so much lower: when we did not. */
 const LATER_PERCENT = 5;
+const LATER_LOW_V = 3.3, LATER_CRITICAL_V = 3.1;  // a cell
 
 /**
  * Settings that a flight relies on: name, the value that it needs, and how the setting was called otherwise. `value` may be a
  * function of what is set now. `needed`: there is no flight without.
- * `all`: {altitude_m, ceiling_m, speed_m_s, reserve_percent, silence_s}
+ * `all`: {altitude_m, ceiling_m, speed_m_s, reserve_percent, silence_s, ownSystem, cells}
  */
 function ardupilotSettings(all) {
   return [
+    // Whose heartbeats count: it waits for nobody else's.
+    { name: "SYSID_MYGCS", otherwise: { name: "MAV_GCS_SYSID", value: all.ownSystem }, value: all.ownSystem, needed: true },
     { name: "FS_GCS_ENABLE", value: 1, needed: true },         // we are gone: return
     { name: "FS_GCS_TIMEOUT", value: Math.min(120, all.silence_s) },
     // Bits 3 and 4: an emergency landing goes on; a pilot who flies is left alone when we are gone.
@@ -24,6 +27,8 @@ function ardupilotSettings(all) {
     { name: "BATT_FS_LOW_ACT", value: 2, needed: true },       // return
     { name: "BATT_FS_CRT_ACT", value: 1, needed: true },       // land
     { name: "BATT_LOW_MAH", value: (now, others) => Math.round((others.BATT_CAPACITY * (all.reserve_percent - LATER_PERCENT)) / 100), from: "BATT_CAPACITY" },
+    { name: "BATT_LOW_VOLT", value: (now) => Math.max(now, LATER_LOW_V * all.cells), needed: true },
+    { name: "BATT_CRT_VOLT", value: (now) => Math.max(now, LATER_CRITICAL_V * all.cells), needed: true },
     { name: "RTL_ALT_M", otherwise: { name: "RTL_ALT", value: all.altitude_m * 100 }, value: all.altitude_m, needed: true },
     { name: "WP_SPD", otherwise: { name: "WPNAV_SPEED", value: all.speed_m_s * 100 }, value: all.speed_m_s, needed: true },
     { name: "FENCE_ACTION", value: 1, needed: true },          // return, or land
@@ -64,12 +69,14 @@ export const ardupilot = {
   integersAsBits: false,
   modeName: (mode) => ARDUPILOT_MODES[mode] ?? `mode ${mode}`,
   // What it may be in while it is ours, and what it goes to by itself when it gets out of trouble.
-  modes: { fly: [4], land: [4, 9], home: [4, 6, 9, 21, 27], itself: [6, 9, 17, 21, 27] },
+  modes: { fly: [4], land: [4, 9], home: [4, 6, 9, 21, 27], itself: [6, 9, 21, 27] },
   flyMode: [1, 4, 0],
   takeOff: (altitude_m) => ({ command: MavCmd.NAV_TAKEOFF, params: [0, 0, 0, 0, 0, 0, altitude_m] }),
   // Without leave to change the mode: it refuses when a pilot has taken over.
   goTo: (place, altitude_m) => ({ command: MavCmd.DO_REPOSITION, params: [-1, 0, 0, NaN], place, z: altitude_m, frame: RELATIVE }),
-  estimateMessage: 193,  // EKF_STATUS_REPORT
+  estimateMessage: 193,
+  estimateName: "EKF_STATUS_REPORT",
+  cellSettings: [],
 };
 
 const px4Mode = (main, sub) => (main << 16) | (sub << 24);
@@ -92,7 +99,9 @@ export const px4 = {
   // It takes no place without leave to change the mode: see talk.mjs for what keeps that from a pilot.
   goTo: (place, altitude_m, home, speed_m_s) =>
     ({ command: MavCmd.DO_REPOSITION, params: [speed_m_s, 1, 0, NaN], place, z: home.altitude_m + altitude_m, frame: GLOBAL }),
-  estimateMessage: 230,  // ESTIMATOR_STATUS
+  estimateMessage: 230,
+  estimateName: "ESTIMATOR_STATUS",
+  cellSettings: ["BAT1_N_CELLS", "BAT_N_CELLS"],
 };
 
 export function autopilotOf(id) {

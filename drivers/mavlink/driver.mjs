@@ -8,10 +8,12 @@ import { distance_m, MissionMap } from "../places.mjs";
 import { Reporter } from "./reporter.mjs";
 import { Phase, Safety } from "./safety.mjs";
 import { Settings } from "./settings.mjs";
+import { Streams } from "./streams.mjs";
 import { Talk, Trouble } from "./talk.mjs";
 import { Vehicle } from "./vehicle.mjs";
 
 const HEARTBEAT_S = 1;
+const ROUNDING_S = 1e-6;
 /** A ground station, as MAV_COMPONENT and MAV_STATE have it. */
 const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
 
@@ -31,6 +33,7 @@ export class Driver {
     this.safety = new Safety({ vehicle: this.vehicle, now, patience, reserve_percent: options.reserve });
     this.talk = new Talk({ vehicle: this.vehicle, now, patience, send: (message) => this.#send(message), mayCommand: () => this.safety.mayCommand() });
     this.settings = new Settings(this.talk, edge.kept, edge.note);
+    this.streams = new Streams(this);
     this.silence_s = speedup > 1 ? Math.max(5, 2 * speedup) : 5;
   }
 
@@ -109,10 +112,13 @@ export class Driver {
   /** Goes on as far as it can. At least ten times a second. */
   step(heard) {
     const now = this.edge.now();
-    if (this.#work && now - this.#heartbeat_s >= HEARTBEAT_S) {
+    // Who is deaf in the air falls silent: the autopilot then comes home by itself, as we cannot see what we would command.
+    const isDeaf = this.vehicle.armed && !this.safety.isLinked;
+    if (this.#work && !isDeaf && now - this.#heartbeat_s >= HEARTBEAT_S) {
       this.#heartbeat_s = now;
       this.#send(make(minimal.Heartbeat, { type: minimal.MavType.GCS, autopilot: NO_AUTOPILOT, systemStatus: ACTIVE, mavlinkVersion: 3 }));
     }
+    if (!this.isHandsOff) this.streams.step();
     const trouble = this.plan && !this.isHandsOff && this.safety.check(this.plan.area, this.plan.map);
     // On its way home or down only somebody else in command matters.
     if (trouble && (trouble.then === "off" || !this.isEnding)) this.#fail(trouble);
@@ -140,7 +146,7 @@ export class Driver {
   }
 
   #planOf(line) {
-    const { speedup, camera, reserve, ceiling } = this.options;
+    const { speedup, camera, reserve, ceiling, ownSystem, cells } = this.options;
     if (line.class !== "uav") throw new Trouble(`it drives UAVs, not a ${line.class}`, "off");
     if (!line.origin) throw new Trouble("the mission has no origin: it is nowhere on the earth", "off");
     if (line.rate === null || Math.abs(line.rate / speedup - 1) > 0.01) {
@@ -152,7 +158,7 @@ export class Driver {
     const map = new MissionMap(line.origin);
     return {
       map, altitude_m, area: new Area(map, line.area, altitude_m), launch: line.at, near_m: Math.max(5, line.speed_m_s),
-      speed_m_s: line.speed_m_s, silence_s: this.silence_s, reserve_percent: reserve, camera, speedup,
+      speed_m_s: line.speed_m_s, silence_s: this.silence_s, reserve_percent: reserve, camera, speedup, ownSystem, cells,
     };
   }
 
@@ -221,14 +227,14 @@ export class Driver {
       if (isThere) yield* this.#arrive(order, to, isReplaced);
     } else if (order.type === "sense") {
       yield* flight.photograph();
-      while (reporter.mission_s < order.mission_s + order.for_s && !isReplaced()) yield;
+      while (reporter.mission_s < order.mission_s + order.for_s - ROUNDING_S && !isReplaced()) yield;
       if (!isReplaced()) reporter.done(order);
     } else if (order.type === "charge") {
       if (safety.phase !== Phase.ground) yield* flight.land();
       this.isHandled = options.confirm !== "battery";  // somebody is near: no start without a word
       this.edge.isChanged();  // what was said before is of another change
       if (!(yield* this.#battery(isReplaced))) return;
-      while (reporter.mission_s < order.mission_s + order.for_s && !isReplaced()) yield;
+      while (reporter.mission_s < order.mission_s + order.for_s - ROUNDING_S && !isReplaced()) yield;
       if (!isReplaced()) reporter.charged(order);
     } else if (flight.isFlying) {
       yield* flight.hold();
@@ -249,7 +255,13 @@ export class Driver {
     const { safety, vehicle, options, edge } = this;
     safety.isServiced = true;
     edge.note(`waiting for another battery${options.confirm === "battery" ? "" : `; when it is in: touch ${options.confirm}`}`);
-    while (!(options.confirm === "battery" || (this.isConfirmed ||= edge.isChanged())) || !(vehicle.battery_percent >= options.charged)) {
+    // What it said of the battery before it was changed is of another one.
+    let changed_s = options.confirm === "battery" ? this.talk.now() : null;
+    const isChanged = () => {
+      if (changed_s === null && (this.isConfirmed ||= edge.isChanged())) changed_s = this.talk.now();
+      return changed_s !== null && vehicle.battery_s > changed_s && vehicle.battery_percent >= options.charged;
+    };
+    while (!isChanged()) {
       yield;
       if (isReplaced()) return false;
     }

@@ -5,6 +5,7 @@ import { Trouble } from "./talk.mjs";
 const FENCE = common.MavMissionType.FENCE;
 const VERTEX = 5001;  // MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
 const MOST_ITEMS = 200;
+const TIMES = 3;
 const FIELDS = ["command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z"];
 
 const isOfFence = (heard, ...names) => names.includes(heard?.name) && heard.message.missionType === FENCE;
@@ -31,8 +32,16 @@ export function polygon(corners) {
   }));
 }
 
-/** Writes it; it has no other then. */
+/** Writes it; it has no other then. When the last answer is lost nobody answers any more: then it is written again. */
 export function* writeFence(talk, items) {
+  for (let n = 0; n < TIMES; ++n) {
+    if (yield* writeOnce(talk, items)) return;
+  }
+  throw new Trouble("its fence cannot be written: no answer");
+}
+
+/** Returns whether it was answered. */
+function* writeOnce(talk, items) {
   const isAsked = (heard) => isOfFence(heard, "MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK");
   let heard = items.length
     ? yield* talk.ask(common.MissionCount, () => ({ count: items.length, missionType: FENCE }), isAsked)
@@ -43,7 +52,8 @@ export function* writeFence(talk, items) {
     if (seq >= items.length) throw new Trouble(`its fence cannot be written: it asks for item ${seq} of ${items.length}`);
     heard = yield* talk.ask(common.MissionItemInt, () => ({ ...items[seq], seq, missionType: FENCE, autocontinue: 1 }), isAsked);
   }
-  if (!heard) throw new Trouble("its fence cannot be written: no answer");
+  if (!heard) return false;
   const result = heard.message.type;
   if (result !== 0) throw new Trouble(`its fence is refused: ${common.MavMissionResult[result] ?? `result ${result}`}`);
+  return true;
 }

@@ -6,15 +6,16 @@ import { Phase } from "./safety.mjs";
 import { Trouble } from "./talk.mjs";
 
 const { MavCmd } = common;
-const HEARTBEAT_S = 30, READY_S = 120, MODE_S = 3, SETTLE_S = 30, LAND_S = 600;
+const HEARTBEAT_S = 30, READY_S = 600, MODE_S = 3, SETTLE_S = 30, LAND_S = 600;
+/** What is refused at first may be taken later, up to so long; asked again after so long. */
+const REFUSED_S = 30, REFUSED_AGAIN_S = 2;
+/** Volts of a cell at rest with which it takes off, and which a battery has that was charged. Source: ours. */
+const START_V = 3.7, CHARGED_V = 4;
 /** It is there: so near, and so slow. */
 const THERE_M = 3, THERE_M_S = 1;
 /** Slower than this for so long on its way, it does not move. */
 const STUCK_M_S = 0.3, STUCK_S = 20;
 const CLIMB_M_S = 0.5;
-/** Message intervals: place, battery (twice), fix, fence. */
-const PLACE_US = 200_000, SECOND_US = 1_000_000;
-const MESSAGES = [[33, PLACE_US, true], [1, SECOND_US], [147, SECOND_US], [24, SECOND_US], [162, SECOND_US]];
 const HOME_MESSAGE = 242;
 
 /** Waits for the autopilot. It may still be starting, for which its own time does not count. */
@@ -25,8 +26,8 @@ export function* heartbeat(talk, vehicle, speedup) {
 
 export class Flight {
   /** `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}. */
-  constructor({ talk, vehicle, safety, settings, note, plan }) {
-    Object.assign(this, { talk, vehicle, safety, settings, note, plan });
+  constructor({ talk, vehicle, safety, settings, streams, note, plan }) {
+    Object.assign(this, { talk, vehicle, safety, settings, streams, note, plan });
   }
 
   get place() {
@@ -38,16 +39,67 @@ export class Flight {
     const { talk, vehicle, plan } = this;
     yield* heartbeat(talk, vehicle, plan.speedup);
     if (!vehicle.isCopter) throw new Trouble("it is no copter", "off");
-    for (const [id, interval_us, isNeeded] of [...MESSAGES, [vehicle.kind.estimateMessage, SECOND_US]]) {
-      yield* this.#ask(isNeeded, "sending its place", { command: MavCmd.SET_MESSAGE_INTERVAL, params: [id, interval_us] });
+    for (const [id, name, interval_us] of this.streams.wanted) {
+      yield* this.#ask(name === "GLOBAL_POSITION_INT", "sending its place", { command: MavCmd.SET_MESSAGE_INTERVAL, params: [id, interval_us] });
     }
-    const isKnown = () => vehicle.place && vehicle.battery_percent !== null && vehicle.badFix_s === null && vehicle.badEstimate_s === null;
-    if (!(yield* talk.await(isKnown, READY_S))) {
-      throw new Trouble(`it has no ${vehicle.place ? (vehicle.battery_percent === null ? "word of its battery" : "good fix") : "place"} for ${READY_S} s`);
-    }
+    this.streams.isOn = true;
+    yield* this.#countCells();
+    yield* this.#untilReady(isFirst ? START_V : CHARGED_V);
     if (isFirst) this.#checkLaunch();
     yield* this.#setHome();
     yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), plan.area.corners());
+  }
+
+  *#countCells() {
+    const { talk, vehicle, plan } = this;
+    vehicle.cells = plan.cells;
+    for (const name of vehicle.kind.cellSettings) vehicle.cells ||= (yield* talk.read(name))?.value ?? 0;
+    if (!(vehicle.cells > 0)) throw new Trouble("the number of its battery's cells is not known: --cells N", "off");
+    plan.cells = vehicle.cells;
+  }
+
+  /** What it still lacks before it can fly; "": nothing. What it has not said yet is lacking. */
+  #lacks(least_v) {
+    const { vehicle } = this;
+    const satellites = vehicle.satellites === null ? "" : ` (${vehicle.satellites} satellites)`;
+    if (!vehicle.place) return `a place${satellites}`;
+    if (!vehicle.hasFix) return `a fix${satellites}`;
+    if (!vehicle.hasEstimate) return "an estimate of its place";
+    if (vehicle.battery_percent === null || vehicle.cell_v === null) return "word of its battery";
+    if (vehicle.cell_v < least_v) return `a charged battery: this one has ${vehicle.cell_v.toFixed(2)} V a cell, at least ${least_v.toFixed(2)} are needed`;
+    return vehicle.isArmable === false ? `its own checks before arming${this.#words}` : "";
+  }
+
+  get #words() {
+    const words = this.vehicle.words(this.talk.now());
+    return words ? ` (${words})` : "";
+  }
+
+  *#untilReady(least_v) {
+    let told = "";
+    const isReady = () => {
+      const lack = this.#lacks(least_v);
+      const what = lack.replace(/[\d.]+/, "");  // figures change all the time
+      if (lack && what !== told) this.note(`not ready yet: it waits for ${lack}`);
+      told = what;
+      return !lack;
+    };
+    if (!(yield* this.talk.await(isReady, READY_S))) throw new Trouble(`it is not ready after ${READY_S} s: it waits for ${this.#lacks(least_v)}`);
+  }
+
+  /** Does it again while it is refused, up to so long. */
+  *#retry(attempt) {
+    const { talk } = this, until = talk.now() + talk.patience(REFUSED_S);
+    for (let isNoted = false; ; ) {
+      try {
+        return yield* attempt();
+      } catch (error) {
+        if (!(error instanceof Trouble) || error.then === "off" || talk.now() >= until) throw error;
+        if (!isNoted) this.note(`not yet: ${error.message}`);
+        isNoted = true;
+        yield* talk.await(() => false, REFUSED_AGAIN_S);
+      }
+    }
   }
 
   *#ask(isNeeded, what, command) {
@@ -76,7 +128,7 @@ export class Flight {
       yield* this.#ask(false, "sending its home", { command: MavCmd.REQUEST_MESSAGE, params: [HOME_MESSAGE] });
       yield* talk.await(() => vehicle.home !== null, 1);
       if (isHome()) return;
-      yield* talk.command("setting its home", home);
+      yield* this.#retry(() => talk.command("setting its home", home));
     }
     throw new Trouble("its home is not where it was set out");
   }
@@ -90,11 +142,11 @@ export class Flight {
     if (vehicle.battery_percent <= plan.reserve_percent) {
       throw new Trouble(`its battery is low: ${vehicle.battery_percent} %, and ${plan.reserve_percent} % are the reserve`);
     }
+    if (!(vehicle.cell_v >= START_V)) throw new Trouble(`its battery is low: ${vehicle.cell_v?.toFixed(2) ?? "unknown"} V a cell, and ${START_V.toFixed(2)} are needed to take off`);
     const isReady = () => vehicle.kind.modes.fly.includes(vehicle.mode);
     yield* talk.command("its mode", { command: MavCmd.DO_SET_MODE, params: vehicle.kind.flyMode }, isReady);
     if (!(yield* talk.await(isReady, MODE_S))) throw new Trouble(`it stays in ${vehicle.modeName}`);
-    safety.isArming = true;
-    yield* talk.command("arming", { command: MavCmd.COMPONENT_ARM_DISARM, params: [1, 0] }, () => vehicle.armed);
+    yield* this.#retry(() => this.#arm());
     if (!(yield* talk.await(() => vehicle.armed, MODE_S))) throw new Trouble("it does not arm");
     safety.phase = Phase.fly;
     safety.isArming = false;
@@ -104,6 +156,17 @@ export class Flight {
     // PX4 stays in TAKEOFF for a moment, and may take the place where it was armed for its home.
     yield* talk.await(() => vehicle.kind.modes.fly[0] === vehicle.mode, SETTLE_S);
     yield* this.#setHome();
+  }
+
+  *#arm() {
+    const { talk, vehicle, safety } = this;
+    safety.isArming = true;
+    try {
+      yield* talk.command("arming", { command: MavCmd.COMPONENT_ARM_DISARM, params: [1, 0] }, () => vehicle.armed);
+    } catch (error) {
+      safety.isArming = vehicle.armed;  // else somebody else may arm it
+      throw error;
+    }
   }
 
   /** Goes there, until it is there or `isReplaced()`; returns whether it is. */
@@ -163,8 +226,15 @@ export class Flight {
     if (!vehicle.armed) return;
     safety.phase = where === "land" ? Phase.land : Phase.home;
     const commands = [MavCmd.NAV_RETURN_TO_LAUNCH, MavCmd.NAV_LAND].slice(where === "land" ? 1 : 0);
-    const isOnItsWay = () => !vehicle.kind.modes.fly.includes(vehicle.mode);
+    const isLanding = () => vehicle.kind.modes.land.includes(vehicle.mode) && !vehicle.kind.modes.fly.includes(vehicle.mode);
+    let mustLand = false;
+    const isOnItsWay = () => (mustLand ? isLanding() : !vehicle.kind.modes.fly.includes(vehicle.mode));
     while (vehicle.armed && !safety.isOff) {
+      if (safety.isCritical && !mustLand) {
+        mustLand = true;
+        commands.splice(0, commands.length, MavCmd.NAV_LAND);
+        if (!isLanding()) this.note(`its battery is nearly empty: ${vehicle.cell_v.toFixed(2)} V a cell; landing`);
+      }
       if (isOnItsWay() || !safety.isLinked) {
         yield;
         continue;

@@ -16,6 +16,7 @@ Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that s
   --reserve PERCENT   it comes home with so much battery left, and has no range 10 % above (default: 25)
   --confirm HOW       that the battery was changed: FILE, which somebody makes then, or battery, its report alone, for
                       simulators (default: system-N.changed in the folder of --keep)
+  --cells N           of the battery, in series, 1 to 24 (default: what PX4 has set; with ArduPilot it has to be said)
   --charged PERCENT   and it reports at least so much (default: 90)
   --camera HOW        what the autopilot is told for a picture: digicam (DO_DIGICAM_CONTROL), image (IMAGE_START_CAPTURE) or
                       none (default: digicam)
@@ -48,7 +49,7 @@ function link(text) {
 /** The options; null: help was asked for, and given. Throws UsageError. */
 export function readOptions(argv) {
   const defaults = {
-    connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", confirm: "", charged: "90", camera: "digicam",
+    connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", confirm: "", charged: "90", cells: "0", camera: "digicam",
     run: "", speedup: "1", "own-system": "255", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
@@ -68,7 +69,7 @@ export function readOptions(argv) {
   return {
     link: connect, system, ownSystem: number(values, "own-system", 1, 255), altitude: number(values, "altitude", 5, 1000),
     altitudeStep: number(values, "altitude-step", 0, 100), ceiling: number(values, "ceiling", 5, 1000), reserve: number(values, "reserve", 10, 80),
-    confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), camera: values.camera,
+    confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), cells: number(values, "cells", 0, 24), camera: values.camera,
     run: values.run || null, speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
   };
 }

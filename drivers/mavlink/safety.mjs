@@ -9,6 +9,12 @@ const NO_HEARTBEAT_S = 5;
 const NO_PLACE_S = 3;
 /** No word of the battery for so long. */
 const NO_BATTERY_S = 10;
+/** Volts of a cell in flight, below which it comes home, and below which it lands, if that lasts for so long. Source: ours. */
+const LOW_V = 3.4, CRITICAL_V = 3.25, LOW_V_S = 3;
+/** It is never told to go down so fast. */
+const FALL_M_S = 4, FALL_S = 0.3;
+/** Why it does something by itself is said in words, so much later. */
+const WORDS_S = 0.5;
 
 /** What it is doing: who may be in command, and what is watched, depend on it. */
 export const Phase = { ground: "ground", fly: "fly", land: "land", home: "home" };
@@ -26,6 +32,14 @@ export class Safety {
     Object.assign(this, { vehicle, now, patience, reserve_percent });
   }
 
+  #since = {};
+
+  /** Since when that is so, without a break; null: it is not. */
+  #sinceWhen(name, isSo) {
+    this.#since[name] = isSo ? this.#since[name] ?? this.now() : null;
+    return this.#since[name];
+  }
+
   /** Why nothing may be commanded now; null: it may. */
   mayCommand() {
     return this.isOff ? new Trouble("somebody else is in command", "off") : this.#otherCommand();
@@ -33,25 +47,34 @@ export class Safety {
 
   /** What is wrong; null: nothing. `area`, `map`: once they are known. */
   check(area, map) {
-    return this.#otherCommand() ?? this.#link() ?? (this.phase === Phase.ground ? null : this.#flight(area, map));
+    return this.#otherCommand(true) ?? this.#link() ?? (this.phase === Phase.ground ? null : this.#flight(area, map));
   }
 
   get isLinked() {
     return this.#link() === null;
   }
 
+  /** It will not come home with what its battery still has. */
+  get isCritical() {
+    const { cell_v } = this.vehicle;
+    return this.#is(this.#sinceWhen("critical", cell_v !== null && cell_v < CRITICAL_V), LOW_V_S);
+  }
+
   #is(since_s, limit_s) {
     return since_s !== null && this.now() - since_s > this.patience(limit_s);
   }
 
-  /** Somebody flies it, or it flies by itself: not as we have told it. */
-  #otherCommand() {
+  /** Somebody flies it, or it flies by itself: not as we have told it. `isPatient`: its words may still come. */
+  #otherCommand(isPatient = false) {
     const { vehicle, phase } = this;
     if (!vehicle.armed || !vehicle.kind) return null;
     if (phase === Phase.ground) return this.isArming ? null : new Trouble("it was armed, not by us", "off");
-    if (vehicle.kind.modes[phase].includes(vehicle.mode)) return null;
+    const isOther = !vehicle.kind.modes[phase].includes(vehicle.mode);
+    const other_s = this.#sinceWhen("other", isOther);
+    if (!isOther) return null;
     const words = vehicle.words(this.now());
     const why = words ? ` (${words})` : "";
+    if (isPatient && !words && vehicle.kind.modes.itself.includes(vehicle.mode) && !this.#is(other_s, WORDS_S)) return null;
     return vehicle.kind.modes.itself.includes(vehicle.mode)
       ? new Trouble(`it went to ${vehicle.modeName} by itself${why}`, "off")
       : new Trouble(`the pilot has taken over: ${vehicle.modeName}${why}`, "off");
@@ -69,11 +92,19 @@ export class Safety {
     const { vehicle } = this;
     if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
     const isLost = this.#is(vehicle.place_s, NO_PLACE_S) || this.#is(vehicle.badFix_s, NO_PLACE_S) || this.#is(vehicle.badEstimate_s, NO_PLACE_S);
+    if (this.#is(this.#sinceWhen("falls", this.phase === Phase.fly && vehicle.down_m_s > FALL_M_S), FALL_S)) {
+      return new Trouble(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
+    }
+    if (vehicle.thrustWords) return new Trouble(`its thrust is lost, it says: ${vehicle.thrustWords}`, "land");
     if (isLost) return new Trouble(`its position is lost for ${NO_PLACE_S} s`, "land");
     if (vehicle.isBreached) return new Trouble("its fence is touched, it says");
     if (area.isOut(map.toMetres(vehicle.place), vehicle.altitude_m)) return new Trouble("it is outside the area");
     if (vehicle.battery_percent <= this.reserve_percent) {
       return new Trouble(`its battery is low: ${vehicle.battery_percent} %, and ${this.reserve_percent} % are the reserve`);
+    }
+    const { cell_v } = vehicle;
+    if (this.#is(this.#sinceWhen("low", cell_v !== null && cell_v < LOW_V), LOW_V_S)) {
+      return new Trouble(`its battery is low: ${cell_v.toFixed(2)} V a cell, at least ${LOW_V.toFixed(2)} in flight`);
     }
     return this.#is(vehicle.battery_s, NO_BATTERY_S) ? new Trouble(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
   }

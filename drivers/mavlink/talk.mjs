@@ -9,6 +9,7 @@ const TIMES = 4;
 const AT_IT_S = 10;
 /** Of what it took, but refuses to take again: its effect shows by then. */
 const EFFECT_S = 2;
+const WORDS_S = 0.3;
 
 const { ACCEPTED, IN_PROGRESS } = common.MavResult;
 
@@ -93,6 +94,8 @@ export class Talk {
     if (result === ACCEPTED) return;
     // It may have taken it the first time, when its answer was lost.
     if (times > 1 && (yield* this.await(isSeen, EFFECT_S))) return;
+    // Its words come a moment behind its answer.
+    if (result !== null) yield* this.await(() => this.vehicle.words(this.now()) !== "", WORDS_S);
     const words = this.vehicle.words(this.now());
     const why = result === null ? "is not answered" : `is refused: ${common.MavResult[result] ?? `result ${result}`}`;
     throw new Trouble(`${what} ${why}${words ? ` (${words})` : ""}`);

@@ -8,6 +8,9 @@ const AUTOPILOT_COMPONENT = 1;
 /** Bit of a position over ground, in EKF_STATUS_REPORT and ESTIMATOR_STATUS alike. */
 const HAS_POSITION = 16;
 const TEXT_S = 5;
+/** Of MAV_SYS_STATUS_SENSOR: it may be armed. */
+const PREARM_CHECK = 0x10000000;
+const UNKNOWN_MV = 65535;
 
 export class Vehicle {
   kind = null;          // what it is of autopilots.mjs
@@ -19,6 +22,13 @@ export class Vehicle {
   speed_m_s = 0;        // over ground
   home = null;          // {latitude_deg, longitude_deg, altitude_m above the sea}
   battery_percent = null;
+  cells = 0;            // of its battery, in series; 0: not known
+  volts = null;         // of its battery
+  hasEstimate = null;   // of its place; null: it has not said yet
+  isArmable = null;     // its own checks before arming; null: it does not say
+  satellites = null;
+  down_m_s = 0;
+  thrustWords = "";     // that it has lost some
   isBreached = false;   // its own fence
   altitude_amsl_m = 0;  // above the sea
   heard_s = -Infinity;  // when anything, and when that
@@ -26,8 +36,10 @@ export class Vehicle {
   place_s = -Infinity;
   battery_s = -Infinity;
   badFix_s = null;      // since when
+  hasFix = false;
   badEstimate_s = null;
   #texts = [];
+  #heard = new Map();   // name -> seconds
 
   constructor(system) {
     this.system = system;
@@ -37,8 +49,19 @@ export class Vehicle {
   hear({ system, component, name, message }, now) {
     if (system !== this.system || component !== AUTOPILOT_COMPONENT) return false;
     this.heard_s = now;
+    this.#heard.set(name, now);
     this.#take[name]?.(message, now);
     return true;
+  }
+
+  /** When such a message was heard last; null: never. */
+  heardOf(name) {
+    return this.#heard.get(name) ?? null;
+  }
+
+  /** Volts of each cell; null: not known. */
+  get cell_v() {
+    return this.cells > 0 && this.volts !== null ? this.volts / this.cells : null;
   }
 
   get modeName() {
@@ -52,8 +75,10 @@ export class Vehicle {
 
   /** Everything that may be of before its power was cut is to be heard again. */
   forget() {
-    this.place = this.battery_percent = this.home = null;
+    this.place = this.battery_percent = this.home = this.volts = this.hasEstimate = this.isArmable = null;
     this.badFix_s = this.badEstimate_s = null;
+    this.hasFix = false;
+    this.thrustWords = "";
     this.isBreached = false;
   }
 
@@ -74,14 +99,22 @@ export class Vehicle {
       this.altitude_m = message.relativeAlt / 1000;
       this.altitude_amsl_m = message.alt / 1000;
       this.speed_m_s = Math.hypot(message.vx, message.vy) / 100;
+      this.down_m_s = message.vz / 100;
       this.place_s = now;
     },
     GPS_RAW_INT: (message, now) => {
-      this.badFix_s = message.fixType >= 3 ? null : this.badFix_s ?? now;
+      this.hasFix = message.fixType >= 3;
+      this.satellites = message.satellitesVisible === 255 ? null : message.satellitesVisible;
+      this.badFix_s = this.hasFix ? null : this.badFix_s ?? now;
     },
     EKF_STATUS_REPORT: (message, now) => this.#estimate(message.flags, now),
     ESTIMATOR_STATUS: (message, now) => this.#estimate(message.flags, now),
-    SYS_STATUS: (message, now) => this.#battery(message.batteryRemaining, now),
+    SYS_STATUS: (message, now) => {
+      this.#battery(message.batteryRemaining, now);
+      if (message.voltageBattery > 0 && message.voltageBattery < UNKNOWN_MV) this.volts = message.voltageBattery / 1000;
+      const { onboardControlSensorsPresent: present, onboardControlSensorsHealth: health } = message;
+      this.isArmable = present & PREARM_CHECK ? (health & PREARM_CHECK) !== 0 : null;
+    },
     BATTERY_STATUS: (message, now) => {
       if (message.id === 0) this.#battery(message.batteryRemaining, now);
     },
@@ -94,14 +127,17 @@ export class Vehicle {
     },
     STATUSTEXT: (message, now) => {
       const words = String(message.text).replace(/[^\x20-\x7e]/g, "").trim();
-      if (message.severity > 4 || !words) return;  // up to warnings
-      if (this.#texts.at(-1)?.words !== words) this.#texts.push({ words, at: now });
+      if (message.severity > 5 || !words) return;  // up to notices
+      if (/thrust loss|motor (failure|fail|lost)/i.test(words)) this.thrustWords = words;
+      if (this.#texts.at(-1)?.words === words) this.#texts.pop();
+      this.#texts.push({ words, at: now });
       if (this.#texts.length > 4) this.#texts.shift();
     },
   };
 
   #estimate(flags, now) {
-    this.badEstimate_s = flags & HAS_POSITION ? null : this.badEstimate_s ?? now;
+    this.hasEstimate = (flags & HAS_POSITION) !== 0;
+    this.badEstimate_s = this.hasEstimate ? null : this.badEstimate_s ?? now;
   }
 
   #battery(percent, now) {

@@ -25,7 +25,7 @@ export class Phone {
   /** Of this start of the driver: numbers of orders count anew in each. */
   session = randomUUID();
   hello = null;
-  /** null: none; else {goto, to, stage: "going", "held", "there", "working" or "finished", work}. */
+  /** null: none; else {goto, to, way (places, or null without roads), stage: "going", "held", "there", "working" or "finished", work}. */
   order = null;
   /** Why it was stopped, when it has no order any more. */
   stopped = null;
@@ -109,8 +109,11 @@ export class Phone {
 
   #goTo(line) {
     this.#drop();
-    const to = Number.isFinite(line.to.x_m) ? { x_m: line.to.x_m, y_m: line.to.y_m } : this.map.toMetres(line.to);
-    this.order = { id: line.id, goto: line, to, stage: "going", work: null };
+    const metres = (place) => (Number.isFinite(place.x_m) ? { x_m: place.x_m, y_m: place.y_m } : this.map.toMetres(place));
+    const to = metres(line.to);
+    // By road: from where it is now.
+    const way = line.via ? [this.track.last.at, ...line.via.map(metres), to] : null;
+    this.order = { id: line.id, goto: line, to, way, stage: "going", work: null };
     this.stopped = null;
     this.#orders.set(line.id, line);
   }
@@ -251,7 +254,8 @@ export class Phone {
       has_origin: this.map !== null, accuracy_m: this.options.accuracy, place: this.#place, stopped: this.stopped,
       told: { ...track.last.at, is_limited: track.isLimited || order?.stage === "held" },
       order: order && {
-        id: order.id, stage: order.stage, to: { ...order.goto.to, ...order.to }, then: order.goto.then, task: order.goto.task, goto: order.goto.id,
+        id: order.id, stage: order.stage, to: { ...order.goto.to, ...order.to }, way: order.way,
+        then: order.goto.then, task: order.goto.task, goto: order.goto.id,
         charging_point: order.goto.charging_point, partner: order.goto.partner, expected_s: order.goto.expected_s,
         work: order.work?.type ?? null, ends_s: order.work ? order.work.mission_s + order.work.for_s : null,
         held_until_s: order.stage === "held" ? track.soonest_s(order.to) : null,

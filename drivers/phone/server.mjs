@@ -8,7 +8,7 @@ import { isToken } from "./link.mjs";
 const PAGE = join(dirname(fileURLToPath(import.meta.url)), "page");
 const FILES = {
   "": ["index.html", "text/html"], "page.css": ["page.css", "text/css"],
-  ...Object.fromEntries(["page", "queue", "map", "words"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
+  ...Object.fromEntries(["page", "queue", "map", "way", "words"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
 };
 const SYNC_BYTES = 64 * 1024;
 const MOST_CONNECTIONS = 32, MOST_UPLOADS = 2, HEADER_BYTES = 8192;

@@ -1,4 +1,5 @@
-// The map: the area, where you are, where to go. Metres, north is up.
+// The map: the area, where you are, where to go and by which way. Metres, north is up.
+import { ahead } from "./way.mjs";
 
 const WIDTH = 360, HEIGHT = 260, EDGE = 34;
 const LEAST_M = 200;
@@ -32,11 +33,12 @@ export function drawMap(svg, view) {
   const { area, told, order } = view;
   const own = view.place ?? told;
   const goal = order && ["going", "held", "there", "working"].includes(order.stage) ? order.to : null;
-  const shown = frame([own, told, ...(goal ? [goal] : [])], area);
+  const way = !goal ? [] : order.way && order.stage === "going" ? ahead(order.way, own) : [own, goal];
+  const shown = frame([own, told, ...way], area);
   const x = ({ x_m }) => WIDTH / 2 + (x_m - shown.x_m) * shown.scale, y = ({ y_m }) => HEIGHT / 2 - (y_m - shown.y_m) * shown.scale;
   add(svg, "rect", { class: "area", x: x({ x_m: 0 }), y: y({ y_m: area.height_m }), width: area.width_m * shown.scale, height: area.height_m * shown.scale });
   if (goal) {
-    add(svg, "line", { class: "way", x1: x(own), y1: y(own), x2: x(goal), y2: y(goal) });
+    add(svg, "polyline", { class: "way", points: way.map((place) => `${x(place).toFixed(1)},${y(place).toFixed(1)}`).join(" ") });
     add(svg, "circle", { class: "goal", cx: x(goal), cy: y(goal), r: 9 });
     add(svg, "text", { x: Math.min(x(goal) + 13, WIDTH - 60), y: y(goal) - 10 }, "go here");
   }

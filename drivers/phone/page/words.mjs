@@ -1,4 +1,5 @@
 // How things are, in words.
+import { ahead, apart, lengthOf } from "./way.mjs";
 
 const two = (n) => String(n).padStart(2, "0");
 
@@ -64,9 +65,10 @@ export function lines(view, now_s, wall_ms) {
   }
   if (order.stage === "finished") return ["You will be told where to go next."];
   if (order.stage === "there") return order.partner ? [`It comes for ${goal(order)}.`] : ["You will be told where to go next."];
-  const from = view.place ?? view.told, way_m = Math.hypot(order.to.x_m - from.x_m, order.to.y_m - from.y_m);
+  const from = view.place ?? view.told;
+  const left_m = order.way ? lengthOf(ahead(order.way, from)) : apart(from, order.to);
   const found = [
-    `${length(way_m)} to the ${direction(from, order.to)}`,
+    `${length(left_m)}${order.way ? " by road" : ""} to the ${direction(from, order.to)}`,
     `By ${when(order.expected_s, now_s, view.rate, wall_ms)}`,
     order.partner ? `With ${order.partner}` : "Alone",
   ];

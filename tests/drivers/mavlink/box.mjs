@@ -14,7 +14,7 @@ export const START = { x_m: 500, y_m: 400 };
 const SPEED_M_S = 12, FULL_M = 20000;
 
 const OPTIONS = {
-  system: 3, ownSystem: 255, altitude: 40, altitudeStep: 5, ceiling: 120, reserve: 25, confirm: "battery", charged: 90, camera: "digicam", speedup: 1,
+  system: 3, ownSystem: 255, altitude: 40, altitudeStep: 5, ceiling: 120, reserve: 25, confirm: "battery", charged: 90, cells: 4, camera: "digicam", speedup: 1,
 };
 
 export class Box {
@@ -34,9 +34,9 @@ export class Box {
   #told_s = 0;
   #readers = { up: new FrameReader(), down: new FrameReader() };
 
-  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, hello = {} } = {}) {
+  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hello = {} } = {}) {
     this.map = new MissionMap(ORIGIN);
-    this.copter = new Copter({ kind, at: this.map.toDegrees(at), drain_percent_s });
+    this.copter = new Copter({ kind, at: this.map.toDegrees(at), drain_percent_s, ready_s });
     if (battery !== undefined) this.copter.battery_percent = battery;
     this.protocol = new CopterProtocol(this.copter, { system: 3, send: (bytes) => this.#put("down", bytes) });
     this.startDriver({ ...OPTIONS, ...options });
@@ -85,13 +85,27 @@ export class Box {
     return this.#ids;
   }
 
+  /** Of the copter. It forgets what it was told, and hears nothing. */
+  cutPower() {
+    this.isPowerCut = true;
+  }
+
+  /** With a battery of that charge, of which it knows nothing. */
+  restorePower(charge_percent = 100) {
+    this.isPowerCut = false;
+    this.copter.charge_percent = charge_percent;
+    this.copter.boot(this.now);
+    this.protocol.boot();
+  }
+
   step() {
     this.now += STEP_S;
     const due = this.#onTheWay.filter((packet) => packet.due <= this.now);
     this.#onTheWay = this.#onTheWay.filter((packet) => packet.due > this.now);
     for (const { direction, bytes } of due) {
-      if (direction === "up") this.protocol.hear(bytes);
-      else if (!this.isDead) for (const frame of this.#readers.down.readDatagram(bytes)) this.driver.hearFrame(frame);
+      if (direction === "up") {
+        if (!this.isPowerCut) this.protocol.hear(bytes);
+      } else if (!this.isDead) for (const frame of this.#readers.down.readDatagram(bytes)) this.driver.hearFrame(frame);
     }
     this.copter.step(this.now);
     if (!this.isPowerCut) this.protocol.step();

@@ -4,7 +4,9 @@
 const G_M = 6378137, E2 = 0.00669437999014;
 const STEP_S = 0.1;
 const ACCELERATION = 2.5, UP_M_S = 2.5, DOWN_M_S = 1.5, LAND_M_S = 0.5, LAND_BELOW_M = 10;
-const CAPACITY_MAH = 5000;
+const CAPACITY_MAH = 5000, CELLS = 4;
+/** Of a cell that is full and one that is empty, at rest; and what the motors take off it. */
+const FULL_V = 4.2, EMPTY_V = 3.5, SAG_V = 0.1;
 const TOUCHED_S = 2, UNUSED_S = 10;
 
 /** Modes: what it does in them, and their numbers. `pilot`: somebody holds the sticks. */
@@ -17,7 +19,8 @@ export const PILOT_MODES = ["STABILIZE", "LOITER", "POSCTL"];
 /** What its maker has set: not what a mission wants. */
 const SETTINGS = {
   ardupilot: {
-    FS_GCS_ENABLE: 0, FS_GCS_TIMEOUT: 5, FS_OPTIONS: 0, FS_EKF_ACTION: 1, BATT_FS_LOW_ACT: 0, BATT_FS_CRT_ACT: 0, BATT_LOW_MAH: 0,
+    SYSID_MYGCS: 255, FS_GCS_ENABLE: 0, FS_GCS_TIMEOUT: 5, FS_OPTIONS: 0, FS_EKF_ACTION: 1, BATT_FS_LOW_ACT: 0, BATT_FS_CRT_ACT: 0, BATT_LOW_MAH: 0,
+    BATT_LOW_VOLT: 10.5, BATT_CRT_VOLT: 0,
     BATT_CAPACITY: CAPACITY_MAH, RTL_ALT: 1500, WPNAV_SPEED: 1000, FENCE_ENABLE: 0, FENCE_ACTION: 1, FENCE_TYPE: 7, FENCE_ALT_MAX: 100,
   },
   px4: {
@@ -28,8 +31,8 @@ const SETTINGS = {
 
 export class Copter {
   /** `kind`: "ardupilot" or "px4". `at`: {latitude_deg, longitude_deg} of where it stands. */
-  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S }) {
-    Object.assign(this, { kind, origin: at, now, drain_percent_s, unused_s });
+  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S, ready_s = 0 }) {
+    Object.assign(this, { kind, origin: at, now, drain_percent_s, unused_s, ready_s });
     const s = Math.sin((at.latitude_deg * Math.PI) / 180), w = 1 - E2 * s * s, degree = Math.PI / 180;
     this.scale = { north: (G_M * (1 - E2)) / w ** 1.5 * degree, east: (G_M / Math.sqrt(w)) * Math.sqrt(1 - s * s) * degree };
     this.settings = Object.fromEntries(Object.entries(SETTINGS[kind]).map(([name, value]) => [name, Math.fround(value)]));
@@ -37,7 +40,10 @@ export class Copter {
     this.speed = { east: 0, north: 0 };
     this.home = null;
     this.isHomeSet = false;
-    this.battery_percent = 100;
+    this.battery_percent = 100;  // that it counts from when its power came on: it takes what is plugged in for full
+    this.charge_percent = 100;   // that the battery truly has
+    this.cell_v = null;          // of each cell; null: by its charge
+    this.fall_m_s = 0;           // with a motor gone
     this.up_m_s = UP_M_S;
     this.hasFix = true;
     this.fence = [];
@@ -50,6 +56,7 @@ export class Copter {
 
   /** As after its power came back. */
   boot(now) {
+    this.battery_percent = 100;
     Object.assign(this, { booted: now, armed: false, target: null, home: null, isHomeSet: false, partner_s: null, isOutside: false });
     this.setMode(this.kind === "px4" ? "POSCTL" : "STABILIZE");
   }
@@ -60,6 +67,16 @@ export class Copter {
     this.target = name === "RTL" ? { ...this.toMetres(this.home ?? this.origin), up: Math.max(this.at.up, this.returnAltitude) } : null;
     this.isDescending = false;
     this.history.push([this.now, name]);
+  }
+
+  /** Its estimator takes so long after its power came on. */
+  get isEstimating() {
+    return this.hasFix && this.now - this.booted >= this.ready_s;
+  }
+
+  get volts() {
+    const cell_v = this.cell_v ?? EMPTY_V + ((FULL_V - EMPTY_V) * this.charge_percent) / 100;
+    return CELLS * (cell_v - (this.armed ? SAG_V : 0));
   }
 
   get customMode() {
@@ -100,7 +117,7 @@ export class Copter {
 
   /** Why it does not arm; "": it does. */
   get notReady() {
-    if (!this.hasFix) return "PreArm: Need Position Estimate";
+    if (!this.isEstimating) return "PreArm: Need Position Estimate";
     if (this.battery_percent < 10) return "PreArm: Battery below minimum";
     if (this.fenceEnabled && this.fence.length && !this.isInFence(this.at)) return "PreArm: Vehicle breaching Polygon fence";
     return "";
@@ -134,6 +151,7 @@ export class Copter {
       this.now += dt;
       if (!this.armed) continue;
       this.battery_percent = Math.max(0, this.battery_percent - this.drain_percent_s * dt);
+      this.charge_percent = Math.max(0, this.charge_percent - this.drain_percent_s * dt);
       this.#failsafes();
       this.#fly(dt);
       this.#disarm();
@@ -184,7 +202,9 @@ export class Copter {
       at[axis] += this.speed[axis] * dt;
     }
     const down = this.mode === "LAND" || this.isDescending ? (at.up < LAND_BELOW_M ? LAND_M_S : DOWN_M_S) : DOWN_M_S;
-    at.up = Math.max(0, at.up + Math.max(-down * dt, Math.min(this.up_m_s * dt, to.up - at.up)));
+    const before = at.up;
+    at.up = Math.max(0, at.up + (this.fall_m_s > 0 ? -this.fall_m_s * dt : Math.max(-down * dt, Math.min(this.up_m_s * dt, to.up - at.up))));
+    this.climb_m_s = (at.up - before) / dt;
     if (this.mode === "TAKEOFF" && target && at.up > target.up - 0.5) this.setMode("GUIDED");
   }
 

@@ -5,6 +5,7 @@
 //   --battery PERCENT, --drain PERCENT_A_SECOND                 --changed-after S: of standing with the motors off it is full
 //   --loss SHARE, --delay S (of the wall), --cut FROM:UNTIL     of the link
 //   --pilot-at S, --no-fix-at S                                 the pilot takes over; its position is lost
+//   --ready S                                                   its estimator takes so long
 // Times are its own seconds since it was started. It ends when its standard input does. Prints what it does.
 import dgram from "node:dgram";
 import { openSync } from "node:fs";
@@ -19,7 +20,7 @@ const text = (value) => ({ type: "string", default: value });
 const { values } = parseArgs({
   options: {
     at: text("52.2,0.1"), udp: text(""), tcp: text(""), serial: text(""), kind: text("ardupilot"), system: text("1"), speedup: text("1"), battery: text("100"),
-    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"),
+    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"),
   },
 });
 const number = (name) => Number(values[name]);
@@ -30,7 +31,7 @@ const now = () => ((performance.now() - started) / 1000) * number("speedup");
 
 // Ten seconds without a take-off are nothing by the wall where time runs fast.
 const unused_s = Math.max(10, 3 * number("speedup"));
-const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain"), unused_s });
+const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain"), unused_s, ready_s: number("ready") });
 copter.battery_percent = number("battery");
 
 const isLost = () => Math.random() < number("loss") || (now() >= cut_from && now() < cut_until);
@@ -72,7 +73,7 @@ setInterval(() => {
   copter.step(time);
   idle_s = copter.armed ? 0 : idle_s + time - last_s;
   last_s = time;
-  if (idle_s > number("changed-after") && once.has("flown")) copter.battery_percent = 100;
+  if (idle_s > number("changed-after") && once.has("flown")) copter.battery_percent = copter.charge_percent = 100;
   if (copter.armed) once.add("flown");
   if (copter.at.up > UP_M && !once.has("up")) once.add("up"), process.stdout.write(`${time.toFixed(1)} is up\n`);
   at("pilot-at", () => copter.setMode(values.kind === "px4" ? "POSCTL" : "LOITER"));

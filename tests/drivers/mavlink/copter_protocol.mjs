@@ -9,6 +9,7 @@ const CAMERA = 100, SHUTTER_S = 0.3;
 /** Its clock starts then: 2026-11-23. */
 const EPOCH_US = 1_795_392_000_000_000n;
 const ASKS_AGAIN_S = 0.25;
+const PREARM_CHECK = 0x10000000;  // of MAV_SYS_STATUS_SENSOR
 /** Settings of PX4 that are integers (MAV_PARAM_TYPE_INT32 = 6, REAL32 = 9). */
 const INTEGERS = /^(NAV_DLL_ACT|COM_DL_LOSS_T|COM_RC_OVERRIDE|COM_LOW_BAT_ACT|RTL_TYPE|RTL_CONE_ANG|GF_ACTION)$/;
 
@@ -40,7 +41,8 @@ export class CopterProtocol {
 
   hear(bytes, isDatagram = true) {
     for (const { system, name, message } of isDatagram ? this.reader.readDatagram(bytes) : this.reader.read(bytes)) {
-      if (name === "HEARTBEAT" && message.type === minimal.MavType.GCS) this.copter.partner_s = this.copter.now;
+      const isPartner = system === (this.copter.settings.SYSID_MYGCS ?? system);
+      if (name === "HEARTBEAT" && message.type === minimal.MavType.GCS && isPartner) this.copter.partner_s = this.copter.now;
       if (message.targetSystem !== this.system) continue;
       this.heard.push([this.copter.now, name, message]);
       this.partner = system;
@@ -51,12 +53,13 @@ export class CopterProtocol {
   /** Says what is due. */
   step() {
     const { now } = this.copter;
-    for (const { words, severity } of this.copter.texts.splice(0)) this.say(common.StatusText, { severity, text: words });
     for (const [id, interval] of this.intervals) {
       if (interval <= 0 || now < (this.due.get(id) ?? 0)) continue;
       this.due.set(id, now + interval - 1e-6);
       this.#messages[id]?.();
     }
+    // Words come behind the heartbeat and the acknowledgement that they are about.
+    for (const { words, severity } of this.copter.texts.splice(0)) this.say(common.StatusText, { severity, text: words });
     for (const id of this.requested.splice(0)) this.#messages[id]();
     if (this.upload && now >= this.upload.again) this.#askItem();
     this.#tellOfPictures();
@@ -74,13 +77,17 @@ export class CopterProtocol {
       type: 2, autopilot: this.copter.kind === "px4" ? 12 : 3, baseMode: 1 | (this.copter.armed ? 128 : 0), customMode: this.copter.customMode,
       systemStatus: this.copter.armed ? 4 : 3, mavlinkVersion: 3,
     }),
-    1: () => this.say(common.SysStatus, { batteryRemaining: Math.floor(this.copter.battery_percent), voltageBattery: 15000 }),
+    1: () => this.say(common.SysStatus, {
+      batteryRemaining: Math.floor(this.copter.battery_percent), voltageBattery: Math.round(1000 * this.copter.volts),
+      onboardControlSensorsPresent: PREARM_CHECK, onboardControlSensorsEnabled: PREARM_CHECK,
+      onboardControlSensorsHealth: this.copter.isEstimating ? PREARM_CHECK : 0,
+    }),
     24: () => this.say(common.GpsRawInt, { timeUsec: 0n, fixType: this.copter.hasFix ? 3 : 1, satellitesVisible: this.copter.hasFix ? 12 : 2 }),
     33: () => this.#position(),
     147: () => this.say(common.BatteryStatus, { batteryRemaining: Math.floor(this.copter.battery_percent), voltages: Array(10).fill(65535), voltagesExt: [0, 0, 0, 0] }),
     162: () => this.say(common.FenceStatus, { breachStatus: this.copter.isOutside ? 1 : 0 }),
-    193: () => this.say(ardupilotmega.EkfStatusReport, { flags: this.copter.hasFix ? 831 : 39 }),
-    230: () => this.say(common.EstimatorStatus, { timeUsec: 0n, flags: this.copter.hasFix ? 831 : 39 }),
+    193: () => this.say(ardupilotmega.EkfStatusReport, { flags: this.copter.isEstimating ? 831 : 39 }),
+    230: () => this.say(common.EstimatorStatus, { timeUsec: 0n, flags: this.copter.isEstimating ? 831 : 39 }),
     242: () => this.#home(),
   };
 
@@ -91,7 +98,8 @@ export class CopterProtocol {
     this.say(common.GlobalPositionInt, {
       timeBootMs: Math.round((copter.now - copter.booted) * 1000), lat: Math.round(latitude_deg * 1e7), lon: Math.round(longitude_deg * 1e7),
       alt: Math.round((this.#seaLevel + copter.at.up) * 1000), relativeAlt: Math.round(copter.at.up * 1000),
-      vx: Math.round(copter.speed.north * 100), vy: Math.round(copter.speed.east * 100), vz: 0, hdg: 65535,
+      vx: Math.round(copter.speed.north * 100), vy: Math.round(copter.speed.east * 100),
+      vz: Math.round(-(copter.armed ? copter.climb_m_s ?? 0 : 0) * 100), hdg: 65535,
     });
   }
 
@@ -191,7 +199,6 @@ export class CopterProtocol {
     if (refusal?.times) refusal.times -= 1;
     if (refusal?.words) this.copter.say(refusal.words);
     const result = refusal ? refusal.result : this.#obey[message.command]?.(params, isInt, message.frame) ?? MavResult.UNSUPPORTED;
-    for (const { words, severity } of this.copter.texts.splice(0)) this.say(common.StatusText, { severity, text: words });
     const ack = { command: message.command, targetSystem: this.partner, targetComponent: 190 };
     this.say(common.CommandAck, { ...ack, result: this.busy_s > 0 ? MavResult.IN_PROGRESS : result });
     if (this.busy_s > 0) this.late.push({ due: this.copter.now + this.busy_s, ack: { ...ack, result } });
@@ -211,6 +218,7 @@ export class CopterProtocol {
     },
     [MavCmd.DO_SET_HOME]: ([, , , , x, y], isInt) => {
       if (!isInt) return MavResult.DENIED;
+      if (!this.copter.isEstimating) return MavResult.FAILED;
       Object.assign(this.copter, { home: { latitude_deg: x / 1e7, longitude_deg: y / 1e7, up: 0 }, isHomeSet: true });
       return MavResult.ACCEPTED;
     },

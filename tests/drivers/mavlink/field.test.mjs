@@ -21,7 +21,7 @@ async function fly({ start, copter, folder }, scenario, more, drivers = {}) {
   const port = await freePort();
   const one = await copter(["--at", `${at.latitude_deg},${at.longitude_deg}`, "--udp", `127.0.0.1:${port}`, "--speedup", String(RATE),
     "--drain", "0.06", "--changed-after", "60", ...more]);
-  const words = [process.execPath, MAIN, "--connect", `udpin:${port}`, "--system", "1", "--speedup", RATE, "--keep", folder, "--confirm", "battery"];
+  const words = [process.execPath, MAIN, "--connect", `udpin:${port}`, "--system", "1", "--speedup", RATE, "--keep", folder, "--cells", "4", "--confirm", "battery"];
   const command = `sh -c 'echo $$ > "${folder}/driver.pid"; exec ${words.map((word) => `"${word}"`).join(" ")}'`;
   const run = join(folder, "run");
   const mission = start(MUSTER, ["run", scenario, "--rate", String(RATE), "--quiet", "--out", run,

@@ -11,7 +11,7 @@ const SPEEDUP = 60;
 const MUSTER = process.env.MUSTER_PROGRAM;
 const NO_MUSTER = MUSTER ? false : "MUSTER_PROGRAM names no muster";
 
-const driverWords = (link, folder, ...more) => [MAIN, "--connect", link, "--system", "1", "--keep", folder, "--confirm", "battery", ...more];
+const driverWords = (link, folder, ...more) => [MAIN, "--connect", link, "--system", "1", "--keep", folder, "--cells", "4", "--confirm", "battery", ...more];
 
 function hello(rate) {
   return {
@@ -120,7 +120,7 @@ test("two UAVs, one driver each, by system id", () => withPrograms(async ({ star
   const drivers = [];
   for (const [i, port] of ports.entries()) {
     await copter(["--udp", `127.0.0.1:${port}`, "--speedup", String(SPEEDUP), "--system", String(i + 1)]);
-    const words = [MAIN, "--connect", `udpin:${port}`, "--system", String(i + 1), "--keep", folder, "--confirm", "battery", "--speedup", String(SPEEDUP)];
+    const words = [MAIN, "--connect", `udpin:${port}`, "--system", String(i + 1), "--keep", folder, "--cells", "4", "--confirm", "battery", "--speedup", String(SPEEDUP)];
     drivers.push(start(process.execPath, words));
   }
   for (const [i, driver] of drivers.entries()) {

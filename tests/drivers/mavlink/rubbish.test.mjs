@@ -84,7 +84,8 @@ for (const kind of ["ardupilot", "px4"]) {
         if (n % 10 === 0) box.step();
       }
       box.run(10);
-      const given = new Set(box.protocol.commands().slice(before).map(([, , { command }]) => command));
+      // Streams that it stopped are asked for again.
+      const given = new Set(box.protocol.commands().slice(before).map(([, , { command }]) => command).filter((command) => command !== 511));
       for (const command of given) assert.ok([20, 21].includes(command), `command ${command}, seed ${SEED + 1}, round ${round}`);
     }
     assert.ok(heard > 0.99 * COUNT);

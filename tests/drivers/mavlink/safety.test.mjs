@@ -253,7 +253,7 @@ for (const kind of KINDS) {
     const box = new Box({ kind }).ready();
     box.protocol.refusals.push({ command: "COMPONENT_ARM_DISARM", result: MavResult.FAILED, words: "PreArm: Compass not calibrated" });
     box.goTo(1500, 400);
-    failsWithin(box, 4, /^arming is refused: FAILED \(PreArm: Compass not calibrated\)$/);
+    failsWithin(box, 40, /^arming is refused: FAILED \(PreArm: Compass not calibrated\)$/);
     assert.equal(box.copter.armed, false);
     box.until(() => box.kept === null, 60);
   });

@@ -122,6 +122,19 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   assert.equal(await driver.ended, 0);
 }));
 
+test("a person sees the way by road on the map, and another when a road is closed", () => withPhone(async ({ page, goTo, tick }) => {
+  goTo({ x_m: 4400, y_m: 4300 }, { via: [{ x_m: 4400, y_m: 4000 }] });
+  tick();
+  await shows(page, "700 m by road to the north-east");
+  const corners = async () => (await page.locator("#map .way").getAttribute("points")).split(" ").length;
+  assert.equal(await corners(), 3);
+  await accessible(page);
+  goTo({ x_m: 4400, y_m: 4300 }, { id: 2, via: [{ x_m: 4000, y_m: 4600 }, { x_m: 4400, y_m: 4600 }] });
+  tick();
+  await shows(page, "1.3 km by road to the north-east");
+  assert.equal(await corners(), 4);
+}));
+
 test("what is pressed without connection is sent when it is back, once, also by a page that was opened again", () => withPhone(async ({ driver, page, context, goTo, tick }) => {
   goTo();
   tick();

@@ -4,8 +4,9 @@ import { webcrypto } from "node:crypto";
 import { test } from "node:test";
 import { frame, roundLength_m } from "../../../drivers/phone/page/map.mjs";
 import { Queue } from "../../../drivers/phone/page/queue.mjs";
+import { ahead, lengthOf } from "../../../drivers/phone/page/way.mjs";
 import { action, clock, direction, duration, length, lines, title, whereabouts } from "../../../drivers/phone/page/words.mjs";
-import { Box, helloOf } from "./box.mjs";
+import { Box, helloOf, map } from "./box.mjs";
 
 globalThis.crypto ??= webcrypto;  // Node 18 has it under another name
 
@@ -123,4 +124,37 @@ test("the map shows what matters, and a round scale", () => {
   assert.deepEqual([both.x_m, both.y_m], [1500, 500]);
   assert.ok(3000 * both.scale <= 292 + 1e-9);
   assert.deepEqual([roundLength_m(1), roundLength_m(0.1), roundLength_m(0.05)], [100, 1000, 2000]);
+});
+
+const at = (x_m, y_m) => ({ x_m, y_m });
+
+test("the way that is left begins at the part of the way that is nearest", () => {
+  const way = [at(0, 0), at(400, 0), at(400, 300), at(1000, 300)];
+  assert.deepEqual(ahead(way, at(0, 0)), way);
+  assert.equal(lengthOf(ahead(way, at(0, 0))), 1300);
+  assert.deepEqual(ahead(way, at(100, 20)), [at(100, 20), ...way.slice(1)], "beside the road");
+  assert.deepEqual(ahead(way, at(400, 0)), [at(400, 0), ...way.slice(2)], "a corner is behind who stands on it");
+  assert.deepEqual(ahead(way, at(900, 310)), [at(900, 310), at(1000, 300)]);
+});
+
+test("a person is told the way by road, and its length from where the person is", () => {
+  const box = new Box();
+  box.goTo(at(4400, 4300), { via: [at(4400, 4000)] });
+  assert.deepEqual(box.sync().order.way, [at(4000, 4000), at(4400, 4000), at(4400, 4300)]);
+  assert.equal(lines(box.sync(), 0, 0)[0], "700 m by road to the north-east");
+  box.pass(1, () => box.sync(box.place(at(4100, 4000))));
+  assert.equal(lines(box.sync(), 30, 0)[0], "600 m by road to the north-east");
+  box.goTo(at(4400, 4300), { via: [] });
+  assert.equal(box.sync().order.way.length, 2, "a straight way by road");
+  box.goTo(at(4400, 4300));
+  assert.equal(box.sync().order.way, null, "a mission without roads");
+  assert.match(lines(box.sync(), 30, 0)[0], /^\d+ m to the north-east$/);
+});
+
+test("corners in degrees are places of the map", () => {
+  const box = new Box();
+  const degrees = ({ latitude_deg, longitude_deg }) => ({ latitude_deg, longitude_deg });
+  box.goTo(at(4400, 4300), { via: [degrees(map.toDegrees(at(4400, 4000)))] });
+  const [, corner] = box.sync().order.way;
+  assert.ok(Math.hypot(corner.x_m - 4400, corner.y_m - 4000) < 0.01, JSON.stringify(corner));
 });
