@@ -24,6 +24,7 @@ enum class Stream : std::uint32_t {
   kPacketFault = 30,
   kLatency = 31,
   kSoak = 32,
+  kClosures = 33,
   kTraining = 40,
   kTest = 99,
 };

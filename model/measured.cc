@@ -46,11 +46,19 @@ bool IsOnItsWay(const AgentState& agent) {
   return agent.action != ActionKind::kNone && !agent.measured->arrived;
 }
 
+/// Metres that it still has to go from there; in a straight line where no way of the mission leads:
+/// its driver knows one.
+double RestM(const AgentState& agent, Point from) {
+  const double way_m = agent.WayM(from, agent.to);
+  return std::isfinite(way_m) ? way_m : Distance(from, agent.to);
+}
+
 /// Whether it can be there then, from where it has said to be last and when its leg began: small
-/// errors of many reports do not add up. Where it was computed to be tells nothing.
+/// errors of many reports do not add up. Where it was computed to be tells nothing. By the straight
+/// line: a place that is measured to ten metres is beside the road now and then.
 std::string CheckSpeed(const AgentState& agent, Point at, TimeUs at_us) {
   for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
-    const double way = agent.WayM(seen.at, at);
+    const double way = Distance(seen.at, at);
     if (way <= MostWayM(agent, at_us - seen.at_us)) continue;
     return fmt::format("{:.0f} m in {:.0f} s are faster than its {:g} m/s", way,
                        ToSeconds(at_us - seen.at_us), agent.speed_m_s);
@@ -87,12 +95,12 @@ std::string CheckTime(const AgentState& agent, const MeasuredReport& report, Tim
 /// A place on the way: the rest of the leg begins there and then.
 std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
                      std::span<const Task> tasks) {
-  const TimeUs soonest =
-      report.at_us + TravelUs(agent->WayM(report.at, agent->to), agent->speed_m_s);
+  const TimeUs soonest = report.at_us + TravelUs(Distance(report.at, agent->to), agent->speed_m_s);
+  const TimeUs usual = report.at_us + TravelUs(RestM(*agent, report.at), agent->speed_m_s);
   const double slack = SlackM(*agent);
   // Where it was to be by then: it may have been there for long.
   const bool is_there = agent->arrive_us <= report.at_us && Distance(report.at, agent->to) <= slack;
-  const TimeUs expected = report.expected_us.value_or(is_there ? agent->arrive_us : soonest);
+  const TimeUs expected = report.expected_us.value_or(is_there ? agent->arrive_us : usual);
   if (!is_there && expected < soonest - kMeasuredSlackUs) {
     return fmt::format("expects to arrive at {:.0f} s, at {:g} m/s not before {:.0f} s",
                        ToSeconds(expected), agent->speed_m_s, ToSeconds(soonest));

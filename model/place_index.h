@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/grid_index.h"
 #include "model/ways.h"
@@ -17,20 +19,20 @@ class PlaceIndex {
   /// order that depends on the places alone.
   template <class Visit>
   void WithinFrom(Point from, double radius_m, Visit&& visit) const {
-    grid_.Within(from, radius_m, [&](std::int32_t i, Point place, double distance_m) {
-      if (ways_.straight()) return visit(i, distance_m);
-      const double way_m = ways_.Length(from, place);
-      if (way_m <= radius_m) visit(i, way_m);
-    });
+    if (ways_.straight()) return grid_.Within(from, radius_m, StraightVisit(visit));
+    const Found found(grid_, from, radius_m);
+    std::vector<double> lengths_m(found.at.size());
+    ways_.ways->Lengths(ways_.kind, {&from, 1}, found.at, lengths_m);
+    found.Visit(lengths_m, radius_m, visit);
   }
   /// The same for ways that lead from the places to `to`.
   template <class Visit>
   void WithinTo(Point to, double radius_m, Visit&& visit) const {
-    grid_.Within(to, radius_m, [&](std::int32_t i, Point place, double distance_m) {
-      if (ways_.straight()) return visit(i, distance_m);
-      const double way_m = ways_.Length(place, to);
-      if (way_m <= radius_m) visit(i, way_m);
-    });
+    if (ways_.straight()) return grid_.Within(to, radius_m, StraightVisit(visit));
+    const Found found(grid_, to, radius_m);
+    std::vector<double> lengths_m(found.at.size());
+    ways_.ways->Lengths(ways_.kind, found.at, {&to, 1}, lengths_m);
+    found.Visit(lengths_m, radius_m, visit);
   }
   /// Metres to the place that is nearest by way; infinity where there is none.
   double NearestFrom(Point from) const {
@@ -40,6 +42,28 @@ class PlaceIndex {
   }
 
  private:
+  /// What may be within reach by way, too.
+  struct Found {
+    Found(const GridIndex& grid, Point centre, double radius_m) {
+      grid.Within(centre, radius_m, [&](std::int32_t i, Point place, double) {
+        index.push_back(i);
+        at.push_back(place);
+      });
+    }
+    template <class Visits>
+    void Visit(const std::vector<double>& lengths_m, double radius_m, Visits&& visit) const {
+      for (std::size_t i = 0; i < index.size(); ++i) {
+        if (lengths_m[i] <= radius_m) visit(index[i], lengths_m[i]);
+      }
+    }
+    std::vector<std::int32_t> index;
+    std::vector<Point> at;
+  };
+  template <class Visits>
+  static auto StraightVisit(Visits& visit) {
+    return [&visit](std::int32_t i, Point, double distance_m) { visit(i, distance_m); };
+  }
+
   GridIndex grid_;
   WaysOf ways_;
 };

@@ -104,8 +104,6 @@ class Inside {
   std::vector<RoadPoint> corners_;
 };
 
-Point ToPoint(RoadPoint p) { return {p.x_mm / 1000.0, p.y_mm / 1000.0}; }
-
 double DistanceTo(Point place, RoadPoint from, RoadPoint to) {
   const Point a = ToPoint(from), b = ToPoint(to);
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;

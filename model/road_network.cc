@@ -25,8 +25,6 @@ std::atomic<std::uint64_t> next_id = 1;
 
 std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-Point ToPoint(RoadPoint p) { return {p.x_mm / 1000.0, p.y_mm / 1000.0}; }
-
 /// Smallest whole number that is not below 100 `mm` / `percent`.
 std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
   return (100 * mm + percent - 1) / percent;
@@ -320,19 +318,37 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* sea
 }
 
 std::int64_t RoadNetwork::Cost(Point from, Point to) const {
-  if (from == to) return 0;
-  const std::optional<Spot>& start = KnownOf(from, false)->spot;
+  const std::optional<Spot> start = SpotOf(from);
+  std::int64_t cost_mm = -1;
+  CostsTo({&from, 1}, {&start, 1}, to, {&cost_mm, 1});
+  return cost_mm;
+}
+
+void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const std::optional<Spot>> starts,
+                          Point to, std::span<std::int64_t> costs) const {
   Known* const known_goal = KnownOf(to, true);
   const std::optional<Spot>& goal = known_goal->spot;
-  if (!start || !goal) return -1;
-  if (start->road == goal->road && start->along_mm == goal->along_mm) {
-    const std::int64_t direct_mm = OpenCost(Distance(from, to));
-    return direct_mm >= 0 ? direct_mm : start->off_mm + goal->off_mm;
+  std::unique_lock<std::mutex> lock(known_goal->mutex, std::defer_lock);
+  Search* search = nullptr;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const std::optional<Spot>& start = starts[i];
+    if (from[i] == to) {
+      costs[i] = 0;
+    } else if (!start || !goal) {
+      costs[i] = -1;
+    } else if (start->road == goal->road && start->along_mm == goal->along_mm) {
+      const std::int64_t direct_mm = OpenCost(Distance(from[i], to));
+      costs[i] = direct_mm >= 0 ? direct_mm : start->off_mm + goal->off_mm;
+    } else {
+      if (search == nullptr) {
+        lock.lock();
+        search = SearchTo(known_goal);
+      }
+      std::int32_t first = -1;
+      const std::int64_t road_mm = RoadCost(*start, *goal, search, &first);
+      costs[i] = road_mm < 0 ? -1 : start->off_mm + road_mm + goal->off_mm;
+    }
   }
-  std::int32_t first = -1;
-  const std::lock_guard lock(known_goal->mutex);
-  const std::int64_t road_mm = RoadCost(*start, *goal, SearchTo(known_goal), &first);
-  return road_mm < 0 ? -1 : start->off_mm + road_mm + goal->off_mm;
 }
 
 void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm,

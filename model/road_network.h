@@ -47,6 +47,19 @@ class RoadNetwork {
   std::optional<Spot> SpotOf(Point place) const;
   /// Cost from one place to the other; -1: there is no way.
   std::int64_t Cost(Point from, Point to) const;
+  /// Cost from each of `from` to each of `to`: visit(from's index, to's index, cost). A goal's
+  /// costs are looked up for all beginnings at once, while they are at hand.
+  template <class Visit>
+  void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const {
+    std::vector<std::optional<Spot>> starts;
+    starts.reserve(from.size());
+    for (const Point& place : from) starts.push_back(SpotOf(place));
+    std::vector<std::int64_t> costs(from.size());
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      CostsTo(from, starts, to[j], costs);
+      for (std::size_t i = 0; i < from.size(); ++i) visit(i, j, costs[i]);
+    }
+  }
   /// The same way in full; its last reached_mm is the cost. Null: there is none.
   std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
 
@@ -127,6 +140,9 @@ class RoadNetwork {
   Known* KnownOf(Point place, bool is_goal) const;
   /// The costs of ways to that place, which has a spot and is locked.
   Search* SearchTo(Known* goal) const;
+  /// `starts`: the spots of `from`.
+  void CostsTo(std::span<const Point> from, std::span<const std::optional<Spot>> starts, Point to,
+               std::span<std::int64_t> costs) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
   std::int64_t RoadCost(const Spot& from, const Spot& to, Search* search,

@@ -9,6 +9,13 @@
 namespace muster {
 namespace {
 
+/// Metres of a way that costs so many millimetres; -1: there is none.
+double ToLength(std::int64_t mm, Point from, Point to) {
+  if (mm < 0) return std::numeric_limits<double>::infinity();
+  // Rounding may not make it shorter than the straight line.
+  return std::max(static_cast<double>(mm) / 1000, Distance(from, to));
+}
+
 /// The corner that the way has reached after `mm`, or the last before; not its last one.
 std::size_t CornerBefore(const RoadNetwork::Way& way, double mm) {
   const auto next = std::upper_bound(
@@ -58,10 +65,14 @@ std::optional<double> RoadWays::ToRoad(AgentKind kind, Point place) const {
 }
 
 double RoadWays::BentLength(AgentKind kind, Point from, Point to) const {
-  const std::int64_t mm = network(kind).Cost(from, to);
-  if (mm < 0) return std::numeric_limits<double>::infinity();
-  // Rounding may not make it shorter than the straight line.
-  return std::max(static_cast<double>(mm) / 1000, Distance(from, to));
+  return ToLength(network(kind).Cost(from, to), from, to);
+}
+
+void RoadWays::BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+                           std::span<double> lengths_m) const {
+  network(kind).Costs(from, to, [&](std::size_t i, std::size_t j, std::int64_t mm) {
+    lengths_m[i * to.size() + j] = ToLength(mm, from[i], to[j]);
+  });
 }
 
 std::vector<Ways::Corner> RoadWays::BentCorners(AgentKind kind, Point from, Point to) const {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/geometry.h"
 #include "model/per_kind.h"
 
 namespace muster {
@@ -24,6 +25,9 @@ struct RoadPoint {
   std::int32_t x_mm = 0, y_mm = 0;
   bool operator==(const RoadPoint&) const = default;
 };
+
+/// In metres.
+inline Point ToPoint(RoadPoint p) { return {p.x_mm / 1000.0, p.y_mm / 1000.0}; }
 
 /// One road between two junctions or dead ends. No other road meets it in between.
 struct Road {

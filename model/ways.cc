@@ -12,7 +12,24 @@ std::shared_ptr<const Ways>& Default() {
 
 }  // namespace
 
+void Ways::Lengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+                   std::span<double> lengths_m) const {
+  if (!straight(kind)) return BentLengths(kind, from, to, lengths_m);
+  std::size_t i = 0;
+  for (const Point& begin : from) {
+    for (const Point& end : to) lengths_m[i++] = Distance(begin, end);
+  }
+}
+
 double Ways::BentLength(AgentKind, Point from, Point to) const { return Distance(from, to); }
+
+void Ways::BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+                       std::span<double> lengths_m) const {
+  std::size_t i = 0;
+  for (const Point& begin : from) {
+    for (const Point& end : to) lengths_m[i++] = BentLength(kind, begin, end);
+  }
+}
 
 std::vector<Ways::Corner> Ways::BentCorners(AgentKind, Point, Point) const { return {}; }
 

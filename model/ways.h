@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/geometry.h"
@@ -35,6 +36,10 @@ class Ways {
   double Length(AgentKind kind, Point from, Point to) const {
     return straight(kind) ? Distance(from, to) : BentLength(kind, from, to);
   }
+  /// What Length() says of each of `from` and each of `to`, in less time: into `lengths_m`
+  /// [from.size() * to.size()], all of the first of `from` first.
+  void Lengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+               std::span<double> lengths_m) const;
   /// The place after that share (0 to 1) of the way.
   Point PlaceAfter(AgentKind kind, Point from, Point to, double share) const {
     return straight(kind) ? Lerp(from, to, share) : BentPlaceAfter(kind, from, to, share);
@@ -89,6 +94,8 @@ class Ways {
 
  private:
   virtual double BentLength(AgentKind kind, Point from, Point to) const;
+  virtual void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+                           std::span<double> lengths_m) const;
   virtual std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const;
   virtual Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
   virtual double BentGroundLength(AgentKind kind, Point from, Point to) const;

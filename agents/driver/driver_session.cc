@@ -65,7 +65,10 @@ void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
     activity_told_ = false;
     return;
   }
-  if (agent_.decision != sent_ && !agent_.activity) GoTo(at);
+  // A leg that begins anew for the same command goes round what was closed.
+  const bool is_new =
+      agent_.decision != sent_ || (agent_.measured && agent_.measured->set_out_us > set_out_us_);
+  if (is_new && !agent_.activity) GoTo(at);
   if (agent_.activity && agent_.activity->start_us <= at && !activity_told_) BeginActivity();
   if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
 }
@@ -98,6 +101,7 @@ void DriverSession::Order(Command::Kind kind, const Json& line) {
 
 void DriverSession::GoTo(TimeUs at) {
   sent_ = agent_.decision;
+  set_out_us_ = agent_.measured ? agent_.measured->set_out_us : agent_.depart_us;
   activity_told_ = false;
   const bool to_task = agent_.action == ActionKind::kSense ||
                        agent_.action == ActionKind::kUavToTask ||
@@ -120,7 +124,8 @@ void DriverSession::GoTo(TimeUs at) {
   }
   if (!agent_.own_ways().straight()) {
     line["via"] = Json::array();
-    for (const Ways::Corner& corner : agent_.ways->Corners(agent_.kind, agent_.from, agent_.to)) {
+    for (const Ways::Corner& corner :
+         agent_.leg_ways->Corners(agent_.kind, agent_.from, agent_.to)) {
       line["via"].push_back(places_.ToJson(corner.at));
     }
   }
@@ -247,8 +252,11 @@ std::string DriverSession::TakeWord(const DriverLine& said, TimeUs now_us) {
     return fmt::format("{} of id {}, which was {}", arrives ? "arrived" : "done", *said.id,
                        arrives ? "no goto" : "a goto");
   }
-  // What is over or was replaced: it had not heard of that.
-  const bool is_last = *said.id == static_cast<std::int64_t>(commands_.size());
+  // What is over or was replaced: it had not heard of that. A goal stays when the way to it
+  // changes.
+  const bool is_last = *said.id == static_cast<std::int64_t>(commands_.size()) ||
+                       (arrives && commands_.back().kind == Command::Kind::kGoTo &&
+                        commands_.back().decision == command.decision);
   if (!is_last || !asked_ || agent_.decision != command.decision ||
       agent_.action == ActionKind::kNone || (!arrives && !agent_.activity)) {
     return {};

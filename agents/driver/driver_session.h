@@ -100,6 +100,7 @@ class DriverSession {
   bool open_ = false;                    ///< what it began is neither finished nor cancelled
   bool activity_told_ = false;
   std::int32_t sent_ = -1;  ///< decision that the last goto is about
+  TimeUs set_out_us_ = 0;   ///< when the leg began that it is about
   bool greeted_ = false, answered_ = true, over_ = false;
   std::optional<TimeUs> owes_since_us_;  ///< wall
   std::string name_;

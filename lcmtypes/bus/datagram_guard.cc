@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "lcmtypes/bus/limits.h"
 #include "lcmtypes/bus/seal.h"
 
 namespace muster {
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::uint32_t kShortMagic = 0x4c433032;  // "LC02"
 constexpr std::uint32_t kLongMagic = 0x4c433033;   // "LC03"
-constexpr std::uint32_t kMostChannelBytes = 63;    // LCM_MAX_CHANNEL_NAME_LENGTH
 
 // Where things are, from the UDP header's first byte.
 constexpr std::uint32_t kMagicAt = 8;
@@ -36,12 +36,6 @@ constexpr std::uint32_t kLength = 0;   // of the body: all behind the header
 constexpr std::uint32_t kNameEnd = 1;  // bytes of channel and NUL in the body
 constexpr std::uint32_t kPayload = 2;  // bytes of the body that are the message's
 constexpr std::uint32_t kRoom = 3;     // bytes of the message from the fragment's offset on
-
-constexpr std::uint32_t LargestMessage() {
-  std::int64_t most = 0;
-  for (const Channel& row : kChannels) most = std::max(most, row.max_bytes);
-  return static_cast<std::uint32_t>(most) + kTagBytes;
-}
 
 /// Builds a program. Every test is "drop unless": what follows it may rely on it.
 class Builder {

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "lcmtypes/bus/limits.h"
 #include "lcmtypes/bus/seal.h"
 #include "lcmtypes/channels.h"
 
@@ -18,7 +19,6 @@ namespace {
 constexpr std::size_t kDatagramBytes = 65536;
 constexpr std::size_t kShortHeader = 8;
 constexpr std::size_t kLongHeader = 20;
-constexpr std::size_t kMostChannelBytes = 63;
 /// A mission has some tens of senders; more at a time are none.
 constexpr std::size_t kMostPartial = 64;
 constexpr int kMostBatches = 32;
@@ -29,16 +29,10 @@ std::uint32_t Big32(const std::uint8_t* bytes) {
 }
 std::uint32_t Big16(const std::uint8_t* bytes) { return std::uint32_t{bytes[0]} << 8 | bytes[1]; }
 
-std::uint32_t LargestMessage() {
-  std::int64_t most = 0;
-  for (const Channel& row : kChannels) most = std::max(most, row.max_bytes);
-  return static_cast<std::uint32_t>(most) + kTagBytes;
-}
-
 /// The name that the bytes begin with, up to its NUL; empty: none.
 std::string_view NameIn(const std::uint8_t* bytes, std::size_t size) {
   const auto* end = static_cast<const std::uint8_t*>(
-      std::memchr(bytes, 0, std::min(size, kMostChannelBytes + 1)));
+      std::memchr(bytes, 0, std::min<std::size_t>(size, kMostChannelBytes + 1)));
   if (end == nullptr) return {};
   return {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(end - bytes)};
 }
@@ -67,7 +61,7 @@ void UdpmAssembler::TakeFragment(std::uint64_t sender, const std::uint8_t* datag
   const std::uint32_t offset = Big32(datagram + 12);
   const std::uint32_t fragment = Big16(datagram + 16);
   const std::uint32_t fragments = Big16(datagram + 18);
-  static const std::uint32_t largest = LargestMessage();
+  constexpr std::uint32_t largest = LargestMessage();
   if (message_size == 0 || message_size > largest || fragment >= fragments) return;
   const std::uint8_t* data = datagram + kLongHeader;
   std::size_t bytes = size - kLongHeader;

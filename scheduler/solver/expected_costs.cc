@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/index.h"
 #include "scheduler/solver/parallel.h"
@@ -210,6 +211,16 @@ struct BlockSum {
 };
 
 constexpr std::size_t kBlock = 64;
+constexpr std::size_t kAtOnce = 64;  ///< places whose ways are asked for together
+
+/// [from * to]; empty where ways are straight.
+std::vector<double> LengthsOf(const WaysOf& ways, std::span<const Point> from,
+                              std::span<const Point> to) {
+  if (ways.straight()) return {};
+  std::vector<double> lengths_m(from.size() * to.size());
+  ways.ways->Lengths(ways.kind, from, to, lengths_m);
+  return lengths_m;
+}
 
 }  // namespace
 
@@ -242,6 +253,7 @@ PlaceSums::PlaceSums(std::span<const Point> places, std::span<const double> valu
     tree_.emplace_back(places, values);
     return;
   }
+  if (!ways.straight()) places_.assign(places.begin(), places.end());
   for (const Point& p : places) {
     x_m_.push_back(p.x_m);
     y_m_.push_back(p.y_m);
@@ -257,22 +269,28 @@ std::vector<double> PlaceSums::SoftmaxMeans(Queries* from, const LevelOf& level,
     NarrowBlocks(*from, level.per_m(), threads,
                  [&](const Queries::Block& block) { BlockMeans(*from, block, level, &means); });
   } else if (!x_m_.empty()) {
-    ParallelFor(means.size(), threads, 64, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) means[i] = ExactMean(from->at()[i], level);
+    ParallelFor(means.size(), threads, kAtOnce, [&](std::size_t begin, std::size_t end) {
+      const std::size_t n = x_m_.size();
+      std::vector<std::int32_t> levels(n);
+      for (std::size_t first = begin; first < end; first += kAtOnce) {
+        const std::span some = std::span(from->at()).subspan(first, std::min(kAtOnce, end - first));
+        const std::vector<double> lengths_m = LengthsOf(ways_, some, places_);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+          if (ways_.straight()) {
+            LevelsTo(some[i], x_m_, y_m_, level, levels.data());
+          } else {
+            for (std::size_t k = 0; k < n; ++k) levels[k] = level(lengths_m[i * n + k]);
+          }
+          means[first + i] = ExactMean(levels);
+        }
+      }
     });
   }
   return means;
 }
 
-double PlaceSums::ExactMean(Point from, const LevelOf& level) const {
-  const std::size_t n = x_m_.size();
-  thread_local std::vector<std::int32_t> levels;
-  levels.resize(n);
-  if (ways_.straight()) {
-    LevelsTo(from, x_m_, y_m_, level, levels.data());
-  } else {
-    for (std::size_t i = 0; i < n; ++i) levels[i] = level(ways_.Length(from, {x_m_[i], y_m_[i]}));
-  }
+double PlaceSums::ExactMean(const std::vector<std::int32_t>& levels) const {
+  const std::size_t n = levels.size();
   const std::int32_t least = *std::min_element(levels.begin(), levels.end());
   const auto& table = Exp();
   double mass = 0, sum = 0;
@@ -345,6 +363,7 @@ LevelSums::LevelSums(std::span<const Point> agents, const LevelOf& level, const 
     tree_.emplace_back(agents, std::span<const double>());
     return;
   }
+  if (!ways.straight()) agents_.assign(agents.begin(), agents.end());
   for (const Point& p : agents) {
     x_m_.push_back(p.x_m);
     y_m_.push_back(p.y_m);
@@ -358,26 +377,25 @@ std::vector<double> LevelSums::Sums(Queries* to, int threads) const {
     NarrowBlocks(*to, level_.per_m(), threads,
                  [&](const Queries::Block& block) { BlockSums(*to, block, &sums); });
   } else if (!x_m_.empty()) {
-    ParallelFor(sums.size(), threads, 64, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) sums[i] = ExactSum(to->at()[i]);
+    ParallelFor(sums.size(), threads, kAtOnce, [&](std::size_t begin, std::size_t end) {
+      const std::size_t n = x_m_.size();
+      std::vector<std::int32_t> levels(n);
+      for (std::size_t first = begin; first < end; first += kAtOnce) {
+        const std::span some = std::span(to->at()).subspan(first, std::min(kAtOnce, end - first));
+        const std::vector<double> lengths_m = LengthsOf(ways_, agents_, some);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+          if (ways_.straight()) {
+            LevelsTo(some[i], x_m_, y_m_, level_, levels.data());
+          } else {
+            for (std::size_t k = 0; k < n; ++k) levels[k] = level_(lengths_m[k * some.size() + i]);
+          }
+          sums[first + i] =
+              static_cast<double>(std::accumulate(levels.begin(), levels.end(), std::int64_t{0}));
+        }
+      }
     });
   }
   return sums;
-}
-
-double LevelSums::ExactSum(Point to) const {
-  std::int64_t sum = 0;
-  if (!ways_.straight()) {
-    for (std::size_t i = 0; i < x_m_.size(); ++i) {
-      sum += level_(ways_.Length({x_m_[i], y_m_[i]}, to));
-    }
-    return static_cast<double>(sum);
-  }
-  thread_local std::vector<std::int32_t> levels;
-  levels.resize(x_m_.size());
-  LevelsTo(to, x_m_, y_m_, level_, levels.data());
-  for (const std::int32_t k : levels) sum += k;
-  return static_cast<double>(sum);
 }
 
 void LevelSums::BlockSums(const Queries& to, const Queries::Block& block,

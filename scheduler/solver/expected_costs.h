@@ -34,11 +34,12 @@ class PlaceSums {
   std::vector<double> SoftmaxMeans(Queries* from, const LevelOf& level, int threads = 1) const;
 
  private:
-  double ExactMean(Point from, const LevelOf& level) const;
+  double ExactMean(const std::vector<std::int32_t>& levels) const;
   void BlockMeans(const Queries& from, const Queries::Block& block, const LevelOf& level,
                   std::vector<double>* means) const;
 
   WaysOf ways_;
+  std::vector<Point> places_;  ///< where ways bend
   std::vector<double> x_m_, y_m_, value_;
   std::vector<PlaceTree> tree_;  ///< one, or none where sums are exact
 };
@@ -55,11 +56,11 @@ class LevelSums {
   std::vector<double> Sums(Queries* to, int threads = 1) const;
 
  private:
-  double ExactSum(Point to) const;
   void BlockSums(const Queries& to, const Queries::Block& block, std::vector<double>* sums) const;
 
   LevelOf level_;
   WaysOf ways_;
+  std::vector<Point> agents_;  ///< where ways bend
   std::vector<double> x_m_, y_m_;
   std::vector<PlaceTree> tree_;
 };

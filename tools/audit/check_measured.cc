@@ -13,8 +13,9 @@ namespace {
 /// Places and times are told to the way of a second, and to a second.
 constexpr double kSlack_s = 1;
 
+/// By the straight line: a place that is measured is beside the road now and then.
 void CheckWay(const View& view, const AgentModel& model, Place from, Place to, double seconds) {
-  const double way = model.WayM(from, to);
+  const double way = Apart(from, to);
   const double most = model.spec->speed_m_s * (std::max(0.0, seconds) + kSlack_s) + kTolerance_m;
   if (way <= most) return;
   view.Violate("speed",

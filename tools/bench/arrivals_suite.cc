@@ -14,7 +14,7 @@
 namespace muster::tools {
 namespace {
 
-constexpr const char* kDrawn[] = {"steady", "bursts"};
+constexpr const char* kDrawnArrivals[] = {"steady", "bursts"};
 constexpr int kBursts = 6;
 
 /// The more a task matters, the sooner it is due; twice that long after its report it is gone.
@@ -58,7 +58,7 @@ Scenario OfRows(ImportedSettings* imported, const std::string& name, double load
 }  // namespace
 
 std::vector<std::string> ArrivalsInstances(bool has_data) {
-  std::vector<std::string> names(std::begin(kDrawn), std::end(kDrawn));
+  std::vector<std::string> names(std::begin(kDrawnArrivals), std::end(kDrawnArrivals));
   for (const std::string& name : ImportedSettings::Names()) {
     if (has_data) names.push_back(name);
   }

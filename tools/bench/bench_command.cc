@@ -20,6 +20,7 @@
 #include "tools/bench/hard_suite.h"
 #include "tools/bench/mission_suite.h"
 #include "tools/bench/paper_command.h"
+#include "tools/bench/roads_suite.h"
 #include "tools/bench/sheet.h"
 #include "tools/bench/suites.h"
 #include "tools/files/pending_file.h"
@@ -36,11 +37,12 @@ void AddBenchOptions(Options* options) {
       ->Add("suite", "SUITE",
             "decisions (of missions on the paper's data sets), scale (decisions of ever larger "
             "Random_29), hard (families that are hard to prove), random (drawn settings), missions "
-            "(whole ones over LCM), arrivals (tasks that are reported while missions run), paper "
+            "(whole ones over LCM), arrivals (tasks that are reported while missions run), "
+            "roads (by road, in straight lines, with closed roads), paper "
             "(the paper's experiments: completion rates) or paper-long (those of them that take "
             "longest)")
-      .OneOf(
-          {"decisions", "scale", "hard", "random", "missions", "arrivals", "paper", "paper-long"})
+      .OneOf({"decisions", "scale", "hard", "random", "missions", "arrivals", "roads", "paper",
+              "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale, missions: sizes, as multiples of Random_29")
@@ -54,7 +56,16 @@ void AddBenchOptions(Options* options) {
       .List()
       .Number(Above0(100))
       .Default("0.5,1,2");
-  options->Add("methods", "NAME,...", "Policies (default: certified; paper, arrivals: several)")
+  options
+      ->Add("scenarios", "FILE,...",
+            "roads: scenarios with roads; those of one name are compared as seeds")
+      .List();
+  options->Add("closed", "PERCENT,...", "roads: how much of the roads' length is closed")
+      .List()
+      .Number(Above0(100))
+      .Default("5,20");
+  options
+      ->Add("methods", "NAME,...", "Policies (default: certified; paper, arrivals, roads: several)")
       .List();
   options->Add("seeds", "N", "Scenarios of each setting (default: 10; decisions, scale: 1)")
       .Integer(1, 10'000);
@@ -92,6 +103,8 @@ BenchOptions ReadBenchOptions(const Arguments& arguments, const std::vector<std:
   bench.instances = arguments.All("instances");
   bench.scales = arguments.All<double>("scales");
   bench.loads = arguments.All<double>("loads");
+  bench.scenarios = arguments.All("scenarios");
+  bench.closed_percent = arguments.All<double>("closed");
   bench.seeds = seeds;
   arguments.Read("seeds", &bench.seeds);
   bench.first_seed = arguments.Get<int>("first-seed");
@@ -124,6 +137,24 @@ std::vector<Row> RunSuite(const Arguments& arguments, const std::string& csv_hea
   });
   fmt::print("{}", SummaryOf(rows));
   return rows;
+}
+
+/// The same, showing how many of the `n` missions are flown.
+template <class Row, class Run>
+std::vector<Row> RunShowingProgress(const Arguments& arguments, const std::string& csv_header,
+                                    std::size_t n, const Run& run) {
+  ProgressPrinter progress(stderr, StyleFor(stderr, arguments.Has("quiet")));
+  const TimeUs start_us = MonotonicUs();
+  std::size_t flown = 0;
+  return RunSuite<Row>(arguments, csv_header, [&](const auto& report) {
+    run([&](const Row& row) {
+      report(row);
+      const TimeUs took_us = MonotonicUs() - start_us;
+      ++flown;
+      if (progress.due(took_us)) progress.Show(fmt::format("{} of {} missions", flown, n), took_us);
+    });
+    progress.Break();
+  });
 }
 
 /// `script`: of the names of CSV and SVG file.
@@ -211,21 +242,27 @@ int ArrivalsCommand(const Arguments& arguments) {
                                  bench.data.empty() ? "; with --data those of its tables" : ""));
   }
   if (bench.instances.empty()) bench.instances = known;
-  ProgressPrinter progress(stderr, StyleFor(stderr, arguments.Has("quiet")));
   const std::size_t n = bench.instances.size() * bench.loads.size() *
                         static_cast<std::size_t>(bench.seeds) * bench.methods.size();
-  const TimeUs start_us = MonotonicUs();
-  std::size_t flown = 0;
-  const auto rows = RunSuite<ArrivalsRow>(arguments, ArrivalsCsvHeader(), [&](const auto& report) {
-    RunArrivals(bench, [&](const ArrivalsRow& row) {
-      report(row);
-      const TimeUs took_us = MonotonicUs() - start_us;
-      ++flown;
-      if (progress.due(took_us)) progress.Show(fmt::format("{} of {} missions", flown, n), took_us);
-    });
-    progress.Break();
-  });
+  const auto rows = RunShowingProgress<ArrivalsRow>(
+      arguments, ArrivalsCsvHeader(), n, [&](const auto& report) { RunArrivals(bench, report); });
   WritePlot(arguments, [&](const auto&, const auto& svg) { return ArrivalsPlot(rows, svg); });
+  return kExitOk;
+}
+
+int RoadsCommand(const Arguments& arguments) {
+  const BenchOptions bench = ReadBenchOptions(
+      arguments,
+      {"kwta", "mpq", "certified", "horizon", "horizon-steps", "rollout-steps",
+       "certified-without-roads", "horizon-without-roads", "rollout-steps-without-roads"},
+      1);
+  if (bench.scenarios.empty()) {
+    throw InputError("command line", "--scenarios", "nothing", "files of scenarios with roads");
+  }
+  const std::size_t n =
+      bench.scenarios.size() * bench.methods.size() * (2 + 2 * bench.closed_percent.size());
+  RunShowingProgress<RoadsRow>(arguments, RoadsCsvHeader(), n,
+                               [&](const auto& report) { RunRoads(bench, report); });
   return kExitOk;
 }
 
@@ -234,7 +271,9 @@ constexpr std::pair<const char*, const char*> kTakenBy[] = {
     {"instances", "decisions missions arrivals paper paper-long"},
     {"scales", "scale missions"},
     {"loads", "arrivals"},
-    {"methods", "decisions scale missions arrivals paper paper-long"},
+    {"scenarios", "roads"},
+    {"closed", "roads"},
+    {"methods", "decisions scale missions arrivals roads paper paper-long"},
     {"seeds", "decisions scale hard random arrivals paper paper-long"},
     {"cbc", "hard"},
     {"repetitions", "decisions scale missions"},
@@ -277,6 +316,7 @@ int BenchCommand(int argc, const char* const* argv) {
   if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite == "random");
   if (suite == "missions") return MissionsCommand(*arguments);
   if (suite == "arrivals") return ArrivalsCommand(*arguments);
+  if (suite == "roads") return RoadsCommand(*arguments);
   return PaperCommand(*arguments);
 }
 

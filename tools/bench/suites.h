@@ -36,8 +36,10 @@ enum class AskCbc { kNothing, kRelaxation, kOptimum };
 struct BenchOptions {
   std::vector<std::string> methods = {"certified"};  ///< policies
   std::vector<std::string> instances;
-  std::vector<double> scales;  ///< times Random_29
-  std::vector<double> loads;   ///< tasks, times those of the instance
+  std::vector<double> scales;          ///< times Random_29
+  std::vector<double> loads;           ///< tasks, times those of the instance
+  std::vector<std::string> scenarios;  ///< files
+  std::vector<double> closed_percent;  ///< of the roads
   int seeds = 1;
   int first_seed = 1;
   int repetitions = 1;

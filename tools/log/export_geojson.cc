@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,7 +13,9 @@
 #include "base/check.h"
 #include "model/agent.h"
 #include "tools/files/new_folder.h"
+#include "tools/log/closed_roads.h"
 #include "tools/log/export.h"
+#include "tools/log/legs.h"
 #include "tools/log/mission_stream.h"
 
 namespace muster::tools {
@@ -76,6 +80,35 @@ class Trip {
   std::optional<Position> held_;  ///< the newest
 };
 
+/// roads.geojson: every road, with the times for which it was closed.
+void WriteRoads(const Scenario& scenario, std::int64_t epoch_us,
+                const std::function<ordered_json(double, double)>& lon_lat, NewFolder* folder) {
+  const Roads& roads = *scenario.roads->network;
+  std::map<std::int32_t, ordered_json> closed;
+  for (const ClosedRoad& c : ClosedRoadsOf(scenario)) {
+    ordered_json times = {
+        {"order", c.order}, {"name", c.name}, {"from", IsoTime(epoch_us + c.from_us)}};
+    if (c.until_us != kNever) times["until"] = IsoTime(epoch_us + c.until_us);
+    closed.try_emplace(c.road, ordered_json::array()).first->second.push_back(std::move(times));
+  }
+  Collection lines(&folder->Add("roads.geojson"));
+  for (std::size_t i = 0; i < roads.roads.size(); ++i) {
+    const Road& road = roads.roads[i];
+    ordered_json coordinates = ordered_json::array();
+    for (const std::int32_t point : road.points) {
+      const Point at = ToPoint(roads.points[static_cast<std::size_t>(point)]);
+      coordinates.push_back(lon_lat(at.x_m, at.y_m));
+    }
+    const auto times = closed.find(static_cast<std::int32_t>(i));
+    lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
+              {{"road", i},
+               {"map_id", road.id},
+               {"class", roads.classes[static_cast<std::size_t>(road.road_class)].name},
+               {"closed", times == closed.end() ? ordered_json::array() : times->second}});
+  }
+  lines.End();
+}
+
 }  // namespace
 
 void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Origin> origin) {
@@ -100,25 +133,50 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
   Collection positions(&folder.Add("positions.geojson"));
   std::map<std::pair<int, std::int32_t>, Trip> trips;
   std::map<std::int32_t, event_t> done;
-  ForEachMessage(source, head.run_id, [&](const Message& message, const Packet&) {
-    if (const auto* e = std::get_if<event_t>(&message)) {
-      if (e->kind == EventKind::kSensingDone) done.try_emplace(e->task_id, *e);
-    }
-    const auto* m = std::get_if<agent_states_t>(&message);
-    if (m == nullptr) return;
-    const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
-    for (const agent_t& a : m->agents) {
-      const std::string_view kind = ToString<AgentKind>(m->kind);
-      positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
-                                          {"sim_s", ToSeconds(m->header.sim_us)},
-                                          {"agent", fmt::format("{}:{}", kind, a.id)},
-                                          {"class", kind},
-                                          {"status", ToString<AgentStatus>(a.status)},
-                                          {"range_left_m", a.range_left_m}});
-      trips[{m->kind, a.id}].Add({a.x_m, a.y_m, unix_us});
-    }
-  });
+  Collection ways(&folder.Add("ways.geojson"));
+  LegReader legs;
+  const auto add_way = [&](const Leg& leg) {
+    const AgentState& a = leg.agent;
+    ordered_json coordinates = ordered_json::array();
+    for (const Point& p : leg.Line()) coordinates.push_back(lon_lat(p.x_m, p.y_m));
+    const std::string_view kind = ToString<AgentKind>(a.kind);
+    ways.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
+             {{"agent", fmt::format("{}:{}", kind, a.id)},
+              {"class", kind},
+              {"decision", a.decision},
+              {"action", ToString<ActionKind>(a.action)},
+              {"depart", IsoTime(head.epoch_us + a.depart_us)},
+              {"arrive", IsoTime(head.epoch_us + a.arrive_us)},
+              {"until", IsoTime(head.epoch_us + leg.until_us)},
+              {"way_m", a.leg_ways->Length(a.kind, a.from, a.to)},
+              {"straight_m", Distance(a.from, a.to)}});
+  };
+  TimeUs now_us = 0;
+  const auto at_end = ForEachMessage(
+      source, head.run_id, [&](const Message& message, const Packet&, const Scenario& so_far) {
+        if (const auto* e = std::get_if<event_t>(&message)) {
+          if (e->kind == EventKind::kSensingDone) done.try_emplace(e->task_id, *e);
+        }
+        const auto* m = std::get_if<agent_states_t>(&message);
+        if (m == nullptr) return;
+        now_us = std::max(now_us, m->header.sim_us);
+        legs.Add(*m, so_far, add_way);
+        const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
+        for (const agent_t& a : m->agents) {
+          const std::string_view kind = ToString<AgentKind>(m->kind);
+          positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
+                                              {"sim_s", ToSeconds(m->header.sim_us)},
+                                              {"agent", fmt::format("{}:{}", kind, a.id)},
+                                              {"class", kind},
+                                              {"status", ToString<AgentStatus>(a.status)},
+                                              {"range_left_m", a.range_left_m}});
+          trips[{m->kind, a.id}].Add({a.x_m, a.y_m, unix_us});
+        }
+      });
   positions.End();
+  legs.Finish(now_us, add_way);
+  ways.End();
+  if (at_end && at_end->roads) WriteRoads(*at_end, head.epoch_us, lon_lat, &folder);
 
   Collection lines(&folder.Add("trips.geojson"));
   for (const auto& [agent, trip] : trips) {

@@ -143,29 +143,30 @@ void ExportMcap(LogSource* source, const std::string& out) {
     std::map<std::string, std::uint16_t> channels;
     Scene scene(head.scenario);
     std::int64_t at_us = 0;  // readers want times in order
-    ForEachMessage(source, head.run_id, [&](const Message& message, const Packet& packet) {
-      const header_t& header =
-          std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
-      at_us = std::max(at_us, header.sim_us);
-      const std::int64_t unix_us = head.epoch_us + at_us;
-      const auto time_ns = static_cast<std::uint64_t>(unix_us) * 1000;
-      // What was said as changes comes as the whole states that they stand for.
-      const auto* states = std::get_if<agent_states_t>(&message);
-      const std::string name(states == nullptr ? packet.channel
-                                               : ChannelOf(static_cast<AgentKind>(states->kind)));
-      auto channel = channels.find(name);
-      if (channel == channels.end()) {
-        const Channel* row = FindChannel(name);
-        MUSTER_CHECK(row != nullptr, "{}", name);
-        channel = channels
-                      .emplace(name, writer.AddChannel(name, "muster." + std::string(row->type),
-                                                       MessageSchema(message).dump()))
-                      .first;
-      }
-      writer.Write(channel->second, time_ns, MessageJson(message).dump());
-      const ordered_json update = scene.Update(message, unix_us);
-      if (!update["entities"].empty()) writer.Write(scene_channel, time_ns, update.dump());
-    });
+    ForEachMessage(
+        source, head.run_id, [&](const Message& message, const Packet& packet, const Scenario&) {
+          const header_t& header =
+              std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
+          at_us = std::max(at_us, header.sim_us);
+          const std::int64_t unix_us = head.epoch_us + at_us;
+          const auto time_ns = static_cast<std::uint64_t>(unix_us) * 1000;
+          // What was said as changes comes as the whole states that they stand for.
+          const auto* states = std::get_if<agent_states_t>(&message);
+          const std::string name(
+              states == nullptr ? packet.channel : ChannelOf(static_cast<AgentKind>(states->kind)));
+          auto channel = channels.find(name);
+          if (channel == channels.end()) {
+            const Channel* row = FindChannel(name);
+            MUSTER_CHECK(row != nullptr, "{}", name);
+            channel = channels
+                          .emplace(name, writer.AddChannel(name, "muster." + std::string(row->type),
+                                                           MessageSchema(message).dump()))
+                          .first;
+          }
+          writer.Write(channel->second, time_ns, MessageJson(message).dump());
+          const ordered_json update = scene.Update(message, unix_us);
+          if (!update["entities"].empty()) writer.Write(scene_channel, time_ns, update.dump());
+        });
     writer.Close();
   }
   pending.Commit();

@@ -21,10 +21,17 @@ MissionHead ReadMissionHead(MessageSource* source) {
   return {*reader.run_id(), *reader.scenario(), reader.epoch_us().value_or(0)};
 }
 
-void ForEachMessage(MessageSource* source, std::int64_t run_id, const MissionReader::Visit& visit) {
+std::shared_ptr<const Scenario> ForEachMessage(
+    MessageSource* source, std::int64_t run_id,
+    const std::function<void(const Message&, const Packet&, const Scenario&)>& visit) {
   source->Rewind();
   MissionReader reader(run_id);
-  while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
+  while (const auto event = source->NextEvent()) {
+    reader.Add(event->packet, [&](const Message& message, const Packet& packet) {
+      visit(message, packet, *reader.scenario());
+    });
+  }
+  return reader.scenario();
 }
 
 std::string IsoTime(std::int64_t unix_us) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "model/scenario.h"
@@ -20,8 +22,11 @@ struct MissionHead {
 /// Reads a log up to its first clock_t of phase 1. Throws InputError when it has no scenario.
 MissionHead ReadMissionHead(MessageSource* source);
 
-/// Visits every message of the mission, as MissionReader does.
-void ForEachMessage(MessageSource* source, std::int64_t run_id, const MissionReader::Visit& visit);
+/// Visits every message of the mission, as MissionReader does, each with the scenario and the
+/// orders so far. Returns the scenario with all of them; null: there is none.
+std::shared_ptr<const Scenario> ForEachMessage(
+    MessageSource* source, std::int64_t run_id,
+    const std::function<void(const Message&, const Packet&, const Scenario&)>& visit);
 
 /// "2024-09-01T12:00:00.250Z"
 std::string IsoTime(std::int64_t unix_us);

@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/random.h"
+#include "tests/model/block.h"
 
 namespace muster::agents {
 namespace {
@@ -419,6 +424,93 @@ TEST(DriverSession, RefusesTenThousandLinesThatCannotBe) {
     ASSERT_EQ(session.Hear(Fine(senses ? 2 : 0)), "") << line;
     ASSERT_EQ(session->TakeReports(570 * kSecondUs).size(), 1U);
   }
+}
+
+/// A measured worker at the west end of a street, sent to the task at its east end.
+struct OnStreets {
+  OnStreets() {
+    scenario.workers[0].measured = true;
+    scenario.workers[0].online_until_us = scenario.rules.limit_us;
+    agent.emplace(StartOf(AgentKind::kWorker, 0, scenario.workers[0], *scenario.ways));
+    session.emplace(scenario, *agent, 0, 0, DriverSession::Rules{.rate = 1});
+    EXPECT_EQ(session->Hear(kHello, 0), "");
+    Action sense = Sense();
+    sense.to = scenario.tasks[0].at;
+    Begin(&*agent, sense, 3, 0, {}, 1);
+    session->Follow(*agent, 0, 0);
+  }
+  json LastTold() {
+    json last;
+    for (const std::string& line : session->TakeLines()) last = json::parse(line);
+    return last;
+  }
+
+  Scenario scenario = muster::testing::OnTheBlock();
+  std::optional<AgentState> agent;
+  std::optional<DriverSession> session;
+};
+
+std::vector<Point> Via(const json& told) {
+  std::vector<Point> via;
+  for (const json& place : told["via"]) via.push_back({place["x_m"], place["y_m"]});
+  return via;
+}
+
+TEST(DriverSession, IsSentAnewRoundARoadThatIsClosed) {
+  OnStreets box;
+  const json first = box.LastTold();
+  EXPECT_EQ(first["type"], "goto");
+  EXPECT_EQ(Via(first), (std::vector<Point>{{400, 0}}));
+  // Road 10, on which it is, is closed at 60 s.
+  const auto* roads = static_cast<const RoadWays*>(box.scenario.ways.get());
+  const std::shared_ptr<const RoadWays> now = roads->Without({0});
+  GoRound(&*box.agent, 30 * kSecondUs, 60 * kSecondUs, *now);
+  box.session->Follow(*box.agent, 60 * kSecondUs, 60 * kSecondUs);
+  const json second = box.LastTold();
+  EXPECT_EQ(second["type"], "goto");
+  EXPECT_EQ(second["id"], 2);
+  EXPECT_EQ(second["task"], first["task"]);
+  const std::vector<Point> via = Via(second);
+  ASSERT_GE(via.size(), 3u);
+  EXPECT_EQ(std::vector<Point>(via.end() - 3, via.end()),
+            (std::vector<Point>{{0, 300}, {400, 300}, {400, 0}}));
+  EXPECT_GT(second["expected_s"], first["expected_s"]);
+  // Nothing has changed since: it is not told again.
+  box.session->Follow(*box.agent, 90 * kSecondUs, 90 * kSecondUs);
+  EXPECT_TRUE(box.session->TakeLines().empty());
+  // It went by the street all the same, and says so of the first goto: the goal is the same.
+  box.session->Tick(1000 * kSecondUs, 1000 * kSecondUs);
+  EXPECT_EQ(box.session->Hear(R"({"type":"arrived","id":1})", 1000 * kSecondUs), "");
+  const auto reports = box.session->TakeReports(1000 * kSecondUs);
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_EQ(reports[0].kind, Report::kArrived);
+  EXPECT_EQ(reports[0].decision, 3);
+}
+
+TEST(DriverSession, IsBelievedBesideTheRoadAndWhereNoneIsNear) {
+  OnStreets box;
+  // By road it would be 200 m and, at half the pace, 20 m of open ground: more than 1 m/s.
+  box.session->Tick(200 * kSecondUs, 200 * kSecondUs);
+  EXPECT_EQ(box.session->Hear(R"({"type":"state","at":{"x_m":200,"y_m":20},"mission_s":200})",
+                              200 * kSecondUs),
+            "");
+  // 1200 m from any road.
+  constexpr TimeUs kThen = 1700 * kSecondUs;
+  box.session->Tick(kThen, kThen);
+  EXPECT_EQ(
+      box.session->Hear(R"({"type":"state","at":{"x_m":200,"y_m":1500},"mission_s":1700})", kThen),
+      "");
+  AgentState agent = *box.agent;
+  for (const MeasuredReport& report : box.session->TakeReports(kThen)) {
+    EXPECT_EQ(ApplyReport(&agent, report, kThen, box.scenario.tasks), "");
+  }
+  EXPECT_EQ(agent.from, (Point{200, 1500}));
+  // What is left, in a straight line: sqrt(800^2 + 1500^2) m at 1 m/s.
+  EXPECT_NEAR(ToSeconds(agent.arrive_us), 1700 + 1700, 0.1);
+  // Faster than its speed stays faster.
+  EXPECT_EQ(
+      box.session->Hear(R"({"type":"state","at":{"x_m":260,"y_m":1500},"mission_s":1701})", kThen),
+      "60 m in 1 s are faster than its 1 m/s");
 }
 
 }  // namespace

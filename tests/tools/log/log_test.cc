@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "base/check.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "model/scenario_json.h"
+#include "protocol/mission_reader.h"
+#include "simulation/simulator.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
+#include "tests/tools/trials/road_missions.h"
 #include "tools/audit/auditor.h"
 #include "tools/files/log_files.h"
 #include "tools/log/export.h"
@@ -23,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class LogTest : public testing::Test {
+class LogTest : public ::testing::Test {
  protected:
   std::string Path(const std::string& name) const { return folder_.File(name); }
   void WriteLog(const std::string& name, const std::vector<Packet>& packets) const {
@@ -157,6 +163,7 @@ TEST_F(LogTest, CsvHasEveryRowOnce) {
   // Task 1: open, reserved at 11, sensing at 14, done at 16 min.
   EXPECT_NE(Text("csv/tasks.csv").find("16,960,1,done\r\n"), std::string::npos);
   EXPECT_EQ(Lines("csv/tasks.csv").size(), 1u + 2 * 4);
+  EXPECT_FALSE(fs::exists(Path("csv/closed_roads.csv"))) << "there are no roads";
   EXPECT_THROW(ExportCsv(&source, Path("csv")), InputError);
   EXPECT_FALSE(fs::exists(Path("csv.part")));
 }
@@ -209,6 +216,96 @@ TEST_F(LogTest, GeoJsonHasPlacesAndTimes) {
   const auto sites = nlohmann::json::parse(Text("geo/sites.geojson"));
   ASSERT_EQ(sites["features"].size(), 3u);
   EXPECT_EQ(sites["features"][1]["properties"]["done_time"], "1970-01-01T00:16:01.000Z");
+}
+
+std::vector<std::string> Cells(const std::string& line, char between) {
+  std::vector<std::string> cells;
+  std::stringstream text(line);
+  for (std::string cell; std::getline(text, cell, between);) cells.push_back(cell);
+  return cells;
+}
+
+/// A mission on streets, of which some are closed and one is opened again.
+std::vector<Packet> RoadPackets(Scenario* at_end) {
+  VirtualMission mission = RoadMission("horizon", 4);
+  ScenarioRoads roads = *mission.scenario.roads;
+  roads.closures = {
+      {{RoadArea::Circle{{7000, 7000}, 2000}}, "bridge, north", 20 * kMinuteUs, 60 * kMinuteUs},
+      {{RoadArea::Circle{{2000, 3000}, 900}}, "", 40 * kMinuteUs, kNever}};
+  UseRoads(std::move(roads), "grid.roads.json", &mission.scenario);
+  mission.scenario.origin = Origin{18.5, -72.3};
+  std::vector<Packet> packets;
+  MissionReader reader;
+  Simulate(TextOf(mission.scenario), mission.policy, [&](const Packet& packet) {
+    packets.push_back(packet);
+    reader.Add(packet, [](const Message&, const Packet&) {});
+  });
+  *at_end = *reader.scenario();
+  return packets;
+}
+
+TEST_F(LogTest, CsvHasTheWaysThatAgentsWentAndTheRoadsThatWereClosed) {
+  Scenario scenario;
+  WriteLog("mission.lcm", RoadPackets(&scenario));
+  LogSource source(folder_.path().string());
+  ExportCsv(&source, Path("csv"));
+  const auto lines = Lines("csv/ways.csv");
+  ASSERT_GT(lines.size(), 30u);
+  int bent = 0, cut_short = 0;
+  std::map<std::string, double> free_from;  // by agent
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const auto cells = Cells(lines[i], ',');
+    ASSERT_EQ(cells.size(), 12u) << lines[i];
+    const double depart = std::stod(cells[5]), arrive = std::stod(cells[6]);
+    const double until = std::stod(cells[7]), straight = std::stod(cells[8]);
+    const double way = std::stod(cells[9]);
+    EXPECT_LT(depart, arrive);
+    EXPECT_LE(until, arrive);
+    EXPECT_GE(way, straight - 1e-9);
+    double& free = free_from[cells[0] + cells[1]];
+    EXPECT_GE(depart, free) << "one way after the other";
+    free = until;
+    cut_short += until < arrive ? 1 : 0;
+    const auto points = Cells(cells[11], ';');
+    bent += points.size() > 2 ? 1 : 0;
+    EXPECT_TRUE(cells[0] != "uav" || points.size() == 2u) << lines[i];
+  }
+  EXPECT_GT(bent, 15);
+  EXPECT_GT(cut_short, 0);
+
+  std::set<std::int32_t> north, west;
+  const Roads& roads = *scenario.roads->network;
+  for (const std::int32_t r : RoadsIn(roads, {RoadArea::Circle{{7000, 7000}, 2000}}))
+    north.insert(r);
+  for (const std::int32_t r : RoadsIn(roads, {RoadArea::Circle{{2000, 3000}, 900}})) west.insert(r);
+  ASSERT_FALSE(west.empty());
+  const auto closed = Lines("csv/closed_roads.csv");
+  ASSERT_EQ(closed.size(), 1 + north.size() + west.size());
+  for (std::size_t i = 1; i < closed.size(); ++i) {
+    const bool first = closed[i].find("\"bridge, north\"") != std::string::npos;
+    const std::string times = first ? ",1200,3600," : ",2400,,";
+    EXPECT_NE(closed[i].find(times), std::string::npos) << closed[i];
+    EXPECT_EQ((first ? north : west).erase(std::stoi(closed[i])), 1u) << closed[i];
+  }
+}
+
+TEST_F(LogTest, GeoJsonHasTheWaysThatAgentsWentAndTheRoads) {
+  Scenario scenario;
+  WriteLog("mission.lcm", RoadPackets(&scenario));
+  LogSource source(folder_.path().string());
+  ExportGeoJson(&source, Path("geo"), {});
+  ExportCsv(&source, Path("csv"));
+  const auto ways = nlohmann::json::parse(Text("geo/ways.geojson"));
+  EXPECT_EQ(ways["features"].size() + 1, Lines("csv/ways.csv").size());
+  for (const auto& way : ways["features"]) {
+    EXPECT_GE(way["geometry"]["coordinates"].size(), 2u);
+    EXPECT_LT(way["properties"]["depart"], way["properties"]["arrive"]);
+  }
+  const auto roads = nlohmann::json::parse(Text("geo/roads.geojson"));
+  ASSERT_EQ(roads["features"].size(), scenario.roads->network->roads.size());
+  std::size_t closed = 0;
+  for (const auto& road : roads["features"]) closed += road["properties"]["closed"].size();
+  EXPECT_EQ(closed + 1, Lines("csv/closed_roads.csv").size());
 }
 
 /// Whether a value is what a JSON Schema of MCAP says, as far as such schemas go here.

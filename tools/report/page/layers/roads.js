@@ -20,9 +20,12 @@ export function closuresAt(run, t) {
   return run.roadChanges.filter(([at]) => at <= t).at(-1)?.[1] ?? [];
 }
 
+/** The same for the same closures. */
+export const closuresKey = (closures) => closures.map(([order, , , { length }]) => `${order} ${length}`).join();
+
 /** The closed roads as a path in metres. */
 function closedPath(run, closures) {
-  return run.once(`closed ${closures.map(([order, , , { length }]) => `${order} ${length}`)}`, () => {
+  return run.once(`closed ${closuresKey(closures)}`, () => {
     const path = new Path2D();
     for (const road of new Set(closures.flatMap(([, , , roads]) => roads))) {
       const [, ...places] = run.scenario.roads.lines[road];

@@ -1,13 +1,14 @@
 import { CanvasTexture, DoubleSide, LinearFilter, Mesh, MeshBasicMaterial, PlaneBufferGeometry } from "three";
 import { BELOW } from "../layers/below.js";
+import { closed, closuresAt, closuresKey } from "../layers/roads.js";
 import { frameOf, linear } from "../scale.js";
 
 const SIDE = 900; // pixels that the map's lines and letters are made for
 const SHARP = 2.5;
 const MARGIN = 30;
 
-/** The map's ground, grid, degrees and background as a picture. */
-function paint(run, plane) {
+/** The map's ground, grid, degrees, background and roads as a picture, with what is closed at that time. */
+function paint(run, plane, t) {
   const long = Math.max(plane.width, plane.height);
   const perUnit = (SIDE - 2 * MARGIN) / long;
   const width = plane.width * perUnit + 2 * MARGIN;
@@ -19,8 +20,8 @@ function paint(run, plane) {
   c.scale(SHARP, SHARP);
   const { width_m: w, height_m: h } = run.scenario;
   const shown = { x: linear([0, w], [MARGIN, width - MARGIN]), y: linear([0, h], [height - MARGIN, MARGIN]), width, height };
-  Object.assign(shown, { run, frame: frameOf(shown, run.scenario) });
-  for (const layer of BELOW) layer.draw(c, shown);
+  Object.assign(shown, { run, t, frame: frameOf(shown, run.scenario) });
+  for (const layer of [...BELOW, closed]) layer.draw(c, shown);
   return { canvas, wide: width / perUnit, high: height / perUnit };
 }
 
@@ -31,7 +32,7 @@ export class Ground {
     this.scene = scene;
   }
 
-  build(run, plane) {
+  build(run, plane, t) {
     for (const mesh of [this.mesh, this.glass]) {
       if (!mesh) continue;
       mesh.parent.remove(mesh);
@@ -39,7 +40,8 @@ export class Ground {
       mesh.material.map.dispose();
       mesh.material.dispose();
     }
-    const { canvas, wide, high } = paint(run, plane);
+    const { canvas, wide, high } = paint(run, plane, t);
+    this.painted = closuresKey(closuresAt(run, t));
     const texture = new CanvasTexture(canvas);
     texture.minFilter = LinearFilter;
     texture.generateMipmaps = false;
@@ -49,5 +51,15 @@ export class Ground {
     this.glass = new Mesh(flat(), new MeshBasicMaterial({ map: texture, transparent: true, opacity: 0.4, side: DoubleSide, depthWrite: false }));
     this.below.add(this.mesh);
     this.scene.add(this.glass);
+  }
+
+  /** Paints it again if other roads are closed than when it was painted. */
+  show(run, plane, t) {
+    const key = closuresKey(closuresAt(run, t));
+    if (key === this.painted) return;
+    this.painted = key;
+    const texture = this.mesh.material.map;
+    texture.image = paint(run, plane, t).canvas;
+    texture.needsUpdate = true;
   }
 }

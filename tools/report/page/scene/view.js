@@ -101,7 +101,7 @@ export class SceneView {
     this.plane = new Plane(run.scenario);
     this.crowding = Math.min(1, Math.max(0.35, 13 / Math.sqrt(run.agents.length + run.tasks.length)));
     this.actors.readTheme();
-    this.ground.build(run, this.plane);
+    this.ground.build(run, this.plane, this.clock.t);
     this.city.build(run, this.plane, this.scenery);
     if (first) this.reset();
     this.#ways();
@@ -151,6 +151,7 @@ export class SceneView {
     this.floor = inTime ? this.spaceTime.heightOf(run, t) : 0;
     this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, floor: this.floor, flat: inTime,
       trailMs: state.trailMs, classes: state.classes, selected: state.selected });
+    this.ground.show(run, this.plane, t);
     this.spaceTime.cut(run, t);
     this.city.mesh.visible = !inTime && this.city.n > 0;
     this.ground.glass.visible = inTime;
