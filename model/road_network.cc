@@ -18,6 +18,7 @@ namespace {
 constexpr double kHalfSpacing_m = 50;
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
+constexpr std::size_t kMostSites = 4096;  // 4 bytes for each two of them
 constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
 constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
 
@@ -80,6 +81,10 @@ class RoadNetwork::Search {
 
 struct RoadNetwork::Known {
   std::optional<Spot> spot;
+  std::int32_t site = -1;
+  /// [sites] Of the ways from the sites to this one: 0, not known yet; kUnreached, none leads here;
+  /// else their cost + 1. Null: this is no site. Read and written without the lock.
+  std::unique_ptr<std::atomic<std::uint32_t>[]> from_site;
   std::mutex mutex;  ///< of what follows
   std::unique_ptr<Search> search;
 };
@@ -101,6 +106,10 @@ RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& o
   map->open_ground = open_ground;
   map->AddRoads(roads, kind);
   map->IndexSegments();
+  for (const Point& site : sites) {
+    if (sites.size() > kMostSites) break;
+    map->site_of.emplace(site, static_cast<std::int32_t>(map->site_of.size()));
+  }
   map_ = map;
   map->IndexStops(*this, roads, kind, sites);
 }
@@ -267,6 +276,10 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
   }
   auto made = std::make_unique<Known>();
   made->spot = FindSpot(place);
+  if (const auto site = map_->site_of.find(place); site != map_->site_of.end()) {
+    made->site = site->second;
+    made->from_site = std::make_unique<std::atomic<std::uint32_t>[]>(map_->site_of.size());
+  }
   const std::unique_lock lock(mutex_);
   if (known_.size() >= kMostKnown) {
     unkept[is_goal] = std::move(made);
@@ -317,38 +330,51 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* sea
   return best;
 }
 
+RoadNetwork::Start RoadNetwork::StartOf(Point place) const {
+  const Known* known = KnownOf(place, false);
+  return {known->spot, known->site};
+}
+
 std::int64_t RoadNetwork::Cost(Point from, Point to) const {
-  const std::optional<Spot> start = SpotOf(from);
+  const Start start = StartOf(from);
   std::int64_t cost_mm = -1;
   CostsTo({&from, 1}, {&start, 1}, to, {&cost_mm, 1});
   return cost_mm;
 }
 
-void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const std::optional<Spot>> starts,
-                          Point to, std::span<std::int64_t> costs) const {
-  Known* const known_goal = KnownOf(to, true);
-  const std::optional<Spot>& goal = known_goal->spot;
-  std::unique_lock<std::mutex> lock(known_goal->mutex, std::defer_lock);
-  Search* search = nullptr;
+void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
+                          std::span<std::int64_t> costs) const {
+  Known* const goal = KnownOf(to, true);
+  std::unique_lock<std::mutex> lock(goal->mutex, std::defer_lock);
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const std::optional<Spot>& start = starts[i];
-    if (from[i] == to) {
-      costs[i] = 0;
-    } else if (!start || !goal) {
-      costs[i] = -1;
-    } else if (start->road == goal->road && start->along_mm == goal->along_mm) {
-      const std::int64_t direct_mm = OpenCost(Distance(from[i], to));
-      costs[i] = direct_mm >= 0 ? direct_mm : start->off_mm + goal->off_mm;
-    } else {
-      if (search == nullptr) {
-        lock.lock();
-        search = SearchTo(known_goal);
-      }
-      std::int32_t first = -1;
-      const std::int64_t road_mm = RoadCost(*start, *goal, search, &first);
-      costs[i] = road_mm < 0 ? -1 : start->off_mm + road_mm + goal->off_mm;
+    const std::int32_t site = starts[i].site;
+    std::atomic<std::uint32_t>* const known =
+        site < 0 || goal->from_site == nullptr ? nullptr : &goal->from_site[At(site)];
+    const std::uint32_t cost = known ? known->load(std::memory_order_relaxed) : 0;
+    if (cost != 0) {
+      costs[i] = cost == kUnreached ? -1 : std::int64_t{cost} - 1;
+      continue;
+    }
+    if (!lock) lock.lock();
+    costs[i] = CostTo(from[i], starts[i], to, goal);
+    if (known && costs[i] < std::int64_t{kUnreached} - 1) {
+      known->store(costs[i] < 0 ? kUnreached : static_cast<std::uint32_t>(costs[i] + 1),
+                   std::memory_order_relaxed);
     }
   }
+}
+
+std::int64_t RoadNetwork::CostTo(Point from, const Start& begins, Point to, Known* goal) const {
+  const std::optional<Spot>&start = begins.spot, &end = goal->spot;
+  if (from == to) return 0;
+  if (!start || !end) return -1;
+  if (start->road == end->road && start->along_mm == end->along_mm) {
+    const std::int64_t direct_mm = OpenCost(Distance(from, to));
+    return direct_mm >= 0 ? direct_mm : start->off_mm + end->off_mm;
+  }
+  std::int32_t first = -1;
+  const std::int64_t road_mm = RoadCost(*start, *end, SearchTo(goal), &first);
+  return road_mm < 0 ? -1 : start->off_mm + road_mm + end->off_mm;
 }
 
 void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm,

@@ -51,9 +51,9 @@ class RoadNetwork {
   /// costs are looked up for all beginnings at once, while they are at hand.
   template <class Visit>
   void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const {
-    std::vector<std::optional<Spot>> starts;
+    std::vector<Start> starts;
     starts.reserve(from.size());
-    for (const Point& place : from) starts.push_back(SpotOf(place));
+    for (const Point& place : from) starts.push_back(StartOf(place));
     std::vector<std::int64_t> costs(from.size());
     for (std::size_t j = 0; j < to.size(); ++j) {
       CostsTo(from, starts, to[j], costs);
@@ -122,6 +122,7 @@ class RoadNetwork {
 
     std::vector<std::pair<std::int32_t, Point>> stops;  ///< number and place, ascending
     std::optional<GridIndex> stop_index;
+    std::unordered_map<Point, std::int32_t, PointHash> site_of;  ///< where most ways begin and end
 
     void AddRoads(const Roads& roads, AgentKind kind);
     void ConnectNodes(std::size_t n_nodes);
@@ -140,9 +141,16 @@ class RoadNetwork {
   Known* KnownOf(Point place, bool is_goal) const;
   /// The costs of ways to that place, which has a spot and is locked.
   Search* SearchTo(Known* goal) const;
-  /// `starts`: the spots of `from`.
-  void CostsTo(std::span<const Point> from, std::span<const std::optional<Spot>> starts, Point to,
+  /// Where a way begins.
+  struct Start {
+    std::optional<Spot> spot;
+    std::int32_t site = -1;  ///< -1: none
+  };
+  Start StartOf(Point place) const;
+  /// `starts`: of `from`.
+  void CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
                std::span<std::int64_t> costs) const;
+  std::int64_t CostTo(Point from, const Start& start, Point to, Known* goal) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
   std::int64_t RoadCost(const Spot& from, const Spot& to, Search* search,
