@@ -1,6 +1,7 @@
-// way_lengths SCENARIO.json N SEED: draws N pairs of places on the roads of a scenario and prints,
-// for each, where they are and how long the shortest way between them is, on foot and by vehicle. A
-// peer is asked the same (peer.mjs).
+// way_lengths SCENARIO.json FROM_LAT FROM_LON TO_LAT TO_LON: prints the corners of the shortest way
+// on foot and by vehicle. way_lengths SCENARIO.json N SEED: draws N pairs of places on the roads of
+// a scenario and prints, for each, where they are and how long the shortest way between them is, on
+// foot and by vehicle. A peer is asked the same (peer.mjs).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,15 +40,34 @@ Place Draw(const Roads& roads, Random* random) {
   }
 }
 
-int Print(const Scenario& scenario, int n, std::uint64_t seed) {
+/// The shortest way and not the fastest: all roads are alike.
+RoadWays WaysAlike(const Scenario& scenario) {
   Roads roads = *scenario.roads->network;
-  // The shortest way and not the fastest: all roads are alike.
   for (RoadClass& road_class : roads.classes) {
+    // The peer closes cycleways to people on foot; we do not (docs/guide/roads.md).
+    if (road_class.name.starts_with("cycleway")) road_class.percent.workers = 0;
     for (std::int32_t* percent : {&road_class.percent.workers, &road_class.percent.vehicles}) {
       if (*percent > 0) *percent = 100;
     }
   }
-  const RoadWays ways(std::make_shared<const Roads>(roads), scenario.roads->open_ground, {});
+  return RoadWays(std::make_shared<const Roads>(std::move(roads)), scenario.roads->open_ground, {});
+}
+
+int PrintCorners(const Scenario& scenario, Origin from, Origin to) {
+  const RoadWays ways = WaysAlike(scenario);
+  const LocalFrame frame(*scenario.origin);
+  for (const AgentKind kind : {AgentKind::kWorker, AgentKind::kVehicle}) {
+    for (const Ways::Corner& corner : ways.Corners(kind, frame.ToPoint(from), frame.ToPoint(to))) {
+      const Origin at = frame.ToPlace(corner.at);
+      fmt::print("{},{:.7f},{:.7f}\n", ToString(kind), at.latitude_deg, at.longitude_deg);
+    }
+  }
+  return 0;
+}
+
+int PrintLengths(const Scenario& scenario, int n, std::uint64_t seed) {
+  const Roads& roads = *scenario.roads->network;
+  const RoadWays ways = WaysAlike(scenario);
   const LocalFrame frame(*scenario.origin);
   Random random(seed, Stream::kTest);
   fmt::print("from_lat,from_lon,from_id,to_lat,to_lon,to_id,worker_m,vehicle_m\n");
@@ -68,13 +88,17 @@ int Print(const Scenario& scenario, int n, std::uint64_t seed) {
 int main(int argc, char** argv) {
   using namespace muster;
   try {
-    if (argc != 4) throw InputError("way_lengths SCENARIO.json N SEED");
+    if (argc != 4 && argc != 6) throw InputError("way_lengths SCENARIO.json N SEED");
     const Scenario scenario = LoadScenario(argv[1]);
     if (!scenario.roads || !scenario.origin) {
       throw InputError(argv[1], "roads, origin", "none", "a scenario with both");
     }
-    return tools::Print(scenario, std::atoi(argv[2]),
-                        static_cast<std::uint64_t>(std::atoi(argv[3])));
+    const auto number = [&](int i) { return std::atof(argv[i]); };
+    if (argc == 6) {
+      return tools::PrintCorners(scenario, {number(2), number(3)}, {number(4), number(5)});
+    }
+    return tools::PrintLengths(scenario, std::atoi(argv[2]),
+                               static_cast<std::uint64_t>(std::atoi(argv[3])));
   } catch (const std::exception& error) {
     fmt::print(stderr, "way_lengths: {}\n", error.what());
     return 2;

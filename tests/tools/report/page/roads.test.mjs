@@ -88,7 +88,7 @@ test("the scene's ground has the roads that are closed at its time", async (t) =
 });
 
 test("three closures are given on the page of a mission that runs, and the log passes the audit", async (t) => {
-  const run = spawn(MUSTER_PROGRAM, ["run", file("open.json"), "--policy", "horizon", "--rate", "120", "--live=0", "--control", "--out", file("ran")], { stdio: ["ignore", "ignore", "pipe"] });
+  const run = spawn(MUSTER_PROGRAM, ["run", file("open.json"), "--policy", "horizon", "--rate", "180", "--live=0", "--control", "--out", file("ran")], { stdio: ["ignore", "ignore", "pipe"] });
   t.after(() => run.kill("SIGKILL"));
   const ended = new Promise((resolve) => { run.once("exit", resolve); });
   let said = "";
@@ -120,8 +120,10 @@ test("three closures are given on the page of a mission that runs, and the log p
     await page.waitForFunction((n) => window.muster.state.run.roadChanges.length > 0 &&
       window.muster.state.run.roadChanges.some(([, closures]) => closures.some(([, name]) => name === `closure ${n}`)), i + 1);
   }
-  assert.equal(await ended, 0, said);
+  await page.waitForFunction(() => window.muster.state.run.ended, null, { timeout: 120_000 });
   await page.context().close();
+  run.kill("SIGINT");  // the page would stay
+  assert.equal(await ended, 0, said);
   assert.deepEqual(wrong, []);
   muster("audit", file("ran"));
   muster("redecide", file("ran"));
