@@ -3,7 +3,6 @@
 #include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -80,9 +79,87 @@ class Trip {
   std::optional<Position> held_;  ///< the newest
 };
 
+/// Degrees of the places of the map.
+class Degrees {
+ public:
+  explicit Degrees(Origin corner) : local_(corner.latitude_deg, corner.longitude_deg) {}
+  ordered_json operator()(Point at) const {
+    double latitude = 0, longitude = 0, height = 0;
+    local_.Reverse(at.x_m, at.y_m, 0, latitude, longitude, height);
+    return ordered_json::array({longitude, latitude});
+  }
+  ordered_json PointAt(Point at) const { return {{"type", "Point"}, {"coordinates", (*this)(at)}}; }
+  ordered_json Line(const std::vector<Point>& places) const {
+    ordered_json coordinates = ordered_json::array();
+    for (const Point& at : places) coordinates.push_back((*this)(at));
+    return {{"type", "LineString"}, {"coordinates", std::move(coordinates)}};
+  }
+
+ private:
+  GeographicLib::LocalCartesian local_;
+};
+
+using Trips = std::map<std::pair<int, std::int32_t>, Trip>;  // by class and id
+using DoneTasks = std::map<std::int32_t, event_t>;
+
+ordered_json WayProperties(const Leg& leg, std::int64_t epoch_us) {
+  const AgentState& a = leg.agent;
+  const std::string_view kind = ToString<AgentKind>(a.kind);
+  return {{"agent", fmt::format("{}:{}", kind, a.id)},
+          {"class", kind},
+          {"decision", a.decision},
+          {"action", ToString<ActionKind>(a.action)},
+          {"depart", IsoTime(epoch_us + a.depart_us)},
+          {"arrive", IsoTime(epoch_us + a.arrive_us)},
+          {"until", IsoTime(epoch_us + leg.until_us)},
+          {"way_m", a.leg_ways->Length(a.kind, a.from, a.to)},
+          {"straight_m", Distance(a.from, a.to)}};
+}
+
+void WriteTrips(const Trips& trips, const Degrees& degrees, NewFolder* folder) {
+  Collection lines(&folder->Add("trips.geojson"));
+  for (const auto& [agent, trip] : trips) {
+    ordered_json coordinates = ordered_json::array();
+    for (const Position& bend : trip.Bends()) {
+      ordered_json at = degrees({bend.x_m, bend.y_m});
+      at.push_back(0);
+      at.push_back(static_cast<double>(bend.unix_us) * 1e-6);
+      coordinates.push_back(std::move(at));
+    }
+    if (coordinates.empty()) continue;
+    const std::string_view kind = ToString<AgentKind>(agent.first);
+    lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
+              {{"agent", fmt::format("{}:{}", kind, agent.second)}, {"class", kind}});
+  }
+  lines.End();
+}
+
+void WriteSites(const Scenario& scenario, const DoneTasks& done, std::int64_t epoch_us,
+                const Degrees& degrees, NewFolder* folder) {
+  Collection sites(&folder->Add("sites.geojson"));
+  for (std::size_t x = 0; x < scenario.n_tasks(); ++x) {
+    const Task& task = scenario.tasks[x];
+    ordered_json properties = {
+        {"site", fmt::format("task:{}", x)}, {"kind", "task"}, {"cost_m", task.cost_m}};
+    const auto event = done.find(static_cast<std::int32_t>(x));
+    properties["done"] = event != done.end();
+    if (event != done.end()) {
+      properties["done_time"] = IsoTime(epoch_us + event->second.at_us);
+      properties["uav"] = event->second.uav_id;
+      properties["worker"] = event->second.worker_id;
+    }
+    sites.Add(degrees.PointAt(task.at), properties);
+  }
+  for (std::size_t y = 0; y < scenario.charging_points.size(); ++y) {
+    sites.Add(degrees.PointAt(scenario.charging_points[y].at),
+              {{"site", fmt::format("charge:{}", y)}, {"kind", "charging point"}});
+  }
+  sites.End();
+}
+
 /// roads.geojson: every road, with the times for which it was closed.
-void WriteRoads(const Scenario& scenario, std::int64_t epoch_us,
-                const std::function<ordered_json(double, double)>& lon_lat, NewFolder* folder) {
+void WriteRoads(const Scenario& scenario, std::int64_t epoch_us, const Degrees& degrees,
+                NewFolder* folder) {
   const Roads& roads = *scenario.roads->network;
   std::map<std::int32_t, ordered_json> closed;
   for (const ClosedRoad& c : ClosedRoadsOf(scenario)) {
@@ -94,13 +171,12 @@ void WriteRoads(const Scenario& scenario, std::int64_t epoch_us,
   Collection lines(&folder->Add("roads.geojson"));
   for (std::size_t i = 0; i < roads.roads.size(); ++i) {
     const Road& road = roads.roads[i];
-    ordered_json coordinates = ordered_json::array();
+    std::vector<Point> line;
     for (const std::int32_t point : road.points) {
-      const Point at = ToPoint(roads.points[static_cast<std::size_t>(point)]);
-      coordinates.push_back(lon_lat(at.x_m, at.y_m));
+      line.push_back(ToPoint(roads.points[static_cast<std::size_t>(point)]));
     }
     const auto times = closed.find(static_cast<std::int32_t>(i));
-    lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
+    lines.Add(degrees.Line(line),
               {{"road", i},
                {"map_id", road.id},
                {"class", roads.classes[static_cast<std::size_t>(road.road_class)].name},
@@ -119,37 +195,16 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
     throw InputError("scenario", "origin", "none",
                      "latitude and longitude of the south-west corner, or --origin LAT,LON");
   }
-  const GeographicLib::LocalCartesian local(origin->latitude_deg, origin->longitude_deg);
-  const auto lon_lat = [&](double x_m, double y_m) {
-    double latitude = 0, longitude = 0, height = 0;
-    local.Reverse(x_m, y_m, 0, latitude, longitude, height);
-    return ordered_json::array({longitude, latitude});
-  };
-  const auto point = [&](double x_m, double y_m) {
-    return ordered_json{{"type", "Point"}, {"coordinates", lon_lat(x_m, y_m)}};
-  };
+  const Degrees degrees(*origin);
 
   NewFolder folder(out);
   Collection positions(&folder.Add("positions.geojson"));
-  std::map<std::pair<int, std::int32_t>, Trip> trips;
-  std::map<std::int32_t, event_t> done;
+  Trips trips;
+  DoneTasks done;
   Collection ways(&folder.Add("ways.geojson"));
   LegReader legs;
   const auto add_way = [&](const Leg& leg) {
-    const AgentState& a = leg.agent;
-    ordered_json coordinates = ordered_json::array();
-    for (const Point& p : leg.Line()) coordinates.push_back(lon_lat(p.x_m, p.y_m));
-    const std::string_view kind = ToString<AgentKind>(a.kind);
-    ways.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
-             {{"agent", fmt::format("{}:{}", kind, a.id)},
-              {"class", kind},
-              {"decision", a.decision},
-              {"action", ToString<ActionKind>(a.action)},
-              {"depart", IsoTime(head.epoch_us + a.depart_us)},
-              {"arrive", IsoTime(head.epoch_us + a.arrive_us)},
-              {"until", IsoTime(head.epoch_us + leg.until_us)},
-              {"way_m", a.leg_ways->Length(a.kind, a.from, a.to)},
-              {"straight_m", Distance(a.from, a.to)}});
+    ways.Add(degrees.Line(leg.Line()), WayProperties(leg, head.epoch_us));
   };
   TimeUs now_us = 0;
   const auto at_end = ForEachMessage(
@@ -164,56 +219,22 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
         const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
         for (const agent_t& a : m->agents) {
           const std::string_view kind = ToString<AgentKind>(m->kind);
-          positions.Add(point(a.x_m, a.y_m), {{"time", IsoTime(unix_us)},
-                                              {"sim_s", ToSeconds(m->header.sim_us)},
-                                              {"agent", fmt::format("{}:{}", kind, a.id)},
-                                              {"class", kind},
-                                              {"status", ToString<AgentStatus>(a.status)},
-                                              {"range_left_m", a.range_left_m}});
+          positions.Add(degrees.PointAt({a.x_m, a.y_m}),
+                        {{"time", IsoTime(unix_us)},
+                         {"sim_s", ToSeconds(m->header.sim_us)},
+                         {"agent", fmt::format("{}:{}", kind, a.id)},
+                         {"class", kind},
+                         {"status", ToString<AgentStatus>(a.status)},
+                         {"range_left_m", a.range_left_m}});
           trips[{m->kind, a.id}].Add({a.x_m, a.y_m, unix_us});
         }
       });
   positions.End();
   legs.Finish(now_us, add_way);
   ways.End();
-  if (at_end && at_end->roads) WriteRoads(*at_end, head.epoch_us, lon_lat, &folder);
-
-  Collection lines(&folder.Add("trips.geojson"));
-  for (const auto& [agent, trip] : trips) {
-    ordered_json coordinates = ordered_json::array();
-    for (const Position& bend : trip.Bends()) {
-      ordered_json at = lon_lat(bend.x_m, bend.y_m);
-      at.push_back(0);
-      at.push_back(static_cast<double>(bend.unix_us) * 1e-6);
-      coordinates.push_back(std::move(at));
-    }
-    if (coordinates.empty()) continue;
-    const std::string_view kind = ToString<AgentKind>(agent.first);
-    lines.Add({{"type", "LineString"}, {"coordinates", std::move(coordinates)}},
-              {{"agent", fmt::format("{}:{}", kind, agent.second)}, {"class", kind}});
-  }
-  lines.End();
-
-  Collection sites(&folder.Add("sites.geojson"));
-  for (std::size_t x = 0; x < scenario.n_tasks(); ++x) {
-    const Task& task = scenario.tasks[x];
-    ordered_json properties = {
-        {"site", fmt::format("task:{}", x)}, {"kind", "task"}, {"cost_m", task.cost_m}};
-    const auto event = done.find(static_cast<std::int32_t>(x));
-    properties["done"] = event != done.end();
-    if (event != done.end()) {
-      properties["done_time"] = IsoTime(head.epoch_us + event->second.at_us);
-      properties["uav"] = event->second.uav_id;
-      properties["worker"] = event->second.worker_id;
-    }
-    sites.Add(point(task.at.x_m, task.at.y_m), properties);
-  }
-  for (std::size_t y = 0; y < scenario.charging_points.size(); ++y) {
-    const Point at = scenario.charging_points[y].at;
-    sites.Add(point(at.x_m, at.y_m),
-              {{"site", fmt::format("charge:{}", y)}, {"kind", "charging point"}});
-  }
-  sites.End();
+  if (at_end && at_end->roads) WriteRoads(*at_end, head.epoch_us, degrees, &folder);
+  WriteTrips(trips, degrees, &folder);
+  WriteSites(scenario, done, head.epoch_us, degrees, &folder);
   folder.Commit();
 }
 
