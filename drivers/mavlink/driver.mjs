@@ -72,6 +72,15 @@ export class Driver {
     }
   }
 
+  /** There is no link, and none will come: it ends at once. */
+  refuse(reason) {
+    this.edge.note(reason);
+    this.edge.say({ type: "failed", id: null, reason });
+    this.hasFailed = this.isHandsOff = true;
+    this.#work = null;
+    this.exitCode = 3;
+  }
+
   /** Takes a line of the mission. What is none is passed over. */
   hearLine(text) {
     let line = null;

@@ -9,15 +9,22 @@ const AGAIN_MS = 1000;
 
 /**
  * Opens the link of options.mjs. `hear(bytes, isDatagram)` returns whether they are of the autopilot: udpin answers to whom they
- * came from. Returns {send(bytes), close()}. What cannot be sent is lost, as on the air; what goes wrong is said to `note`.
+ * came from. Returns {send(bytes), close()}. What cannot be sent is lost, as on the air; what goes wrong is said to `note`. When the
+ * port cannot be had, that is said to `refuse`; throws when there is no such device.
  */
-export function openLink({ kind, host, number }, hear, note) {
+export function openLink({ kind, host, number }, hear, note, refuse) {
   return { udpin: () => udp(null), udpout: () => udp({ address: host, port: number }), tcp, serial }[kind]();
 
   function udp(partner) {
     let peer = partner;
     const socket = dgram.createSocket(net.isIPv6(host) ? "udp6" : "udp4");
-    socket.on("error", (error) => note(`${kind}: ${error.message}`));
+    let isBound = partner !== null;
+    socket.on("listening", () => (isBound = true));
+    socket.on("error", (error) => {
+      const words = error.code === "EADDRINUSE" ? `port ${number} of ${host} is taken by another program` : error.message;
+      if (isBound) note(`${kind}: ${words}`);
+      else refuse(`${kind}: ${words}`);
+    });
     socket.on("message", (bytes, { address, port }) => {
       if (hear(bytes, true) && !partner) peer = { address, port };
     });

@@ -106,7 +106,7 @@ async function run(options) {
   const driver = new Driver(options, {
     now,
     say,
-    send: (bytes) => link.send(bytes),
+    send: (bytes) => link?.send(bytes),
     note,
     kept: keptIn(options.kept),
     isChanged: () => takeFile(options.confirm),
@@ -115,7 +115,7 @@ async function run(options) {
   const endWhenOver = () => {
     if (driver.exitCode === null) return;
     clearInterval(timer);
-    link.close();
+    link?.close();
     process.stdin.destroy();
     process.exitCode = driver.exitCode;
   };
@@ -125,9 +125,14 @@ async function run(options) {
     endWhenOver();
     return isHeard;
   };
-  link = openLink(options.link, hear, note);
+  try {
+    link = openLink(options.link, hear, note, (words) => (driver.refuse(words), endWhenOver()));
+  } catch (error) {
+    driver.refuse(error.message);
+  }
   const timer = setInterval(() => (driver.step(), endWhenOver()), options.speedup > 1 ? FAST_STEP_MS : STEP_MS);
   process.stdout.on("error", () => {});  // the mission is gone: stdin says so too
+  if (driver.exitCode !== null) return endWhenOver();
   if (options.restore) return driver.restore();
   lines.to({
     line: (line) => (driver.hearLine(line), endWhenOver()),

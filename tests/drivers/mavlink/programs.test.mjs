@@ -57,6 +57,20 @@ async function flies(driver, copter) {
   assert.ok(copter.lines.at(-1).endsWith("disarmed"));
 }
 
+test("a port that another driver has taken, and a device that is not there, end it at once with that reason", () => withPrograms(async ({ start, copter, folder }) => {
+  const port = await freePort();
+  await copter(["--udp", `127.0.0.1:${port}`, "--speedup", String(SPEEDUP)]);
+  const first = start(process.execPath, driverWords(`udpin:${port}`, folder, "--speedup", String(SPEEDUP)));
+  first.say(hello(SPEEDUP));
+  await first.line((line) => line.includes(" ready: "));
+  for (const [link, reason] of [[`udpin:${port}`, /port \d+ of 127\.0\.0\.1 is taken by another program/], ["serial:/dev/there-is-none:57600", /there-is-none/]]) {
+    const second = start(process.execPath, driverWords(link, folder, "--speedup", String(SPEEDUP)));
+    second.say(hello(SPEEDUP));
+    assert.match((await second.said("failed")).reason, reason);
+    assert.equal(await second.ended, 3);
+  }
+}));
+
 test("flies over TCP, which comes up later", () => withPrograms(async ({ start, copter, folder }) => {
   const port = await freePort(true);
   const driver = start(process.execPath, driverWords(`tcp:127.0.0.1:${port}`, folder, "--speedup", String(SPEEDUP)));
@@ -128,7 +142,7 @@ test("two UAVs, one driver each, by system id", () => withPrograms(async ({ star
     send(driver);
   }
   await Promise.all(drivers.map((driver) => driver.said("arrived")));
-  const altitudes = drivers.map((driver) => driver.lines.find((line) => line.includes("ready")));
+  const altitudes = drivers.map((driver) => driver.lines.find((line) => line.includes(" ready: ")));
   assert.match(altitudes[0], /at 40 m/);
   assert.match(altitudes[1], /at 45 m/);
 }));
@@ -156,7 +170,7 @@ test("ArduPilot's own Copter passes muster drive --check", { skip: ARDUCOPTER ? 
   withPrograms(async ({ start, folder }) => {
     const port = await freePort(), speedup = "10";
     start(ARDUCOPTER, ["--model", "quad", "--wipe", "--speedup", speedup, "--home", `${AT},12,0`, "--serial0", `udpclient:127.0.0.1:${port}`], { cwd: folder });
-    const command = [process.execPath, ...driverWords(`udpin:${port}`, folder, "--speedup", speedup, "--camera", "none", "--charged", "1")].map((word) => `'${word}'`).join(" ");
+    const command = [process.execPath, ...driverWords(`udpin:${port}`, folder, "--speedup", speedup, "--camera", "none", "--charged", "1", "--cells", "3")].map((word) => `'${word}'`).join(" ");
     const check = start(MUSTER, ["drive", "--check", command, "--rate", speedup]);
     assert.equal(await check.ended, 0, check.lines.join("\n"));
   }));
