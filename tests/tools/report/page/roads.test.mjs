@@ -1,10 +1,9 @@
 // Roads on the page, in Chromium: closed ones, and closing them in a mission that runs. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { createHash } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { before, test } from "node:test";
-import { LOOKS, MUSTER_PROGRAM, accessible, browser, file, json, muster, open, scrub, soon } from "./support.mjs";
+import { LOOKS, accessible, browser, file, json, muster, open, scrub, soon, startMission } from "./support.mjs";
 
 const STREETS = 11; // in each direction
 const BLOCK_MM = 3_000_000;
@@ -88,18 +87,7 @@ test("the scene's ground has the roads that are closed at its time", async (t) =
 });
 
 test("three closures are given on the page of a mission that runs, and the log passes the audit", async (t) => {
-  const run = spawn(MUSTER_PROGRAM, ["run", file("open.json"), "--policy", "horizon", "--rate", "180", "--live=0", "--control", "--out", file("ran")], { stdio: ["ignore", "ignore", "pipe"] });
-  t.after(() => run.kill("SIGKILL"));
-  const ended = new Promise((resolve) => { run.once("exit", resolve); });
-  let said = "";
-  const url = await new Promise((resolve, reject) => {
-    run.stderr.on("data", (data) => {
-      said += data;
-      const found = said.match(/live at (http:\S+)/);
-      if (found) resolve(found[1]);
-    });
-    run.once("exit", (code) => reject(new Error(`muster run ended with ${code}: ${said}`)));
-  });
+  const { run, url, ended, said } = await startMission(t, file("open.json"), "--policy", "horizon", "--rate", "180", "--out", file("ran"));
   const page = await (await browser().newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce" })).newPage();
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(String(error)));
@@ -123,7 +111,7 @@ test("three closures are given on the page of a mission that runs, and the log p
   await page.waitForFunction(() => window.muster.state.run.ended, null, { timeout: 120_000 });
   await page.context().close();
   run.kill("SIGINT");  // the page would stay
-  assert.equal(await ended, 0, said);
+  assert.equal(await ended, 0, said());
   assert.deepEqual(wrong, []);
   muster("audit", file("ran"));
   muster("redecide", file("ran"));

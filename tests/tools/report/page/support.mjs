@@ -1,6 +1,6 @@
 // What the tests in Chromium share: runs, pages of them, a browser.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -62,6 +62,23 @@ export async function open(t, name, options = {}, hash = "") {
   await page.goto(`file://${file(name)}${hash}`);
   await page.locator("html[data-ready]").waitFor({ state: "attached" });
   return page;
+}
+
+/** A mission that runs with a page: { run, url, ended (its exit code), said() }. It is ended with the test. */
+export async function startMission(t, ...words) {
+  const run = spawn(MUSTER_PROGRAM, ["run", ...words, "--live=0", "--control"], { stdio: ["ignore", "ignore", "pipe"] });
+  t.after(() => run.kill("SIGKILL"));
+  const ended = new Promise((resolve) => { run.once("exit", resolve); });
+  let said = "";
+  const url = await new Promise((resolve, reject) => {
+    run.stderr.on("data", (data) => {
+      said += data;
+      const found = said.match(/live at (http:\S+)/);
+      if (found) resolve(found[1]);
+    });
+    run.once("exit", (code) => reject(new Error(`muster run ended with ${code}: ${said}`)));
+  });
+  return { run, url, ended, said: () => said };
 }
 
 export const raw = async (page, key) => page.locator(`[data-key="${key}"]`).first().getAttribute("data-raw");

@@ -1,8 +1,7 @@
 // What a commander has to find out, by clicks and by reading alone, and in how many steps. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { before, test } from "node:test";
-import { MUSTER_PROGRAM, browser, file, json, muster, open, scrub, soon } from "./support.mjs";
+import { browser, file, json, muster, open, scrub, soon, startMission } from "./support.mjs";
 import { TOKEN, livePage, liveRun, serve } from "./stub_server.mjs";
 
 /** Counts what is clicked; opening the page and reading are no steps. */
@@ -126,17 +125,7 @@ test("add an emergency at a place and see who goes: six steps", async (t) => {
 });
 
 test("the same with a mission that runs", { skip: muster("run", "--help").includes("--control") ? false : "muster run takes no orders yet" }, async (t) => {
-  const run = spawn(MUSTER_PROGRAM, ["run", file("few.json"), "--rate", "120", "--live=0", "--control", "--out", file("ordered")], { stdio: ["ignore", "ignore", "pipe"] });
-  t.after(() => run.kill("SIGKILL"));
-  let said = "";
-  const url = await new Promise((resolve, reject) => {
-    run.stderr.on("data", (data) => {
-      said += data;
-      const found = said.match(/live at (http:\S+)/);
-      if (found) resolve(found[1]);
-    });
-    run.once("exit", (code) => reject(new Error(`muster run ended with ${code}: ${said}`)));
-  });
+  const { url } = await startMission(t, file("few.json"), "--rate", "120", "--out", file("ordered"));
   await addEmergency(t, url);
 });
 
