@@ -105,7 +105,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
     const int sent = RunOver(faults, 1, json).sent;
     Random random(1, Stream::kTest);
     for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-      for (int i = 0; i < 20; ++i) {
+      for (int i = 0; i < 8; ++i) {
         const int kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
         const Outcome outcome = RunOver(faults, 1, json, Kill{{victim}, kill_at});
         ASSERT_TRUE(outcome.ended)
@@ -155,7 +155,7 @@ TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
   const PacketFaults faults = Lossy(0, 0, 150);
   const int sent = RunOver(faults, 1, json).sent;
   Random random(2, Stream::kTest);
-  for (int i = 0; i < 120; ++i) {
+  for (int i = 0; i < 60; ++i) {
     std::vector<std::string> victims = {"world", "uav", "worker", "vehicle", "scheduler"};
     random.Shuffle(victims);
     victims.resize(2 + random.Below(4));

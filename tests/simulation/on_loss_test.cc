@@ -29,10 +29,10 @@ constexpr int kStateUnknown = 25;
 
 /// Five processes over a virtual network, and somebody who listens; the world goes on without those
 /// that are lost for one second, unless told otherwise.
-class Mission {
+class LossyMission {
  public:
-  explicit Mission(const PacketFaults& faults = {}, std::uint64_t seed = 1,
-                   std::vector<world::Outage> outages = {}, TimeUs lost_after_us = kSecondUs)
+  explicit LossyMission(const PacketFaults& faults = {}, std::uint64_t seed = 1,
+                        std::vector<world::Outage> outages = {}, TimeUs lost_after_us = kSecondUs)
       : outages_(std::move(outages)),
         lost_after_us_(lost_after_us),
         scenario_(Generate(PresetByName("Random_10"), 5)),
@@ -153,7 +153,7 @@ class Mission {
 /// Whether agents are told whole at every tick or only what has changed of them.
 class OnLoss : public ::testing::TestWithParam<std::size_t> {
  protected:
-  void SetUp() override { Mission::most_whole = GetParam(); }
+  void SetUp() override { LossyMission::most_whole = GetParam(); }
 };
 INSTANTIATE_TEST_SUITE_P(WholeOrChanges, OnLoss,
                          ::testing::Values(agents::AgentProcess::kMostWhole, std::size_t{0}));
@@ -168,7 +168,7 @@ std::string UndisturbedDigest() {
 TEST_P(OnLoss, WhoIsBackAfterTheLastVerdictStandsWhereItSays) {
   for (const TimeUs since : {620, 1250, 1910, 2530, 3150}) {
     SCOPED_TRACE(since);
-    Mission mission;
+    LossyMission mission;
     ASSERT_TRUE(mission.RunTo(since * kSecondUs));
     mission.Isolate("uav", true);
     ASSERT_TRUE(mission.RunTo(mission.limit_us()));
@@ -183,7 +183,7 @@ TEST_P(OnLoss, NothingChangesWhereNobodyIsLost) {
   const std::string expected = UndisturbedDigest();
   for (std::uint64_t seed = 101; seed <= 120; ++seed) {
     SCOPED_TRACE(seed);
-    Mission mission(Lossy(0.3, 0.1, 2950), seed);
+    LossyMission mission(Lossy(0.3, 0.1, 2950), seed);
     ASSERT_TRUE(mission.RunToEnd());
     EXPECT_EQ(mission.Count(kProcessLost), 0);
     EXPECT_EQ(Digest(mission.record()), expected);
@@ -196,7 +196,7 @@ TEST_P(OnLoss, TheMissionGoesOnWithoutAClassAndTakesItBack) {
     for (const double loss : {0.0, 0.2}) {
       const std::string name(ToString(kind));
       SCOPED_TRACE(name);
-      Mission mission(Lossy(loss, 0, 150));
+      LossyMission mission(Lossy(loss, 0, 150));
       ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
       mission.Kill(name);
       ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
@@ -217,7 +217,7 @@ TEST_P(OnLoss, TheMissionGoesOnWithoutAClassAndTakesItBack) {
 TEST_P(OnLoss, AWorldThatWasHeldUpMissesThoseThatAreDead) {
   for (const bool starts_again : {false, true}) {
     SCOPED_TRACE(starts_again);
-    Mission mission({}, 1, {}, kSecondUs / 2);
+    LossyMission mission({}, 1, {}, kSecondUs / 2);
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) mission.Kill(name);
     if (starts_again) {
@@ -240,7 +240,7 @@ TEST_P(OnLoss, AWorldThatWasHeldUpMissesThoseThatAreDead) {
 TEST_P(OnLoss, WhatNobodyHeardOfTheLostIsGivenUp) {
   for (const char* name : {"uav", "worker"}) {
     SCOPED_TRACE(name);
-    Mission mission;
+    LossyMission mission;
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     mission.Isolate("recorder", true);
     ASSERT_TRUE(mission.RunTo(46 * kMinuteUs));
@@ -262,7 +262,7 @@ TEST_P(OnLoss, WhatNobodyHeardOfTheLostIsGivenUp) {
 TEST_P(OnLoss, ACutOffProcessComesBackByItself) {
   for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
     SCOPED_TRACE(name);
-    Mission mission;
+    LossyMission mission;
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     mission.Isolate(name, true);
     ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
@@ -275,7 +275,7 @@ TEST_P(OnLoss, ACutOffProcessComesBackByItself) {
 }
 
 TEST_P(OnLoss, WithoutASchedulerDecisionsAreNotInForce) {
-  Mission mission;
+  LossyMission mission;
   ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
   mission.Kill("scheduler");
   ASSERT_TRUE(mission.RunTo(75 * kMinuteUs));
@@ -307,14 +307,14 @@ TEST_P(OnLoss, WithoutASchedulerDecisionsAreNotInForce) {
 TEST_P(OnLoss, EverybodyMayBeLostForGood) {
   for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) {
     SCOPED_TRACE(name);
-    Mission mission;
+    LossyMission mission;
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     mission.Kill(name);
     ASSERT_TRUE(mission.RunToEnd());
     EXPECT_EQ(mission.Count(kProcessLost, name), 1);
     mission.ExpectSound();
   }
-  Mission mission;
+  LossyMission mission;
   ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
   for (const char* name : {"uav", "worker", "vehicle", "scheduler"}) mission.Kill(name);
   ASSERT_TRUE(mission.RunToEnd());
@@ -326,7 +326,7 @@ TEST_P(OnLoss, AQuickRestartIsNoLoss) {
   const std::string expected = UndisturbedDigest();
   for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
     SCOPED_TRACE(name);
-    Mission mission(Lossy(0.1, 0, 150));
+    LossyMission mission(Lossy(0.1, 0, 150));
     ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
     mission.Kill(name);
     mission.Start(name);
@@ -337,7 +337,7 @@ TEST_P(OnLoss, AQuickRestartIsNoLoss) {
 }
 
 TEST_P(OnLoss, AWorldThatStartsAgainKnowsWhichDecisionIsInForce) {
-  Mission mission;
+  LossyMission mission;
   ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
   mission.Kill("scheduler");
   ASSERT_TRUE(mission.RunTo(55 * kMinuteUs));
@@ -358,7 +358,7 @@ TEST_P(OnLoss, AWorldThatDiesInTheTickOfADecisionChangesNothing) {
                                       channel::kRulings, channel::kSchedule}) {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       SCOPED_TRACE(fmt::format("{}, seed {}", said, seed));
-      Mission mission(Lossy(seed % 2 == 0 ? 0.2 : 0, 0, 150), seed);
+      LossyMission mission(Lossy(seed % 2 == 0 ? 0.2 : 0, 0, 150), seed);
       for (const int decision : {3, 4, 9}) {
         ASSERT_TRUE(mission.RunUntilSaid(said, decision * 10 * kMinuteUs));
         mission.Kill("world");
@@ -384,7 +384,7 @@ TEST_P(OnLoss, AnOutageMayBeginWhenTheProcessIsLost) {
                                  world_dies ? "the world dies" : "the world lives"));
         const TimeUs last_us = 45 * kMinuteUs - 30 * kSecondUs;
         const TimeUs until_us = (outlasts ? 100 : 60) * kMinuteUs;
-        Mission mission(
+        LossyMission mission(
             {}, 1, {{AgentKind::kUav, 3, last_us + 1 + beside_us, until_us, {.by = "planned"}}});
         ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
         mission.Kill("uav");
@@ -427,7 +427,7 @@ TEST_P(OnLoss, AWorldThatStartsAgainGoesOnWithoutWhoeverIsLost) {
       for (const TimeUs apart_us : {0 * kMinuteUs, 1 * kMinuteUs, 10 * kMinuteUs}) {
         SCOPED_TRACE(fmt::format("{} lost {}, the world {} us later", fmt::join(lost, ", "),
                                  for_good ? "for good" : "for 30 min", apart_us));
-        Mission mission;
+        LossyMission mission;
         ASSERT_TRUE(mission.RunTo(45 * kMinuteUs));
         for (const std::string& name : lost) mission.Kill(name);
         ASSERT_TRUE(mission.RunTo(45 * kMinuteUs + apart_us));
@@ -459,7 +459,7 @@ TEST_P(OnLoss, LossesAtRandomBreakNoInvariant) {
   Random random(1, Stream::kTest);
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
-    Mission mission(Lossy(random.Uniform() * 0.3, 0, 450), seed);
+    LossyMission mission(Lossy(random.Uniform() * 0.3, 0, 450), seed);
     TimeUs t = 0;
     while (true) {
       t += static_cast<TimeUs>(random.Uniform(1, 40) * kMinuteUs);

@@ -26,17 +26,17 @@
 namespace muster::tools {
 namespace {
 
-struct Outcome {
+struct OrdersOutcome {
   std::string digest;
   int taken = 0, refused = 0, cancelled = 0, joined = 0, left = 0;
 };
 
 /// Plays it in one process; audits it and makes its decisions again.
-Outcome Play(std::uint64_t seed, const Scenario& scenario,
-             const std::vector<world::PlannedOrder>& orders) {
+OrdersOutcome Play(std::uint64_t seed, const Scenario& scenario,
+                   const std::vector<world::PlannedOrder>& orders) {
   RunRecord record;
   Packets packets;
-  Outcome outcome;
+  OrdersOutcome outcome;
   {
     Audited audited;
     Simulate(
@@ -75,12 +75,12 @@ int Missions(int usual) {
 }
 
 TEST(OrdersMission, IsAuditedAndDecidedAgain) {
-  Outcome all;
+  OrdersOutcome all;
   const auto n = static_cast<std::uint64_t>(Missions(40));
   for (std::uint64_t seed = 1; seed <= n; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Scenario scenario = Draw(seed);
-    const Outcome one = Play(seed, scenario, DrawOrders(seed));
+    const OrdersOutcome one = Play(seed, scenario, DrawOrders(seed));
     all.taken += one.taken;
     all.refused += one.refused;
     all.cancelled += one.cancelled;

@@ -139,19 +139,19 @@ class PricedGraph {
   const Dual::Prices& prices_;
 };
 
-using Key = std::tuple<Index, Index, Index, double>;
-std::set<Key> SetOf(const std::vector<Column>& columns) {
-  std::set<Key> keys;
+using ColumnKey = std::tuple<Index, Index, Index, double>;
+std::set<ColumnKey> SetOf(const std::vector<Column>& columns) {
+  std::set<ColumnKey> keys;
   for (const Column& c : columns) keys.emplace(c.site, c.uav_arc, c.partner_arc, c.regret);
   EXPECT_EQ(keys.size(), columns.size());
   return keys;
 }
-Key KeyOf(const Column& c) { return {c.site, c.uav_arc, c.partner_arc, c.regret}; }
+ColumnKey KeyOf(const Column& c) { return {c.site, c.uav_arc, c.partner_arc, c.regret}; }
 
 /// Of each (site, level) the best four partners, whichever of equal ones.
 void ExpectTop(const Instance& instance, const PricedGraph& reference, Index u, double most,
                const std::vector<Column>& columns) {
-  const std::set<Key> top = SetOf(columns);
+  const std::set<ColumnKey> top = SetOf(columns);
   for (const Column& column : reference.columns[At(u)]) {
     if (column.partner_arc < 0) continue;
     const auto& partner = instance.partner_arcs[At(column.partner_arc)];

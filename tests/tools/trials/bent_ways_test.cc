@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "scheduler/policies/registry.h"
 #include "tests/model/manhattan_ways.h"
+#include "tests/tools/trials/each_policy.h"
 #include "tools/audit/ways.h"
 #include "tools/trials/soak.h"
 
@@ -62,18 +62,7 @@ TEST_P(BentWays, MissionsAreAuditedAndDecidedAgain) {
   }
 }
 
-std::vector<std::string> AllPolicies() {
-  std::vector<std::string> names;
-  for (const scheduler::PolicyInfo& policy : scheduler::Policies()) names.emplace_back(policy.name);
-  return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Policies, BentWays, ::testing::ValuesIn(AllPolicies()),
-                         [](const auto& policy) {
-                           std::string name = policy.param;
-                           for (char& c : name) c = c == '-' || c == ':' || c == '.' ? '_' : c;
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Policies, BentWays, ::testing::ValuesIn(AllPolicies()), PolicyAsTestName);
 
 TEST(BentWays, MissionsWithKillsAndLossAreAuditedAndDecidedAgain) {
   const InManhattan bent;

@@ -9,8 +9,8 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
-#include "scheduler/policies/registry.h"
 #include "simulation/simulator.h"
+#include "tests/tools/trials/each_policy.h"
 #include "tests/tools/trials/road_missions.h"
 #include "tools/audit/auditor.h"
 #include "tools/trials/soak.h"
@@ -28,18 +28,8 @@ TEST_P(RoadMissions, AreAuditedAndDecidedAgain) {
   }
 }
 
-std::vector<std::string> AllPolicies() {
-  std::vector<std::string> names;
-  for (const scheduler::PolicyInfo& policy : scheduler::Policies()) names.emplace_back(policy.name);
-  return names;
-}
-
 INSTANTIATE_TEST_SUITE_P(Policies, RoadMissions, ::testing::ValuesIn(AllPolicies()),
-                         [](const auto& policy) {
-                           std::string name = policy.param;
-                           for (char& c : name) c = c == '-' || c == ':' || c == '.' ? '_' : c;
-                           return name;
-                         });
+                         PolicyAsTestName);
 
 TEST_P(RoadMissions, WithClosedRoadsAreAuditedAndDecidedAgain) {
   for (const std::uint64_t seed : {3, 4}) {
