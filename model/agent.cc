@@ -12,15 +12,12 @@
 namespace muster {
 namespace {
 
-/// Range may fall this far below zero by rounding on a plan that uses the last metre.
-constexpr double kRangeSlack_m = 1e-6;
-
 ActionKind ActionOf(Activity::Kind kind) {
   return kind == Activity::Kind::kSensing ? ActionKind::kSense : ActionKind::kCharge;
 }
 
 double RangeOnArrival(const AgentState& uav) {
-  const double spent = uav.range_per_m * uav.WayM(uav.from, uav.to);
+  const double spent = uav.range_per_m * uav.LegM();
   return std::max(0.0, uav.range_at_departure_m - spent);
 }
 
@@ -121,6 +118,7 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
   const auto barred_us = BarredAt(moved, since_us, now);
   if (!barred_us) return;
   const Point here = PositionAt(moved, agent->measured ? t : std::min(*barred_us, t));
+  if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = RangeOnWayAt(moved, t);
   agent->leg_ways = &now;
   agent->from = here;
   agent->depart_us = t;
@@ -184,7 +182,7 @@ AgentStatus StatusAt(const AgentState& agent, TimeUs t) {
 }
 
 std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
-  const double way = uav.range_per_m * uav.WayM(uav.from, uav.to);
+  const double way = uav.range_per_m * uav.LegM();
   if (uav.kind != AgentKind::kUav || uav.measured ||
       way <= uav.range_at_departure_m + kRangeSlack_m)
     return {};

@@ -99,6 +99,10 @@ struct AgentState {
   WaysOf own_ways() const { return {ways, kind}; }
   /// Metres of its way between two places.
   double WayM(Point a, Point b) const { return ways->Length(kind, a, b); }
+  /// Metres that it has made from one place to the other, where it is.
+  double GoneM(Point a, Point b) const { return ways->Gone(kind, a, b); }
+  /// Metres of the leg that it is on, by the ways that it set out by.
+  double LegM() const { return leg_ways->Length(kind, from, to); }
 };
 
 /// A fresh agent at mission start.
@@ -124,6 +128,9 @@ double RangeOnWayAt(const AgentState& agent, TimeUs t);
 double RangeAt(const AgentState& agent, TimeUs t, std::span<const Task> tasks);
 
 AgentStatus StatusAt(const AgentState& agent, TimeUs t);
+
+/// Range may fall this far below zero by rounding on a plan that uses the last metre.
+inline constexpr double kRangeSlack_m = 1e-6;
 
 /// Time at which the UAV's range reaches 0 on its way; none when it arrives with range left or more
 /// than -1e-6 m (a plan may use the last metre), and for a measured one, which says so itself.

@@ -30,8 +30,8 @@ void RestFrom(Point here, double range_m, TimeUs t, AgentState* agent) {
 double RangeThere(const AgentState& agent, Point at) {
   const Measured::Seen& seen = agent.measured->seen;
   const bool is_computed = agent.depart_us > seen.at_us;
-  const double way = is_computed ? agent.WayM(seen.at, at) - agent.WayM(seen.at, agent.from)
-                                 : agent.WayM(agent.from, at);
+  const double way = is_computed ? agent.GoneM(seen.at, at) - agent.GoneM(seen.at, agent.from)
+                                 : agent.GoneM(agent.from, at);
   return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way);
 }
 
@@ -48,10 +48,7 @@ bool IsOnItsWay(const AgentState& agent) {
 
 /// Metres that it still has to go from there; in a straight line where no way of the mission leads:
 /// its driver knows one.
-double RestM(const AgentState& agent, Point from) {
-  const double way_m = agent.WayM(from, agent.to);
-  return std::isfinite(way_m) ? way_m : Distance(from, agent.to);
-}
+double RestM(const AgentState& agent, Point from) { return agent.GoneM(from, agent.to); }
 
 /// Whether it can be there then, from where it has said to be last and when its leg began: small
 /// errors of many reports do not add up. Where it was computed to be tells nothing. By the straight
@@ -73,7 +70,7 @@ std::string CheckRange(const AgentState& agent, double range_m, Point at, bool c
   double most = agent.range_full_m;
   if (!charges) {
     for (const Measured::Seen& seen : {agent.measured->seen, agent.measured->anchor}) {
-      most = std::min(most, std::max(0.0, seen.range_m - agent.WayM(seen.at, at)));
+      most = std::min(most, std::max(0.0, seen.range_m - Distance(seen.at, at)));
     }
   }
   if (range_m <= most + SlackM(agent)) return {};
@@ -121,7 +118,7 @@ std::string OnTheWay(AgentState* agent, const MeasuredReport& report, TimeUs t,
 /// The reported place of a free agent: it stands there.
 void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Task> tasks) {
   const double slack = SlackM(*agent), range = RangeAt(*agent, report.at_us, tasks);
-  const double way = agent->WayM(agent->to, report.at);
+  const double way = agent->GoneM(agent->to, report.at);
   if (way <= slack && (!report.range_m || std::abs(*report.range_m - range) <= slack)) return;
   if (agent->kind == AgentKind::kUav) {
     agent->range_at_departure_m = report.range_m.value_or(std::max(0.0, range - way));
@@ -166,7 +163,7 @@ std::string ApplyPlace(AgentState* agent, const MeasuredReport& report, TimeUs t
   }
   if (!problem.empty()) return problem;
   // Without a word range falls by the way at least.
-  const double most = std::max(0.0, before.range_m - agent->WayM(before.at, report.at));
+  const double most = std::max(0.0, before.range_m - agent->GoneM(before.at, report.at));
   agent->measured->seen = {report.at, report.at_us, report.range_m.value_or(most)};
   return {};
 }
@@ -186,7 +183,7 @@ std::string ApplyArrived(AgentState* agent, const MeasuredReport& report, TimeUs
   if (!problem.empty()) return problem;
   agent->arrive_us = std::min(agent->arrive_us, t);
   Measured::Seen& seen = agent->measured->seen;
-  seen = {agent->to, t, std::max(0.0, seen.range_m - agent->WayM(seen.at, agent->to))};
+  seen = {agent->to, t, std::max(0.0, seen.range_m - agent->GoneM(seen.at, agent->to))};
   agent->measured->arrived = true;
   if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
   return {};
@@ -300,7 +297,7 @@ void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
     return;
   }
   told.planned_us = reported->depart_us +
-                    TravelUs(reported->WayM(reported->from, reported->to), reported->speed_m_s);
+                    TravelUs(reported->GoneM(reported->from, reported->to), reported->speed_m_s);
   if (reported->arrive_us != told.planned_us ||
       Distance(PositionAt(*reported, t), here) > kSamePlace_m) {
     RestFrom(here, range_left_m, t, reported);

@@ -12,6 +12,8 @@
 namespace muster {
 namespace {
 
+constexpr std::size_t kMostZones = 10'000;
+
 static_assert(std::all_of(std::begin(kOrderRows), std::end(kOrderRows),
                           [](const OrderRow& row) { return &row == &RowOf(row.kind); }));
 
@@ -102,12 +104,15 @@ std::vector<std::int32_t> RoadsOf(const Order& order, const Scenario& scenario) 
   return roads;
 }
 
-void CloseRoads(const Order& order, TimeUs t, Scenario* scenario) {
+void CheckUntil(const Order& order, TimeUs t) {
   const TimeUs until_us = order.UntilUs(t);
-  if (until_us <= t) {
-    throw InputError("order", "until_min", TimeToText(until_us, kMinute),
-                     fmt::format("later than now ({})", TimeToText(t, kMinute)));
-  }
+  if (until_us > t) return;
+  throw InputError("order", "until_min", TimeToText(until_us, kMinute),
+                   fmt::format("later than now ({})", TimeToText(t, kMinute)));
+}
+
+void CloseRoads(const Order& order, TimeUs t, Scenario* scenario) {
+  CheckUntil(order, t);
   // What has been reported of earlier ticks stands.
   const TimeUs tick_us = scenario->rules.tick_us;
   if (order.since_us && (*order.since_us > t || *order.since_us < t - tick_us)) {
@@ -127,11 +132,29 @@ void CloseRoads(const Order& order, TimeUs t, Scenario* scenario) {
   ChangeWays(t, scenario);
 }
 
+void AddZone(const Order& order, TimeUs t, Scenario* scenario) {
+  CheckUntil(order, t);
+  if (scenario->closures.size() >= kMostZones) {
+    throw InputError(fmt::format("there are {} zones and closures already", kMostZones));
+  }
+  scenario->closures.push_back(
+      {order.id, order.zone->name, t, {}, std::make_shared<const Zone>(*order.zone)});
+  ChangeWays(t, scenario);
+}
+
+void LiftZone(const Order& order, TimeUs t, Scenario* scenario) {
+  const auto n = std::erase_if(scenario->closures, [&](const Closure& closure) {
+    return closure.zone && closure.order == order.closure;
+  });
+  if (n == 0) throw InputError(fmt::format("there is no zone of an order {}", order.closure));
+  ChangeWays(t, scenario);
+}
+
 void OpenRoads(const Order& order, TimeUs t, Scenario* scenario) {
   std::vector<Closure>& closures = scenario->closures;
   if (!order.area) {
-    const auto n =
-        std::erase_if(closures, [&](const Closure& c) { return c.order == order.closure; });
+    const auto n = std::erase_if(
+        closures, [&](const Closure& c) { return !c.zone && c.order == order.closure; });
     if (n == 0) throw InputError(fmt::format("no roads are closed by an order {}", order.closure));
     return ChangeWays(t, scenario);
   }
@@ -143,7 +166,7 @@ void OpenRoads(const Order& order, TimeUs t, Scenario* scenario) {
     });
   }
   if (n == 0) throw InputError("none of these roads is closed");
-  std::erase_if(closures, [](const Closure& closure) { return closure.roads.empty(); });
+  std::erase_if(closures, [](const Closure& c) { return !c.zone && c.roads.empty(); });
   ChangeWays(t, scenario);
 }
 
@@ -171,6 +194,11 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
       order.kind == OrderKind::kRoadClose ? CloseRoads(order, t, scenario)
                                           : OpenRoads(order, t, scenario);
       return taken;
+    case OrderSubject::kAir:
+      if (scenario->air == nullptr) throw InputError("the scenario has no key air");
+      order.kind == OrderKind::kZoneAdd ? AddZone(order, t, scenario)
+                                        : LiftZone(order, t, scenario);
+      return taken;
     case OrderSubject::kTask:
       break;
   }
@@ -184,11 +212,11 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
   return taken;
 }
 
-void FollowRoads(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
-                 const Scenario& scenario) {
+void FollowWays(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
+                const Scenario& scenario) {
   TimeUs since_us = kNever;
   for (const TakenOrder& one : taken) {
-    if (RowOf(one.order.kind).subject != OrderSubject::kRoads) continue;
+    if (!ChangesWays(one.order.kind)) continue;
     since_us = std::min({since_us, t, one.order.since_us.value_or(t)});
   }
   if (since_us != kNever) GoRound(agent, since_us, t, scenario.WaysAt(t));

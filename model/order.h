@@ -33,10 +33,12 @@ struct Order {
   std::int32_t agent_id = -1;
 
   std::optional<RoadArea> area;  ///< of the roads to close or open
-  std::string closure;           ///< to end, instead: the id of the order that closed the roads
+  std::optional<Zone> zone;      ///< to be added
+  std::string
+      closure;  ///< to end, instead: the id of the order that closed the roads, or added the zone
   /// The roads have been closed since then, though nobody knew: one who came to them stands there.
   std::optional<TimeUs> since_us;
-  /// The roads are to be opened then.
+  /// The roads are to be opened, or the zone to be lifted, then.
   std::optional<TimeUs> until_us, until_in_us;
   /// The same when the order is taken at t; kNever: not.
   TimeUs UntilUs(TimeUs t) const {
@@ -59,11 +61,11 @@ struct TakenOrder {
 /// task, a place outside the area, times that contradict each other); then nothing is changed.
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t);
 
-/// What of the orders of a tick about roads concerns an agent, before it reports tick time t: it
-/// travels by the roads as they are now. One whose way is closed before it goes round from where it
-/// is, or stops there, free, if there is no way. `scenario` contains the orders.
-void FollowRoads(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
-                 const Scenario& scenario);
+/// What of the orders of a tick about roads and zones concerns an agent, before it reports tick
+/// time t: it travels by the ways as they are now. One whose way is closed before it goes round
+/// from where it is, or stops there, free, if there is no way. `scenario` contains the orders.
+void FollowWays(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
+                const Scenario& scenario);
 
 /// What of an order that was taken at t concerns an agent itself, once it is settled by that tick's
 /// verdict: an agent that joins is there; one that leaves goes when what is under way is done.

@@ -105,6 +105,14 @@ void ReadAgentName(const ObjectReader& top, Order* order) {
   order->agent_id = std::stoi(digits);
 }
 
+void ReadUntil(const ObjectReader& top, Order* order) {
+  order->until_us = OptionalTime(top, "until_min");
+  order->until_in_us = OptionalTime(top, "until_in_min");
+  if (order->until_us && order->until_in_us) {
+    top.Fail("until_in_min", *top.Optional("until_in_min"), "nothing beside until_min");
+  }
+}
+
 void ReadRoadOrder(const ObjectReader& top, Order* order) {
   if (order->kind == OrderKind::kRoadOpen) {
     top.AllowOnly(
@@ -121,13 +129,22 @@ void ReadRoadOrder(const ObjectReader& top, Order* order) {
                    "name", "since_min", "until_min", "until_in_min"});
     if (top.Has("name")) order->name = ReadName(top, "name");
     order->since_us = OptionalTime(top, "since_min");
-    order->until_us = OptionalTime(top, "until_min");
-    order->until_in_us = OptionalTime(top, "until_in_min");
-    if (order->until_us && order->until_in_us) {
-      top.Fail("until_in_min", *top.Optional("until_in_min"), "nothing beside until_min");
-    }
+    ReadUntil(top, order);
   }
   order->area = ReadRoadArea(top);
+}
+
+void ReadZoneOrder(const ObjectReader& top, Order* order) {
+  if (order->kind == OrderKind::kZoneLift) {
+    top.AllowOnly({"id", "issuer", "at_min", "order", "zone"});
+    order->closure = ReadName(top, "zone");
+    return;
+  }
+  top.AllowOnly({"id", "issuer", "at_min", "order", "area_km", "circle_km", "holes_km", "name",
+                 "until_min", "until_in_min"});
+  order->zone = ReadZone(top);
+  if (top.Has("name")) order->zone->name = ReadName(top, "name");
+  ReadUntil(top, order);
 }
 
 }  // namespace
@@ -163,6 +180,9 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       return order;
     case OrderSubject::kRoads:
       ReadRoadOrder(top, &order);
+      return order;
+    case OrderSubject::kAir:
+      ReadZoneOrder(top, &order);
       return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {

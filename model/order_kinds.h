@@ -19,10 +19,12 @@ enum class OrderKind : std::int8_t {
   kAgentRecall,
   kRoadClose,
   kRoadOpen,
+  kZoneAdd,
+  kZoneLift,
 };
 
 /// What an order names, and so which keys it has.
-enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads };
+enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir };
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
 /// have their own rules for that.
@@ -55,10 +57,18 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kAgentRecall, "agent_recall", OrderSubject::kAgent},
     {OrderKind::kRoadClose, "road_close", OrderSubject::kRoads},
     {OrderKind::kRoadOpen, "road_open", OrderSubject::kRoads},
+    {OrderKind::kZoneAdd, "zone_add", OrderSubject::kAir},
+    {OrderKind::kZoneLift, "zone_lift", OrderSubject::kAir},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {
   return kOrderRows[static_cast<std::size_t>(kind)];
+}
+
+/// Whether such orders change how agents travel.
+constexpr bool ChangesWays(OrderKind kind) {
+  const OrderSubject subject = RowOf(kind).subject;
+  return subject == OrderSubject::kRoads || subject == OrderSubject::kAir;
 }
 
 }  // namespace muster

@@ -10,41 +10,12 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "model/polygon_reader.h"
 
 namespace muster {
 namespace {
 
-constexpr std::size_t kMostCorners = 1000;
-constexpr double kFarthest_km = kFarthestRoad_mm * 1e-6;
-
-Point ReadPair(const ObjectReader& object, std::string_view key, const JsonValue& x,
-               const JsonValue& y) {
-  return {object.ReadNumber(key, x, kKm, -kFarthest_km, kFarthest_km),
-          object.ReadNumber(key, y, kKm, -kFarthest_km, kFarthest_km)};
-}
-
-const std::vector<JsonValue>& Numbers(const ObjectReader& object, std::string_view key,
-                                      const JsonValue& value, std::size_t n,
-                                      std::string_view expected) {
-  if (value.type != JsonValue::Type::kArray || value.items.size() != n) {
-    object.Fail(key, value, expected);
-  }
-  return value.items;
-}
-
-RoadArea::Polygon ReadPolygon(const ObjectReader& object) {
-  RoadArea::Polygon polygon;
-  const std::vector<JsonValue>& corners = object.Array("area_km");
-  if (corners.size() < 3 || corners.size() > kMostCorners) {
-    object.Fail("area_km", fmt::format("{} corners", corners.size()),
-                fmt::format("3 to {} corners, [x_km, y_km] each", kMostCorners));
-  }
-  for (const JsonValue& corner : corners) {
-    const auto& xy = Numbers(object, "area_km", corner, 2, "corners as [x_km, y_km]");
-    polygon.corners.push_back(ReadPair(object, "area_km", xy[0], xy[1]));
-  }
-  return polygon;
-}
+constexpr double kFarthestAway_km = kFarthestRoad_mm * 1e-6;
 
 RoadArea::Ids ReadIds(const ObjectReader& object) {
   RoadArea::Ids ids;
@@ -149,15 +120,15 @@ RoadArea ReadRoadArea(const ObjectReader& object) {
                                [&](std::string_view key) { return object.Has(key); });
   constexpr std::string_view kExpected = "exactly one of area_km, circle_km, roads, near_km";
   if (n != 1) object.Fail("area_km", fmt::format("{} of them", n), kExpected);
-  if (object.Has("area_km")) return {ReadPolygon(object)};
+  if (const JsonValue* area = object.Optional("area_km")) {
+    return {RoadArea::Polygon{ReadCorners(object, "area_km", *area)}};
+  }
   if (object.Has("roads")) return {ReadIds(object)};
   if (const JsonValue* circle = object.Optional("circle_km")) {
-    const auto& xyr = Numbers(object, "circle_km", *circle, 3, "[x_km, y_km, radius_km]");
-    return {RoadArea::Circle{ReadPair(object, "circle_km", xyr[0], xyr[1]),
-                             object.ReadNumber("circle_km", xyr[2], kKm, 0, kFarthest_km)}};
+    const Circle read = ReadCircle(object, "circle_km", *circle);
+    return {RoadArea::Circle{read.centre, read.radius_m}};
   }
-  const auto& xy = Numbers(object, "near_km", *object.Optional("near_km"), 2, "[x_km, y_km]");
-  return {RoadArea::Nearest{ReadPair(object, "near_km", xy[0], xy[1])}};
+  return {RoadArea::Nearest{ReadPair(object, "near_km", *object.Optional("near_km"))}};
 }
 
 std::optional<RoadArea> CircleFrom(std::string_view text) {
@@ -166,7 +137,7 @@ std::optional<RoadArea> CircleFrom(std::string_view text) {
   std::array<double, 3> km{};
   for (std::size_t i = 0; i < km.size(); ++i) {
     const auto number = ToNumber(parts[i]);
-    if (!number || !(std::abs(*number) <= kFarthest_km)) return {};
+    if (!number || !(std::abs(*number) <= kFarthestAway_km)) return {};
     km[i] = *number;
   }
   if (km[2] < 0) return {};

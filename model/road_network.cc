@@ -10,6 +10,7 @@
 #include <queue>
 
 #include "base/check.h"
+#include "base/index.h"
 #include "base/units.h"
 
 namespace muster {
@@ -18,13 +19,12 @@ namespace {
 constexpr double kHalfSpacing_m = 50;
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
-constexpr std::size_t kMostSites = 4096;  // 4 bytes for each two of them
+constexpr std::size_t kMostSites = 4096;
+constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;  // of the costs to sites
 constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
 constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
 
 std::atomic<std::uint64_t> next_id = 1;
-
-std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Smallest whole number that is not below 100 `mm` / `percent`.
 std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
@@ -82,9 +82,9 @@ class RoadNetwork::Search {
 struct RoadNetwork::Known {
   std::optional<Spot> spot;
   std::int32_t site = -1;
-  /// [sites] Of the ways from the sites to this one: 0, not known yet; kUnreached, none leads here;
-  /// else their cost + 1. Null: this is no site. Read and written without the lock.
-  std::unique_ptr<std::atomic<std::uint32_t>[]> from_site;
+  /// [sites] Of the ways from here to the sites: 0, not known yet; kUnreached, none leads there;
+  /// else their cost + 1. Null: not kept. Read and written without the lock.
+  std::unique_ptr<std::atomic<std::uint32_t>[]> to_site;
   std::mutex mutex;  ///< of what follows
   std::unique_ptr<Search> search;
 };
@@ -278,12 +278,14 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
   made->spot = FindSpot(place);
   if (const auto site = map_->site_of.find(place); site != map_->site_of.end()) {
     made->site = site->second;
-    made->from_site = std::make_unique<std::atomic<std::uint32_t>[]>(map_->site_of.size());
   }
   const std::unique_lock lock(mutex_);
   if (known_.size() >= kMostKnown) {
     unkept[is_goal] = std::move(made);
     return unkept[is_goal].get();
+  }
+  if (const std::size_t sites = map_->site_of.size(); known_.size() * sites < kMostCostBytes / 4) {
+    made->to_site = std::make_unique<std::atomic<std::uint32_t>[]>(sites);
   }
   entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
   return entry.known;
@@ -331,8 +333,8 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* sea
 }
 
 RoadNetwork::Start RoadNetwork::StartOf(Point place) const {
-  const Known* known = KnownOf(place, false);
-  return {known->spot, known->site};
+  Known* const known = KnownOf(place, false);
+  return {known->spot, known->to_site.get()};
 }
 
 std::int64_t RoadNetwork::Cost(Point from, Point to) const {
@@ -347,9 +349,8 @@ void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> st
   Known* const goal = KnownOf(to, true);
   std::unique_lock<std::mutex> lock(goal->mutex, std::defer_lock);
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const std::int32_t site = starts[i].site;
     std::atomic<std::uint32_t>* const known =
-        site < 0 || goal->from_site == nullptr ? nullptr : &goal->from_site[At(site)];
+        goal->site < 0 || starts[i].to_site == nullptr ? nullptr : &starts[i].to_site[goal->site];
     const std::uint32_t cost = known ? known->load(std::memory_order_relaxed) : 0;
     if (cost != 0) {
       costs[i] = cost == kUnreached ? -1 : std::int64_t{cost} - 1;

@@ -144,7 +144,7 @@ class RoadNetwork {
   /// Where a way begins.
   struct Start {
     std::optional<Spot> spot;
-    std::int32_t site = -1;  ///< -1: none
+    std::atomic<std::uint32_t>* to_site = nullptr;  ///< costs that are known; null: none are kept
   };
   Start StartOf(Point place) const;
   /// `starts`: of `from`.

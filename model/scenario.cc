@@ -32,6 +32,22 @@ std::shared_ptr<const RoadWays> SharedWays(RoadsKey key, const std::function<Roa
   return ways;
 }
 
+/// The ways with what is closed.
+std::shared_ptr<const Ways> PresentWays(const Scenario& scenario) {
+  std::vector<std::int32_t> closed;
+  std::vector<Zone> zones;
+  for (const Closure& closure : scenario.closures) {
+    closed.insert(closed.end(), closure.roads.begin(), closure.roads.end());
+    if (closure.zone) zones.push_back(*closure.zone);
+  }
+  std::sort(closed.begin(), closed.end());
+  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
+  std::shared_ptr<const Ways> ground = DefaultWays();
+  if (scenario.roads) ground = scenario.roads->ways->Without(closed);
+  if (scenario.air == nullptr) return ground;
+  return scenario.air->ways->Around(std::move(ground), std::move(zones));
+}
+
 }  // namespace
 
 bool Task::IsPlain() const {
@@ -80,6 +96,13 @@ void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario) 
   scenario->roads = std::make_shared<const ScenarioRoads>(std::move(roads));
 }
 
+void UseAir(ScenarioAir air, Scenario* scenario) {
+  air.ways = std::make_shared<const AirWaysStore>(
+      air.margin_m, AirWays::Extent{scenario->width_m, scenario->height_m});
+  scenario->air = std::make_shared<const ScenarioAir>(std::move(air));
+  scenario->ways = PresentWays(*scenario);
+}
+
 const Ways& Scenario::WaysAt(TimeUs t) const {
   for (auto change = changed_ways.rbegin(); change != changed_ways.rend(); ++change) {
     if (change->at_us <= t) return *change->ways;
@@ -88,15 +111,9 @@ const Ways& Scenario::WaysAt(TimeUs t) const {
 }
 
 void ChangeWays(TimeUs t, Scenario* scenario) {
-  std::vector<std::int32_t> closed;
-  for (const Closure& closure : scenario->closures) {
-    closed.insert(closed.end(), closure.roads.begin(), closure.roads.end());
-  }
-  std::sort(closed.begin(), closed.end());
-  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
   auto& changes = scenario->changed_ways;
   if (changes.empty()) changes.push_back({std::numeric_limits<TimeUs>::min(), scenario->ways, {}});
-  scenario->ways = scenario->roads->ways->Without(closed);
+  scenario->ways = PresentWays(*scenario);
   if (changes.back().at_us == t) changes.pop_back();
   changes.push_back({t, scenario->ways, scenario->closures});
 }

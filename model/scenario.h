@@ -12,10 +12,12 @@
 #include "base/ids.h"
 #include "base/moment.h"
 #include "base/units.h"
+#include "model/air_ways.h"
 #include "model/per_kind.h"
 #include "model/road_area.h"
 #include "model/road_ways.h"
 #include "model/ways.h"
+#include "model/zone.h"
 
 namespace muster {
 
@@ -141,12 +143,13 @@ struct PlannedClosure {
   TimeUs until_us = kNever;
 };
 
-/// Roads that an order has closed.
+/// Roads that an order has closed, or a zone that it has added.
 struct Closure {
   std::string order;  ///< its id
   std::string name;   ///< as people call it; "": not given
   TimeUs since_us = 0;
-  std::vector<std::int32_t> roads;  ///< indices, ascending
+  std::vector<std::int32_t> roads;             ///< indices, ascending
+  std::shared_ptr<const Zone> zone = nullptr;  ///< null: it is about roads
 };
 
 /// The road network that workers and vehicles of a scenario travel by.
@@ -158,6 +161,20 @@ struct ScenarioRoads {
   std::vector<PlannedClosure> closures;
   std::shared_ptr<const Roads> network;
   std::shared_ptr<const RoadWays> ways;  ///< while no road is closed
+};
+
+/// A zone that is known before the mission begins.
+struct PlannedZone {
+  Zone zone;
+  TimeUs from_us = 0;
+  TimeUs until_us = kNever;
+};
+
+/// The airspace that UAVs of a scenario fly in.
+struct ScenarioAir {
+  double margin_m = 30;  ///< they stay so far away from a zone
+  std::vector<PlannedZone> zones;
+  std::shared_ptr<const AirWaysStore> ways;
 };
 
 /// A mission: who, where, when. Ids are indices. SI units; see scenario_json.h for the file.
@@ -174,9 +191,11 @@ struct Scenario {
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
   std::shared_ptr<const ScenarioRoads> roads;  ///< null: nobody needs any
-  /// How its agents travel: by roads, if there are any, as they are after all orders so far.
+  std::shared_ptr<const ScenarioAir> air;  ///< null: UAVs fly straight, and zones cannot be added
+  /// How its agents travel: by the roads and around the zones that there are after all orders so
+  /// far.
   std::shared_ptr<const Ways> ways = DefaultWays();
-  std::vector<Closure> closures;  ///< in force, in the order in which they came
+  std::vector<Closure> closures;  ///< of roads and air, in force, in the order in which they came
   struct WaysSince {
     TimeUs at_us;
     std::shared_ptr<const Ways> ways;
@@ -195,7 +214,7 @@ struct Scenario {
   /// The ways at that time, with the orders of its tick.
   const Ways& WaysAt(TimeUs t) const;
   /// Whether orders may come.
-  bool takes_orders() const { return room.any() || roads != nullptr; }
+  bool takes_orders() const { return room.any() || roads != nullptr || air != nullptr; }
   AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }
   /// Whether it needs version 2 of the file: a task has more than a place and a cost, or a rule of
   /// such tasks is not the usual one.
@@ -209,6 +228,9 @@ struct Scenario {
 /// Sends workers and vehicles by these roads. Their network is read from the text; errors name
 /// `file`.
 void UseRoads(ScenarioRoads roads, const std::string& file, Scenario* scenario);
+
+/// Sends UAVs around zones. After UseRoads().
+void UseAir(ScenarioAir air, Scenario* scenario);
 
 /// After a change of the closures at t: the ways follow.
 void ChangeWays(TimeUs t, Scenario* scenario);

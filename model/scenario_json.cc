@@ -18,13 +18,12 @@
 #include "base/sha256.h"
 #include "base/text_file.h"
 #include "model/task_reader.h"
+#include "model/ways_reader.h"
 
 namespace muster {
 namespace {
 
 // Reading.
-
-constexpr double kFarthestOffRoad_km = 100;
 
 Point ReadPoint(const ObjectReader& object) {
   return {object.Number("x_km", kKm), object.Number("y_km", kKm)};
@@ -187,54 +186,6 @@ Room ReadRoom(const ObjectReader& object) {
   return {count("tasks"), {count("uavs"), count("workers"), count("vehicles")}};
 }
 
-OpenGround ReadOpenGround(const ObjectReader& object) {
-  object.AllowOnly({"percent", "reach_km"});
-  return {static_cast<std::int32_t>(object.Integer("percent", 0, 100)),
-          object.Number("reach_km", kKm, 0, kFarthestOffRoad_km)};
-}
-
-/// The name alone: the file stands beside the scenario's.
-std::string ReadRoadFileName(const ObjectReader& object) {
-  std::string name = object.String("file");
-  if (!name.ends_with(kRoadFileEnd) || name.find('/') != std::string::npos) {
-    object.Fail("file", *object.Optional("file"),
-                fmt::format("the name of a file *{} in the scenario's folder", kRoadFileEnd));
-  }
-  return name;
-}
-
-PlannedClosure ReadClosure(const ObjectReader& object) {
-  object.AllowOnly({"area_km", "circle_km", "roads", "near_km", "name", "from_min", "until_min"});
-  PlannedClosure closure;
-  closure.area = ReadRoadArea(object);
-  if (object.Has("name")) closure.name = object.String("name");
-  if (object.Has("from_min")) closure.from_us = object.Time("from_min", kMinute);
-  if (object.Has("until_min")) closure.until_us = object.Time("until_min", kMinute);
-  if (closure.until_us <= closure.from_us) {
-    object.Fail("until_min", *object.Optional("until_min"), "later than from_min");
-  }
-  return closure;
-}
-
-/// All of the key "roads" but the roads.
-ScenarioRoads ReadRoadsKey(const ObjectReader& object) {
-  object.AllowOnly({"file", "sha256", "open_ground", "closures"});
-  ScenarioRoads roads;
-  roads.file = ReadRoadFileName(object);
-  if (object.Has("closures")) {
-    const std::vector<JsonValue>& closures = object.Array("closures");
-    for (std::size_t i = 0; i < closures.size(); ++i) {
-      roads.closures.push_back(ReadClosure(object.Element("closures", closures[i], i)));
-    }
-  }
-  if (!object.Has("open_ground")) return roads;
-  const ObjectReader ground = object.Child("open_ground");
-  ground.AllowOnly({"workers", "vehicles"});
-  if (ground.Has("workers")) roads.open_ground.workers = ReadOpenGround(ground.Child("workers"));
-  if (ground.Has("vehicles")) roads.open_ground.vehicles = ReadOpenGround(ground.Child("vehicles"));
-  return roads;
-}
-
 void TakeRoads(const ObjectReader& object, const std::string& text, std::string_view file,
                Scenario* scenario) {
   ScenarioRoads roads = ReadRoadsKey(object);
@@ -296,7 +247,7 @@ class Writer {
     const Rules& rules = scenario.rules;
     const bool open = scenario.IsOpen();
     Add("{{\n  \"version\": {},\n  \"name\": {},\n  \"seed\": {},\n",
-        open || scenario.roads ? 2 : 1, JsonText(scenario.name), scenario.seed);
+        open || scenario.roads || scenario.air ? 2 : 1, JsonText(scenario.name), scenario.seed);
     Add("  \"area_km\": [{}, {}],\n", ToText(scenario.width_m, kKm),
         ToText(scenario.height_m, kKm));
     Add("  \"interval_min\": {},\n  \"limit_min\": {},\n", TimeToText(rules.interval_us, kMinute),
@@ -333,6 +284,7 @@ class Writer {
           room.tasks, room.agents.uavs, room.agents.workers, room.agents.vehicles);
     }
     if (scenario.roads) AddRoads(*scenario.roads);
+    if (scenario.air) AddAir(*scenario.air);
     Agents("uavs", AgentKind::kUav, scenario);
     Agents("workers", AgentKind::kWorker, scenario);
     Agents("vehicles", AgentKind::kVehicle, scenario);
@@ -371,13 +323,27 @@ class Writer {
       Add("{}\n      {{{}", &closure == roads.closures.data() ? ",\n    \"closures\": [" : ",",
           RoadAreaToJson(closure.area));
       if (!closure.name.empty()) Add(", \"name\": {}", JsonText(closure.name));
-      Add(", \"from_min\": {}", TimeToText(closure.from_us, kMinute));
-      if (closure.until_us != kNever) {
-        Add(", \"until_min\": {}", TimeToText(closure.until_us, kMinute));
-      }
+      AddFromUntil(closure.from_us, closure.until_us);
       text_ += '}';
     }
     text_ += roads.closures.empty() ? "},\n" : "]},\n";
+  }
+
+  void AddFromUntil(TimeUs from_us, TimeUs until_us) {
+    Add(", \"from_min\": {}", TimeToText(from_us, kMinute));
+    if (until_us != kNever) Add(", \"until_min\": {}", TimeToText(until_us, kMinute));
+  }
+
+  void AddAir(const ScenarioAir& air) {
+    Add("  \"air\": {{\"margin_km\": {}", ToText(air.margin_m, kKm));
+    for (const PlannedZone& planned : air.zones) {
+      Add("{}\n    {{{}", &planned == air.zones.data() ? ", \"zones\": [" : ",",
+          ZoneToJson(planned.zone));
+      if (!planned.zone.name.empty()) Add(", \"name\": {}", JsonText(planned.zone.name));
+      AddFromUntil(planned.from_us, planned.until_us);
+      text_ += '}';
+    }
+    text_ += air.zones.empty() ? "},\n" : "]},\n";
   }
 
   void AddTask(const Task& task) {
@@ -458,8 +424,8 @@ Scenario ParseScenario(const ScenarioText& text, std::string_view file) {
   const int version = number.text == "1" ? 1 : 2;
   top.AllowOnly({"version", "name", "seed", "area_km", "interval_min", "limit_min", "start",
                  "origin", "rules", "disturbances", "uavs", "workers", "vehicles", "tasks",
-                 "charging_points", "room", "roads"});
-  for (const char* key : {"room", "roads"}) {
+                 "charging_points", "room", "roads", "air"});
+  for (const char* key : {"room", "roads", "air"}) {
     if (version == 1 && top.Has(key)) top.Fail(key, "in version 1", "version 2");
   }
   Scenario scenario;
@@ -496,6 +462,7 @@ Scenario ParseScenario(const ScenarioText& text, std::string_view file) {
   const Room room = std::exchange(scenario.room, {});
   ValidateScenario(scenario, file, room.tasks > 0);
   if (top.Has("roads")) TakeRoads(top.Child("roads"), text.roads, file, &scenario);
+  if (top.Has("air")) UseAir(ReadAir(top.Child("air")), &scenario);
   AddRoom(room, &scenario);
   return scenario;
 }

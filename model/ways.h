@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -50,6 +51,12 @@ class Ways {
     return straight(kind) ? Distance(from, Lerp(from, to, share))
                           : share * BentLength(kind, from, to);
   }
+  /// Metres that an agent has travelled that set out from one place and is at the other: straight
+  /// where it is at a place that no way leads to, as a UAV that leaves a zone.
+  double Gone(AgentKind kind, Point from, Point to) const {
+    const double way_m = Length(kind, from, to);
+    return std::isinf(way_m) ? Distance(from, to) : way_m;
+  }
   /// Metres on the ground: those of Length() where the agent makes its full speed all along.
   double GroundLength(AgentKind kind, Point from, Point to) const {
     return straight(kind) ? Distance(from, to) : BentGroundLength(kind, from, to);
@@ -92,12 +99,15 @@ class Ways {
  protected:
   explicit Ways(PerKind<bool> bends) : bends_(bends) {}
 
- private:
-  virtual double BentLength(AgentKind kind, Point from, Point to) const;
+  /// Each by BentLength().
   virtual void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                            std::span<double> lengths_m) const;
-  virtual std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const;
+  /// By BentCorners().
   virtual Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
+
+ private:
+  virtual double BentLength(AgentKind kind, Point from, Point to) const;
+  virtual std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const;
   virtual double BentGroundLength(AgentKind kind, Point from, Point to) const;
   virtual Stop BentStopNear(AgentKind kind, Point wanted) const;
   virtual Point BentStopBefore(AgentKind kind, Point from, Point to, double share) const;

@@ -94,7 +94,7 @@ void TellGoal(const AgentState& agent, TimeUs set_out_us, TimeUs t, agent_t* wir
   wire->from_y_m = from.y_m;
   wire->depart_us = t - behind_us;
   if (agent.kind == AgentKind::kUav) {
-    wire->range_at_departure_m += agent.range_per_m * agent.WayM(from, agent.from);
+    wire->range_at_departure_m += agent.range_per_m * agent.GoneM(from, agent.from);
   }
 }
 
@@ -162,7 +162,7 @@ agent_t ToWire(const AgentState& agent, TimeUs t, std::span<const Task> tasks) {
   }
   if (TellsWholeLeg(agent, t)) {
     const Measured& told = *agent.measured;
-    const double way = agent.range_per_m * agent.WayM(told.origin, agent.from);
+    const double way = agent.range_per_m * agent.GoneM(told.origin, agent.from);
     wire.from_x_m = told.origin.x_m;
     wire.from_y_m = told.origin.y_m;
     wire.depart_us = told.set_out_us;

@@ -196,6 +196,12 @@ class Checker {
   }
 
   void CheckAvailability(const Action& a, const std::vector<const AgentState*>& agents) {
+    for (const AgentState* agent : agents) {
+      if (a.kind == ActionKind::kGoTo || std::isfinite(agent->WayM(agent->to, a.to))) continue;
+      Broken(Rule::kAvailability,
+             fmt::format("no way leads {}:{} there", ToString(agent->kind), agent->id));
+      return;
+    }
     if (site_.rules.availability == Availability::kOverrun) return;
     // The rule book carries the action out, undisturbed.
     std::vector<AgentState> acting;

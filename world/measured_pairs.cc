@@ -6,6 +6,7 @@
 
 #include "model/feasibility.h"
 #include "model/measured.h"
+#include "model/place_index.h"
 #include "world/referee.h"
 
 namespace muster::world {
@@ -46,7 +47,7 @@ void Referee::MoveActivities(TimeUs t, Agents* agents) {
     const AgentState& uav = agents->uavs[activity.uav.index()];
     const AgentState& partner = agents->at(PartnerKind(activity.kind), activity.partner);
     const bool is_measured = uav.measured || partner.measured;
-    if (known.is_aborted || (!is_measured && !RoadsChange())) continue;
+    if (known.is_aborted || (!is_measured && !WaysChange())) continue;
     if (!AreAt(activity, uav, partner)) continue;
     if (activity.start_us > previous_us_) activity = ActivityOf(uav, partner, scenario_);
     if (activity.start_us > t || !is_measured) continue;
@@ -58,21 +59,46 @@ void Referee::MoveActivities(TimeUs t, Agents* agents) {
   }
 }
 
-bool Referee::RoadsChange() const {
-  return std::any_of(orders_.begin(), orders_.end(), [](const TakenOrder& taken) {
-    return RowOf(taken.order.kind).subject == OrderSubject::kRoads;
-  });
+bool Referee::WaysChange() const {
+  return std::any_of(orders_.begin(), orders_.end(),
+                     [](const TakenOrder& taken) { return ChangesWays(taken.order.kind); });
 }
 
 std::string Referee::BarredPair(const Activity& activity, const AgentState& uav,
                                 const AgentState& partner, TimeUs t) const {
-  if (!RoadsChange() || activity.start_us == kNever || partner.failed || uav.failed) return "";
-  if (partner.action == ActionKind::kNone) return NameOf(partner) + " is cut off";
+  if (!WaysChange() || partner.failed || uav.failed) return "";
+  for (const AgentState* member : {&partner, &uav}) {
+    if (activity.start_us != kNever && member->action == ActionKind::kNone) {
+      return NameOf(*member) + " is cut off";
+    }
+  }
+  const auto goes_round = [&](const AgentState& member) {
+    return member.depart_us == t && AreAt(activity, uav, partner);
+  };
+  if (goes_round(uav) && !HasRangeFor(activity, uav)) {
+    return NameOf(uav) + " lacks the range to go round";
+  }
+  if (activity.start_us == kNever) return "";
   const TimeUs latest_us =
       std::min(LatestEnd(uav, scenario_.rules), LatestEnd(partner, scenario_.rules));
-  const bool goes_round = partner.depart_us == t && AreAt(activity, uav, partner);
-  return goes_round && activity.end_us > latest_us ? NameOf(partner) + " has too far to go round"
-                                                   : "";
+  for (const AgentState* member : {&partner, &uav}) {
+    if (goes_round(*member) && activity.end_us > latest_us) {
+      return NameOf(*member) + " has too far to go round";
+    }
+  }
+  return "";
+}
+
+bool Referee::HasRangeFor(const Activity& activity, const AgentState& uav) const {
+  double need_m = uav.range_per_m * uav.LegM();
+  if (activity.kind == Activity::Kind::kSensing) {
+    std::vector<Point> charging;
+    for (const ChargingPoint& point : scenario_.charging_points) charging.push_back(point.at);
+    const Task& task = scenario_.tasks[static_cast<std::size_t>(activity.site)];
+    need_m += task.cost_m +
+              PlaceIndex(charging, {scenario_.ways.get(), AgentKind::kUav}).NearestFrom(task.at);
+  }
+  return need_m <= uav.range_at_departure_m + kRangeSlack_m;
 }
 
 void Referee::FindLate(TimeUs t, Agents* agents) {

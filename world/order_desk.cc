@@ -69,6 +69,18 @@ PlannedOrder ToOrder(const PlannedClosure& closure, std::ptrdiff_t number) {
   return Written(fmt::format("closure:{}", number), json + "}");
 }
 
+PlannedOrder ToOrder(const PlannedZone& planned, std::ptrdiff_t number) {
+  std::string json = fmt::format("{{\"order\": \"zone_add\", \"at_min\": {}, {}",
+                                 TimeToText(planned.from_us, kMinute), ZoneToJson(planned.zone));
+  if (!planned.zone.name.empty()) {
+    json += fmt::format(", \"name\": {}", JsonText(planned.zone.name));
+  }
+  if (planned.until_us != kNever) {
+    json += fmt::format(", \"until_min\": {}", TimeToText(planned.until_us, kMinute));
+  }
+  return Written(fmt::format("zone:{}", number), json + "}");
+}
+
 bool IsInForce(const std::string& closure, const Scenario& scenario) {
   return std::any_of(scenario.closures.begin(), scenario.closures.end(),
                      [&](const Closure& one) { return one.order == closure; });
@@ -81,6 +93,11 @@ OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned
   if (scenario.roads) {
     for (const PlannedClosure& closure : scenario.roads->closures) {
       planned_.push_back(ToOrder(closure, &closure - scenario.roads->closures.data()));
+    }
+  }
+  if (scenario.air) {
+    for (const PlannedZone& zone : scenario.air->zones) {
+      planned_.push_back(ToOrder(zone, &zone - scenario.air->zones.data()));
     }
   }
   std::stable_sort(planned_.begin(), planned_.end(), [](const auto& a, const auto& b) {
@@ -123,13 +140,15 @@ void OrderDesk::Give(const std::string& id, std::string json) {
 
 void OrderDesk::PlanOpening(const TakenOrder& taken, TimeUs t) {
   const TimeUs until_us = taken.order.UntilUs(t);
-  if (taken.order.kind != OrderKind::kRoadClose || until_us == kNever) return;
-  std::string id = "open:" + taken.order.id;
+  const bool is_zone = taken.order.kind == OrderKind::kZoneAdd;
+  if ((taken.order.kind != OrderKind::kRoadClose && !is_zone) || until_us == kNever) return;
+  std::string id = (is_zone ? "lift:" : "open:") + taken.order.id;
   const auto is_same = [&](const PlannedOrder& other) { return other.order.id == id; };
   if (std::any_of(planned_.begin(), planned_.end(), is_same)) return;
   PlannedOrder opening = Written(
-      std::move(id), fmt::format("{{\"order\": \"road_open\", \"at_min\": {}, \"closure\": {}}}",
-                                 TimeToText(until_us, kMinute), JsonText(taken.order.id)));
+      std::move(id), fmt::format("{{\"order\": \"{}\", \"at_min\": {}, \"{}\": {}}}",
+                                 is_zone ? "zone_lift" : "road_open", TimeToText(until_us, kMinute),
+                                 is_zone ? "zone" : "closure", JsonText(taken.order.id)));
   const auto place = std::lower_bound(planned_.begin(), planned_.end(), opening,
                                       [](const PlannedOrder& a, const PlannedOrder& b) {
                                         return a.order.not_before_us > b.order.not_before_us;
@@ -150,7 +169,7 @@ orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status
        planned_.pop_back()) {
     const PlannedOrder& next = planned_.back();
     if (answered_.contains(next.order.id)) continue;
-    // Somebody has opened those roads already.
+    // Somebody has opened those roads, or lifted that zone, already.
     const std::string& ended = next.order.closure;
     if (!ended.empty() && next.order.issuer == process_name::kWorld &&
         !IsInForce(ended, scenario)) {

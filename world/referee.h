@@ -123,7 +123,10 @@ class Referee {
   /// keeps one from its place.
   void FindLate(TimeUs t, Agents* agents);
   /// Whether the tick's orders close or open roads.
-  bool RoadsChange() const;
+  bool WaysChange() const;
+  /// Whether the range of a UAV that has just set out suffices for its way, its work and the way on
+  /// to the nearest charging point.
+  bool HasRangeFor(const Activity& activity, const AgentState& uav) const;
   /// Why the pair is given up at t after a change of roads; "": it is not.
   std::string BarredPair(const Activity& activity, const AgentState& uav, const AgentState& partner,
                          TimeUs t) const;

@@ -58,7 +58,8 @@ void Referee::Obey(TimeUs t, Agents* agents) {
     const AgentKey agent{taken.order.agent_kind, taken.agent_id};
     switch (RowOf(taken.order.kind).subject) {
       case OrderSubject::kNewTask:
-      case OrderSubject::kRoads:  // who is concerned follows before it reports
+      case OrderSubject::kRoads:
+      case OrderSubject::kAir:  // who is concerned follows before it reports
         break;
       case OrderSubject::kTask:
         ObeyOfTask(taken, t);

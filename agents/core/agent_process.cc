@@ -393,7 +393,7 @@ void AgentProcess::ApplyReports() {
 
 void AgentProcess::ReportTick(const Now& now) {
   for (AgentState& agent : agents_) {
-    FollowRoads(&agent, orders().TakenAt(tick_), tick_us_, *scenario());
+    FollowWays(&agent, orders().TakenAt(tick_), tick_us_, *scenario());
   }
   std::vector<agent_t> wires;
   wires.reserve(agents_.size());

@@ -65,11 +65,11 @@ struct AgentModel {
   /// Metres; below 0 when the agent flew further than it could.
   double RangeAt(std::int64_t t) const;
   double RangeOnArrival() const {
-    const double range_m = range_at_departure_m - range_per_m * WayM(from, to);
+    const double range_m = range_at_departure_m - range_per_m * leg_ways->Length(kind, from, to);
     return spec->measured ? std::max(0.0, range_m) : range_m;
   }
   /// Metres of the present leg behind it at t.
-  double MovedAt(std::int64_t t) const { return WayM(from, At(t)); }
+  double MovedAt(std::int64_t t) const { return leg_ways->Gone(kind, from, At(t)); }
   double WayM(Place a, Place b) const { return ways->Length(kind, a, b); }
   AgentStatus StatusAt(std::int64_t t) const;
   /// Stands where it is at t, free.

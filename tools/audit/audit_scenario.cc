@@ -135,6 +135,25 @@ std::set<int> Scenario::ClosedRoads() const {
   return all;
 }
 
+void Scenario::TakeWays() {
+  const std::set<int> shut = ClosedRoads();
+  std::shared_ptr<const Ways> ground = DefaultWays();
+  if (roads != nullptr) ground = shut.empty() ? roads : roads->Without(shut);
+  if (!margin_m) {
+    ways = std::move(ground);
+    return;
+  }
+  std::vector<Rings> around;
+  for (const Closed& one : closed) {
+    if (!one.zone.empty()) around.push_back(one.zone);
+  }
+  ways = FlyAround(std::move(around), *margin_m, width_m, height_m, std::move(ground));
+  const Nearest charging(charges, *ways);
+  for (std::size_t i = 0; i + static_cast<std::size_t>(room_tasks) < tasks.size(); ++i) {
+    tasks[i].to_charge_m = charging.WayFrom(tasks[i].at);
+  }
+}
+
 std::int32_t Scenario::DecisionAt(std::int64_t tick) const {
   const std::int64_t t = TimeOf(tick);
   return t < limit_us && t % interval_us == 0 ? static_cast<std::int32_t>(t / interval_us) : -1;
@@ -177,6 +196,13 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
     for (const json& closure : top.at("roads").value("closures", json::array())) {
       s.closures.push_back({MinutesOr(closure, "from_min", 0)});
     }
+  }
+  if (top.contains("air")) {
+    s.margin_m = top.at("air").value("margin_km", 0.03) * kKm;
+    for (const json& zone : top.at("air").value("zones", json::array())) {
+      s.zones.push_back({MinutesOr(zone, "from_min", 0)});
+    }
+    s.TakeWays();
   }
   const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
@@ -229,6 +255,13 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     order.closure = top.value("closure", "");
     if (order.closure.empty()) order.roads = scenario.roads->RoadsIn(text);
     order.since_us = std::min(now_us, MinutesOr(top, "since_min", now_us));
+    order.until_us = time(top, "until_min", "until_in_min");
+  }
+  if (order.is_zone()) {
+    if (!scenario.margin_m) throw std::invalid_argument("the scenario has no key air");
+    order.closure = top.value("zone", "");
+    if (order.closure.empty()) order.zone = ReadZone(text);
+    order.since_us = now_us;
     order.until_us = time(top, "until_min", "until_in_min");
   }
   if (order.is_join()) {

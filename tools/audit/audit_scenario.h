@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lcmtypes/words.h"
+#include "tools/audit/air_ways.h"
 #include "tools/audit/road_ways.h"
 
 namespace muster::tools::audit {
@@ -71,20 +72,24 @@ struct Scenario {
     std::string order;
     std::int64_t until_us = kForever;
     std::set<int> roads;
+    Rings zone = {};  ///< empty: it is about roads
   };
-  std::vector<Closed> closed;  ///< by orders, in force
+  std::vector<Closed> closed;      ///< by orders, in force
+  std::optional<double> margin_m;  ///< from zones; none: zones cannot be added
   /// When ways have changed, and what held from then on; first what held before.
   std::vector<std::pair<std::int64_t, std::shared_ptr<const Ways>>> changes;
   struct Planned {
     std::int64_t from_us = 0;
   };
-  std::vector<Planned> closures;  ///< that the scenario itself names
+  std::vector<Planned> closures, zones;  ///< that the scenario itself names
   const Ways& WaysAt(std::int64_t t) const;
   std::set<int> ClosedRoads() const;
+  /// The ways are those of what is closed now, and with them UAVs' ways to charging points.
+  void TakeWays();
   /// How many of each list are vacant, for orders to fill.
   int room_tasks = 0, room_agents[3] = {};
   bool takes_orders() const {
-    return roads != nullptr ||
+    return roads != nullptr || margin_m ||
            room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
   }
 
@@ -108,11 +113,14 @@ struct AuditOrder {
   int task = -1, kind = kUav, agent = -1;
   std::string id, closure;  ///< its own, and that of the closure that it ends
   std::set<int> roads;      ///< to be closed or opened
+  Rings zone;               ///< to be added
   std::int64_t since_us = kForever, until_us = kForever;  ///< of a closure
 
   bool is_add() const { return what == "task_add"; }
   bool is_join() const { return what == "agent_join"; }
   bool is_roads() const { return what.starts_with("road_"); }
+  bool is_zone() const { return what.starts_with("zone_"); }
+  bool changes_ways() const { return is_roads() || is_zone(); }
   bool is_agents() const { return what.starts_with("agent_"); }
 };
 

@@ -61,7 +61,7 @@ void Auditor::CheckTick() {
   View& view = *view_;
   CheckClock(view);
   reports_->TakeLate(view, intake_.TakeLate());
-  orders_.CheckRoads(view);
+  orders_.CheckWays(view);
   reports_->Check(view);
   orders_.Check(view);
   if (!view.Holds()) return;

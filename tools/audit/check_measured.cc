@@ -34,7 +34,7 @@ void CheckFromAnchor(const View& view, const AgentModel& model, Place at, std::i
                      double range_m) {
   CheckWay(view, model, model.anchor, at, ToSeconds(at_us - model.anchor_us));
   CheckRangeTold(view, model, range_m,
-                 std::max(0.0, model.anchor_range_m - model.WayM(model.anchor, at)));
+                 std::max(0.0, model.anchor_range_m - Apart(model.anchor, at)));
 }
 
 void Arrive(const View& view, AgentModel* model, const agent_t& a) {
@@ -195,16 +195,30 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   }
 }
 
-/// Whether roads that the tick's orders close keep the pair's partner from its place, or let it
-/// come too late.
+/// Whether a UAV that has just set out anew can make its way, its work and the way on to charge.
+bool HasRangeFor(const View& view, const Activity& activity, const AgentModel& uav) {
+  const double way_m = uav.range_per_m * uav.leg_ways->Length(kUav, uav.from, uav.to);
+  const auto& tasks = view.scenario.tasks;
+  const double more_m = !activity.senses()
+                            ? 0
+                            : tasks[static_cast<std::size_t>(activity.site)].cost_m +
+                                  tasks[static_cast<std::size_t>(activity.site)].to_charge_m;
+  return way_m + more_m <= uav.range_at_departure_m + kTolerance_m;
+}
+
+/// Whether what the tick's orders close keeps one of the pair from its place, or lets it come too
+/// late or with too little range.
 bool IsBarred(View& view, const Activity& activity) {
-  if (!view.roads_since_us || activity.start_us <= view.now_us || activity.start_us == kForever) {
-    return false;
-  }
+  if (!view.ways_since_us || activity.start_us <= view.now_us) return false;
   const auto [uav, partner] = view.MembersOf(activity);
   if (uav->failed || partner->failed) return false;
-  if (partner->action == ActionKind::kNone) return true;
-  return partner->depart_us == view.now_us &&
+  const bool runs_dry = activity.start_us == kForever;
+  const bool is_free = partner->action == ActionKind::kNone || uav->action == ActionKind::kNone;
+  if (is_free && !runs_dry) return true;
+  const bool partner_anew = partner->depart_us == view.now_us;
+  const bool uav_anew = uav->depart_us == view.now_us;
+  if (uav_anew && !HasRangeFor(view, activity, *uav)) return true;
+  return !runs_dry && (partner_anew || uav_anew) &&
          activity.end_us > std::min(view.LatestEnd(*uav), view.LatestEnd(*partner));
 }
 

@@ -24,6 +24,18 @@ std::string WrongOf(const View& view, const AuditOrder& order) {
            : !view.IsInside(at)  ? "its task is outside the area"
                                  : "";
   }
+  if (order.is_zone()) {
+    const auto& in_force = view.scenario.closed;
+    if (order.what == "zone_add") {
+      return order.until_us > view.now_us ? ""
+                                          : fmt::format("adds a zone until {} us", order.until_us);
+    }
+    return std::any_of(
+               in_force.begin(), in_force.end(),
+               [&](const auto& one) { return !one.zone.empty() && one.order == order.closure; })
+               ? ""
+               : fmt::format("there is no zone of {}", order.closure);
+  }
   if (order.is_roads()) {
     const std::set<int> closed = view.scenario.ClosedRoads();
     const auto is_closed = [&](int road) { return closed.contains(road); };
@@ -131,60 +143,72 @@ void ChangeTask(View& view, const AuditOrder& order) {
 
 }  // namespace
 
-void TakeRoads(View& view, const AuditOrder& order) {
+void TakeWayOrder(View& view, const AuditOrder& order) {
   Scenario& scenario = view.scenario;
-  if (order.what == "road_close") {
+  if (order.is_zone()) {
+    if (order.what == "zone_add") {
+      scenario.closed.push_back({order.id, order.until_us, {}, order.zone});
+    } else {
+      std::erase_if(scenario.closed, [&](const Scenario::Closed& one) {
+        return !one.zone.empty() && one.order == order.closure;
+      });
+    }
+    view.ways_since_us = view.ways_since_us.value_or(view.now_us);
+  } else if (order.what == "road_close") {
     scenario.closed.push_back({order.id, order.until_us, order.roads});
-    view.roads_since_us = std::min(order.since_us, view.roads_since_us.value_or(view.now_us));
+    view.ways_since_us = std::min(order.since_us, view.ways_since_us.value_or(view.now_us));
   } else {
     for (Scenario::Closed& one : scenario.closed) {
-      if (one.order == order.closure) one.roads.clear();
+      if (one.zone.empty() && one.order == order.closure) one.roads.clear();
       for (const int road : order.roads) one.roads.erase(road);
     }
-    std::erase_if(scenario.closed, [](const Scenario::Closed& one) { return one.roads.empty(); });
-    view.roads_since_us = view.roads_since_us.value_or(view.now_us);
+    std::erase_if(scenario.closed, [](const Scenario::Closed& one) {
+      return one.zone.empty() && one.roads.empty();
+    });
+    view.ways_since_us = view.ways_since_us.value_or(view.now_us);
   }
 }
 
 /// What the scenario or an earlier order has planned comes at its tick.
 void CheckPlanned(const View& view, const std::set<std::string>& answered) {
-  const auto& planned = view.scenario.closures;
-  for (std::size_t i = 0; i < planned.size(); ++i) {
-    if (planned[i].from_us > view.now_us || answered.contains(fmt::format("closure:{}", i))) {
-      continue;
+  const auto check = [&](const std::vector<Scenario::Planned>& planned, std::string_view what) {
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+      if (planned[i].from_us > view.now_us || answered.contains(fmt::format("{}:{}", what, i))) {
+        continue;
+      }
+      view.Violate("orders", "the scenario's {} {} has not been made", what, i);
     }
-    view.Violate("orders", "the scenario's closure {} has not been made", i);
-  }
+  };
+  check(view.scenario.closures, "closure");
+  check(view.scenario.zones, "zone");
   for (const Scenario::Closed& one : view.scenario.closed) {
     if (one.until_us > view.now_us) continue;
-    view.Violate("orders", "the roads that {} closed until {} us are still closed", one.order,
-                 one.until_us);
+    view.Violate("orders", "what {} closed until {} us is still closed", one.order, one.until_us);
   }
 }
 
-void OrderCheck::CheckRoads(View& view) {
-  view.roads_since_us.reset();
+void OrderCheck::CheckWays(View& view) {
+  view.ways_since_us.reset();
   if (!view.said->orders) return;
   for (const taken_order_t& taken : view.said->orders->taken) {
     try {
       AuditOrder order = ParseAuditOrder(taken.json, view.now_us, view.scenario);
       order.id = taken.id;
-      if (!order.is_roads()) continue;
+      if (!order.changes_ways()) continue;
       if (const std::string wrong = WrongOf(view, order); !wrong.empty()) {
         view.Violate("orders", "order {}: {}", taken.id, wrong);
         continue;
       }
-      TakeRoads(view, order);
+      TakeWayOrder(view, order);
     } catch (const std::exception&) {  // Check() says so
     }
   }
-  if (!view.roads_since_us) return;
+  if (!view.ways_since_us) return;
   Scenario& scenario = view.scenario;
-  const std::set<int> closed = scenario.ClosedRoads();
   if (scenario.changes.empty()) {
     scenario.changes.emplace_back(std::numeric_limits<std::int64_t>::min(), scenario.ways);
   }
-  scenario.ways = closed.empty() ? scenario.roads : scenario.roads->Without(closed);
+  scenario.TakeWays();
   scenario.changes.emplace_back(view.now_us, scenario.ways);
 }
 
@@ -208,7 +232,7 @@ void OrderCheck::Check(View& view) {
       view.Violate("orders", "order {}: cannot be read: {}", taken.id, error.what());
       continue;
     }
-    if (order.is_roads()) continue;  // CheckRoads
+    if (order.changes_ways()) continue;  // CheckWays
     order.task = taken.task_id;
     order.kind = NumberOfClass(taken.agent_kind);
     order.agent = taken.agent_id;

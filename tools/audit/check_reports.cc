@@ -48,7 +48,7 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const bool begins =
       model->spec->measured ? a.decision == command.decision : a.depart_us == command.at_us;
   // Roads that are closed right before it may have sent it round, or stopped it.
-  const bool goes_round = view.roads_since_us && model->kind != kUav && a.depart_us == view.now_us;
+  const bool goes_round = view.ways_since_us && model->kind != kUav && a.depart_us == view.now_us;
   const bool obeys = (a.action == action.kind && begins) || goes_round;
   if (!obeys && pair && view.scenario.match_failure.high > 0) {
     // The match failed; its event is looked for at the end.
@@ -108,22 +108,23 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->goes_on_anew = false;
 }
 
-/// Roads are closed or opened at this tick, before the agent reports it. `report`: null: it has
-/// none.
-void FollowRoads(const View& view, AgentModel* model, const agent_t* report) {
-  if (!view.roads_since_us) return;
+/// Roads are closed or opened, or zones added or lifted, at this tick, before the agent reports it.
+/// `report`: null: it has none.
+void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
+  if (!view.ways_since_us) return;
   const Ways& now = *view.scenario.ways;
   const bool under_way = model->action != ActionKind::kNone && !model->failed;
   const Ways& before =
       *std::exchange(model->leg_ways, under_way && !model->spec->measured ? model->leg_ways : &now);
   model->ways = &now;
   const bool has_arrived =
-      model->spec->measured ? model->says_arrived : model->arrive_us <= *view.roads_since_us;
+      model->spec->measured ? model->says_arrived : model->arrive_us <= *view.ways_since_us;
   if (!under_way || has_arrived || model->arrive_us <= model->depart_us) return;
   const auto duration = static_cast<double>(model->arrive_us - model->depart_us);
-  const auto gone = static_cast<double>(*view.roads_since_us - model->depart_us);
-  const auto part = before.MeetsAt(model->kind, model->from, model->to,
-                                   std::max(0.0, gone) / duration, view.scenario.ClosedRoads());
+  const auto gone = static_cast<double>(*view.ways_since_us - model->depart_us);
+  const auto part =
+      before.MeetsAt(model->kind, model->from, model->to, std::max(0.0, gone) / duration,
+                     view.scenario.ClosedRoads(), now);
   if (!part) return;
   const bool stands_before =
       !model->spec->measured &&
@@ -135,6 +136,11 @@ void FollowRoads(const View& view, AgentModel* model, const agent_t* report) {
   // Of two roundings the reported one.
   if (report != nullptr && Apart(here, {report->x_m, report->y_m}) <= now.rounding_m(model->kind)) {
     here = {report->x_m, report->y_m};
+  }
+  if (model->kind == kUav) {
+    const double gone_m = before.Length(kUav, model->from, model->to) * here_part;
+    model->range_at_departure_m =
+        std::max(0.0, model->range_at_departure_m - model->range_per_m * gone_m);
   }
   model->GoRound(now, here, view.now_us);
   if (report != nullptr) TakeRoundedArrival(model, *report);
@@ -233,7 +239,9 @@ void ReportCheck::NoteUav(View& view, std::int64_t tick, const agent_t& a) {
   // The report of the tick at which it is ruled to have failed runs ahead of its failure.
   if (failing_.contains({tick, a.id}) || tick <= uav.tick) return;
   const Place here{a.x_m, a.y_m};
-  if (uav.seen) uav.flown_m += view.scenario.ways->Length(kUav, *uav.seen, here);
+  if (uav.seen) {
+    uav.flown_m += view.scenario.WaysAt(view.before_us).Gone(kUav, *uav.seen, here);
+  }
   uav.seen = here;
   uav.range_m = a.range_left_m;
   uav.tick = tick;
@@ -264,7 +272,7 @@ void ReportCheck::Check(View& view) {
         CheckReport(view, &model, *told, report->applied_decision);
       } else {
         view.commands.erase({kind, model.id});  // of a lost process: what it did is not known
-        FollowRoads(view, &model, nullptr);
+        FollowWays(view, &model, nullptr);
       }
     }
   }
@@ -283,7 +291,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
   const bool is_new_leg = view.commands.contains({model->kind, model->id});
   const Ways& ways = is_new_leg ? *model->ways : *model->leg_ways;
-  const double moved = ways.Length(model->kind, model->was, here);
+  const double moved = ways.Gone(model->kind, model->was, here);
   const double seconds = ToSeconds(view.now_us - model->was_us);
   const double most = model->spec->speed_m_s * seconds;
   const double rounding_m = model->ways->rounding_m(model->kind);
@@ -303,7 +311,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   if (view.findings->count() != before) return;
 
   ResolveCommand(view, model, a);
-  FollowRoads(view, model, &a);
+  FollowWays(view, model, &a);
   if (!model->spec->measured) {
     SeeWay(view, model, a);
     if (view.findings->count() == before) CheckMotion(view, *model, a);

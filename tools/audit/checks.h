@@ -41,7 +41,7 @@ class ReportCheck {
 class OrderCheck {
  public:
   /// Those about roads, which are in force before the agents report.
-  void CheckRoads(View& view);
+  void CheckWays(View& view);
   void Check(View& view);
 
  private:

@@ -514,7 +514,7 @@ class WaysOnRoads : public RoadWays {
     return kind == kUav || number < 0 ? std::nullopt : AllStreetsOf(kind).StopOf(number);
   }
   std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
-                                const std::set<int>& roads) const override {
+                                const std::set<int>& roads, const Ways&) const override {
     return kind == kUav ? std::nullopt : StreetsOf(kind).MeetsAt(from, to, part, roads);
   }
   std::shared_ptr<const RoadWays> Without(const std::set<int>& roads) const override {

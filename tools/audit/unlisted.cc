@@ -87,7 +87,7 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   model.busy_until_us = told.busy_until_us;
   model.failed = told.status == AgentStatus::kFailed;
   if (told_us < told.arrive_us) {
-    const double moved = model.WayM({told.from_x_m, told.from_y_m}, model.from);
+    const double moved = model.ways->Gone(kind, {told.from_x_m, told.from_y_m}, model.from);
     model.to = EndOfWay(told, kind, told_us, scenario);
     if (scenario.wind.high > 0 && moved > 0) {
       model.range_per_m = (told.range_at_departure_m - told.range_left_m) / moved;

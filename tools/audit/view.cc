@@ -43,8 +43,10 @@ bool View::IsMeasured(const Activity& activity) {
 }
 
 bool View::GoesRound(const Activity& activity) {
-  const AgentModel& partner = *MembersOf(activity)[1];
-  return roads_since_us && partner.action == activity.action() && partner.depart_us == now_us;
+  const auto members = MembersOf(activity);
+  return ways_since_us && std::any_of(members.begin(), members.end(), [&](const AgentModel* one) {
+           return one->action == activity.action() && one->depart_us == now_us;
+         });
 }
 
 std::int64_t View::LatestEnd(const AgentModel& model) const {

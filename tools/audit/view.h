@@ -81,7 +81,7 @@ struct View {
   std::vector<AuditOrder> orders;             ///< taken at this tick
   /// Roads that the tick's orders close or open: since when the closed ones have been so, in the
   /// last tick. None: they change no road.
-  std::optional<std::int64_t> roads_since_us;
+  std::optional<std::int64_t> ways_since_us;
   std::vector<Flown> flown;     ///< [n_uavs]
   std::set<EventKey> expected;  ///< outcomes that must be said
   std::vector<std::tuple<AgentKey, std::int64_t, std::int64_t>> expected_back;  ///< after, until
@@ -113,7 +113,7 @@ struct View {
   /// How long its sensing or charging takes when the UAV begins with that range.
   std::int64_t DurationOf(const Activity& activity, double range_m);
   bool IsMeasured(const Activity& activity);
-  /// Whether its partner has set out anew at this tick, as roads before it were closed.
+  /// Whether one of its pair has set out anew at this tick, as its way was closed.
   bool GoesRound(const Activity& activity);
   /// When an agent must be free.
   std::int64_t LatestEnd(const AgentModel& model) const;

@@ -27,8 +27,14 @@ std::pair<Place, int> Ways::StopNear(int, Place wanted) const { return {wanted, 
 
 std::optional<Place> Ways::StopOf(int, int) const { return {}; }
 
-std::optional<double> Ways::MeetsAt(int, Place, Place, double, const std::set<int>&) const {
+std::optional<double> Ways::MeetsAt(int, Place, Place, double, const std::set<int>&,
+                                    const Ways&) const {
   return {};
+}
+
+double Ways::Gone(int kind, Place from, Place to) const {
+  const double way_m = Length(kind, from, to);
+  return std::isinf(way_m) ? Apart(from, to) : way_m;
 }
 
 std::shared_ptr<const Ways> DefaultWays() { return Default(); }

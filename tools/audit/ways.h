@@ -22,6 +22,9 @@ class Ways {
   virtual ~Ways() = default;
   /// Metres from one place to the other for an agent of that class; never less than Apart.
   virtual double Length(int kind, Place from, Place to) const;
+  /// Metres that an agent has made from one place to the other, where it is: straight where no way
+  /// leads there, as for a UAV that leaves a zone.
+  double Gone(int kind, Place from, Place to) const;
   /// The place after that part (0 to 1) of the way.
   virtual Place After(int kind, Place from, Place to, double part) const;
   /// Metres by which two right answers may differ, because ways are put together of rounded parts.
@@ -31,10 +34,10 @@ class Ways {
   virtual std::pair<Place, int> StopNear(int kind, Place wanted) const;
   /// The stop of that number.
   virtual std::optional<Place> StopOf(int kind, int number) const;
-  /// After what part of the way, not before that one, it comes to one of those roads; none: to
-  /// none.
+  /// After what part of the way, not before that one, it comes to one of those roads, or into a
+  /// zone of the ways that hold `now`; none: it can be gone to its end.
   virtual std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
-                                        const std::set<int>& roads) const;
+                                        const std::set<int>& roads, const Ways& now) const;
 };
 
 /// The ways of a scenario that says nothing of them: straight ones.

@@ -33,7 +33,7 @@ void Track::Add(std::int64_t tick, Point at, double range_left_m) {
   // Half at a time, so that each position moves a bounded number of times.
   const auto end = pending_.begin() + kWindow / 2;
   for (auto it = pending_.begin(); it != end; ++it) {
-    if (base_) length_m_ += ways_.Length(base_->at, it->at);
+    if (base_) length_m_ += WayM(*base_, *it);
     base_ = *it;
   }
   pending_.erase(pending_.begin(), end);
@@ -46,13 +46,17 @@ void Track::Exclude(std::int64_t tick) {
 
 double Track::length_m() const {
   double length = length_m_;
-  std::optional<Point> at;
-  if (base_) at = base_->at;
+  const Mark* before = base_ ? &*base_ : nullptr;
   for (const Mark& mark : pending_) {
-    if (at) length += ways_.Length(*at, mark.at);
-    at = mark.at;
+    if (before != nullptr) length += WayM(*before, mark);
+    before = &mark;
   }
   return length;
+}
+
+double Track::WayM(const Mark& from, const Mark& to) const {
+  return scenario_->WaysAt(scenario_->rules.TimeOf(from.tick))
+      .Gone(AgentKind::kUav, from.at, to.at);
 }
 
 std::int64_t RunRecord::last_tick() const {
@@ -83,7 +87,7 @@ void RunRecord::Take(const Message& message) {
 void RunRecord::TakeScenario(const scenario_t& message) {
   if (!scenario_sha256_.empty()) return;
   scenario_sha256_ = message.sha256;
-  tracks_.assign(scenario()->uavs.size(), Track(*scenario()->ways));
+  tracks_.assign(scenario()->uavs.size(), Track(*scenario()));
   row_ = scenario()->row();
   said_.resize(row_.size());
 }

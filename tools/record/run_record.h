@@ -29,8 +29,8 @@ namespace muster::tools {
 /// ways between its positions at consecutive ticks.
 class Track {
  public:
-  /// The ways must outlive the track.
-  explicit Track(const Ways& ways) : ways_{&ways, AgentKind::kUav} {}
+  /// The scenario must outlive the track, and takes the orders of the mission.
+  explicit Track(const Scenario& scenario) : scenario_(&scenario) {}
   /// Position at a tick. Ticks may come in any order within a window of 64; a tick that comes
   /// later than that is left out.
   void Add(std::int64_t tick, Point at, double range_left_m);
@@ -47,9 +47,11 @@ class Track {
     Point at;
     double range_left_m = 0;
   };
+  /// Metres from one to the other, by the ways at the time of the first.
+  double WayM(const Mark& from, const Mark& to) const;
   Mark last() const { return pending_.empty() ? base_.value_or(Mark()) : pending_.back(); }
 
-  WaysOf ways_;
+  const Scenario* scenario_;
   std::vector<Mark> pending_;  // ascending by tick
   std::optional<Mark> base_;   // last tick that is summed up
   double length_m_ = 0;

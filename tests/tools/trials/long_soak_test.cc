@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/tools/trials/air_missions.h"
 #include "tests/tools/trials/road_missions.h"
 #include "tools/host/worker_pool.h"
 #include "tools/trials/soak.h"
@@ -36,6 +37,8 @@ TEST(LongSoak, RandomMissionsBreakNoPromise) {
 }
 
 TEST(LongSoak, RandomMissionsByRoadBreakNoPromise) { BreakNoPromise(1000, DrawRoadMission); }
+
+TEST(LongSoak, RandomMissionsWithZonesBreakNoPromise) { BreakNoPromise(1000, DrawAirMission); }
 
 }  // namespace
 }  // namespace muster::tools

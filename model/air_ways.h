@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "model/airspace.h"
+#include "model/ways.h"
+
+namespace muster {
+
+/// UAVs fly around zones; workers and vehicles travel as `ground` says.
+///
+/// A move of a UAV to no site ends at a place of a grid of 100 m, numbered from the south-west
+/// corner of the area, row by row to the north: the free one that is nearest.
+class AirWays final : public Ways {
+ public:
+  /// The extent of the area, metres.
+  struct Extent {
+    double width_m = 0, height_m = 0;
+  };
+  AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const Airspace> air, Extent extent);
+
+  const Airspace& air() const { return *air_; }
+
+ private:
+  double BentLength(AgentKind kind, Point from, Point to) const override;
+  void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
+                   std::span<double> lengths_m) const override;
+  std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const override;
+  Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const override;
+  double BentGroundLength(AgentKind kind, Point from, Point to) const override;
+  Stop BentStopNear(AgentKind kind, Point wanted) const override;
+  Point BentStopBefore(AgentKind kind, Point from, Point to, double share) const override;
+  std::optional<Point> BentNumberedStop(AgentKind kind, std::int32_t number) const override;
+  std::optional<double> BentBarredAt(AgentKind kind, Point from, Point to, double share,
+                                     const Ways& now) const override;
+
+  std::shared_ptr<const Ways> ground_;
+  std::shared_ptr<const Airspace> air_;
+  std::int32_t columns_, rows_;  ///< of the grid
+};
+
+/// The ways of one scenario around each set of zones that it has had. Each is there as long as this
+/// object: agents under way keep the ways that they set out by.
+class AirWaysStore {
+ public:
+  AirWaysStore(double margin_m, AirWays::Extent extent) : margin_m_(margin_m), extent_(extent) {}
+  /// The same object for the same ground and zones. What is found of equal zones is shared by all
+  /// missions of this process.
+  std::shared_ptr<const Ways> Around(std::shared_ptr<const Ways> ground,
+                                     std::vector<Zone> zones) const;
+
+ private:
+  using Key = std::pair<const Ways*, std::vector<double>>;
+  double margin_m_;
+  AirWays::Extent extent_;
+  mutable std::mutex mutex_;
+  mutable std::map<Key, std::shared_ptr<const Ways>> made_;
+};
+
+}  // namespace muster

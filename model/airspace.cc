@@ -1,0 +1,317 @@
+#include "model/airspace.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <utility>
+
+#include "base/index.h"
+
+namespace muster {
+namespace {
+
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
+/// A flight along a piece is not in it, though its places are rounded.
+constexpr double kSlack_m = 0.005;
+constexpr double kHalfRoot = 0.70710678118654752;          // of 2
+constexpr double kTan = 0.41421356237309505;               // of 22.5 degrees
+constexpr std::size_t kMostPlaces = std::size_t{1} << 16;  // places
+
+/// Corners of the octagon around 0 whose sides are that far away.
+std::array<Point, 8> Octagon(double margin_m) {
+  const double t = margin_m * kTan;
+  return {{{margin_m, t},
+           {t, margin_m},
+           {-t, margin_m},
+           {-margin_m, t},
+           {-margin_m, -t},
+           {-t, -margin_m},
+           {t, -margin_m},
+           {margin_m, -t}}};
+}
+
+}  // namespace
+
+struct Airspace::Known {
+  Point at;
+  bool is_free = false;
+  std::optional<Point> way_out;  ///< where it is not free
+  std::once_flag seen_once, search_once;
+  std::vector<Seen> seen;
+  // As a goal, by corner.
+  std::vector<double> rest_m;
+  std::vector<std::int32_t> next;  ///< corner; -1: the goal itself
+};
+
+std::size_t Airspace::PointHash::operator()(Point p) const {
+  // Minus zero is zero.
+  auto a = std::bit_cast<std::uint64_t>(p.x_m + 0.0), b = std::bit_cast<std::uint64_t>(p.y_m + 0.0);
+  a ^= b + 0x9e3779b97f4a7c15U + (a << 6) + (a >> 2);
+  a *= 0xbf58476d1ce4e5b9U;
+  return a ^ (a >> 31);
+}
+
+bool Airspace::Box::Misses(Point a, Point b) const {
+  return std::max(a.x_m, b.x_m) <= x0 || std::min(a.x_m, b.x_m) >= x1 ||
+         std::max(a.y_m, b.y_m) <= y0 || std::min(a.y_m, b.y_m) >= y1;
+}
+
+Airspace::Piece Airspace::Widened(Point a, Point b, double margin_m) {
+  Piece piece;
+  piece.box = {std::min(a.x_m, b.x_m) - margin_m, std::min(a.y_m, b.y_m) - margin_m,
+               std::max(a.x_m, b.x_m) + margin_m, std::max(a.y_m, b.y_m) + margin_m};
+  std::size_t n = 0;
+  const auto add = [&](double x, double y, double support_m) {
+    piece.sides[n++] = {x, y, std::max(x * a.x_m + y * a.y_m, x * b.x_m + y * b.y_m) + support_m};
+  };
+  const double normals[8][2] = {
+      {1, 0},  {kHalfRoot, kHalfRoot},   {0, 1},  {-kHalfRoot, kHalfRoot},
+      {-1, 0}, {-kHalfRoot, -kHalfRoot}, {0, -1}, {kHalfRoot, -kHalfRoot}};
+  for (const auto& normal : normals) add(normal[0], normal[1], margin_m);
+  const double length_m = Distance(a, b);
+  const double x = (b.y_m - a.y_m) / length_m, y = (a.x_m - b.x_m) / length_m;
+  double support_m = 0;
+  for (const Point corner : Octagon(margin_m)) {
+    support_m = std::max(support_m, x * corner.x_m + y * corner.y_m);
+  }
+  add(x, y, support_m);
+  add(-x, -y, support_m);
+  return piece;
+}
+
+std::optional<double> Airspace::EntersPiece(const Piece& piece, Point a, Point b) {
+  if (piece.box.Misses(a, b)) return {};
+  double in = 0, out = 1;
+  for (const Side& side : piece.sides) {
+    const double limit = side.limit - kSlack_m;
+    const double from = side.normal_x * a.x_m + side.normal_y * a.y_m - limit;
+    const double to = side.normal_x * b.x_m + side.normal_y * b.y_m - limit;
+    if (from >= 0 && to >= 0) return {};
+    if (from < 0 && to < 0) continue;
+    const double share = from / (from - to);
+    if (from >= 0) {
+      in = std::max(in, share);
+    } else {
+      out = std::min(out, share);
+    }
+    if (in >= out) return {};
+  }
+  return in;
+}
+
+Airspace::Airspace(std::vector<Zone> zones, double margin_m)
+    : zones_(std::move(zones)), margin_m_(margin_m) {
+  for (const Zone& zone : zones_) {
+    Pieces pieces{{}, {kNowhere, kNowhere, -kNowhere, -kNowhere}};
+    for (const std::vector<Point>& ring : zone.rings) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Piece piece = Widened(ring[i], ring[(i + 1) % ring.size()], margin_m);
+        Box& box = pieces.box;
+        box = {std::min(box.x0, piece.box.x0), std::min(box.y0, piece.box.y0),
+               std::max(box.x1, piece.box.x1), std::max(box.y1, piece.box.y1)};
+        pieces.pieces.push_back(piece);
+      }
+    }
+    pieces_.push_back(std::move(pieces));
+  }
+  FindCorners(margin_m);
+}
+
+Airspace::~Airspace() = default;
+
+void Airspace::FindCorners(double margin_m) {
+  const auto octagon = Octagon(margin_m);
+  for (const Zone& zone : zones_) {
+    for (const std::vector<Point>& ring : zone.rings) {
+      for (const Point at : ring) {
+        for (const Point corner : octagon) {
+          const Point place{at.x_m + corner.x_m, at.y_m + corner.y_m};
+          if (IsFree(place)) corners_.push_back(place);
+        }
+      }
+    }
+  }
+}
+
+std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
+  for (std::size_t z = 0; z < zones_.size(); ++z) {
+    if (pieces_[z].box.Misses(place, place)) continue;
+    const auto is_in = [&](const Piece& piece) {
+      return std::all_of(piece.sides.begin(), piece.sides.end(), [&](const Side& side) {
+        return side.normal_x * place.x_m + side.normal_y * place.y_m < side.limit - kSlack_m;
+      });
+    };
+    if (IsInside(zones_[z], place) ||
+        std::any_of(pieces_[z].pieces.begin(), pieces_[z].pieces.end(), is_in)) {
+      return z;
+    }
+  }
+  return {};
+}
+
+bool Airspace::IsFree(Point place) const { return !ZoneAt(place); }
+
+bool Airspace::IsClear(Point a, Point b) const {
+  for (const Pieces& zone : pieces_) {
+    if (zone.box.Misses(a, b)) continue;
+    for (const Piece& piece : zone.pieces) {
+      if (EntersPiece(piece, a, b)) return false;
+    }
+  }
+  return true;
+}
+
+std::shared_ptr<Airspace::Known> Airspace::KnownOf(Point place) const {
+  {
+    const std::shared_lock lock(mutex_);
+    if (const auto found = known_.find(place); found != known_.end()) return found->second;
+  }
+  auto made = std::make_shared<Known>();
+  made->at = place;
+  made->is_free = IsFree(place);
+  if (!made->is_free) made->way_out = WayOut(place);
+  const std::unique_lock lock(mutex_);
+  if (known_.size() >= kMostPlaces) known_.clear();
+  return known_.emplace(place, std::move(made)).first->second;
+}
+
+const std::vector<Airspace::Seen>& Airspace::SeenFrom(Known* place) const {
+  std::call_once(place->seen_once, [&] {
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (corners_[i] == place->at || !IsClear(place->at, corners_[i])) continue;
+      place->seen.push_back({static_cast<std::int32_t>(i), Distance(place->at, corners_[i])});
+    }
+  });
+  return place->seen;
+}
+
+void Airspace::SearchTo(Known* goal) const {
+  std::call_once(goal->search_once, [&] {
+    using Entry = std::pair<double, std::int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    goal->rest_m.assign(corners_.size(), kNowhere);
+    goal->next.assign(corners_.size(), -1);
+    const auto reach = [&](std::int32_t corner, double metres, std::int32_t next) {
+      if (metres >= goal->rest_m[At(corner)]) return;
+      goal->rest_m[At(corner)] = metres;
+      goal->next[At(corner)] = next;
+      queue.emplace(metres, corner);
+    };
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (corners_[i] == goal->at) reach(static_cast<std::int32_t>(i), 0, -1);
+    }
+    for (const Seen& seen : SeenFrom(goal)) reach(seen.corner, seen.metres, -1);
+    while (!queue.empty()) {
+      const auto [metres, corner] = queue.top();
+      queue.pop();
+      if (metres > goal->rest_m[At(corner)]) continue;
+      const std::shared_ptr<Known> here = KnownOf(corners_[At(corner)]);
+      for (const Seen& seen : SeenFrom(here.get())) {
+        reach(seen.corner, metres + seen.metres, corner);
+      }
+    }
+  });
+}
+
+std::optional<Point> Airspace::WayOut(Point place) const {
+  std::optional<Point> nearest;
+  double least_m = kNowhere;
+  const auto offer = [&](Point out) {
+    const double metres = Distance(place, out);
+    if (metres >= least_m || !IsFree(out)) return;
+    nearest = out;
+    least_m = metres;
+  };
+  for (const Pieces& zone : pieces_) {
+    for (const Piece& piece : zone.pieces) {
+      for (const Side& side : piece.sides) {
+        const double metres = side.limit - side.normal_x * place.x_m - side.normal_y * place.y_m;
+        if (metres < 0) continue;
+        offer({place.x_m + side.normal_x * metres, place.y_m + side.normal_y * metres});
+      }
+    }
+  }
+  for (const Point corner : corners_) offer(corner);
+  return nearest;
+}
+
+double Airspace::FreeLength(Known* from, Known* to, std::int32_t* first) const {
+  *first = -1;
+  if (IsClear(from->at, to->at)) return Distance(from->at, to->at);
+  SearchTo(to);
+  double least_m = kNowhere;
+  for (const Seen& seen : SeenFrom(from)) {
+    const double metres = seen.metres + to->rest_m[At(seen.corner)];
+    if (metres >= least_m) continue;
+    least_m = metres;
+    *first = seen.corner;
+  }
+  // Rounding may not make it shorter than the straight line.
+  return std::max(least_m, Distance(from->at, to->at));
+}
+
+double Airspace::Length(Point from, Point to) const {
+  if (from == to) return 0;
+  const std::shared_ptr<Known> goal = KnownOf(to);
+  if (!goal->is_free) return kNowhere;
+  const std::shared_ptr<Known> start = KnownOf(from);
+  std::int32_t first = -1;
+  if (start->is_free) return FreeLength(start.get(), goal.get(), &first);
+  if (!start->way_out) return kNowhere;
+  const std::shared_ptr<Known> out = KnownOf(*start->way_out);
+  return std::max(Distance(from, out->at) + FreeLength(out.get(), goal.get(), &first),
+                  Distance(from, to));
+}
+
+std::shared_ptr<const Airspace::Flight> Airspace::FlightBetween(Point from, Point to) const {
+  const double length_m = Length(from, to);
+  if (std::isinf(length_m)) return nullptr;
+  auto flight = std::make_shared<Flight>();
+  flight->corners = {from};
+  flight->reached_m = {0};
+  const std::shared_ptr<Known> start = KnownOf(from), goal = KnownOf(to);
+  std::shared_ptr<Known> begin = start;
+  if (!start->is_free && from != to) {
+    begin = KnownOf(*start->way_out);
+    flight->corners.push_back(begin->at);
+    flight->reached_m.push_back(std::min(Distance(from, begin->at), length_m));
+  }
+  std::int32_t corner = -1;
+  if (from != to) FreeLength(begin.get(), goal.get(), &corner);
+  for (; corner >= 0; corner = goal->next[At(corner)]) {
+    if (corners_[At(corner)] == to) break;
+    flight->corners.push_back(corners_[At(corner)]);
+    flight->reached_m.push_back(
+        std::max(flight->reached_m.back(), length_m - goal->rest_m[At(corner)]));
+  }
+  flight->corners.push_back(to);
+  flight->reached_m.push_back(length_m);
+  return flight;
+}
+
+std::optional<double> Airspace::EntersAt(const Flight& flight, double begin_m) const {
+  for (std::size_t i = 1; i < flight.corners.size(); ++i) {
+    const double step_m = flight.reached_m[i] - flight.reached_m[i - 1];
+    if (flight.reached_m[i] <= begin_m || step_m <= 0) continue;
+    const double share = std::max(0.0, (begin_m - flight.reached_m[i - 1]) / step_m);
+    const Point a = Lerp(flight.corners[i - 1], flight.corners[i], share), b = flight.corners[i];
+    const double left_m = step_m * (1 - share);
+    if (!IsFree(a)) return std::max(begin_m, flight.reached_m[i] - left_m);
+    double first = kNowhere;
+    for (const Pieces& zone : pieces_) {
+      if (zone.box.Misses(a, b)) continue;
+      for (const Piece& piece : zone.pieces) {
+        if (const auto enters = EntersPiece(piece, a, b)) first = std::min(first, *enters);
+      }
+    }
+    if (first < kNowhere) {
+      return std::max(begin_m, flight.reached_m[i] - left_m * (1 - first));
+    }
+  }
+  return {};
+}
+
+}  // namespace muster

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "base/geometry.h"
+#include "model/zone.h"
+
+namespace muster {
+
+/// Where UAVs fly: straight, but around zones, by the shortest way that is at least a margin away
+/// from each. docs/reference/zones.md has the rules; the auditor keeps them by its own code.
+///
+/// A zone's edge, widened by a regular octagon whose sides touch the circle of the margin, is a
+/// convex **piece**. A flight leads through the inside of no piece, so it turns at corners of
+/// pieces only. Nothing but +, -, *, / and square roots is used, so every machine finds the same
+/// flight, bit for bit. What was found is kept. Safe in several threads.
+class Airspace {
+ public:
+  Airspace(std::vector<Zone> zones, double margin_m);
+  ~Airspace();
+
+  const std::vector<Zone>& zones() const { return zones_; }
+  /// Whether the place is outside all zones and their margins.
+  bool IsFree(Point place) const;
+  /// The zone that the place lies in or is too close to; none: it is free.
+  std::optional<std::size_t> ZoneAt(Point place) const;
+
+  /// From end to end. One that begins in a zone or its margin leaves it by the nearest edge first.
+  struct Flight {
+    std::vector<Point> corners;     ///< both ends included
+    std::vector<double> reached_m;  ///< metres flown up to each corner; the first is 0
+  };
+  /// Metres; infinity: no flight leads there, as it lies in a zone or is enclosed by some.
+  double Length(Point from, Point to) const;
+  /// Its last reached_m is the length. Null: there is none.
+  std::shared_ptr<const Flight> FlightBetween(Point from, Point to) const;
+  /// After how many of its metres, not before `begin_m`, a flight comes into one of the zones or
+  /// its margin; none: it does not.
+  std::optional<double> EntersAt(const Flight& flight, double begin_m) const;
+
+ private:
+  /// Inside are the places of which all sides have x * normal_x + y * normal_y below `limit`.
+  struct Side {
+    double normal_x, normal_y, limit;
+  };
+  struct Box {
+    double x0, y0, x1, y1;
+    bool Misses(Point a, Point b) const;
+  };
+  struct Piece {
+    std::array<Side, 10> sides;
+    Box box;
+  };
+  struct Pieces {
+    std::vector<Piece> pieces;
+    Box box;
+  };
+  /// Another corner in sight.
+  struct Seen {
+    std::int32_t corner;
+    double metres;
+  };
+  /// What has been found out about a place.
+  struct Known;
+  struct PointHash {
+    std::size_t operator()(Point p) const;
+  };
+
+  static Piece Widened(Point a, Point b, double margin_m);
+  /// The share of the line at which it enters the piece; none: it stays outside.
+  static std::optional<double> EntersPiece(const Piece& piece, Point a, Point b);
+  void FindCorners(double margin_m);
+  bool IsClear(Point a, Point b) const;
+  std::shared_ptr<Known> KnownOf(Point place) const;
+  const std::vector<Seen>& SeenFrom(Known* place) const;
+  /// Shortest ways from all corners to that place.
+  void SearchTo(Known* goal) const;
+  /// The place nearest to it that is free, straight out of an edge; itself where it is free.
+  std::optional<Point> WayOut(Point place) const;
+  /// Metres by the corner that the flight turns at first; -1: at none.
+  double FreeLength(Known* from, Known* to, std::int32_t* first) const;
+
+  std::vector<Zone> zones_;
+  std::vector<Pieces> pieces_;  ///< of each zone
+  std::vector<Point> corners_;  ///< where flights can turn
+  double margin_m_;
+
+  mutable std::shared_mutex mutex_;
+  mutable std::unordered_map<Point, std::shared_ptr<Known>, PointHash> known_;
+};
+
+}  // namespace muster

@@ -1,0 +1,198 @@
+#include "model/airspace.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/check.h"
+#include "base/json_tree.h"
+#include "base/random.h"
+#include "model/air_ways.h"
+#include "model/scenario.h"
+#include "tests/model/drawn_zones.h"
+
+namespace muster {
+namespace {
+
+using muster::testing::DrawnZones;
+
+constexpr AgentKind kUav = AgentKind::kUav;
+constexpr double kNoWay = std::numeric_limits<double>::infinity();
+
+Zone Square(double x0, double y0, double x1, double y1) {
+  return {"square", {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}};
+}
+
+Zone Parsed(const std::string& json) {
+  const JsonValue tree = ParseJson(json, "zones");
+  return ReadZone(ObjectReader(tree, "", "zones"));
+}
+
+/// By the definition: metres to the nearest edge, 0 inside.
+double Away(const Zone& zone, Point place) {
+  if (IsInside(zone, place)) return 0;
+  double least_m = kNoWay;
+  for (const auto& ring : zone.rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+      const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
+      const double share = std::clamp(
+          ((place.x_m - a.x_m) * dx + (place.y_m - a.y_m) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+      least_m = std::min(least_m, Distance(place, Lerp(a, b, share)));
+    }
+  }
+  return least_m;
+}
+
+TEST(Airspace, AroundASquareByHand) {
+  const Airspace air({Square(100, 100, 200, 200)}, 10);
+  // The octagon around a corner of the square has corners 10 m and 10 tan 22.5 degrees away.
+  const double t = 10 * std::tan(std::acos(-1) / 8);
+  const double expected = 2 * std::hypot(100 - t, 60) + 100 + 2 * t;
+  EXPECT_NEAR(air.Length({0, 150}, {300, 150}), expected, 1e-9);
+  EXPECT_EQ(air.Length({0, 150}, {89, 150}), 89);
+  EXPECT_EQ(air.Length({0, 0}, {300, 0}), 300);
+  EXPECT_EQ(air.Length({0, 90}, {300, 90}), 300);  // along the margin
+  EXPECT_EQ(air.Length({0, 150}, {150, 150}), kNoWay);
+  EXPECT_EQ(air.Length({0, 150}, {95, 150}), kNoWay);  // in the margin
+  EXPECT_EQ(air.Length({150, 150}, {150, 150}), 0);
+  const auto flight = air.FlightBetween({0, 150}, {300, 150});
+  ASSERT_EQ(flight->corners.size(), 4U);
+  EXPECT_NEAR(flight->corners[1].x_m, 100 - t, 1e-9);
+  EXPECT_EQ(flight->reached_m.back(), air.Length({0, 150}, {300, 150}));
+}
+
+TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
+  const Airspace air({Square(100, 100, 200, 200)}, 10);
+  EXPECT_NEAR(air.Length({130, 150}, {0, 150}), 130, 1e-9);
+  EXPECT_NEAR(air.Length({150, 190}, {150, 400}), 210, 1e-9);
+  EXPECT_NEAR(air.Length({92, 150}, {0, 150}), 92, 1e-9);  // from the margin
+  const auto flight = air.FlightBetween({130, 150}, {130, 400});
+  EXPECT_NEAR(flight->corners[1].x_m, 90, 1e-9);
+  EXPECT_NEAR(flight->corners[1].y_m, 150, 1e-9);
+}
+
+TEST(Airspace, HolesAreFreeAndCourtyardsCannotBeEntered) {
+  Zone ring = Square(0, 0, 1000, 1000);
+  ring.rings.push_back(Square(300, 300, 700, 700).rings[0]);
+  const Airspace air({ring}, 20);
+  EXPECT_EQ(air.Length({350, 350}, {650, 650}), Distance({350, 350}, {650, 650}));
+  EXPECT_EQ(air.Length({-100, 500}, {500, 500}), kNoWay);
+  EXPECT_FALSE(air.IsFree({150, 500}));
+  EXPECT_TRUE(air.IsFree({500, 500}));
+}
+
+TEST(Airspace, EntersWhereANewZoneBegins) {
+  const Airspace before({}, 10), now({Square(100, 100, 200, 200)}, 10);
+  const auto flight = before.FlightBetween({0, 150}, {300, 150});
+  EXPECT_NEAR(*now.EntersAt(*flight, 0), 90, 0.01);
+  EXPECT_NEAR(*now.EntersAt(*flight, 50), 90, 0.01);
+  EXPECT_NEAR(*now.EntersAt(*flight, 120), 120, 1e-9);  // within it already
+  EXPECT_EQ(now.EntersAt(*flight, 220), std::nullopt);
+  EXPECT_EQ(now.EntersAt(*now.FlightBetween({0, 150}, {300, 150}), 0), std::nullopt);
+}
+
+TEST(Airspace, DrawnZonesAreKeptOutOfByTheMargin) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    Random random(seed, Stream::kTest);
+    const double margin_m = random.Uniform(5, 60);
+    const std::vector<Zone> zones = DrawnZones(&random, 4000, 1 + static_cast<int>(seed % 6));
+    const Airspace air(zones, margin_m);
+    const auto place = [&] { return Point{random.Uniform(0, 4000), random.Uniform(0, 4000)}; };
+    for (int i = 0; i < 60; ++i) {
+      const Point from = place(), to = place(), by = place();
+      if (!air.IsFree(from)) continue;
+      for (const Zone& zone : zones) EXPECT_GT(Away(zone, from), margin_m - 0.02);
+      const double length_m = air.Length(from, to);
+      EXPECT_GE(length_m, Distance(from, to));
+      if (!air.IsFree(to) || std::isinf(length_m)) continue;
+      EXPECT_NEAR(air.Length(to, from), length_m, 1e-6);
+      EXPECT_LE(length_m, air.Length(from, by) + air.Length(by, to) + 1e-6);
+      const auto flight = air.FlightBetween(from, to);
+      double sum_m = 0;
+      for (std::size_t k = 1; k < flight->corners.size(); ++k) {
+        const Point a = flight->corners[k - 1], b = flight->corners[k];
+        sum_m += Distance(a, b);
+        EXPECT_NEAR(flight->reached_m[k], sum_m, 1e-6);
+        for (const double share : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+          for (const Zone& zone : zones) {
+            EXPECT_GT(Away(zone, Lerp(a, b, share)), margin_m - 0.02);
+          }
+        }
+        // From a corner on, what is left is as long as it was to be.
+        EXPECT_NEAR(air.Length(b, to), length_m - flight->reached_m[k], 1e-6);
+      }
+    }
+  }
+}
+
+TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
+  const auto air =
+      std::make_shared<const Airspace>(std::vector<Zone>{Square(900, 900, 1300, 1300)}, 10);
+  const AirWays ways(DefaultWays(), air, {3000, 2000});
+  EXPECT_EQ(ways.StopNear(kUav, {140, 160}).at, (Point{100, 200}));
+  EXPECT_EQ(ways.StopNear(kUav, {140, 160}).number, 2 * 31 + 1);
+  EXPECT_EQ(ways.StopNear(kUav, {1090, 950}).at, (Point{1100, 800}));
+  EXPECT_EQ(ways.StopNear(kUav, {9000, -50}).at, (Point{3000, 0}));
+  EXPECT_EQ(ways.NumberedStop(kUav, 2 * 31 + 1), (Point{100, 200}));
+  EXPECT_EQ(ways.NumberedStop(kUav, 31 * 21), std::nullopt);
+  EXPECT_EQ(ways.NumberedStop(kUav, -1), std::nullopt);
+  const Point half = ways.StopBefore(kUav, {0, 1000}, {2000, 1000}, 0.5);
+  EXPECT_LE(ways.Length(kUav, {0, 1000}, half), ways.Length(kUav, {0, 1000}, {2000, 1000}) / 2);
+  EXPECT_GT(ways.Length(kUav, {0, 1000}, half), 700);
+  EXPECT_TRUE(ways.straight(AgentKind::kWorker));
+  EXPECT_EQ(ways.Length(AgentKind::kWorker, {0, 1000}, {2000, 1000}), 2000);
+}
+
+TEST(Zone, IsReadAndWrittenAlike) {
+  const Zone zone =
+      Parsed(R"({"area_km": [[0, 0], [1, 0], [1, 0], [1, 1.0000004], [0, 1], [0, 0]], )"
+             R"("holes_km": [[[0.2, 0.2], [0.4, 0.2], [0.3, 0.4]]]})");
+  ASSERT_EQ(zone.rings.size(), 2U);
+  EXPECT_EQ(zone.rings[0].size(), 4U);  // what is repeated counts once
+  EXPECT_EQ(zone.rings[0][2], (Point{1000, 1000}));
+  EXPECT_EQ(Parsed("{" + ZoneToJson(zone) + "}").rings, zone.rings);
+  EXPECT_TRUE(IsInside(zone, {500, 500}));
+  EXPECT_FALSE(IsInside(zone, {300, 250}));
+}
+
+TEST(Zone, ACircleIsWithinItsCorners) {
+  const Zone zone = Parsed(R"({"circle_km": [2, 3, 0.5]})");
+  ASSERT_EQ(zone.rings[0].size(), 16U);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const Point a = zone.rings[0][i], b = zone.rings[0][(i + 1) % 16];
+    EXPECT_NEAR(Distance(Lerp(a, b, 0.5), {2000, 3000}), 500, 0.002);
+  }
+}
+
+TEST(Zone, WhatIsNoneIsRefusedByName) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{}", "area_km"},
+      {R"({"area_km": [[0, 0], [1, 0], [1, 1]], "circle_km": [0, 0, 1]})", "exactly one"},
+      {R"({"area_km": [[0, 0], [1, 0]]})", "3 to 1000 corners"},
+      {R"({"area_km": [[0, 0], [1, 0], [1, 0]]})", "2 different corners"},
+      {R"({"area_km": [[0, 0], [1, 0], [1]]})", "[x_km, y_km]"},
+      {R"({"circle_km": [0, 0, 0]})", "a radius of at least a metre"},
+      {R"({"circle_km": [0, 0, 1], "holes_km": []})", "nothing beside circle_km"},
+      {R"({"area_km": "everywhere"})", "area_km"},
+  };
+  for (const auto& [json, expected] : cases) {
+    SCOPED_TRACE(json);
+    try {
+      Parsed(json);
+      ADD_FAILURE() << "was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace muster

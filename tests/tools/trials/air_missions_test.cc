@@ -1,0 +1,72 @@
+// Whole missions with zones: each passes the audit, which finds its own flights, and each of their
+// decisions is made again.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
+#include "tests/tools/trials/air_missions.h"
+#include "tests/tools/trials/each_policy.h"
+#include "tools/audit/auditor.h"
+#include "tools/trials/soak.h"
+
+namespace muster::tools {
+namespace {
+
+class AirMissions : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(AirMissions, AreAuditedAndDecidedAgain) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    for (const std::string& finding : FindingsOf(AirMission(GetParam(), seed))) {
+      ADD_FAILURE() << "seed " << seed << ": " << finding;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, AirMissions, ::testing::ValuesIn(AllPolicies()),
+                         PolicyAsTestName);
+
+TEST(AirMissions, WithKillsAndLossAreAuditedAndDecidedAgain) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const VirtualMission mission = DrawAirMission(seed);
+    for (const std::string& finding : FindingsOf(mission)) {
+      ADD_FAILURE() << "seed " << seed << ", " << mission.policy << ": " << finding;
+    }
+  }
+}
+
+/// What the audit finds when the log says that a zone was larger than the one that UAVs flew
+/// around.
+TEST(AirMissions, AZoneThatUavsDoNotKeepOutOfIsFound) {
+  int zones = 0, found = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    VirtualMission mission = RoadMission("certified", 2 * seed);
+    mission.scenario.roads = nullptr;
+    mission.scenario.ways = DefaultWays();
+    ScenarioAir air;
+    air.zones.push_back({{"", {CornersAround({7000, 7000}, 2500)}}, 20 * kMinuteUs, kNever});
+    UseAir(std::move(air), &mission.scenario);
+    audit::Auditor true_log, changed;
+    Simulate(TextOf(mission.scenario), mission.policy, [&](const Packet& packet) {
+      true_log.Add(packet);
+      const auto orders = DecodeValid<orders_t>(packet.bytes);
+      if (packet.channel != channel::kOrders || !orders || orders->n_taken == 0) {
+        return changed.Add(packet);
+      }
+      ++zones;
+      orders_t edited = *orders;
+      edited.taken[0].json = R"({"order": "zone_add", "circle_km": [7, 7, 4.5]})";
+      changed.Add({packet.channel, Encode(edited)});
+    });
+    EXPECT_TRUE(true_log.Finish().empty()) << "seed " << seed;
+    found += changed.Finish().empty() ? 0 : 1;
+  }
+  EXPECT_EQ(zones, 6);
+  EXPECT_GE(found, 5);
+}
+
+}  // namespace
+}  // namespace muster::tools

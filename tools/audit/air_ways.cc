@@ -1,0 +1,355 @@
+#include "tools/audit/air_ways.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "tools/audit/audit_scenario.h"
+
+namespace muster::tools::audit {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSlack_m = 0.005;
+constexpr double kGrid_m = 100;
+constexpr double kNever_m = std::numeric_limits<double>::infinity();
+
+/// Twice the area of the triangle, above 0 where c is to the left of the line from a to b.
+double Turn(Place a, Place b, Place c) {
+  return (b.x_m - a.x_m) * (c.y_m - a.y_m) - (b.y_m - a.y_m) * (c.x_m - a.x_m);
+}
+
+Place Between(Place a, Place b, double part) {
+  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m)};
+}
+
+/// A convex polygon, counter-clockwise.
+struct Shape {
+  std::vector<Place> corners;
+
+  /// Metres of a place inside of the line through the side after corner i.
+  double Depth(std::size_t i, Place at) const {
+    const Place a = corners[i], b = corners[(i + 1) % corners.size()];
+    return Turn(a, b, at) / Apart(a, b);
+  }
+  bool Has(Place at) const {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (Depth(i, at) <= kSlack_m) return false;
+    }
+    return true;
+  }
+  /// The part of the line after which it is inside; none: it never is.
+  std::optional<double> EnteredAt(Place a, Place b) const {
+    double from = 0, until = 1;
+    for (std::size_t i = 0; i < corners.size() && from < until; ++i) {
+      const double at_a = Depth(i, a) - kSlack_m, at_b = Depth(i, b) - kSlack_m;
+      if (at_a <= 0 && at_b <= 0) return {};
+      if (at_a > 0 && at_b > 0) continue;
+      const double crossing = at_a / (at_a - at_b);
+      (at_a <= 0 ? from : until) = at_a <= 0 ? std::max(from, crossing) : std::min(until, crossing);
+    }
+    return from < until ? std::optional(from) : std::nullopt;
+  }
+};
+
+/// The convex hull (Andrew's monotone chain).
+Shape HullOf(std::vector<Place> places) {
+  std::sort(places.begin(), places.end(),
+            [](Place a, Place b) { return std::pair(a.x_m, a.y_m) < std::pair(b.x_m, b.y_m); });
+  std::vector<Place> hull;
+  const auto add = [&](Place place, std::size_t keep) {
+    while (hull.size() > keep && Turn(hull[hull.size() - 2], hull.back(), place) <= 1e-7) {
+      hull.pop_back();
+    }
+    hull.push_back(place);
+  };
+  for (const Place place : places) add(place, 1);
+  const std::size_t lower = hull.size();
+  for (auto place = places.rbegin() + 1; place != places.rend(); ++place) add(*place, lower);
+  hull.pop_back();
+  return {hull};
+}
+
+/// An edge of a zone, widened by the octagon whose sides are the margin away.
+Shape Widened(Place a, Place b, double margin_m) {
+  const double out_m = margin_m / std::cos(std::numbers::pi / 8);
+  std::vector<Place> places;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = (2 * k + 1) * std::numbers::pi / 8;
+    for (const Place end : {a, b}) {
+      places.push_back({end.x_m + out_m * std::cos(angle), end.y_m + out_m * std::sin(angle)});
+    }
+  }
+  return HullOf(std::move(places));
+}
+
+/// The even-odd rule.
+bool Encloses(const Rings& rings, Place at) {
+  int crossed = 0;
+  for (const auto& ring : rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Place a = ring[i], b = ring[(i + 1) % ring.size()];
+      const bool up = a.y_m <= at.y_m && at.y_m < b.y_m, down = b.y_m <= at.y_m && at.y_m < a.y_m;
+      if ((up && Turn(a, b, at) > 0) || (down && Turn(a, b, at) < 0)) ++crossed;
+    }
+  }
+  return crossed % 2 == 1;
+}
+
+class AroundZones : public Ways {
+ public:
+  AroundZones(std::vector<Rings> zones, double margin_m, double width_m, double height_m,
+              std::shared_ptr<const Ways> ground)
+      : zones_(std::move(zones)),
+        columns_(static_cast<int>(width_m / kGrid_m) + 1),
+        rows_(static_cast<int>(height_m / kGrid_m) + 1),
+        ground_(std::move(ground)) {
+    for (const Rings& rings : zones_) {
+      for (const auto& ring : rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          shapes_.push_back(Widened(ring[i], ring[(i + 1) % ring.size()], margin_m));
+        }
+      }
+    }
+    for (const Shape& shape : shapes_) {
+      for (const Place corner : shape.corners) {
+        if (IsFree(corner)) corners_.push_back(corner);
+      }
+    }
+    rows_seen_.resize(corners_.size());
+  }
+
+  double Length(int kind, Place from, Place to) const override {
+    return kind == kUav ? RouteOf(from, to).second : ground_->Length(kind, from, to);
+  }
+  Place After(int kind, Place from, Place to, double part) const override {
+    if (kind != kUav) return ground_->After(kind, from, to, part);
+    const auto [places, length_m] = RouteOf(from, to);
+    if (std::isinf(length_m)) return from;
+    double left_m = part * length_m;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const double step_m = Apart(places[i - 1], places[i]);
+      if (left_m < step_m) return Between(places[i - 1], places[i], left_m / step_m);
+      left_m -= step_m;
+    }
+    return to;
+  }
+  double rounding_m(int kind) const override {
+    return kind == kUav ? 0.01 : ground_->rounding_m(kind);
+  }
+  std::pair<Place, int> StopNear(int kind, Place wanted) const override {
+    if (kind != kUav) return ground_->StopNear(kind, wanted);
+    std::pair<Place, int> best{wanted, -1};
+    double least_m = kNever_m;
+    // Columns and rows no further away than the best so far.
+    for (int reach = 2;; reach *= 2) {
+      const int x = static_cast<int>(wanted.x_m / kGrid_m),
+                y = static_cast<int>(wanted.y_m / kGrid_m);
+      for (int j = std::max(0, y - reach); j <= std::min(rows_ - 1, y + reach); ++j) {
+        for (int i = std::max(0, x - reach); i <= std::min(columns_ - 1, x + reach); ++i) {
+          const Place at{i * kGrid_m, j * kGrid_m};
+          const double away_m = Apart(wanted, at);
+          if (away_m < least_m && IsFree(at)) {
+            best = {at, j * columns_ + i};
+            least_m = away_m;
+          }
+        }
+      }
+      if (least_m <= (reach - 1) * kGrid_m || reach > columns_ + rows_) return best;
+    }
+  }
+  std::optional<Place> StopOf(int kind, int number) const override {
+    if (kind != kUav) return ground_->StopOf(kind, number);
+    if (number < 0 || number >= columns_ * rows_) return {};
+    return Place{number % columns_ * kGrid_m, number / columns_ * kGrid_m};
+  }
+  std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
+                                const std::set<int>& roads, const Ways& now) const override {
+    const auto* const air_now = dynamic_cast<const AroundZones*>(&now);
+    if (kind != kUav) return ground_->MeetsAt(kind, from, to, part, roads, *air_now->ground_);
+    const auto [places, length_m] = RouteOf(from, to);
+    if (std::isinf(length_m)) return {};
+    double gone_m = 0;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const double step_m = Apart(places[i - 1], places[i]), before_m = gone_m;
+      gone_m += step_m;
+      if (gone_m <= part * length_m) continue;
+      const double skipped_m = std::max(0.0, part * length_m - before_m);
+      const Place a = Between(places[i - 1], places[i], skipped_m / step_m);
+      double in = air_now->IsFree(a) ? kNever_m : 0;
+      for (const Shape& shape : air_now->shapes_) {
+        if (const auto entered = shape.EnteredAt(a, places[i])) in = std::min(in, *entered);
+      }
+      if (in == kNever_m) continue;
+      return std::max(part, (before_m + skipped_m + in * (step_m - skipped_m)) / length_m);
+    }
+    return {};
+  }
+
+ private:
+  bool IsFree(Place at) const {
+    return std::none_of(shapes_.begin(), shapes_.end(),
+                        [&](const Shape& shape) { return shape.Has(at); }) &&
+           std::none_of(zones_.begin(), zones_.end(),
+                        [&](const Rings& rings) { return Encloses(rings, at); });
+  }
+  bool SeesEachOther(Place a, Place b) const {
+    return std::none_of(shapes_.begin(), shapes_.end(),
+                        [&](const Shape& shape) { return shape.EnteredAt(a, b).has_value(); });
+  }
+  /// Metres from a place to each corner in sight; infinity to the others.
+  std::vector<double> ToCorners(Place at) const {
+    std::vector<double> metres(corners_.size(), kNever_m);
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (SeesEachOther(at, corners_[i])) metres[i] = Apart(at, corners_[i]);
+    }
+    return metres;
+  }
+  const std::vector<double>& RowOf(std::size_t corner) const {
+    if (rows_seen_[corner].empty()) rows_seen_[corner] = ToCorners(corners_[corner]);
+    return rows_seen_[corner];
+  }
+  /// To a goal: what is left from each corner, and the corner after it; -1: the goal.
+  struct Rest {
+    std::vector<double> metres;
+    std::vector<int> next;
+  };
+  const Rest& RestTo(Place goal) const {
+    Rest& rest = rests_[{goal.x_m, goal.y_m}];
+    if (!rest.metres.empty() || corners_.empty()) return rest;
+    rest.metres = ToCorners(goal);
+    rest.next.assign(corners_.size(), -1);
+    std::vector<bool> is_final(corners_.size());
+    for (;;) {
+      std::size_t least = corners_.size();
+      for (std::size_t i = 0; i < corners_.size(); ++i) {
+        const bool is_less = least == corners_.size() || rest.metres[i] < rest.metres[least];
+        if (!is_final[i] && !std::isinf(rest.metres[i]) && is_less) least = i;
+      }
+      if (least == corners_.size()) return rest;
+      is_final[least] = true;
+      const std::vector<double>& row = RowOf(least);
+      for (std::size_t i = 0; i < corners_.size(); ++i) {
+        const double by_it_m = rest.metres[least] + row[i];
+        if (by_it_m >= rest.metres[i]) continue;
+        rest.metres[i] = by_it_m;
+        rest.next[i] = static_cast<int>(least);
+      }
+    }
+  }
+  /// Where a place that is not free is left for: the nearest free place that is straight out of a
+  /// side of a piece, or a corner.
+  std::optional<Place> OutOf(Place at) const {
+    std::optional<Place> nearest;
+    double least_m = kNever_m;
+    const auto offer = [&](Place out) {
+      if (Apart(at, out) >= least_m || !IsFree(out)) return;
+      least_m = Apart(at, out);
+      nearest = out;
+    };
+    for (const Shape& shape : shapes_) {
+      for (std::size_t i = 0; i < shape.corners.size(); ++i) {
+        const double depth_m = shape.Depth(i, at);
+        if (depth_m < 0) continue;
+        const Place a = shape.corners[i], b = shape.corners[(i + 1) % shape.corners.size()];
+        const double side_m = Apart(a, b);
+        offer({at.x_m + depth_m * (b.y_m - a.y_m) / side_m,
+               at.y_m - depth_m * (b.x_m - a.x_m) / side_m});
+      }
+    }
+    for (const Place corner : corners_) offer(corner);
+    return nearest;
+  }
+  std::pair<std::vector<Place>, double> RouteOf(Place from, Place to) const {
+    std::vector<Place> places{from};
+    if (from.x_m == to.x_m && from.y_m == to.y_m) return {places, 0};
+    if (!IsFree(to)) return {places, kNever_m};
+    double metres = 0;
+    if (!IsFree(from)) {
+      const auto out = OutOf(from);
+      if (!out) return {places, kNever_m};
+      metres = Apart(from, *out);
+      places.push_back(*out);
+    }
+    const Place begin = places.back();
+    if (SeesEachOther(begin, to)) {
+      places.push_back(to);
+      return {places, metres + Apart(begin, to)};
+    }
+    const Rest& rest = RestTo(to);
+    const std::vector<double> first = ToCorners(begin);
+    int best = -1;
+    double least_m = kNever_m;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (first[i] + rest.metres[i] >= least_m) continue;
+      least_m = first[i] + rest.metres[i];
+      best = static_cast<int>(i);
+    }
+    if (best < 0) return {places, kNever_m};
+    for (; best >= 0; best = rest.next[static_cast<std::size_t>(best)]) {
+      places.push_back(corners_[static_cast<std::size_t>(best)]);
+    }
+    places.push_back(to);
+    return {places, metres + least_m};
+  }
+
+  std::vector<Rings> zones_;
+  std::vector<Shape> shapes_;
+  std::vector<Place> corners_;
+  int columns_, rows_;
+  std::shared_ptr<const Ways> ground_;
+  mutable std::vector<std::vector<double>> rows_seen_;
+  mutable std::map<std::pair<double, double>, Rest> rests_;
+};
+
+Place InMillimetres(double x_m, double y_m) {
+  return {std::round(x_m * 1000) / 1000, std::round(y_m * 1000) / 1000};
+}
+
+}  // namespace
+
+Rings ReadZone(const std::string& text) {
+  const json zone = json::parse(text);
+  Rings rings;
+  if (zone.contains("circle_km")) {
+    const json& circle = zone.at("circle_km");
+    const double out_m = circle.at(2).get<double>() * 1000 / std::cos(std::numbers::pi / 16);
+    std::vector<Place> ring;
+    for (int k = 0; k < 16; ++k) {
+      const double angle = k * std::numbers::pi / 8;
+      ring.push_back(InMillimetres(circle.at(0).get<double>() * 1000 + out_m * std::cos(angle),
+                                   circle.at(1).get<double>() * 1000 + out_m * std::sin(angle)));
+    }
+    return {ring};
+  }
+  const auto add = [&](const json& corners) {
+    std::vector<Place> ring;
+    for (const json& corner : corners) {
+      ring.push_back(
+          InMillimetres(corner.at(0).get<double>() * 1000, corner.at(1).get<double>() * 1000));
+    }
+    const auto same = [](Place a, Place b) { return a.x_m == b.x_m && a.y_m == b.y_m; };
+    ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
+    while (ring.size() > 1 && same(ring.front(), ring.back())) ring.pop_back();
+    if (ring.size() < 3) throw std::invalid_argument("a ring has fewer than 3 corners");
+    rings.push_back(std::move(ring));
+  };
+  add(zone.at("area_km"));
+  for (const json& hole : zone.value("holes_km", json::array())) add(hole);
+  return rings;
+}
+
+std::shared_ptr<const Ways> FlyAround(std::vector<Rings> zones, double margin_m, double width_m,
+                                      double height_m, std::shared_ptr<const Ways> ground) {
+  return std::make_shared<const AroundZones>(std::move(zones), margin_m, width_m, height_m,
+                                             std::move(ground));
+}
+
+}  // namespace muster::tools::audit
