@@ -235,6 +235,29 @@ std::optional<Point> Airspace::WayOut(Point place) const {
     }
   }
   for (const Point corner : corners_) offer(corner);
+  // Where two sides meet in a corner that points inwards. Those of both are nearer than the
+  // nearest.
+  std::vector<const Side*> near;
+  for (const Pieces& zone : pieces_) {
+    for (const Piece& piece : zone.pieces) {
+      const double dx = std::max({piece.box.x0 - place.x_m, place.x_m - piece.box.x1, 0.0});
+      const double dy = std::max({piece.box.y0 - place.y_m, place.y_m - piece.box.y1, 0.0});
+      if (!(dx * dx + dy * dy < least_m * least_m)) continue;
+      for (const Side& side : piece.sides) {
+        const double metres = side.limit - side.normal_x * place.x_m - side.normal_y * place.y_m;
+        if (std::abs(metres) < least_m) near.push_back(&side);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Side &a = *near[i], &b = *near[j];
+      const double turn = a.normal_x * b.normal_y - a.normal_y * b.normal_x;
+      if (std::abs(turn) < 1e-9) continue;
+      offer({(a.limit * b.normal_y - b.limit * a.normal_y) / turn,
+             (b.limit * a.normal_x - a.limit * b.normal_x) / turn});
+    }
+  }
   return nearest;
 }
 

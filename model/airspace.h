@@ -32,7 +32,8 @@ class Airspace {
   /// The zone that the place lies in or is too close to; none: it is free.
   std::optional<std::size_t> ZoneAt(Point place) const;
 
-  /// From end to end. One that begins in a zone or its margin leaves it by the nearest edge first.
+  /// From end to end. One that begins in a zone or its margin first leads to the nearest free
+  /// place.
   struct Flight {
     std::vector<Point> corners;     ///< both ends included
     std::vector<double> reached_m;  ///< metres flown up to each corner; the first is 0
@@ -82,7 +83,7 @@ class Airspace {
   const std::vector<Seen>& SeenFrom(Known* place) const;
   /// Shortest ways from all corners to that place.
   void SearchTo(Known* goal) const;
-  /// The place nearest to it that is free, straight out of an edge; itself where it is free.
+  /// The nearest place that is free.
   std::optional<Point> WayOut(Point place) const;
   /// Metres by the corner that the flight turns at first; -1: at none.
   double FreeLength(Known* from, Known* to, std::int32_t* first) const;

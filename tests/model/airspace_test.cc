@@ -78,6 +78,39 @@ TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
   EXPECT_NEAR(flight->corners[1].y_m, 150, 1e-9);
 }
 
+TEST(Airspace, TheNearestFreePlaceCanBeANotchBetweenZones) {
+  // Two squares that overlap: the notch at (200, 100), 10 m out, is nearer than any edge.
+  const Airspace air({Square(0, 0, 200, 200), Square(100, 100, 300, 300)}, 10);
+  const auto flight = air.FlightBetween({199, 101}, {400, 0});
+  EXPECT_NEAR(flight->corners[1].x_m, 210, 1e-9);
+  EXPECT_NEAR(flight->corners[1].y_m, 90, 1e-9);
+}
+
+/// On the way out of a zone the rest is what is left: the nearest free place stays the nearest.
+TEST(Airspace, OnTheWayOutOfDrawnZonesTheRestIsWhatIsLeft) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    Random random(seed, Stream::kTest, 3);
+    const std::vector<Zone> zones = DrawnZones(&random, 1500, 4);
+    const Airspace air(zones, 40);
+    const auto place = [&] { return Point{random.Uniform(0, 1500), random.Uniform(0, 1500)}; };
+    for (int i = 0; i < 60; ++i) {
+      const Point from = place(), to = place();
+      if (air.IsFree(from) || std::isinf(air.Length(from, to))) continue;
+      const Point out = air.FlightBetween(from, to)->corners[1];
+      EXPECT_TRUE(air.IsFree(out));
+      for (int k = 0; k < 20; ++k) {
+        const Point other{from.x_m + random.Uniform(-300, 300),
+                          from.y_m + random.Uniform(-300, 300)};
+        if (!air.IsFree(other)) continue;
+        EXPECT_LE(Distance(from, out), Distance(from, other) + 0.01);
+      }
+      const Point half = Lerp(from, out, 0.5);
+      EXPECT_NEAR(air.Length(half, to) + Distance(from, half), air.Length(from, to), 0.02);
+    }
+  }
+}
+
 TEST(Airspace, HolesAreFreeAndCourtyardsCannotBeEntered) {
   Zone ring = Square(0, 0, 1000, 1000);
   ring.rings.push_back(Square(300, 300, 700, 700).rings[0]);

@@ -244,8 +244,8 @@ class AroundZones : public Ways {
       }
     }
   }
-  /// Where a place that is not free is left for: the nearest free place that is straight out of a
-  /// side of a piece, or a corner.
+  /// Where a place that is not free is left for: the nearest free place, which is straight out of a
+  /// side of a piece, a corner, or where sides of two pieces cross.
   std::optional<Place> OutOf(Place at) const {
     std::optional<Place> nearest;
     double least_m = kNever_m;
@@ -265,7 +265,20 @@ class AroundZones : public Ways {
       }
     }
     for (const Place corner : corners_) offer(corner);
+    for (std::size_t k = 0; k < shapes_.size(); ++k) {
+      for (std::size_t l = 0; l < k; ++l) OfferCrossings(shapes_[k], shapes_[l], offer);
+    }
     return nearest;
+  }
+  template <class Offer>
+  static void OfferCrossings(const Shape& one, const Shape& other, const Offer& offer) {
+    for (std::size_t i = 0; i < one.corners.size(); ++i) {
+      const Place a = one.corners[i], b = one.corners[(i + 1) % one.corners.size()];
+      for (std::size_t j = 0; j < other.corners.size(); ++j) {
+        const double at_a = other.Depth(j, a), at_b = other.Depth(j, b);
+        if (at_a * at_b < 0) offer(Between(a, b, at_a / (at_a - at_b)));
+      }
+    }
   }
   std::pair<std::vector<Place>, double> RouteOf(Place from, Place to) const {
     std::vector<Place> places{from};
