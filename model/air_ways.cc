@@ -15,8 +15,9 @@ std::int32_t Count(double extent_m) {
 }
 
 /// What a flight depends on, as numbers.
-std::vector<double> KeyOf(const std::vector<Zone>& zones, double margin_m) {
-  std::vector<double> key{margin_m};
+std::vector<double> KeyOf(const std::vector<Zone>& zones, double margin_m,
+                          const Airspace::Extent& extent) {
+  std::vector<double> key{margin_m, extent.width_m, extent.height_m};
   for (const Zone& zone : zones) {
     key.push_back(static_cast<double>(zone.rings.size()));
     for (const std::vector<Point>& ring : zone.rings) {
@@ -27,14 +28,16 @@ std::vector<double> KeyOf(const std::vector<Zone>& zones, double margin_m) {
   return key;
 }
 
-std::shared_ptr<const Airspace> SharedAirspace(std::vector<Zone> zones, double margin_m) {
+std::shared_ptr<const Airspace> SharedAirspace(std::vector<Zone> zones, double margin_m,
+                                               const Airspace::Extent& extent) {
   static std::mutex mutex;
   static std::map<std::vector<double>, std::weak_ptr<const Airspace>> known;
   const std::lock_guard lock(mutex);
   std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<const Airspace>& entry = known[KeyOf(zones, margin_m)];
+  std::weak_ptr<const Airspace>& entry = known[KeyOf(zones, margin_m, extent)];
   std::shared_ptr<const Airspace> air = entry.lock();
-  if (air == nullptr) entry = air = std::make_shared<const Airspace>(std::move(zones), margin_m);
+  if (air == nullptr)
+    entry = air = std::make_shared<const Airspace>(std::move(zones), margin_m, extent);
   return air;
 }
 
@@ -149,10 +152,10 @@ std::optional<double> AirWays::BentBarredAt(AgentKind kind, Point from, Point to
 std::shared_ptr<const Ways> AirWaysStore::Around(std::shared_ptr<const Ways> ground,
                                                  std::vector<Zone> zones) const {
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<const Ways>& made = made_[{ground.get(), KeyOf(zones, margin_m_)}];
+  std::shared_ptr<const Ways>& made = made_[{ground.get(), KeyOf(zones, margin_m_, extent_)}];
   if (made == nullptr) {
-    made = std::make_shared<const AirWays>(std::move(ground),
-                                           SharedAirspace(std::move(zones), margin_m_), extent_);
+    made = std::make_shared<const AirWays>(
+        std::move(ground), SharedAirspace(std::move(zones), margin_m_, extent_), extent_);
   }
   return made;
 }

@@ -17,10 +17,7 @@ namespace muster {
 /// corner of the area, row by row to the north: the free one that is nearest.
 class AirWays final : public Ways {
  public:
-  /// The extent of the area, metres.
-  struct Extent {
-    double width_m = 0, height_m = 0;
-  };
+  using Extent = Airspace::Extent;
   AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const Airspace> air, Extent extent);
 
   const Airspace& air() const { return *air_; }

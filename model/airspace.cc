@@ -102,8 +102,8 @@ std::optional<double> Airspace::EntersPiece(const Piece& piece, Point a, Point b
   return in;
 }
 
-Airspace::Airspace(std::vector<Zone> zones, double margin_m)
-    : zones_(std::move(zones)), margin_m_(margin_m) {
+Airspace::Airspace(std::vector<Zone> zones, double margin_m, Extent extent)
+    : zones_(std::move(zones)), margin_m_(margin_m), extent_(extent) {
   for (const Zone& zone : zones_) {
     Pieces pieces{{}, {kNowhere, kNowhere, -kNowhere, -kNowhere}};
     for (const std::vector<Point>& ring : zone.rings) {
@@ -129,7 +129,7 @@ void Airspace::FindCorners(double margin_m) {
       for (const Point at : ring) {
         for (const Point corner : octagon) {
           const Point place{at.x_m + corner.x_m, at.y_m + corner.y_m};
-          if (IsFree(place)) corners_.push_back(place);
+          if (extent_.Contains(place) && IsFree(place)) corners_.push_back(place);
         }
       }
     }
@@ -221,7 +221,7 @@ std::optional<Point> Airspace::WayOut(Point place) const {
   double least_m = kNowhere;
   const auto offer = [&](Point out) {
     const double metres = Distance(place, out);
-    if (metres >= least_m || !IsFree(out)) return;
+    if (metres >= least_m || !extent_.Contains(out) || !IsFree(out)) return;
     nearest = out;
     least_m = metres;
   };

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,7 +16,8 @@
 namespace muster {
 
 /// Where UAVs fly: straight, but around zones, by the shortest way that is at least a margin away
-/// from each. docs/reference/zones.md has the rules; the auditor keeps them by its own code.
+/// from each and stays in the area. docs/reference/zones.md has the rules; the auditor keeps them
+/// by its own code.
 ///
 /// A zone's edge, widened by a regular octagon whose sides touch the circle of the margin, is a
 /// convex **piece**. A flight leads through the inside of no piece, so it turns at corners of
@@ -23,7 +25,15 @@ namespace muster {
 /// flight, bit for bit. What was found is kept. Safe in several threads.
 class Airspace {
  public:
-  Airspace(std::vector<Zone> zones, double margin_m);
+  /// Of the area that flights do not leave: from 0 to the east and to the north, metres.
+  struct Extent {
+    double width_m = std::numeric_limits<double>::infinity();
+    double height_m = std::numeric_limits<double>::infinity();
+    bool Contains(Point place) const {
+      return place.x_m >= 0 && place.y_m >= 0 && place.x_m <= width_m && place.y_m <= height_m;
+    }
+  };
+  Airspace(std::vector<Zone> zones, double margin_m, Extent extent);
   ~Airspace();
 
   const std::vector<Zone>& zones() const { return zones_; }
@@ -92,6 +102,7 @@ class Airspace {
   std::vector<Pieces> pieces_;  ///< of each zone
   std::vector<Point> corners_;  ///< where flights can turn
   double margin_m_;
+  Extent extent_;
 
   mutable std::shared_mutex mutex_;
   mutable std::unordered_map<Point, std::shared_ptr<Known>, PointHash> known_;

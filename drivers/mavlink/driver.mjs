@@ -222,15 +222,16 @@ export class Driver {
   *#do(order, isReplaced) {
     const { flight, reporter, safety, options } = this;
     if (order.type === "goto") {
-      const to = Number.isFinite(order.to.x_m) ? order.to : this.plan.map.toMetres(order.to);
+      const metres = (place) => (Number.isFinite(place.x_m) ? place : this.plan.map.toMetres(place));
+      const to = metres(order.to);
       if (!flight.isFlying && distance_m(flight.place, to) < 3 && !this.vehicle.armed && order.then === "charge") {
         return yield* this.#arrive(order, to, isReplaced);
       }
       if (this.isHandled && !(yield* this.#battery(isReplaced))) return;
       safety.isServiced = false;
       if (!flight.isFlying) yield* flight.takeOff();
-      reporter.goal = { order, to };
-      const isThere = !isReplaced() && (yield* flight.goTo(to, isReplaced));
+      reporter.goal = { order, to, corners: (order.via ?? []).map(metres) };
+      const isThere = !isReplaced() && (yield* flight.follow(reporter.goal.corners, to, isReplaced));
       if (isThere && order.then === "charge") yield* flight.land();
       reporter.goal = null;
       if (isThere) yield* this.#arrive(order, to, isReplaced);
@@ -253,7 +254,7 @@ export class Driver {
   /** It is there. The mission is told so when the scenario's speed allows it. */
   *#arrive(order, to, isReplaced) {
     const { reporter } = this;
-    reporter.goal = { order, to, isThere: true };
+    reporter.goal = { order, to, corners: [], isThere: true };
     while (!reporter.canBeThere && !isReplaced()) yield;
     if (isReplaced()) reporter.goal = null;
     else reporter.arrived();

@@ -13,6 +13,8 @@ const REFUSED_S = 30, REFUSED_AGAIN_S = 2;
 const START_V = 3.7, CHARGED_V = 4;
 /** It is there: so near, and so slow. */
 const THERE_M = 3, THERE_M_S = 1;
+/** At a corner of its way it turns so near to it. */
+const TURN_M = 6;
 /** Slower than this for so long on its way, it does not move. */
 const STUCK_M_S = 0.3, STUCK_S = 20;
 const CLIMB_M_S = 0.5;
@@ -169,14 +171,25 @@ export class Flight {
     }
   }
 
-  /** Goes there, until it is there or `isReplaced()`; returns whether it is. */
-  *goTo(to, isReplaced) {
-    const { talk, vehicle, plan } = this;
+  /** Goes there by these corners, each taken off the list as it is passed; returns whether it is there, or `isReplaced()`. */
+  *follow(corners, to, isReplaced) {
+    for (; corners.length; corners.shift()) {
+      const isPassed = () => distance_m(this.place, corners[0]) < TURN_M;
+      if (!(yield* this.#goTo(corners[0], isPassed, isReplaced))) return false;
+    }
+    const { vehicle, plan } = this;
+    const isThere = () => distance_m(this.place, to) < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M;
+    return yield* this.#goTo(to, isThere, isReplaced);
+  }
+
+  /** Until it is there or `isReplaced()`; returns whether it is. */
+  *#goTo(to, isThere, isReplaced) {
+    const { talk, vehicle } = this;
     yield* this.#send("going there", to);
     let moved_s = talk.now();
     for (;;) {
       const left_m = distance_m(this.place, to);
-      if (left_m < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M) return true;
+      if (isThere()) return true;
       if (vehicle.speed_m_s > STUCK_M_S || left_m < THERE_M) moved_s = talk.now();
       if (talk.now() - moved_s > talk.patience(STUCK_S)) throw new Trouble(`it does not move, ${left_m.toFixed(0)} m before the place`);
       yield;

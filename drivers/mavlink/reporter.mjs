@@ -102,9 +102,10 @@ export class Reporter {
 
   #left_s(at) {
     const { plan, vehicle } = this.driver;
-    const { order, to } = this.goal;
+    const { order, to, corners } = this.goal;
     const climb_m = Math.abs(plan.altitude_m - vehicle.altitude_m) + (order.then === "charge" ? plan.altitude_m : 0);
-    return distance_m(at, to) / this.hello.speed_m_s + climb_m / CLIMB_M_S + TURN_S;
+    const way_m = [...corners, to].reduce(([sum, from], place) => [sum + distance_m(from, place), place], [0, at])[0];
+    return way_m / this.hello.speed_m_s + climb_m / CLIMB_M_S + TURN_S;
   }
 
   /**

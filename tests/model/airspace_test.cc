@@ -51,7 +51,7 @@ double Away(const Zone& zone, Point place) {
 }
 
 TEST(Airspace, AroundASquareByHand) {
-  const Airspace air({Square(100, 100, 200, 200)}, 10);
+  const Airspace air({Square(100, 100, 200, 200)}, 10, {});
   // The octagon around a corner of the square has corners 10 m and 10 tan 22.5 degrees away.
   const double t = 10 * std::tan(std::acos(-1) / 8);
   const double expected = 2 * std::hypot(100 - t, 60) + 100 + 2 * t;
@@ -69,7 +69,7 @@ TEST(Airspace, AroundASquareByHand) {
 }
 
 TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
-  const Airspace air({Square(100, 100, 200, 200)}, 10);
+  const Airspace air({Square(100, 100, 200, 200)}, 10, {});
   EXPECT_NEAR(air.Length({130, 150}, {0, 150}), 130, 1e-9);
   EXPECT_NEAR(air.Length({150, 190}, {150, 400}), 210, 1e-9);
   EXPECT_NEAR(air.Length({92, 150}, {0, 150}), 92, 1e-9);  // from the margin
@@ -80,7 +80,7 @@ TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
 
 TEST(Airspace, TheNearestFreePlaceCanBeANotchBetweenZones) {
   // Two squares that overlap: the notch at (200, 100), 10 m out, is nearer than any edge.
-  const Airspace air({Square(0, 0, 200, 200), Square(100, 100, 300, 300)}, 10);
+  const Airspace air({Square(0, 0, 200, 200), Square(100, 100, 300, 300)}, 10, {});
   const auto flight = air.FlightBetween({199, 101}, {400, 0});
   EXPECT_NEAR(flight->corners[1].x_m, 210, 1e-9);
   EXPECT_NEAR(flight->corners[1].y_m, 90, 1e-9);
@@ -92,7 +92,7 @@ TEST(Airspace, OnTheWayOutOfDrawnZonesTheRestIsWhatIsLeft) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     Random random(seed, Stream::kTest, 3);
     const std::vector<Zone> zones = DrawnZones(&random, 1500, 4);
-    const Airspace air(zones, 40);
+    const Airspace air(zones, 40, {});
     const auto place = [&] { return Point{random.Uniform(0, 1500), random.Uniform(0, 1500)}; };
     for (int i = 0; i < 60; ++i) {
       const Point from = place(), to = place();
@@ -111,10 +111,19 @@ TEST(Airspace, OnTheWayOutOfDrawnZonesTheRestIsWhatIsLeft) {
   }
 }
 
+TEST(Airspace, FlightsStayInTheArea) {
+  // Around the southern end is shorter, but outside.
+  const Airspace air({Square(100, 0, 200, 200)}, 10, {300, 300});
+  EXPECT_EQ(air.Length({0, 20}, {300, 20}), air.Length({300, 20}, {0, 20}));
+  EXPECT_GT(air.FlightBetween({0, 20}, {300, 20})->corners[1].y_m, 200);
+  EXPECT_EQ(Airspace({Square(100, 0, 200, 300)}, 10, {300, 300}).Length({0, 20}, {300, 20}),
+            kNoWay);
+}
+
 TEST(Airspace, HolesAreFreeAndCourtyardsCannotBeEntered) {
   Zone ring = Square(0, 0, 1000, 1000);
   ring.rings.push_back(Square(300, 300, 700, 700).rings[0]);
-  const Airspace air({ring}, 20);
+  const Airspace air({ring}, 20, {});
   EXPECT_EQ(air.Length({350, 350}, {650, 650}), Distance({350, 350}, {650, 650}));
   EXPECT_EQ(air.Length({-100, 500}, {500, 500}), kNoWay);
   EXPECT_FALSE(air.IsFree({150, 500}));
@@ -122,7 +131,7 @@ TEST(Airspace, HolesAreFreeAndCourtyardsCannotBeEntered) {
 }
 
 TEST(Airspace, EntersWhereANewZoneBegins) {
-  const Airspace before({}, 10), now({Square(100, 100, 200, 200)}, 10);
+  const Airspace before({}, 10, {}), now({Square(100, 100, 200, 200)}, 10, {});
   const auto flight = before.FlightBetween({0, 150}, {300, 150});
   EXPECT_NEAR(*now.EntersAt(*flight, 0), 90, 0.01);
   EXPECT_NEAR(*now.EntersAt(*flight, 50), 90, 0.01);
@@ -137,7 +146,7 @@ TEST(Airspace, DrawnZonesAreKeptOutOfByTheMargin) {
     Random random(seed, Stream::kTest);
     const double margin_m = random.Uniform(5, 60);
     const std::vector<Zone> zones = DrawnZones(&random, 4000, 1 + static_cast<int>(seed % 6));
-    const Airspace air(zones, margin_m);
+    const Airspace air(zones, margin_m, {4000, 4000});
     const auto place = [&] { return Point{random.Uniform(0, 4000), random.Uniform(0, 4000)}; };
     for (int i = 0; i < 60; ++i) {
       const Point from = place(), to = place(), by = place();
@@ -167,8 +176,8 @@ TEST(Airspace, DrawnZonesAreKeptOutOfByTheMargin) {
 }
 
 TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
-  const auto air =
-      std::make_shared<const Airspace>(std::vector<Zone>{Square(900, 900, 1300, 1300)}, 10);
+  const auto air = std::make_shared<const Airspace>(std::vector<Zone>{Square(900, 900, 1300, 1300)},
+                                                    10, Airspace::Extent{3000, 2000});
   const AirWays ways(DefaultWays(), air, {3000, 2000});
   EXPECT_EQ(ways.StopNear(kUav, {140, 160}).at, (Point{100, 200}));
   EXPECT_EQ(ways.StopNear(kUav, {140, 160}).number, 2 * 31 + 1);

@@ -108,6 +108,8 @@ class AroundZones : public Ways {
   AroundZones(std::vector<Rings> zones, double margin_m, double width_m, double height_m,
               std::shared_ptr<const Ways> ground)
       : zones_(std::move(zones)),
+        width_m_(width_m),
+        height_m_(height_m),
         columns_(static_cast<int>(width_m / kGrid_m) + 1),
         rows_(static_cast<int>(height_m / kGrid_m) + 1),
         ground_(std::move(ground)) {
@@ -120,7 +122,7 @@ class AroundZones : public Ways {
     }
     for (const Shape& shape : shapes_) {
       for (const Place corner : shape.corners) {
-        if (IsFree(corner)) corners_.push_back(corner);
+        if (IsInArea(corner) && IsFree(corner)) corners_.push_back(corner);
       }
     }
     rows_seen_.resize(corners_.size());
@@ -200,6 +202,9 @@ class AroundZones : public Ways {
            std::none_of(zones_.begin(), zones_.end(),
                         [&](const Rings& rings) { return Encloses(rings, at); });
   }
+  bool IsInArea(Place at) const {
+    return 0 <= at.x_m && at.x_m <= width_m_ && 0 <= at.y_m && at.y_m <= height_m_;
+  }
   bool SeesEachOther(Place a, Place b) const {
     return std::none_of(shapes_.begin(), shapes_.end(),
                         [&](const Shape& shape) { return shape.EnteredAt(a, b).has_value(); });
@@ -250,7 +255,7 @@ class AroundZones : public Ways {
     std::optional<Place> nearest;
     double least_m = kNever_m;
     const auto offer = [&](Place out) {
-      if (Apart(at, out) >= least_m || !IsFree(out)) return;
+      if (Apart(at, out) >= least_m || !IsInArea(out) || !IsFree(out)) return;
       least_m = Apart(at, out);
       nearest = out;
     };
@@ -316,6 +321,7 @@ class AroundZones : public Ways {
   std::vector<Rings> zones_;
   std::vector<Shape> shapes_;
   std::vector<Place> corners_;
+  double width_m_, height_m_;  ///< flights stay in the area
   int columns_, rows_;
   std::shared_ptr<const Ways> ground_;
   mutable std::vector<std::vector<double>> rows_seen_;

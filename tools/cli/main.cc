@@ -48,6 +48,7 @@ const std::vector<Command> kCommands = {
     {"replay", "plays a log back over LCM", ReplayCommand},
     {"report", "makes one page of one or several runs", ReportCommand},
     {"road", "closes or opens roads of a running mission", RoadCommand},
+    {"zone", "adds or lifts a zone that UAVs keep out of in a running mission", ZoneCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},
     {"scenario", "writes a random scenario, lists the presets", ScenarioCommand},
     {"simulate", "runs a mission in one process", SimulateCommand},

@@ -64,9 +64,9 @@ int Give(Json order, const Arguments& arguments) {
           bare[item].erase("longitude_deg");
           bare[item]["x_km"] = bare[item]["y_km"] = 0;
         }
-        for (const char* area : {"area_deg", "circle_deg", "near_deg"}) {
-          if (bare.erase(area) > 0) bare["near_km"] = {0, 0};
-        }
+        if (bare.erase("area_deg") > 0) bare["area_km"] = {{0, 0}, {1, 0}, {0, 1}};
+        if (bare.erase("circle_deg") > 0) bare["circle_km"] = {0, 0, 1};
+        if (bare.erase("near_deg") > 0) bare["near_km"] = {0, 0};
         return bare.dump();
       }(),
       "order");
@@ -90,9 +90,10 @@ int Give(Json order, const Arguments& arguments) {
   }
   if (arguments.Has("json")) return kExitOk;
   const Json& taken = answer["taken"];
-  std::string what = taken.contains("agent")  ? taken["agent"].get<std::string>()
-                     : taken.contains("task") ? fmt::format("task {}", taken["task"].dump())
-                                              : "";
+  std::string what = taken.contains("agent") ? taken["agent"].get<std::string>()
+                     : taken.contains("task")
+                         ? fmt::format("task {}", taken["task"].dump())
+                         : fmt::format("({})", answer["id"].get<std::string>());
   fmt::print("taken at {}: {} {}\n", ClockText(ToUs(taken["sim_s"].get<double>())),
              order["order"].get<std::string>(), what);
   return kExitOk;
@@ -132,21 +133,30 @@ Json ReadNumbers(const std::string& flag, const std::string& text, std::size_t n
   return numbers;
 }
 
-/// Which roads an order means.
-void ReadRoads(const Arguments& arguments, Json* order) {
+/// --area or --circle; how many of them there are.
+int ReadArea(const Arguments& arguments, Json* order) {
   const std::string unit = arguments.Has("degrees") ? "_deg" : "_km";
   int n = 0;
-  const auto has = [&](const char* flag) { return arguments.Has(flag) && ++n > 0; };
-  if (has("area")) {
+  if (arguments.Has("area")) {
     Json& corners = (*order)["area" + unit] = Json::array();
     for (const std::string& corner : Split(arguments.Get("area"), ' ')) {
       corners.push_back(ReadNumbers("area", corner, 2, "\"X,Y X,Y X,Y ...\""));
     }
+    ++n;
   }
-  if (has("circle")) {
+  if (arguments.Has("circle")) {
     (*order)["circle" + unit] =
         ReadNumbers("circle", arguments.Get("circle"), 3, "X,Y,RADIUS, the radius in km");
+    ++n;
   }
+  return n;
+}
+
+/// Which roads an order means.
+void ReadRoads(const Arguments& arguments, Json* order) {
+  const std::string unit = arguments.Has("degrees") ? "_deg" : "_km";
+  int n = ReadArea(arguments, order);
+  const auto has = [&](const char* flag) { return arguments.Has(flag) && ++n > 0; };
   if (has("near")) (*order)["near" + unit] = ReadNumbers("near", arguments.Get("near"), 2, "X,Y");
   if (has("ids")) {
     Json& ids = (*order)["roads"] = Json::array();
@@ -297,6 +307,38 @@ int RoadCommand(int argc, const char* const* argv) {
   if (!arguments) return kExitOk;
   Json order = {{"order", "road_" + arguments->Get("what")}};
   ReadRoads(*arguments, &order);
+  if (arguments->Has("for")) order["until_in_min"] = arguments->Get<double>("for");
+  if (arguments->Has("name")) order["name"] = arguments->Get("name");
+  return Give(std::move(order), *arguments);
+}
+
+int ZoneCommand(int argc, const char* const* argv) {
+  Options options("muster zone",
+                  "Adds a zone that UAVs keep out of to a running mission, or lifts it "
+                  "(docs/guide/zones.md). UAVs under way through it fly around it. The mission was "
+                  "started with muster run --take-orders, and its scenario has the key air.");
+  AddWhat("zone_", &options);
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  options.Add("area", "\"X,Y X,Y ...\"",
+              "To add: its corners, km from the area's south-west corner");
+  options.Add("circle", "X,Y,RADIUS", "To add: its middle and radius, km");
+  options.Flag("degrees", "Places are given as LAT,LON in degrees");
+  options.Add("for", "MIN", "To add: lift it after so many minutes").Number(Above0(1e6));
+  options.Add("name", "TEXT", "To add: what people call it, as \"rescue helicopter\"");
+  options.Add("zone", "ID",
+              "To lift: the id of the order that added it; zone:N is zone N of the scenario");
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const bool adds = arguments->Get("what") == "add";
+  Json order = {{"order", "zone_" + arguments->Get("what")}};
+  const int n = ReadArea(*arguments, &order);
+  if (n != (adds ? 1 : 0) || arguments->Has("zone") == adds) {
+    throw InputError("command line", adds ? "--area" : "--zone",
+                     n == 0 && !arguments->Has("zone") ? "nothing" : "too much",
+                     adds ? "--area or --circle" : "--zone ID alone");
+  }
+  if (arguments->Has("zone")) order["zone"] = arguments->Get("zone");
   if (arguments->Has("for")) order["until_in_min"] = arguments->Get<double>("for");
   if (arguments->Has("name")) order["name"] = arguments->Get("name");
   return Give(std::move(order), *arguments);

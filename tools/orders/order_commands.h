@@ -8,5 +8,6 @@ int TaskCommand(int argc, const char* const* argv);
 int AgentCommand(int argc, const char* const* argv);
 /// `muster road`: closes or opens roads of a running mission.
 int RoadCommand(int argc, const char* const* argv);
+int ZoneCommand(int argc, const char* const* argv);
 
 }  // namespace muster::tools

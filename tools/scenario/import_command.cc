@@ -13,6 +13,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "tools/map/roads_option.h"
+#include "tools/map/zones_option.h"
 #include "tools/scenario/import.h"
 #include "tools/scenario/settings_options.h"
 
@@ -146,6 +147,7 @@ int ImportCommand(int argc, const char* const* argv) {
   AddImportOptions(&options);
   AddSettingsOptions(&options, true);
   AddRoadsOptions(&options);
+  AddZonesOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string file = arguments->Get("points");
@@ -173,6 +175,9 @@ int ImportCommand(int argc, const char* const* argv) {
 
   ImportResult result = Import(ReadTable(file), request);
   for (std::string& line : TakeRoads(*arguments, &result.scenario)) {
+    result.summary.push_back(std::move(line));
+  }
+  for (std::string& line : TakeZones(*arguments, &result.scenario)) {
     result.summary.push_back(std::move(line));
   }
   WriteScenario(result.scenario, *arguments);

@@ -48,7 +48,8 @@ void PutOnMap(Json* item, const std::string& where, const std::string& key,
   (*item)["y_km"] = at.y_m / 1000;
 }
 
-/// area_deg, circle_deg or near_deg of an order about roads, as area_km, circle_km or near_km.
+/// area_deg, circle_deg or near_deg of an order about roads or zones, as area_km, circle_km or
+/// near_km.
 void PutAreaOnMap(Json* order, const std::string& where, const std::optional<Origin>& origin) {
   for (const std::string name : {"area", "circle", "near"}) {
     const std::string key = name + "_deg";

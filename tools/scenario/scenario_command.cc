@@ -12,6 +12,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "tools/map/roads_option.h"
+#include "tools/map/zones_option.h"
 #include "tools/scenario/settings_options.h"
 
 namespace muster::tools {
@@ -60,6 +61,7 @@ int ScenarioCommand(int argc, const char* const* argv) {
   options.Quiet();
   AddSettingsOptions(&options);
   AddRoadsOptions(&options);
+  AddZonesOptions(&options);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   if (arguments->Has("list")) {
@@ -77,7 +79,8 @@ int ScenarioCommand(int argc, const char* const* argv) {
     }
   }
   if (arguments->Has("origin")) scenario.origin = ParseOrigin(arguments->Get("origin"));
-  const std::vector<std::string> summary = TakeRoads(*arguments, &scenario);
+  std::vector<std::string> summary = TakeRoads(*arguments, &scenario);
+  for (std::string& line : TakeZones(*arguments, &scenario)) summary.push_back(std::move(line));
   WriteScenario(scenario, *arguments);
   if (!arguments->Has("quiet")) {
     for (const std::string& line : summary) Say("{}\n", line);

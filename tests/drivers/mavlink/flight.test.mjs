@@ -45,6 +45,25 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.failure, null);
   });
 
+  test(`${kind}: flies by the corners of its way around a zone`, () => {
+    const box = new Box({ kind }).flying();
+    box.run(120);
+    const via = [{ x_m: 1500, y_m: 800 }, { x_m: 1900, y_m: 800 }];
+    const there = box.goTo(1900, 400, "wait", via);
+    const nearest = [Infinity, Infinity];
+    let straight = Infinity;
+    box.until(() => {
+      via.forEach((corner, i) => (nearest[i] = Math.min(nearest[i], box.distanceTo(corner))));
+      straight = Math.min(straight, box.distanceTo({ x_m: 1700, y_m: 400 }));
+      return box.said("arrived", there).length;
+    }, 400);
+    assert.ok(Math.max(...nearest) < 8, `it came no nearer to the corners than ${nearest} m`);
+    assert.ok(straight > 190, "not straight through");
+    const told = box.lines.findLast(([, line]) => line.expected_s)[1];
+    assert.ok(Math.abs(told.expected_s - box.now) < 15, "it says when it will be there");
+    assert.equal(box.failure, null);
+  });
+
   test(`${kind}: stops when it is told to, goes elsewhere when it is told to`, () => {
     const box = new Box({ kind }).flying();
     box.tell({ type: "cancel", id: 1, mission_s: box.now, reason: "its partner is gone" });

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/options.h"
+#include "model/scenario.h"
+
+namespace muster::tools {
+
+/// Adds --zones, --zone-margin and --authorised.
+void AddZonesOptions(Options* options);
+
+/// Puts the zones of --zones, if given, into the scenario, after its roads. Returns what came of
+/// it, in lines. Throws InputError.
+std::vector<std::string> TakeZones(const Arguments& arguments, Scenario* scenario);
+
+}  // namespace muster::tools
