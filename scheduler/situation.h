@@ -18,7 +18,7 @@ struct Site {
   std::shared_ptr<const Ways> ways;  ///< how agents travel
   std::shared_ptr<const RoadWays>
       open_roads;                        ///< the same while no road was closed; null: no roads
-  std::vector<Closure> closures;         ///< of roads, in force
+  std::vector<Closure> closures;         ///< of roads and air, in force
   std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
   Rules rules;
   double width_m = 0;

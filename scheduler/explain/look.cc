@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/index.h"
+#include "model/air_ways.h"
 #include "model/feasibility.h"
 
 namespace muster::scheduler {
@@ -54,7 +55,7 @@ void ForEachPair(const Instance& instance, std::int32_t site, Visit visit) {
 std::string_view ToString(Obstacle obstacle) {
   constexpr std::string_view kNames[] = {
       "none",       "no idle uav", "no idle partner", "no free place", "range", "online window",
-      "time limit", "expiry",      "no road",         "closed road",   "no use"};
+      "time limit", "expiry",      "no road",         "closed road",   "zone",  "no use"};
   return kNames[static_cast<int>(obstacle)];
 }
 
@@ -176,6 +177,7 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
     look.obstacle = look.nearest_range ? Obstacle::kRange : Obstacle::kNoUse;
   }
   if (look.nearest_time) LookAtRoad(&look);
+  LookAtZones(&look);
   return look;
 }
 
@@ -194,6 +196,24 @@ void Look::LookAtRoad(PlaceLook* look) const {
              look->obstacle == Obstacle::kExpiry) {
     look->closure = ClosureOnTheWay(kind, from, to);
     look->obstacle = look->closure ? Obstacle::kClosed : Obstacle::kNoRoad;
+  }
+}
+
+void Look::LookAtZones(PlaceLook* look) const {
+  const auto* const ways = dynamic_cast<const AirWays*>(situation_.site->ways.get());
+  if (ways == nullptr) return;
+  const Point at = look->charging ? situation_.site->charging_points[At(look->site)].at
+                                  : situation_.site->tasks[At(look->site)].at;
+  if (const auto zone = ways->air().ZoneAt(at)) {
+    look->obstacle = Obstacle::kZone;
+    // Zones stand in the order of their closures.
+    std::size_t n = *zone;
+    for (const Closure& closure : situation_.site->closures) {
+      if (closure.zone && n-- == 0) look->closure = closure;
+    }
+  } else if (look->obstacle == Obstacle::kRange && look->nearest_range &&
+             std::isinf(look->nearest_range->needs_m())) {
+    look->obstacle = Obstacle::kZone;
   }
 }
 

@@ -23,10 +23,11 @@ enum class Obstacle {
   kExpiry,     ///< they would not be there before the task expires
   kNoRoad,     ///< no way by road leads there for any partner
   kClosed,     ///< none does since roads were closed
+  kZone,       ///< the place is in a zone that UAVs keep out of, or cut off by zones
   kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit", "expiry", "no road", "closed road", "no use"
+/// "time limit", "expiry", "no road", "closed road", "zone", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -76,7 +77,8 @@ struct PlaceLook {
   std::optional<RangeNeed>
       nearest_range;                     ///< of the UAVs that lack range, the one that lacks least
   std::optional<PairLook> nearest_time;  ///< of the pairs that end too late, the least late
-  std::optional<Closure> closure;        ///< of kClosed: one that the partner's way led through
+  std::optional<Closure> closure;        ///< of kClosed: one that the partner's way led through; of
+                                         ///< kZone: the zone that the place is in
 
   AgentKind partner_kind() const { return charging ? AgentKind::kVehicle : AgentKind::kWorker; }
 
@@ -128,6 +130,8 @@ class Look {
 
   /// Says how the partner would get there, or that no road leads there.
   void LookAtRoad(PlaceLook* look) const;
+  /// Whether UAVs cannot get there because of zones, and then which.
+  void LookAtZones(PlaceLook* look) const;
   /// The first closure that bars the way which led there while all roads were open.
   std::optional<Closure> ClosureOnTheWay(AgentKind kind, Point from, Point to) const;
   bool IsFull(const PlaceLook& look) const {

@@ -14,6 +14,7 @@
 #include "base/json_tree.h"
 #include "base/random.h"
 #include "model/air_ways.h"
+#include "model/order.h"
 #include "model/scenario.h"
 #include "tests/model/drawn_zones.h"
 
@@ -191,6 +192,77 @@ TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
   EXPECT_GT(ways.Length(kUav, {0, 1000}, half), 700);
   EXPECT_TRUE(ways.straight(AgentKind::kWorker));
   EXPECT_EQ(ways.Length(AgentKind::kWorker, {0, 1000}, {2000, 1000}), 2000);
+}
+
+TEST(AirOrders, AddAndLiftZonesAtTheirTick) {
+  Scenario scenario;
+  scenario.width_m = scenario.height_m = 3000;
+  const auto take = [&](const char* json, TimeUs t, const char* id) -> std::string {
+    try {
+      Order order = ParseOrder(json, "order");
+      order.id = id;
+      TakeInto(&scenario, order, t);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  constexpr const char* kAdd =
+      R"({"order": "zone_add", "area_km": [[1, 1], [2, 1], [2, 2], [1, 2]], "name": "field"})";
+  EXPECT_EQ(take(kAdd, 0, "a"), "the scenario has no key air");
+  UseAir({10, {}, nullptr}, &scenario);
+  const auto length = [&](TimeUs t) {
+    return scenario.WaysAt(t).Length(kUav, {500, 1500}, {2500, 1500});
+  };
+  EXPECT_EQ(length(0), 2000);
+  const TimeUs t = 20 * kMinuteUs;
+  EXPECT_EQ(take(kAdd, t, "a"), "");
+  EXPECT_EQ(scenario.closures[0].name, "field");
+  EXPECT_EQ(length(t - 1), 2000);
+  EXPECT_NEAR(length(t), 2 * std::hypot(500 - 4.142, 510) + 1008.284, 0.01);
+  EXPECT_EQ(take(R"({"order": "zone_lift", "zone": "b"})", t, "c"),
+            "there is no zone of an order b");
+  EXPECT_EQ(take(R"({"order": "road_open", "closure": "a"})", t, "d"), "the scenario has no roads");
+  EXPECT_EQ(take(R"({"order": "zone_lift", "zone": "a"})", t + kMinuteUs, "e"), "");
+  EXPECT_EQ(length(t + kMinuteUs), 2000);
+  EXPECT_NE(take(R"({"order": "zone_add", "circle_km": [1, 1, 0.2], "until_min": 10})", t, "f")
+                .find("until_min"),
+            std::string::npos);
+  EXPECT_NE(take(R"({"order": "zone_lift", "zone": "a", "area_km": []})", t, "g").find("area_km"),
+            std::string::npos);
+}
+
+/// A UAV that meets a new zone goes round from where it is; range falls by what it flew.
+TEST(AirOrders, AUavUnderWayFliesAroundFromWhereItIs) {
+  Scenario scenario;
+  scenario.width_m = scenario.height_m = 3000;
+  AgentSpec spec;
+  spec.at = {500, 1500};
+  spec.speed_m_s = 10;
+  spec.range_full_m = spec.range_m = 5000;
+  UseAir({10, {}, nullptr}, &scenario);
+  AgentState uav = StartOf(kUav, 0, spec, *scenario.ways);
+  uav.to = {2500, 1500};
+  uav.arrive_us = 200 * kSecondUs;
+  uav.action = ActionKind::kUavToTask;
+  uav.busy_until_us = uav.arrive_us;
+  AgentState behind = uav;
+  Order order =
+      ParseOrder(R"({"order": "zone_add", "area_km": [[1, 1], [2, 1], [2, 2], [1, 2]]})", "order");
+  const TimeUs t = 30 * kSecondUs;
+  const TakenOrder taken = TakeInto(&scenario, order, t);
+  FollowWays(&uav, {&taken, 1}, t, scenario);
+  EXPECT_EQ(uav.from, (Point{800, 1500}));
+  EXPECT_EQ(uav.range_at_departure_m, 4700);
+  // By two corners of the octagon, as it is steep, and by one of the next.
+  const double way_m =
+      std::hypot(190, 504.142) + std::hypot(5.858, 5.858) + 1008.284 + std::hypot(500 - 4.142, 510);
+  EXPECT_NEAR(static_cast<double>(uav.arrive_us - t) * 1e-5, way_m, 0.01);
+  // One that has passed it goes on.
+  behind.from = behind.to = {2500, 1500};
+  behind.arrive_us = t;
+  FollowWays(&behind, {&taken, 1}, t, scenario);
+  EXPECT_EQ(behind.to, (Point{2500, 1500}));
 }
 
 TEST(Zone, IsReadAndWrittenAlike) {

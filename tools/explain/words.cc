@@ -146,6 +146,14 @@ std::string ObstacleWords(const PlaceLook& look) {
                          Free(look), ClockText(closure.since_us),
                          closure.name.empty() ? closure.order : closure.name);
     }
+    case Obstacle::kZone:
+      return look.closure
+                 ? fmt::format(
+                       "it lies in the zone {} or its margin, which UAVs keep out of "
+                       "since {}",
+                       look.closure->name.empty() ? look.closure->order : look.closure->name,
+                       ClockText(look.closure->since_us))
+                 : std::string("zones keep every UAV from it, or from charging after it");
     case Obstacle::kNoUse:
       return "charging would enable no further task";
     case Obstacle::kExpiry:

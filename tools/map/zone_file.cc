@@ -117,7 +117,8 @@ class Reader {
   }
 
   void ReadTimes(const ZoneJson& periods, MapZone* zone) const {
-    bool always = !periods.is_array() || periods.empty();
+    if (!periods.is_array() || periods.empty()) return;
+    bool always = false, is_first = true;
     std::optional<Moment> from, until;
     const auto moment = [&](const ZoneJson& value) -> std::optional<Moment> {
       if (value.is_null()) return {};
@@ -125,7 +126,7 @@ class Reader {
       if (!parsed) Fail("time", value, kMomentExpected);
       return parsed;
     };
-    for (const ZoneJson& period : always ? ZoneJson::array() : periods) {
+    for (const ZoneJson& period : periods) {
       for (const char* key : {"schedule", "dailyPeriod"}) {
         for (const ZoneJson& part : At(period, key)) {
           zone->recurs |= !At(part, "startTime").is_null() || !At(part, "day").empty();
@@ -134,9 +135,9 @@ class Reader {
       const auto begins = moment(At(period, "startDateTime"));
       const auto ends = moment(At(period, "endDateTime"));
       always |= TextOf(At(period, "permanent")) == "YES" || (!begins && !ends);
-      const bool is_first = &period == &*periods.begin();
       if (is_first || (from && begins && begins->unix_us < from->unix_us) || !begins) from = begins;
       if (is_first || (until && ends && ends->unix_us > until->unix_us) || !ends) until = ends;
+      is_first = false;
     }
     if (always) return;
     zone->from = from;

@@ -147,7 +147,19 @@ ordered_json RoadLines(const ScenarioRoads& roads) {
   return {{"source", network.source}, {"classes", std::move(classes)}, {"lines", std::move(lines)}};
 }
 
-/// Each change of roads: from when, and what is closed then, {order, name, since, roads} each.
+/// Outline and holes of a zone: [x, y, x, y, ...] each.
+ordered_json RingsOf(const Zone& zone) {
+  ordered_json rings = ordered_json::array();
+  for (const std::vector<Point>& ring : zone.rings) {
+    ordered_json places = ordered_json::array();
+    for (const Point at : ring) places.insert(places.end(), {Whole(at.x_m), Whole(at.y_m)});
+    rings.push_back(std::move(places));
+  }
+  return rings;
+}
+
+/// Each change of roads and zones: from when, and what is closed then, {order, name, since, roads}
+/// each, and of a zone its rings.
 ordered_json RoadChanges(const Scenario& scenario) {
   ordered_json changes = ordered_json::array();
   for (std::size_t i = 1; i < scenario.changed_ways.size(); ++i) {
@@ -155,6 +167,7 @@ ordered_json RoadChanges(const Scenario& scenario) {
     ordered_json closures = ordered_json::array();
     for (const Closure& closure : change.closures) {
       closures.push_back({closure.order, closure.name, Ms(closure.since_us), closure.roads});
+      if (closure.zone) closures.back().push_back(RingsOf(*closure.zone));
     }
     changes.push_back({Ms(change.at_us), std::move(closures)});
   }
@@ -188,6 +201,7 @@ ordered_json Places(const Scenario& scenario) {
                         {"charging_points", std::move(charging)},
                         {"range_full_m", std::move(range)}};
   if (scenario.roads) place["roads"] = RoadLines(*scenario.roads);
+  if (scenario.air) place["air"] = {{"margin_m", scenario.air->margin_m}};
   if (scenario.IsOpen()) place["vacant"] = VacantAgents(scenario);
   if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);
   if (scenario.origin) {

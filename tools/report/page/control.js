@@ -4,9 +4,12 @@ import { OrderForm } from "./order_form.js";
 import { Orders, orderEffect, orderWords, ordersOf, tokenOf } from "./orders.js";
 import { statusAt, taskStatusAt } from "./run.js";
 import { clockText } from "./time.js";
+import { zoneAt } from "./layers/zones.js";
 import { CANCELLED, DONE, EXPIRED, FAILED } from "./words.js";
 
 const KEPT = "muster-token";
+/** What a click on the map chooses, by the button that was pressed before. */
+const PICKED = { "order-add": "the place of the new task", "order-road": "the roads", "order-zone": "the middle of the zone, or a zone to lift" };
 const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
 
 /** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
@@ -33,7 +36,7 @@ export class Control {
     this.form.closed = () => this.map.mark(null);
     this.picks = "order-add"; // what the next click on the map is for
     byId("order-add").addEventListener("click", () => this.togglePick());
-    byId("order-road").addEventListener("click", () => this.togglePick("order-road"));
+    for (const button of ["order-road", "order-zone"]) byId(button).addEventListener("click", () => this.togglePick(button));
     byId("pick-stop").addEventListener("click", () => this.#stopPicking());
     byId("pick-enter").addEventListener("click", () => this.#add({ x: state.run.scenario.width_m / 2, y: state.run.scenario.height_m / 2 }));
     state.on("run data selection", () => this.draw());
@@ -54,13 +57,14 @@ export class Control {
     badge.title = this.allowed ? "This page gives orders to the mission" : "Orders need the address that muster run --control tells";
     byId("order-add").hidden = !this.allowed;
     byId("order-road").hidden = !this.allowed || !run.scenario.roads;
+    byId("order-zone").hidden = !this.allowed || !run.scenario.air;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
     if (!this.allowed && this.map.picking) this.#stopPicking();
     if (run) this.#findAdded();
     this.#drawCard();
   }
 
-  /** The next click on the map is the place of a new task, or of roads; or no longer. */
+  /** The next click on the map is the place of a new task, of roads or of a zone; or no longer. */
   togglePick(button = "order-add") {
     if (!this.allowed) return;
     const again = this.map.picking && this.picks === button;
@@ -79,7 +83,7 @@ export class Control {
 
   #showPicking(on) {
     byId("pick-hint").hidden = !on;
-    byId("pick-what").textContent = this.picks === "order-road" ? "the roads" : "the place of the new task";
+    byId("pick-what").textContent = PICKED[this.picks];
     byId(this.picks).setAttribute("aria-pressed", String(on));
   }
 
@@ -87,6 +91,7 @@ export class Control {
     this.#stopPicking();
     this.map.mark(place);
     if (this.picks === "order-road") this.form.roads(place);
+    else if (this.picks === "order-zone") this.form.zone(place, zoneAt(this.state.run, this.clock.t, place));
     else this.form.add(this.state.run, place);
   }
 

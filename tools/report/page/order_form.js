@@ -3,6 +3,7 @@ import { PRIORITIES } from "./story.js";
 
 const DEFAULT_COST_KM = 3;
 const DEFAULT_RADIUS_KM = 0.1;
+const DEFAULT_ZONE_KM = 1;
 
 function field(label, input) {
   return element("label", { class: "field" }, element("span", {}, label), input);
@@ -57,6 +58,24 @@ export class OrderForm {
       const order = { order: values.what, circle_km: [values.x, values.y, values.radius] };
       if (values.what === "road_open") return order;
       if (values.minutes !== null && !(values.minutes > 0)) return "Roads are closed for more than 0 minutes.";
+      if (values.minutes !== null) order.until_in_min = values.minutes;
+      if (values.name) order.name = values.name;
+      return order;
+    });
+  }
+
+  /** A zone to add around a place, { x, y } in metres, or to lift: the one that the place lies in, if any. */
+  zone(place, inside) {
+    const km = (m) => Math.round(m) / 1000;
+    const what = element("select", { name: "what" }, element("option", { value: "zone_add" }, "Add a zone"));
+    if (inside) what.append(element("option", { value: "zone_lift" }, `Lift ${inside.name || inside.order}`));
+    this.#write("Zone that UAVs keep out of", [field("Do what", what), field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
+      field("Radius, km", decimal("radius", DEFAULT_ZONE_KM, { min: 0 })), field("To add: for so many minutes", decimal("minutes", null, { min: 0 })),
+      field("To add: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+      if (values.what === "zone_lift") return { order: "zone_lift", zone: inside.order };
+      if (values.x === null || values.y === null || !(values.radius >= 0.001)) return "A place and a radius of at least a metre are needed.";
+      if (values.minutes !== null && !(values.minutes > 0)) return "A zone holds for more than 0 minutes.";
+      const order = { order: "zone_add", circle_km: [values.x, values.y, values.radius] };
       if (values.minutes !== null) order.until_in_min = values.minutes;
       if (values.name) order.name = values.name;
       return order;

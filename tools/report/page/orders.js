@@ -22,6 +22,8 @@ const KINDS = {
   agent_recall: { words: ({ agent }) => `recall ${agent}`, more: "it hands back what it is at and leaves the mission at once, from where it is", on: "agent", button: "Recall", when: (status) => status !== OFFLINE },
   road_close: { words: ({ circle_km: [x, y, r], until_in_min: min, name }) => `close the roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way to them go round, and pairs that cannot are called off" },
   road_open: { words: ({ circle_km: [x, y, r] }) => `open the closed roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km` },
+  zone_add: { words: ({ circle_km: [x, y, r], until_in_min: min, name }) => `keep UAVs ${number(r, 2)} km away from ${number(x, 1)}, ${number(y, 1)} km${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way through it fly around it, and pairs that cannot are called off" },
+  zone_lift: { words: ({ zone }) => `lift the zone ${zone}` },
   agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
 };
 

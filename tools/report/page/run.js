@@ -31,7 +31,7 @@ export class Run {
     this.events = [];
     this.processes = new Map(); // name -> rows of SAMPLE
     this.faults = [];
-    this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads]]
+    this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads, rings of a zone]]
     this.coast = null; // where land is: coast.js
     this.background = null; // shapes in degrees, drawn below the map
     this.reasons = null; // task -> why it was not done; reports only

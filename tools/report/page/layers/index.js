@@ -12,15 +12,16 @@ import { tasks } from "./tasks.js";
 import { trails } from "./trails.js";
 import { water } from "./water.js";
 import { ways } from "./ways.js";
+import { zones } from "./zones.js";
 
 /**
  * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend? }. `map` is what MapView says is in view. A layer
  * without `shows` is always drawn.
  */
-export const LAYERS = [...BELOW, closed, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
+export const LAYERS = [...BELOW, closed, zones, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
 
 /** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
-const TOLD = [tasks, charging, agents, water, roads, closed, trails, ways];
+const TOLD = [tasks, charging, agents, water, roads, closed, zones, trails, ways];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {

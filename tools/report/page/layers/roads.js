@@ -15,7 +15,7 @@ function pathsOf(run) {
   });
 }
 
-/** What is closed at that time: [order, name, since_ms, roads] each. */
+/** What is closed at that time: [order, name, since_ms, roads] each, and of a zone its rings. */
 export function closuresAt(run, t) {
   return run.roadChanges.filter(([at]) => at <= t).at(-1)?.[1] ?? [];
 }
@@ -39,7 +39,7 @@ function closedPath(run, closures) {
 /** The roads that are closed, as broken lines over their own. */
 export const closed = {
   legend: [{ id: "closed", mark: '<path d="M1 8 12 4 23 7" class="l-closed"/>', long: true, words: "closed road",
-    shows: (run) => run.roadChanges.length > 0 }],
+    shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , closedRoads]) => closedRoads.length > 0)) }],
   shows: ({ run }) => run.roadChanges.length > 0,
   draw(c, { run, x, y, t }) {
     const closures = closuresAt(run, t);

@@ -2,7 +2,7 @@ import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
 import { MOVING } from "../words.js";
 
-/** Traces the rest of a way by road as far as it is known: on a live page, to its next corner. */
+/** Traces the rest of a way with corners, by road or around zones, as far as it is known: on a live page, to its next corner. */
 function traceAhead(c, { x, y, t }, agent) {
   const { stops, spans } = agent;
   const end = spans[(rowAt(spans, 2, t) + 1) * 2] ?? Infinity;
@@ -25,7 +25,7 @@ export const ways = {
       for (const { agent, status, place, px, py } of map.ways) {
         if (agent.kind !== kind || status !== MOVING) continue;
         c.moveTo(px, py);
-        if (run.scenario.roads) traceAhead(c, map, agent);
+        if (kind === 0 ? run.scenario.air : run.scenario.roads) traceAhead(c, map, agent);
         else c.lineTo(x(place.toX), y(place.toY));
       }
       c.stroke();

@@ -1,6 +1,7 @@
 import { CanvasTexture, DoubleSide, LinearFilter, Mesh, MeshBasicMaterial, PlaneBufferGeometry } from "three";
 import { BELOW } from "../layers/below.js";
 import { closed, closuresAt, closuresKey } from "../layers/roads.js";
+import { zones } from "../layers/zones.js";
 import { frameOf, linear } from "../scale.js";
 
 const SIDE = 900; // pixels that the map's lines and letters are made for
@@ -21,7 +22,7 @@ function paint(run, plane, t) {
   const { width_m: w, height_m: h } = run.scenario;
   const shown = { x: linear([0, w], [MARGIN, width - MARGIN]), y: linear([0, h], [height - MARGIN, MARGIN]), width, height };
   Object.assign(shown, { run, t, frame: frameOf(shown, run.scenario) });
-  for (const layer of [...BELOW, closed]) layer.draw(c, shown);
+  for (const layer of [...BELOW, closed, zones]) layer.draw(c, shown);
   return { canvas, wide: width / perUnit, high: height / perUnit };
 }
 
@@ -53,7 +54,7 @@ export class Ground {
     this.scene.add(this.glass);
   }
 
-  /** Paints it again if other roads are closed than when it was painted. */
+  /** Paints it again if other roads are closed, or other zones in force, than when it was painted. */
   show(run, plane, t) {
     const key = closuresKey(closuresAt(run, t));
     if (key === this.painted) return;

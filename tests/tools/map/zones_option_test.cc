@@ -1,0 +1,181 @@
+#include "tools/map/zones_option.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/check.h"
+#include "model/air_ways.h"
+#include "tests/temporary_folder.h"
+#include "tools/map/zone_file.h"
+
+namespace muster::tools {
+namespace {
+
+/// At 10 N, 20 E; 0.01 degrees are about 1.1 km.
+constexpr Origin kCorner{10, 20};
+
+std::string Square(double west, double south, double degrees = 0.01) {
+  const double east = west + degrees, north = south + degrees;
+  return fmt::format(R"({{"type": "Polygon", "coordinates": [[[{0}, {1}], [{2}, {1}], [{2}, {3}], )"
+                     R"([{0}, {3}], [{0}, {1}]]]}})",
+                     west, south, east, north);
+}
+
+std::string Ed269(const std::string& restriction, const std::string& lower,
+                  const std::string& applicability = R"([{"permanent": "YES"}])") {
+  return fmt::format(
+      R"({{"UASZoneList": [{{"identifier": "A1", "name": "Field", "restriction": "{}", )"
+      R"("applicability": {}, "geometry": [{{"uomDimensions": "FT", "lowerLimit": {}, )"
+      R"("lowerVerticalReference": "AGL", "upperLimit": null, "horizontalProjection": {}}}]}}]}})",
+      restriction, applicability, lower, Square(20.02, 10.02));
+}
+
+class ZonesOption : public ::testing::Test {
+ protected:
+  ZonesOption() {
+    scenario_.origin = kCorner;
+    scenario_.width_m = scenario_.height_m = 10'000;
+  }
+
+  std::vector<std::string> Take(const std::string& json, std::vector<std::string> more = {}) {
+    std::ofstream(folder_.File("z.json")) << json;
+    Options options("test", "");
+    AddZonesOptions(&options);
+    more.insert(more.begin(), {"test", "--zones", folder_.File("z.json")});
+    std::vector<const char*> argv;
+    for (const std::string& argument : more) argv.push_back(argument.c_str());
+    return TakeZones(options.Parse(static_cast<int>(argv.size()), argv.data()).value(), &scenario_);
+  }
+
+  TemporaryFolder folder_;
+  Scenario scenario_;
+};
+
+TEST_F(ZonesOption, TakesPolygonsOfGeoJsonInTheAreaWithTheirNames) {
+  const auto said = Take(fmt::format(
+      R"({{"type": "FeatureCollection", "features": [
+        {{"type": "Feature", "properties": {{"name": "airfield"}}, "geometry": {}}},
+        {{"type": "Feature", "properties": null, "geometry": {}}}]}})",
+      Square(20.02, 10.02), Square(25, 10)));
+  ASSERT_EQ(scenario_.air->zones.size(), 1U);
+  EXPECT_EQ(said[0], "zones: z.json: 2, of which 1 are kept out of");
+  EXPECT_EQ(said[1], "  left out: 1 elsewhere");
+  const Zone& zone = scenario_.air->zones[0].zone;
+  EXPECT_EQ(zone.name, "airfield");
+  ASSERT_EQ(zone.rings.size(), 1U);
+  EXPECT_EQ(zone.rings[0].size(), 4U);  // the first is not repeated
+  EXPECT_NEAR(zone.rings[0][0].x_m, 2193, 5);
+  EXPECT_NEAR(zone.rings[0][0].y_m, 2212, 5);
+  EXPECT_EQ(scenario_.air->margin_m, 30);
+}
+
+TEST_F(ZonesOption, WhatIsRestrictedFromTheGroundIsKeptOutOf) {
+  const std::pair<std::string, std::size_t> cases[] = {
+      {Ed269("PROHIBITED", "0"), 1},           {Ed269("REQ_AUTHORISATION", R"("0")"), 1},
+      {Ed269("REQ_AUTHORISATION", "null"), 1}, {Ed269("CONDITIONAL", "0"), 0},
+      {Ed269("NO_RESTRICTION", "0"), 0},       {Ed269("PROHIBITED", "390"), 1},  // feet: 118.9 m
+      {Ed269("PROHIBITED", R"("400")"), 0},
+  };
+  for (const auto& [json, zones] : cases) {
+    SCOPED_TRACE(json);
+    Take(json);
+    EXPECT_EQ(scenario_.air->zones.size(), zones);
+  }
+  const auto said = Take(Ed269("PROHIBITED", "0"), {"--authorised", "A1,B2"});
+  EXPECT_TRUE(scenario_.air->zones.empty());
+  EXPECT_EQ(said.back(), "  --authorised B2: there is no such zone");
+}
+
+TEST_F(ZonesOption, TimesCountFromTheStartOfTheMission) {
+  const auto json = Ed269("PROHIBITED", "0",
+                          R"([{"permanent": "NO", "startDateTime": "2026-05-01T10:30:00Z", )"
+                          R"("endDateTime": "2026-05-01T12:00:00+00:00"}])");
+  const auto said = Take(json);
+  EXPECT_EQ(scenario_.air->zones[0].until_us, kNever);
+  EXPECT_EQ(said[1], "  1 have a time: without --start they hold all the time");
+  scenario_.start = ParseMoment("2026-05-01T12:00:00+02:00");
+  Take(json);
+  EXPECT_EQ(scenario_.air->zones[0].from_us, 30 * kMinuteUs);
+  EXPECT_EQ(scenario_.air->zones[0].until_us, 120 * kMinuteUs);
+  scenario_.start = ParseMoment("2026-05-02T12:00:00+02:00");
+  EXPECT_EQ(Take(json)[1], "  left out: 1 at another time");
+}
+
+TEST_F(ZonesOption, CirclesOfBothFormats) {
+  Take(R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {
+    "identifier": "C", "type": "PROHIBITED", "name": [{"text": "Feld", "lang": "de-CH"},
+    {"text": "Field", "lang": "en-GB"}]}, "geometry": {"type": "Point", "coordinates": [20.03, 10.03],
+    "extent": {"subType": "Circle", "radius": 500}, "layer": {"lower": 0, "lowerReference": "AGL", "uom": "m"}}}]})");
+  ASSERT_EQ(scenario_.air->zones.size(), 1U);
+  EXPECT_EQ(scenario_.air->zones[0].zone.name, "Field");
+  EXPECT_EQ(scenario_.air->zones[0].zone.rings[0].size(), 16U);
+}
+
+TEST_F(ZonesOption, TooManyCornersMakeTheZoneLargerNeverSmaller) {
+  std::string corners;
+  for (int i = 0; i < 1200; ++i) {  // a saw along the south, up to a roof
+    corners += fmt::format("[{}, {}], ", 20.02 + i * 0.00002, 10.02 + (i % 2) * 0.001);
+  }
+  const auto said = Take(R"({"type": "FeatureCollection", "features": [{"type": "Feature",
+    "geometry": {"type": "Polygon", "coordinates": [[)" +
+                         corners + "[20.05, 10.05], [20.02, 10.05]]]}}]}");
+  EXPECT_EQ(said[1], "  1 made larger, to have at most 500 corners");
+  const Zone& zone = scenario_.air->zones[0].zone;
+  EXPECT_LE(zone.rings[0].size(), 700U);
+  EXPECT_TRUE(IsInside(zone, {3000, 3000}));
+}
+
+TEST_F(ZonesOption, SamplesOfBothFormatsAreRead) {
+  const char* root = std::getenv("MUSTER_SHARED");
+  const std::string folder = (root ? std::string(root) : MUSTER_SHARED_DEFAULT) + "/data/zones";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+  for (const auto& [name, n] :
+       {std::pair("sample_ed269.json", 1), std::pair("sample_ed318.json", 3)}) {
+    std::ifstream in(folder + "/" + name);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::vector<MapZone> zones = ParseZones(text, name);
+    ASSERT_EQ(zones.size(), static_cast<std::size_t>(n));
+    EXPECT_EQ(zones[0].rule, MapZone::Rule::kAuthorisation);
+    EXPECT_FALSE(zones[0].recurs);
+    EXPECT_GE(zones[0].rings[0].size(), 5U);
+  }
+}
+
+TEST_F(ZonesOption, WhatIsNoZoneIsRefusedByFileAndKey) {
+  const std::pair<std::string, const char*> cases[] = {
+      {"{", "z.json"},
+      {"[]", "no zones"},
+      {R"({"type": "FeatureCollection"})", "no zones"},
+      {R"({"features": [{"type": "Feature", "geometry": {"type": "LineString"}}]})",
+       "geometry.type"},
+      {R"({"features": [{"type": "Feature", "geometry": null}]})", "features[0].geometry.type"},
+      {R"({"features": [{"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [[[200, 10], [1, 1], [2, 2]]]}}]})",
+       "longitude and latitude"},
+      {R"({"features": [{"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [[]]}}]})",
+       "at least 3 corners"},
+      {R"({"features": [7]})", "an object"},
+      {Ed269("PROHIBITED", R"("high")"), "lower limit"},
+      {Ed269("PROHIBITED", "0", R"([{"startDateTime": "today"}])"), "ISO 8601"},
+  };
+  for (const auto& [json, expected] : cases) {
+    SCOPED_TRACE(json);
+    try {
+      Take(json);
+      ADD_FAILURE() << "was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
+  }
+  scenario_.origin.reset();
+  EXPECT_THROW(Take(Ed269("PROHIBITED", "0")), InputError);
+}
+
+}  // namespace
+}  // namespace muster::tools
