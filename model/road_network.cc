@@ -284,7 +284,8 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
     unkept[is_goal] = std::move(made);
     return unkept[is_goal].get();
   }
-  if (const std::size_t sites = map_->site_of.size(); known_.size() * sites < kMostCostBytes / 4) {
+  const std::size_t sites = map_->site_of.size();
+  if (sites > 0 && known_.size() * sites < kMostCostBytes / 4) {
     made->to_site = std::make_unique<std::atomic<std::uint32_t>[]>(sites);
   }
   entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
