@@ -285,7 +285,8 @@ TEST(RunRecord, DamageMakesItIncomplete) {
 }
 
 TEST(Track, BoundsItsWindowAndForgivesALateTick) {
-  Track track(StraightWays());
+  const Scenario scenario;
+  Track track(scenario);
   for (int tick = 0; tick < 1000; ++tick) {
     if (tick != 500) track.Add(tick, {static_cast<double>(tick), 0}, 10);
     if (tick == 530) track.Add(500, {500, 3}, 10);   // in the window: counts
