@@ -131,7 +131,8 @@ Point AirWays::BentStopBefore(AgentKind kind, Point from, Point to, double share
 std::optional<Point> AirWays::BentNumberedStop(AgentKind kind, std::int32_t number) const {
   if (kind != AgentKind::kUav) return ground_->NumberedStop(kind, number);
   if (number < 0 || number / columns_ >= rows_) return {};
-  return Point{number % columns_ * kGrid_m, number / columns_ * kGrid_m};
+  const std::int32_t row = number / columns_;
+  return Point{number % columns_ * kGrid_m, row * kGrid_m};
 }
 
 std::optional<double> AirWays::BentBarredAt(AgentKind kind, Point from, Point to, double share,

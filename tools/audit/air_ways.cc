@@ -170,7 +170,8 @@ class AroundZones : public Ways {
   std::optional<Place> StopOf(int kind, int number) const override {
     if (kind != kUav) return ground_->StopOf(kind, number);
     if (number < 0 || number >= columns_ * rows_) return {};
-    return Place{number % columns_ * kGrid_m, number / columns_ * kGrid_m};
+    const int row = number / columns_;
+    return Place{number % columns_ * kGrid_m, row * kGrid_m};
   }
   std::optional<double> MeetsAt(int kind, Place from, Place to, double part,
                                 const std::set<int>& roads, const Ways& now) const override {

@@ -122,7 +122,7 @@ class Reader {
     std::optional<Moment> from, until;
     const auto moment = [&](const ZoneJson& value) -> std::optional<Moment> {
       if (value.is_null()) return {};
-      const auto parsed = ParseMoment(TextOf(value));
+      auto parsed = ParseMoment(TextOf(value));
       if (!parsed) Fail("time", value, kMomentExpected);
       return parsed;
     };

@@ -38,6 +38,8 @@ export class Control {
     byId("order-add").addEventListener("click", () => this.togglePick());
     for (const button of ["order-road", "order-zone"]) byId(button).addEventListener("click", () => this.togglePick(button));
     byId("pick-stop").addEventListener("click", () => this.#stopPicking());
+    this.corners = null; // of an area that is being drawn, in metres
+    byId("pick-area").addEventListener("click", () => this.#area());
     byId("pick-enter").addEventListener("click", () => this.#add({ x: state.run.scenario.width_m / 2, y: state.run.scenario.height_m / 2 }));
     state.on("run data selection", () => this.draw());
     clock.subscribe(() => this.#drawCard());
@@ -78,16 +80,39 @@ export class Control {
 
   #stopPicking() {
     this.map.pick(null);
+    this.map.mark(null);
+    this.corners = null;
     this.#showPicking(false);
+  }
+
+  /** Begins to draw an area, or uses the one that is drawn. */
+  #area() {
+    if (this.corners === null) {
+      this.corners = [];
+      return this.#showPicking(true);
+    }
+    const { corners } = this;
+    this.#stopPicking();
+    this.map.mark(null, corners);
+    if (this.picks === "order-road") this.form.roads(null, corners);
+    else this.form.zone(null, null, corners);
   }
 
   #showPicking(on) {
     byId("pick-hint").hidden = !on;
-    byId("pick-what").textContent = PICKED[this.picks];
+    byId("pick-what").textContent = this.corners ? "the corners of the area, one after the other," : PICKED[this.picks];
+    byId("pick-enter").hidden = this.corners !== null;
+    byId("pick-area").hidden = this.picks === "order-add" || (this.corners !== null && this.corners.length < 3);
+    byId("pick-area").textContent = this.corners ? `Use these ${this.corners.length} corners` : "draw an area";
     byId(this.picks).setAttribute("aria-pressed", String(on));
   }
 
   #add(place) {
+    if (this.corners) {
+      this.corners.push(place);
+      this.map.mark(null, this.corners);
+      return this.#showPicking(true);
+    }
     this.#stopPicking();
     this.map.mark(place);
     if (this.picks === "order-road") this.form.roads(place);

@@ -111,13 +111,13 @@ export class MapView {
     if (!run || width === 0) return;
     const t = this.clock.t;
     const { x, y, perMetre } = this.#scales(width, height);
-    const crowd = run.agents.length + run.tasks.length;
+    const crowd = run.agents.filter(({ vacant }) => !vacant).length + run.tasks.filter(({ vacant }) => !vacant).length;
     const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.view.k ** 0.35));
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: this.view.k, frame: frameOf({ x, y, width, height }, run.scenario),
-      sprites: this.sprites, place: this.marked, inView: (px, py) => this.#inView(px, py) };
+      sprites: this.sprites, place: this.marked, area: this.area, inView: (px, py) => this.#inView(px, py) };
     this.#gather(x, y, t);
     const { near, drawn, sites, cells } = this;
     // A city's ways are drawn of those in view alone.
@@ -163,9 +163,10 @@ export class MapView {
     this.canvas.classList.toggle("picking", taken !== null);
   }
 
-  /** Marks a place that is being asked about; null: none. */
-  mark(place) {
+  /** Marks a place, or the corners of an area, that is being asked about; null: none. */
+  mark(place, area = null) {
     this.marked = place;
+    this.area = area;
     this.draw();
   }
 

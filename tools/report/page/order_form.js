@@ -18,6 +18,18 @@ function priorityChoice(chosen) {
 
 const times = () => [field("Due in, minutes from now", decimal("due", null, { min: 0 })), field("Expires in, minutes from now", decimal("expires", null, { min: 0 }))];
 
+/** Fields for a circle around a place, { x, y } in metres; none for an area that is drawn. */
+function circleFields(place, label, radius_km) {
+  const km = (m) => Math.round(m) / 1000;
+  return place ? [field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))), field(label, decimal("radius", radius_km, { min: 0 }))] : [];
+}
+
+/** The keys of an order that say where: the area's corners, or the circle that was written; null: that is none. */
+function whereOf(values, area) {
+  if (area) return { area_km: area.map(({ x, y }) => [Math.round(x) / 1000, Math.round(y) / 1000]) };
+  return values.x === null || values.y === null || !(values.radius >= 0.001) ? null : { circle_km: [values.x, values.y, values.radius] };
+}
+
 /**
  * The dialog in which an order is written and asked back. `ask(title, parts, read)`: shows `parts`; `read(values)` gives the
  * order, or a text that says what is wrong. Then what is ordered is asked once more, and `send(order)` called.
@@ -47,15 +59,14 @@ export class OrderForm {
     });
   }
 
-  /** Roads to close or open around a place, { x, y } in metres. */
-  roads(place) {
-    const km = (m) => Math.round(m) / 1000;
+  /** Roads to close or open around a place, { x, y } in metres, or in an area of such corners. */
+  roads(place, area) {
     const what = element("select", { name: "what" }, element("option", { value: "road_close" }, "Close"), element("option", { value: "road_open" }, "Open"));
-    this.#write("Close or open roads", [field("Do what", what), field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
-      field("All roads within, km", decimal("radius", DEFAULT_RADIUS_KM, { min: 0 })), field("To close: for so many minutes", decimal("minutes", null, { min: 0 })),
+    this.#write("Close or open roads", [field("Do what", what), ...circleFields(place, "All roads within, km", DEFAULT_RADIUS_KM), field("To close: for so many minutes", decimal("minutes", null, { min: 0 })),
       field("To close: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
-      if (values.x === null || values.y === null || !(values.radius >= 0)) return "A place and a distance in km are needed.";
-      const order = { order: values.what, circle_km: [values.x, values.y, values.radius] };
+      const where = whereOf(values, area);
+      if (!where) return "A place and a distance of at least a metre are needed.";
+      const order = { order: values.what, ...where };
       if (values.what === "road_open") return order;
       if (values.minutes !== null && !(values.minutes > 0)) return "Roads are closed for more than 0 minutes.";
       if (values.minutes !== null) order.until_in_min = values.minutes;
@@ -64,18 +75,20 @@ export class OrderForm {
     });
   }
 
-  /** A zone to add around a place, { x, y } in metres, or to lift: the one that the place lies in, if any. */
-  zone(place, inside) {
-    const km = (m) => Math.round(m) / 1000;
+  /**
+   * A zone to add around a place, { x, y } in metres, or in an area of such corners; or to lift: the one that the place lies in,
+   * if any.
+   */
+  zone(place, inside, area) {
     const what = element("select", { name: "what" }, element("option", { value: "zone_add" }, "Add a zone"));
     if (inside) what.append(element("option", { value: "zone_lift" }, `Lift ${inside.name || inside.order}`));
-    this.#write("Zone that UAVs keep out of", [field("Do what", what), field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
-      field("Radius, km", decimal("radius", DEFAULT_ZONE_KM, { min: 0 })), field("To add: for so many minutes", decimal("minutes", null, { min: 0 })),
+    this.#write("Zone that UAVs keep out of", [field("Do what", what), ...circleFields(place, "Radius, km", DEFAULT_ZONE_KM), field("To add: for so many minutes", decimal("minutes", null, { min: 0 })),
       field("To add: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
       if (values.what === "zone_lift") return { order: "zone_lift", zone: inside.order };
-      if (values.x === null || values.y === null || !(values.radius >= 0.001)) return "A place and a radius of at least a metre are needed.";
+      const where = whereOf(values, area);
+      if (!where) return "A place and a radius of at least a metre are needed.";
       if (values.minutes !== null && !(values.minutes > 0)) return "A zone holds for more than 0 minutes.";
-      const order = { order: "zone_add", circle_km: [values.x, values.y, values.radius] };
+      const order = { order: "zone_add", ...where };
       if (values.minutes !== null) order.until_in_min = values.minutes;
       if (values.name) order.name = values.name;
       return order;

@@ -9,6 +9,12 @@ const changes = (fields) => [["priority", (v) => `priority ${PRIORITIES[v]}`], [
   ["expires_min", (v) => `expires ${clockText(v * 60000)}`], ["name", (v) => `name ${v}`]]
   .filter(([key]) => fields[key] !== undefined).map(([key, words]) => words(fields[key])).join(", ");
 
+function whereWords({ area_km: corners, circle_km: circle }) {
+  if (corners) return `in an area of ${corners.length} corners`;
+  const [x, y, r] = circle;
+  return `within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km`;
+}
+
 /**
  * All that is particular to one kind of order. `words(order)`: what it asks for. `more`: what follows from it, told before it is
  * given. `button`: shown on the card of a task or an agent (`on`) whose status passes `when`.
@@ -20,9 +26,9 @@ const KINDS = {
   task_hold: { words: ({ task }) => `hold task ${task}`, more: "nobody is sent to it until it is resumed", on: "task", button: "Hold", when: (status) => [OPEN, RESERVED].includes(status) },
   task_cancel: { words: ({ task }) => `cancel task ${task}`, more: "nobody will do it, and all who are on the way are called off", on: "task", button: "Cancel task" },
   agent_recall: { words: ({ agent }) => `recall ${agent}`, more: "it hands back what it is at and leaves the mission at once, from where it is", on: "agent", button: "Recall", when: (status) => status !== OFFLINE },
-  road_close: { words: ({ circle_km: [x, y, r], until_in_min: min, name }) => `close the roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way to them go round, and pairs that cannot are called off" },
-  road_open: { words: ({ circle_km: [x, y, r] }) => `open the closed roads within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km` },
-  zone_add: { words: ({ circle_km: [x, y, r], until_in_min: min, name }) => `keep UAVs ${number(r, 2)} km away from ${number(x, 1)}, ${number(y, 1)} km${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way through it fly around it, and pairs that cannot are called off" },
+  road_close: { words: ({ until_in_min: min, name, ...where }) => `close the roads ${whereWords(where)}${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way to them go round, and pairs that cannot are called off" },
+  road_open: { words: (where) => `open the closed roads ${whereWords(where)}` },
+  zone_add: { words: ({ until_in_min: min, name, ...where }) => `keep UAVs out of what is ${whereWords(where)}${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way through it fly around it, and pairs that cannot are called off" },
   zone_lift: { words: ({ zone }) => `lift the zone ${zone}` },
   agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
 };

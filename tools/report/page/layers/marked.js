@@ -1,13 +1,18 @@
 import { theme } from "../theme.js";
 
-/** A place that is being asked about. */
+/** A place, or the corners of an area, that is being asked about. */
 export const marked = {
-  shows: ({ place }) => place,
-  draw(c, { place, x, y, r }) {
-    const [px, py] = [x(place.x), y(place.y)];
+  shows: ({ place, area }) => place || area?.length,
+  draw(c, { place, area, x, y, r }) {
     c.strokeStyle = theme.accent;
     c.lineWidth = 2;
     c.beginPath();
+    for (const corner of area ?? []) c.lineTo(x(corner.x), y(corner.y));
+    if (area?.length > 2) c.closePath();
+    for (const corner of area ?? []) c.rect(x(corner.x) - 2, y(corner.y) - 2, 4, 4);
+    if (!place) return c.stroke();
+    const [px, py] = [x(place.x), y(place.y)];
+    c.moveTo(px + r * 2, py);
     c.arc(px, py, r * 2, 0, 2 * Math.PI);
     for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
       c.moveTo(px + dx * r, py + dy * r);
