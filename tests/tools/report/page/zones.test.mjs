@@ -75,6 +75,18 @@ test("a zone is added and lifted on the page of a mission that runs, and the log
   await page.locator("#order select[name=what]").selectOption("zone_lift");
   await given();
   await until(0);
+  // An area, corner by corner.
+  await page.locator("#order-zone").click();
+  await page.locator("#pick-area").click();
+  assert.ok(!(await page.locator("#pick-area").isVisible()), "there are no three corners yet");
+  for (const [x, y] of [[0.3, 0.3], [0.4, 0.3], [0.35, 0.4]]) {
+    await page.locator("#map").click({ position: { x: Math.round(x * width), y: Math.round(y * height) } });
+  }
+  await page.getByRole("button", { name: "Use these 3 corners" }).click();
+  await page.locator("#order input[name=name]").fill("smoke");
+  await given();
+  await until(1);
+  assert.equal(await page.evaluate(() => window.muster.state.run.roadChanges.at(-1)[1][0][4][0].length), 6);
   await page.waitForFunction(() => window.muster.state.run.ended, null, { timeout: 120_000 });
   await page.context().close();
   run.kill("SIGINT");  // the page would stay
