@@ -16,9 +16,11 @@ namespace {
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
 /// A flight along a piece is not in it, though its places are rounded.
 constexpr double kSlack_m = 0.005;
-constexpr double kHalfRoot = 0.70710678118654752;          // of 2
-constexpr double kTan = 0.41421356237309505;               // of 22.5 degrees
-constexpr std::size_t kMostPlaces = std::size_t{1} << 16;  // places
+constexpr double kHalfRoot = 0.70710678118654752;  // of 2
+constexpr double kTan = 0.41421356237309505;       // of 22.5 degrees
+constexpr std::size_t kMostPlaces = std::size_t{1} << 16;
+/// Lengths are kept from so many places to so many goals: 64 MB.
+constexpr std::int32_t kMostRows = 2048, kMostGoals = 4096;
 
 /// Corners of the octagon around 0 whose sides are that far away.
 std::array<Point, 8> Octagon(double margin_m) {
@@ -41,6 +43,9 @@ struct Airspace::Known {
   std::optional<Point> way_out;  ///< where it is not free
   std::once_flag seen_once, search_once;
   std::vector<Seen> seen;
+  std::once_flag row_once, goal_once;
+  std::int32_t goal = -1;                            ///< its number among the goals
+  std::unique_ptr<std::atomic<double>[]> lengths_m;  ///< by goal; below 0: not known
   // As a goal, by corner.
   std::vector<double> rest_m;
   std::vector<std::int32_t> next;  ///< corner; -1: the goal itself
@@ -281,12 +286,36 @@ double Airspace::Length(Point from, Point to) const {
   const std::shared_ptr<Known> goal = KnownOf(to);
   if (!goal->is_free) return kNowhere;
   const std::shared_ptr<Known> start = KnownOf(from);
+  std::atomic<double>* const kept = KeptLength(start.get(), goal.get());
+  if (kept == nullptr) return FindLength(start.get(), goal.get());
+  double length_m = kept->load(std::memory_order_relaxed);
+  if (length_m < 0) {
+    length_m = FindLength(start.get(), goal.get());
+    kept->store(length_m, std::memory_order_relaxed);
+  }
+  return length_m;
+}
+
+std::atomic<double>* Airspace::KeptLength(Known* from, Known* to) const {
+  std::call_once(to->goal_once, [&] {
+    if (n_goals_ < kMostGoals) to->goal = n_goals_++;
+  });
+  if (to->goal < 0 || to->goal >= kMostGoals) return nullptr;
+  std::call_once(from->row_once, [&] {
+    if (n_rows_++ >= kMostRows) return;
+    from->lengths_m = std::make_unique<std::atomic<double>[]>(At(kMostGoals));
+    for (std::int32_t i = 0; i < kMostGoals; ++i) from->lengths_m[At(i)] = -1;
+  });
+  return from->lengths_m ? &from->lengths_m[At(to->goal)] : nullptr;
+}
+
+double Airspace::FindLength(Known* from, Known* to) const {
   std::int32_t first = -1;
-  if (start->is_free) return FreeLength(start.get(), goal.get(), &first);
-  if (!start->way_out) return kNowhere;
-  const std::shared_ptr<Known> out = KnownOf(*start->way_out);
-  return std::max(Distance(from, out->at) + FreeLength(out.get(), goal.get(), &first),
-                  Distance(from, to));
+  if (from->is_free) return FreeLength(from, to, &first);
+  if (!from->way_out) return kNowhere;
+  const std::shared_ptr<Known> out = KnownOf(*from->way_out);
+  return std::max(Distance(from->at, out->at) + FreeLength(out.get(), to, &first),
+                  Distance(from->at, to->at));
 }
 
 std::shared_ptr<const Airspace::Flight> Airspace::FlightBetween(Point from, Point to) const {

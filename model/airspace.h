@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -95,6 +96,9 @@ class Airspace {
   void SearchTo(Known* goal) const;
   /// The nearest place that is free.
   std::optional<Point> WayOut(Point place) const;
+  double FindLength(Known* from, Known* to) const;
+  /// Where the length between these is kept, below 0 while it is not known; null: nowhere.
+  std::atomic<double>* KeptLength(Known* from, Known* to) const;
   /// Metres by the corner that the flight turns at first; -1: at none.
   double FreeLength(Known* from, Known* to, std::int32_t* first) const;
 
@@ -106,6 +110,7 @@ class Airspace {
 
   mutable std::shared_mutex mutex_;
   mutable std::unordered_map<Point, std::shared_ptr<Known>, PointHash> known_;
+  mutable std::atomic<std::int32_t> n_goals_ = 0, n_rows_ = 0;
 };
 
 }  // namespace muster
