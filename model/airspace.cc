@@ -1,7 +1,6 @@
 #include "model/airspace.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -19,8 +18,8 @@ constexpr double kSlack_m = 0.005;
 constexpr double kHalfRoot = 0.70710678118654752;  // of 2
 constexpr double kTan = 0.41421356237309505;       // of 22.5 degrees
 constexpr std::size_t kMostPlaces = std::size_t{1} << 16;
-/// Lengths are kept from so many places to so many goals: 64 MB.
-constexpr std::int32_t kMostRows = 2048, kMostGoals = 4096;
+/// Lengths are kept from so many places to so many goals: at most 16 MB, for each set of zones.
+constexpr std::int32_t kMostRows = 2048, kMostGoals = 1024;
 
 /// Corners of the octagon around 0 whose sides are that far away.
 std::array<Point, 8> Octagon(double margin_m) {
@@ -50,14 +49,6 @@ struct Airspace::Known {
   std::vector<double> rest_m;
   std::vector<std::int32_t> next;  ///< corner; -1: the goal itself
 };
-
-std::size_t Airspace::PointHash::operator()(Point p) const {
-  // Minus zero is zero.
-  auto a = std::bit_cast<std::uint64_t>(p.x_m + 0.0), b = std::bit_cast<std::uint64_t>(p.y_m + 0.0);
-  a ^= b + 0x9e3779b97f4a7c15U + (a << 6) + (a >> 2);
-  a *= 0xbf58476d1ce4e5b9U;
-  return a ^ (a >> 31);
-}
 
 bool Airspace::Box::Misses(Point a, Point b) const {
   return std::max(a.x_m, b.x_m) <= x0 || std::min(a.x_m, b.x_m) >= x1 ||
@@ -108,7 +99,7 @@ std::optional<double> Airspace::EntersPiece(const Piece& piece, Point a, Point b
 }
 
 Airspace::Airspace(std::vector<Zone> zones, double margin_m, Extent extent)
-    : zones_(std::move(zones)), margin_m_(margin_m), extent_(extent) {
+    : zones_(std::move(zones)), extent_(extent) {
   for (const Zone& zone : zones_) {
     Pieces pieces{{}, {kNowhere, kNowhere, -kNowhere, -kNowhere}};
     for (const std::vector<Point>& ring : zone.rings) {

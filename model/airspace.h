@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/geometry.h"
+#include "base/point_hash.h"
 #include "model/zone.h"
 
 namespace muster {
@@ -37,7 +38,6 @@ class Airspace {
   Airspace(std::vector<Zone> zones, double margin_m, Extent extent);
   ~Airspace();
 
-  const std::vector<Zone>& zones() const { return zones_; }
   /// Whether the place is outside all zones and their margins.
   bool IsFree(Point place) const;
   /// The zone that the place lies in or is too close to; none: it is free.
@@ -81,9 +81,6 @@ class Airspace {
   };
   /// What has been found out about a place.
   struct Known;
-  struct PointHash {
-    std::size_t operator()(Point p) const;
-  };
 
   static Piece Widened(Point a, Point b, double margin_m);
   /// The share of the line at which it enters the piece; none: it stays outside.
@@ -96,6 +93,7 @@ class Airspace {
   void SearchTo(Known* goal) const;
   /// The nearest place that is free.
   std::optional<Point> WayOut(Point place) const;
+  /// Length() without what is kept.
   double FindLength(Known* from, Known* to) const;
   /// Where the length between these is kept, below 0 while it is not known; null: nowhere.
   std::atomic<double>* KeptLength(Known* from, Known* to) const;
@@ -105,7 +103,6 @@ class Airspace {
   std::vector<Zone> zones_;
   std::vector<Pieces> pieces_;  ///< of each zone
   std::vector<Point> corners_;  ///< where flights can turn
-  double margin_m_;
   Extent extent_;
 
   mutable std::shared_mutex mutex_;

@@ -12,8 +12,6 @@
 namespace muster {
 namespace {
 
-constexpr std::size_t kMostZones = 10'000;
-
 static_assert(std::all_of(std::begin(kOrderRows), std::end(kOrderRows),
                           [](const OrderRow& row) { return &row == &RowOf(row.kind); }));
 
@@ -134,9 +132,6 @@ void CloseRoads(const Order& order, TimeUs t, Scenario* scenario) {
 
 void AddZone(const Order& order, TimeUs t, Scenario* scenario) {
   CheckUntil(order, t);
-  if (scenario->closures.size() >= kMostZones) {
-    throw InputError(fmt::format("there are {} zones and closures already", kMostZones));
-  }
   scenario->closures.push_back(
       {order.id, order.zone->name, t, {}, std::make_shared<const Zone>(*order.zone)});
   ChangeWays(t, scenario);

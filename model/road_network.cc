@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -29,12 +28,6 @@ std::atomic<std::uint64_t> next_id = 1;
 /// Smallest whole number that is not below 100 `mm` / `percent`.
 std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
   return (100 * mm + percent - 1) / percent;
-}
-
-std::uint64_t Mixed(std::uint64_t a, std::uint64_t b) {
-  a ^= b + 0x9e3779b97f4a7c15U + (a << 6) + (a >> 2);
-  a *= 0xbf58476d1ce4e5b9U;
-  return a ^ (a >> 31);
 }
 
 }  // namespace
@@ -88,12 +81,6 @@ struct RoadNetwork::Known {
   std::mutex mutex;  ///< of what follows
   std::unique_ptr<Search> search;
 };
-
-std::size_t RoadNetwork::PointHash::operator()(Point p) const {
-  // Minus zero is zero.
-  return Mixed(std::bit_cast<std::uint64_t>(p.x_m + 0.0),
-               std::bit_cast<std::uint64_t>(p.y_m + 0.0));
-}
 
 std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
   return Mixed(PointHash()(pair.from), PointHash()(pair.to));

@@ -12,6 +12,7 @@
 
 #include "base/geometry.h"
 #include "base/grid_index.h"
+#include "base/point_hash.h"
 #include "model/road_ways.h"
 #include "model/roads.h"
 #include "model/ways.h"
@@ -96,9 +97,6 @@ class RoadNetwork {
   /// What has been found out about a place: where it is in the network, and, once it was a goal,
   /// what ways to it cost.
   struct Known;
-  struct PointHash {
-    std::size_t operator()(Point p) const;
-  };
   struct Pair {
     Point from, to;
     bool operator==(const Pair&) const = default;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "model/air_ways.h"
 
 namespace muster {
 namespace {

@@ -12,7 +12,6 @@
 #include "base/ids.h"
 #include "base/moment.h"
 #include "base/units.h"
-#include "model/air_ways.h"
 #include "model/per_kind.h"
 #include "model/road_area.h"
 #include "model/road_ways.h"
@@ -170,11 +169,13 @@ struct PlannedZone {
   TimeUs until_us = kNever;
 };
 
+class AirWaysStore;
+
 /// The airspace that UAVs of a scenario fly in.
 struct ScenarioAir {
   double margin_m = 30;  ///< they stay so far away from a zone
   std::vector<PlannedZone> zones;
-  std::shared_ptr<const AirWaysStore> ways;
+  std::shared_ptr<const AirWaysStore> ways;  ///< around each set of zones that there has been
 };
 
 /// A mission: who, where, when. Ids are indices. SI units; see scenario_json.h for the file.

@@ -17,11 +17,10 @@ struct Zone {
   std::vector<std::vector<Point>> rings;
 };
 
-/// Keys of an object that says where a zone is.
-inline constexpr std::string_view kZoneKeys[] = {"area_km", "circle_km", "holes_km"};
 inline constexpr std::size_t kMostZoneCorners = 500;  ///< of all rings together
 
-/// Reads the keys. A circle becomes 16 corners around it. Throws InputError.
+/// Reads area_km or circle_km, and holes_km. A circle becomes 16 corners around it. Throws
+/// InputError.
 Zone ReadZone(const ObjectReader& object);
 
 /// The inverse, without braces: "area_km": [[0, 0], ...]

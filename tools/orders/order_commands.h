@@ -8,6 +8,7 @@ int TaskCommand(int argc, const char* const* argv);
 int AgentCommand(int argc, const char* const* argv);
 /// `muster road`: closes or opens roads of a running mission.
 int RoadCommand(int argc, const char* const* argv);
+/// `muster zone`: adds or lifts a zone of a running mission that UAVs keep out of.
 int ZoneCommand(int argc, const char* const* argv);
 
 }  // namespace muster::tools
