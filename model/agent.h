@@ -92,6 +92,8 @@ struct AgentState {
   std::optional<Measured> measured;  ///< none: it does what is computed
 
   bool online(TimeUs t) const { return online_from_us <= t && t < online_until_us; }
+  /// A place that an order may fill.
+  bool is_vacant() const { return online_until_us == 0; }
   /// May be scheduled at t: online, not failed, nothing under way.
   bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
   /// The task or charging point of the action; -1: it has none.

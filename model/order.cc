@@ -165,6 +165,73 @@ void OpenRoads(const Order& order, TimeUs t, Scenario* scenario) {
   ChangeWays(t, scenario);
 }
 
+void RequireAgent(const Scenario& scenario, AgentKind kind, std::int32_t id) {
+  if (id >= 0 && static_cast<std::size_t>(id) < scenario.n_agents(kind)) return;
+  throw InputError(fmt::format("there is no {}:{}: the last is {}", ToString(kind), id,
+                               scenario.n_agents(kind) - 1));
+}
+
+void RequireTask(const Scenario& scenario, std::int32_t id) {
+  if (id >= 0 && static_cast<std::size_t>(id) < scenario.n_tasks()) return;
+  throw InputError(fmt::format("there is no task {}: there are {}", id, scenario.n_tasks()));
+}
+
+bool IsPinOf(const Directive& directive, std::int32_t task) {
+  return directive.kind == Directive::Kind::kPin && directive.task == task;
+}
+
+void AddDirective(const Order& order, Scenario* scenario) {
+  Directive directive = *order.directive;
+  directive.order = order.id;
+  directive.issuer = order.issuer;
+  for (const AgentKind kind : kAgentKinds) {
+    if (directive.agents[kind] >= 0) RequireAgent(*scenario, kind, directive.agents[kind]);
+  }
+  if (directive.task >= 0) RequireTask(*scenario, directive.task);
+  if (directive.charge >= 0 &&
+      static_cast<std::size_t>(directive.charge) >= scenario->charging_points.size()) {
+    throw InputError(fmt::format("there is no charging point {}: there are {}", directive.charge,
+                                 scenario->charging_points.size()));
+  }
+  auto& all = scenario->directives;
+  using What = Directive::Kind;
+  if (directive.kind == What::kPin) {
+    const auto other = std::find_if(
+        all.begin(), all.end(), [&](const Directive& one) { return IsPinOf(one, directive.task); });
+    if (other != all.end()) {
+      throw InputError(fmt::format("task {} is pinned already by order {}: unpin it first",
+                                   directive.task, other->order));
+    }
+  }
+  if (directive.kind == What::kGoTo) {
+    const Point at = directive.place;
+    if (!(at.x_m >= 0 && at.y_m >= 0 && at.x_m <= scenario->width_m &&
+          at.y_m <= scenario->height_m)) {
+      throw InputError(fmt::format(
+          "({}, {}) km is outside the area of {} x {} km", ToText(at.x_m, kKm), ToText(at.y_m, kKm),
+          ToText(scenario->width_m, kKm), ToText(scenario->height_m, kKm)));
+    }
+  }
+  // The later word of its kind about an agent stands.
+  if (directive.kind == What::kGoTo || directive.kind == What::kChargeNow) {
+    const AgentKind kind = directive.agent_kind();
+    std::erase_if(all, [&](const Directive& one) {
+      return one.kind == directive.kind && one.agents[kind] == directive.agents[kind];
+    });
+  }
+  all.push_back(std::move(directive));
+}
+
+void EndDirective(const Order& order, Scenario* scenario) {
+  const bool unpins = order.kind == OrderKind::kUnpin;
+  const auto n = std::erase_if(scenario->directives, [&](const Directive& one) {
+    return unpins ? IsPinOf(one, order.task_id) : one.order == order.closure;
+  });
+  if (n > 0) return;
+  throw InputError(unpins ? fmt::format("task {} is not pinned", order.task_id)
+                          : fmt::format("no directive of an order {} is in force", order.closure));
+}
+
 }  // namespace
 
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
@@ -177,12 +244,7 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
       taken.agent_id = AddAgent(order, t, scenario);
       return taken;
     case OrderSubject::kAgent:
-      if (order.agent_id < 0 ||
-          static_cast<std::size_t>(order.agent_id) >= scenario->n_agents(order.agent_kind)) {
-        throw InputError(fmt::format("there is no {}:{}: the last is {}",
-                                     ToString(order.agent_kind), order.agent_id,
-                                     scenario->n_agents(order.agent_kind) - 1));
-      }
+      RequireAgent(*scenario, order.agent_kind, order.agent_id);
       return taken;
     case OrderSubject::kRoads:
       if (scenario->roads == nullptr) throw InputError("the scenario has no roads");
@@ -194,13 +256,13 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
       order.kind == OrderKind::kZoneAdd ? AddZone(order, t, scenario)
                                         : LiftZone(order, t, scenario);
       return taken;
+    case OrderSubject::kDirective:
+      order.directive ? AddDirective(order, scenario) : EndDirective(order, scenario);
+      return taken;
     case OrderSubject::kTask:
       break;
   }
-  if (order.task_id < 0 || static_cast<std::size_t>(order.task_id) >= scenario->n_tasks()) {
-    throw InputError(
-        fmt::format("there is no task {}: there are {}", order.task_id, scenario->n_tasks()));
-  }
+  RequireTask(*scenario, order.task_id);
   if (order.kind == OrderKind::kTaskChange) {
     ChangeTask(order, t, &scenario->tasks[static_cast<std::size_t>(order.task_id)], *scenario);
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "model/agent.h"
+#include "model/directive.h"
 #include "model/order_kinds.h"
 #include "model/scenario.h"
 
@@ -32,10 +33,12 @@ struct Order {
   AgentSpec agent;  ///< that joins
   std::int32_t agent_id = -1;
 
-  std::optional<RoadArea> area;  ///< of the roads to close or open
-  std::optional<Zone> zone;      ///< to be added
-  std::string
-      closure;  ///< to end, instead: the id of the order that closed the roads, or added the zone
+  std::optional<RoadArea> area;        ///< of the roads to close or open
+  std::optional<Zone> zone;            ///< to be added
+  std::optional<Directive> directive;  ///< to be in force from now on
+  /// To end, instead: the id of the order that closed the roads, added the zone or gave the
+  /// directive.
+  std::string closure;
   /// The roads have been closed since then, though nobody knew: one who came to them stands there.
   std::optional<TimeUs> since_us;
   /// The roads are to be opened, or the zone to be lifted, then.

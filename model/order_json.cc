@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
+#include <tuple>
+
 #include "base/check.h"
 #include "base/object_reader.h"
 #include "base/text.h"
@@ -90,19 +94,107 @@ std::string ReadName(const ObjectReader& top, std::string_view key) {
   return name;
 }
 
-/// "uav:3"
-void ReadAgentName(const ObjectReader& top, Order* order) {
-  const std::string name = top.String("agent");
+/// "uav:3", which stands at `key`.
+std::pair<AgentKind, std::int32_t> AgentNamed(const ObjectReader& top, std::string_view key,
+                                              const std::string& name) {
   const std::size_t colon = name.find(':');
   const auto kind = FromString<AgentKind>(std::string_view(name).substr(0, colon));
   const std::string digits = colon == std::string::npos ? "" : name.substr(colon + 1);
   const bool is_id = !digits.empty() && digits.size() < 10 &&
                      digits.find_first_not_of("0123456789") == std::string::npos;
   if (!kind || !is_id) {
-    top.Fail("agent", *top.Optional("agent"), "an agent, as \"uav:3\"");
+    top.Fail(key, *top.Optional(key), "an agent, as \"uav:3\"");
   }
-  order->agent_kind = *kind;
-  order->agent_id = std::stoi(digits);
+  return {*kind, std::stoi(digits)};
+}
+
+void ReadAgentName(const ObjectReader& top, Order* order) {
+  std::tie(order->agent_kind, order->agent_id) = AgentNamed(top, "agent", top.String("agent"));
+}
+
+/// ["uav:3", "worker:7"]: at most one of each class, of these classes.
+void ReadAgents(const ObjectReader& top, std::initializer_list<AgentKind> classes,
+                Directive* directive) {
+  const JsonValue& list = top.Required("agents", "a list of agents, as [\"uav:3\"]");
+  if (list.type != JsonValue::Type::kArray || list.items.empty()) {
+    top.Fail("agents", list, "a list of agents, as [\"uav:3\"]");
+  }
+  for (const JsonValue& item : list.items) {
+    if (item.type != JsonValue::Type::kString) top.Fail("agents", item, "an agent, as \"uav:3\"");
+    const auto [kind, id] = AgentNamed(top, "agents", item.text);
+    if (std::find(classes.begin(), classes.end(), kind) == classes.end()) {
+      top.Fail("agents", item.text, "an agent of a class that takes part in it");
+    }
+    if (directive->agents[kind] >= 0) {
+      top.Fail("agents", item.text, fmt::format("one {}", ToString(kind)));
+    }
+    directive->agents[kind] = id;
+  }
+}
+
+std::int32_t ReadId(const ObjectReader& top, std::string_view key) {
+  return static_cast<std::int32_t>(top.Integer(key, 0, INT32_MAX));
+}
+
+void ReadOneAgent(const ObjectReader& top, Directive* directive) {
+  const auto [kind, id] = AgentNamed(top, "agent", top.String("agent"));
+  directive->agents[kind] = id;
+}
+
+void ReadForbid(const ObjectReader& top, Directive* directive) {
+  if (top.Has("class")) {
+    top.AllowOnly({"id", "issuer", "at_min", "order", "class", "area_km", "circle_km"});
+    const auto kind = FromString<AgentKind>(top.String("class"));
+    if (!kind) top.Fail("class", *top.Optional("class"), "uav, worker or vehicle");
+    directive->of_class = *kind;
+    directive->area = std::make_shared<const Zone>(ReadZone(top));
+    return;
+  }
+  top.AllowOnly({"id", "issuer", "at_min", "order", "agent", "task"});
+  ReadOneAgent(top, directive);
+  directive->task = ReadId(top, "task");
+  if (directive->agents.vehicles >= 0) {
+    top.Fail("agent", *top.Optional("agent"), "a UAV or a worker: vehicles do no tasks");
+  }
+}
+
+void ReadDirective(const ObjectReader& top, Order* order) {
+  Directive directive;
+  switch (order->kind) {
+    case OrderKind::kPin:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "agents", "task"});
+      directive.kind = Directive::Kind::kPin;
+      ReadAgents(top, {AgentKind::kUav, AgentKind::kWorker}, &directive);
+      directive.task = ReadId(top, "task");
+      break;
+    case OrderKind::kForbid:
+      directive.kind = Directive::Kind::kForbid;
+      ReadForbid(top, &directive);
+      break;
+    case OrderKind::kChargeNow:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "agents", "charge"});
+      directive.kind = Directive::Kind::kChargeNow;
+      ReadAgents(top, {AgentKind::kUav, AgentKind::kVehicle}, &directive);
+      if (directive.agents.uavs < 0) top.Fail("agents", "no UAV", "the UAV to be charged");
+      if (top.Has("charge")) directive.charge = ReadId(top, "charge");
+      break;
+    case OrderKind::kGoTo:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "agent", "x_km", "y_km"});
+      directive.kind = Directive::Kind::kGoTo;
+      ReadOneAgent(top, &directive);
+      directive.place = ReadPlace(top);
+      break;
+    case OrderKind::kUnpin:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "task"});
+      order->task_id = ReadId(top, "task");
+      return;
+    default:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "directive"});
+      order->closure = ReadName(top, "directive");
+      return;
+  }
+  order->task_id = directive.task;
+  order->directive = std::move(directive);
 }
 
 void ReadUntil(const ObjectReader& top, Order* order) {
@@ -183,6 +275,9 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       return order;
     case OrderSubject::kAir:
       ReadZoneOrder(top, &order);
+      return order;
+    case OrderSubject::kDirective:
+      ReadDirective(top, &order);
       return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {

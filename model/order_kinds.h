@@ -21,10 +21,16 @@ enum class OrderKind : std::int8_t {
   kRoadOpen,
   kZoneAdd,
   kZoneLift,
+  kPin,
+  kUnpin,
+  kForbid,
+  kChargeNow,
+  kGoTo,
+  kRelease,
 };
 
 /// What an order names, and so which keys it has.
-enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir };
+enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir, kDirective };
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
 /// have their own rules for that.
@@ -59,6 +65,17 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kRoadOpen, "road_open", OrderSubject::kRoads},
     {OrderKind::kZoneAdd, "zone_add", OrderSubject::kAir},
     {OrderKind::kZoneLift, "zone_lift", OrderSubject::kAir},
+    {OrderKind::kPin, "pin", OrderSubject::kDirective,
+     [](TaskStatus status) -> std::string_view {
+       if (status == TaskStatus::kHeld) return ": resume it first";
+       if (status == TaskStatus::kUnreported) return ": nobody is sent there yet";
+       return status == TaskStatus::kOpen ? "" : ": others are at it (task_hold or agent_recall)";
+     }},
+    {OrderKind::kUnpin, "unpin", OrderSubject::kDirective},
+    {OrderKind::kForbid, "forbid", OrderSubject::kDirective},
+    {OrderKind::kChargeNow, "charge_now", OrderSubject::kDirective},
+    {OrderKind::kGoTo, "go_to", OrderSubject::kDirective},
+    {OrderKind::kRelease, "release", OrderSubject::kDirective},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {

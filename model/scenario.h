@@ -12,6 +12,7 @@
 #include "base/ids.h"
 #include "base/moment.h"
 #include "base/units.h"
+#include "model/directive.h"
 #include "model/per_kind.h"
 #include "model/road_area.h"
 #include "model/road_ways.h"
@@ -203,6 +204,8 @@ struct Scenario {
     std::vector<Closure> closures;  ///< in force from then on
   };
   std::vector<WaysSince> changed_ways;  ///< each change so far; first what held before
+
+  std::vector<Directive> directives;  ///< of the commander, in force, in the order they came in
 
   Room room;  ///< the vacant ends of these lists
 

@@ -414,8 +414,16 @@ class Writer {
 }  // namespace
 
 Scenario ParseScenario(const ScenarioText& text, std::string_view file) {
+  constexpr std::string_view kExpected =
+      "a scenario; muster import makes one from a table of places (CSV or GeoJSON)";
+  const std::size_t begin = text.json.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (begin != std::string::npos &&
+      std::string_view("{[").find(text.json[begin]) == std::string_view::npos) {
+    throw InputError(file, "line 1", "no JSON", kExpected);
+  }
   const JsonValue tree = ParseJson(text.json, file);
   const ObjectReader top(tree, "", file);
+  if (top.Has("features")) throw InputError(file, "features", "GeoJSON", kExpected);
   // The version first: another version's keys would only confuse.
   const JsonValue& number = top.Required("version", "1 or 2");
   if (number.type != JsonValue::Type::kNumber || (number.text != "1" && number.text != "2")) {

@@ -62,6 +62,7 @@ class Checker {
     if (IsStay(a.kind)) return;
     if (a.uav.valid()) CheckRange(a, *agents.front());
     if (a.task.valid()) CheckExpiry(a, agents);
+    if (a.task.valid()) CheckForbidden(a, agents);
     CheckAvailability(a, agents);
   }
 
@@ -144,6 +145,14 @@ class Checker {
     if (start_us >= task.expires_us) {
       Broken(Rule::kExpiry, fmt::format("there at {} us, task {} expires at {} us", start_us,
                                         a.task.value, task.expires_us));
+    }
+  }
+
+  void CheckForbidden(const Action& a, const std::vector<const AgentState*>& agents) {
+    for (const AgentState* agent : agents) {
+      if (!site_.Forbids(*agent, a.task.value)) continue;
+      Broken(Rule::kForbidden,
+             fmt::format("{}:{} task {}", ToString(agent->kind), agent->id, a.task.value));
     }
   }
 
@@ -247,6 +256,7 @@ std::string_view ToString(Rule rule) {
                                          "charging point over capacity",
                                          "availability",
                                          "destination",
+                                         "forbidden",
                                          "weight not finite"};
   static_assert(std::size(kNames) == static_cast<std::size_t>(Rule::kWeight) + 1);
   return kNames[static_cast<std::size_t>(rule)];

@@ -26,6 +26,7 @@ enum class Rule {
   kCapacity,      ///< more nodes at a charging point than it has free places
   kAvailability,  ///< ends after a participant's downtime or the limit (mode strict)
   kDestination,   ///< does not go where its kind says, or leaves the area
+  kForbidden,     ///< the commander has forbidden the agent that task
   kWeight,        ///< not a finite number
 };
 

@@ -21,6 +21,8 @@ struct Decision {
   std::int64_t candidates = 0;  ///< feasible actions that the policy chose from
   /// Why an outside program's answer was refused and everybody stays instead; mostly empty.
   std::string refused = {};
+  /// The commander's directives that could not be kept, each with the reason.
+  std::vector<std::string> unkept = {};
 };
 
 /// The action of one idle agent, or of a UAV and its partner (a worker or a vehicle): it goes to

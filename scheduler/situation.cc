@@ -13,6 +13,8 @@ Site::Site(const Scenario& scenario)
       ways(scenario.ways),
       open_roads(scenario.roads ? scenario.roads->ways : nullptr),
       closures(scenario.closures),
+      directives(scenario.directives),
+      forbidden(ForbiddenPairs(directives)),
       rules(scenario.rules),
       width_m(scenario.width_m),
       height_m(scenario.height_m),

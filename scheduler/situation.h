@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -19,6 +20,8 @@ struct Site {
   std::shared_ptr<const RoadWays>
       open_roads;                        ///< the same while no road was closed; null: no roads
   std::vector<Closure> closures;         ///< of roads and air, in force
+  std::vector<Directive> directives;     ///< of the commander, in force
+  std::vector<ForbiddenPair> forbidden;  ///< the pairs among them, sorted
   std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
   Rules rules;
   double width_m = 0;
@@ -26,6 +29,14 @@ struct Site {
   std::uint64_t seed = 0;  ///< for a policy's own draws: Stream::kPolicy, keyed by decision
 
   explicit Site(const Scenario& scenario);
+
+  /// Whether the commander has forbidden the agent that task.
+  bool Forbids(const ForbiddenPair& pair) const {
+    return !forbidden.empty() && std::binary_search(forbidden.begin(), forbidden.end(), pair);
+  }
+  bool Forbids(const AgentState& agent, std::int32_t task) const {
+    return Forbids({agent.kind, agent.id, task});
+  }
 };
 
 /// Everything that a decision may rest on, fused and settled at now_us. Nothing in it is wall time

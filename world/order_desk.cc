@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "model/scenario_json.h"
+#include "world/directive_check.h"
 
 namespace muster::world {
 namespace {
@@ -40,14 +41,6 @@ void CheckTask(const Order& order, TaskStatus status) {
   if (IsOver(status)) refuse("");
   const std::string_view against = RowOf(order.kind).against(status);
   if (!against.empty()) refuse(against);
-}
-
-void CheckAgent(const Order& order, TimeUs t, const AgentState& agent) {
-  const auto refuse = [&](std::string_view why) {
-    throw InputError(fmt::format("{}:{} {}", ToString(order.agent_kind), order.agent_id, why));
-  };
-  if (agent.failed) refuse("has failed");
-  if (agent.online_until_us <= t && agent.busy_until_us <= t) refuse("has left");
 }
 
 /// Written by the world itself.
@@ -117,6 +110,22 @@ bool OrderDesk::Hear(const order_t& order) {
   waiting_ids_.insert(order.id);
   waiting_.push_back({order.id, order.issuer, order.json});
   return true;
+}
+
+void OrderDesk::EndFulfilled(const Event& event) {
+  using Kind = Directive::Kind;
+  const bool charged = event.kind == Event::Kind::kChargingDone;
+  const bool over = event.kind == Event::Kind::kSensingDone ||
+                    event.kind == Event::Kind::kTaskExpired ||
+                    event.kind == Event::Kind::kTaskCancelled;
+  for (const Directive& one : scenario().directives) {
+    const bool charges =
+        charged && one.kind == Kind::kChargeNow && one.agents.uavs == event.uav.value;
+    const bool pins = over && one.kind == Kind::kPin && one.task == event.task.value;
+    if (!charges && !pins) continue;
+    Give(fmt::format("release:{}", one.order),
+         fmt::format("{{\"order\": \"release\", \"directive\": {}}}", JsonText(one.order)));
+  }
 }
 
 void OrderDesk::Revisit(TaskId id, TimeUs done_us) {
@@ -196,6 +205,7 @@ orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status
 void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
                          const Agents& agents, Scenario* scenario, orders_t* said) {
   waiting_ids_.erase(waiting.id);
+  std::vector<Directive> before = scenario->directives;
   try {
     Order order = ParseOrder(waiting.json, "order");
     order.id = waiting.id;
@@ -209,10 +219,12 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
       CheckTask(order, status[static_cast<std::size_t>(order.task_id)]);
     }
     if (order.agent_id >= 0) {
-      CheckAgent(order, t, agents[order.agent_kind][static_cast<std::size_t>(order.agent_id)]);
+      CheckAgent(t, agents[order.agent_kind][static_cast<std::size_t>(order.agent_id)]);
     }
+    if (order.directive) CheckDirective(*order.directive, t, agents, *scenario);
     said->taken.push_back(ToWire(taken, waiting.json));
   } catch (const InputError& error) {
+    scenario->directives = std::move(before);
     refused_order_t refused{};
     refused.id = waiting.id;
     refused.issuer = waiting.issuer;

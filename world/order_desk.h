@@ -31,6 +31,8 @@ class OrderDesk {
   std::int64_t AnsweredAt(const std::string& id) const;
   /// Gives an order of the world's own. The second one of that id is not heard.
   void Give(const std::string& id, std::string json);
+  /// Ends the directives that the event fulfils, or leaves nothing to do for.
+  void EndFulfilled(const Event& event);
   /// Plans an order of the world's own: to do that task again, its revisit time after `done_us`.
   void Revisit(TaskId task, TimeUs done_us);
 

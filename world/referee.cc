@@ -115,7 +115,7 @@ void Referee::Judge(TimeUs t, std::int32_t decision, Agents* agents) {
   MoveActivities(t, agents);
   PlanNewActivities(t, agents);
   FindLate(t, agents);
-  Return(t);
+  Return(t, agents);
   FindFailures(t, decision, agents);
   GiveUpUntil(t);
   ExpireUntil(t);
@@ -193,7 +193,7 @@ void Referee::JoinOutages(TimeUs t) {
   }
 }
 
-void Referee::Return(TimeUs t) {
+void Referee::Return(TimeUs t, Agents* agents) {
   JoinOutages(t);
   for (const Outage& outage : outages_) {
     if (outage.until_us > t || outage.goes_on) continue;
@@ -201,6 +201,8 @@ void Referee::Return(TimeUs t) {
     const auto failed = failed_.find({outage.kind, outage.agent});
     if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;
     failed_.erase(failed);
+    const bool lost = outage.reason.cause == Cause::kProcessLost;
+    if (lost && agents->at(outage.kind, outage.agent).is_vacant()) continue;
     Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
          outage.reason);
   }
@@ -310,8 +312,10 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
     }
     return;
   }
+  const AgentState& agent = agents->at(kind, id);
+  if (lost && agent.is_vacant()) return;  // nobody is told of an empty place
   Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.reason);
-  AbortActivityOf(agents->at(kind, id), failure.at_us, true);
+  AbortActivityOf(agent, failure.at_us, true);
 }
 
 void Referee::Meet(TimeUs t, Agents* agents) {
@@ -331,17 +335,23 @@ void Referee::Meet(TimeUs t, Agents* agents) {
     Settle(&partner, met, t, scenario_.tasks);
     return true;
   };
+  const std::vector<ForbiddenPair> forbidden = ForbiddenPairs(scenario_.directives);
   for (std::size_t x = 0; x < scenario_.tasks.size(); ++x) {
     if (task_status_[x] != TaskStatus::kOpen) continue;
     const Task& task = scenario_.tasks[x];
     const double home = NearestChargeM(*scenario_.ways, task.at, scenario_.charging_points);
+    const auto may_do = [&](const AgentState& agent) {
+      const ForbiddenPair pair{agent.kind, agent.id, static_cast<std::int32_t>(x)};
+      return !std::binary_search(forbidden.begin(), forbidden.end(), pair);
+    };
     for (const AgentState& uav : agents->uavs) {
-      if (!free_at(uav, task.at) ||
+      if (!free_at(uav, task.at) || !may_do(uav) ||
           !CanSense(RangeAt(uav, t, scenario_.tasks), 0, task.cost_m, home)) {
         continue;
       }
-      const auto worker = std::find_if(agents->workers.begin(), agents->workers.end(),
-                                       [&](const AgentState& w) { return free_at(w, task.at); });
+      const auto worker =
+          std::find_if(agents->workers.begin(), agents->workers.end(),
+                       [&](const AgentState& w) { return free_at(w, task.at) && may_do(w); });
       if (worker == agents->workers.end()) break;
       if (meet({Activity::Kind::kSensing, UavId(uav.id), worker->id, static_cast<std::int32_t>(x),
                 t, t + SensingUs(task.cost_m, uav.speed_m_s)})) {

@@ -132,7 +132,7 @@ class Referee {
                          TimeUs t) const;
   void GiveUpUntil(TimeUs t);
   void JoinOutages(TimeUs t);
-  void Return(TimeUs t);
+  void Return(TimeUs t, Agents* agents);
   void FindFailures(TimeUs t, std::int32_t decision, Agents* agents);
   void Fail(const Failure& failure, Agents* agents);
   /// Expires the tasks for which sensing has not begun and may not begin after `t`.

@@ -59,7 +59,8 @@ void Referee::Obey(TimeUs t, Agents* agents) {
     switch (RowOf(taken.order.kind).subject) {
       case OrderSubject::kNewTask:
       case OrderSubject::kRoads:
-      case OrderSubject::kAir:  // who is concerned follows before it reports
+      case OrderSubject::kAir:        // who is concerned follows before it reports
+      case OrderSubject::kDirective:  // the scheduler keeps it
         break;
       case OrderSubject::kTask:
         ObeyOfTask(taken, t);

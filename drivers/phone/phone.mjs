@@ -8,6 +8,8 @@ import { Track } from "./track.mjs";
 const MOST_REMEMBERED = 2000;
 const MOST_ITEMS = 200;
 const LONGEST_REASON = 300;
+const FAR_M = 300;  // that far from the place, "I am here" is asked back
+const FRESH_S = 60;  // a place is not believed for longer, wall time
 const ID = /^[0-9a-zA-Z-]{8,40}$/;
 
 class Refusal extends Error {}
@@ -207,9 +209,22 @@ export class Phone {
 
   #here(order) {
     if (order.stage !== "going") return;
+    const far_m = this.#farFrom(order.to);
+    if (far_m !== null && order.doubted !== true) {
+      order.doubted = true;
+      throw new Refusal(`your phone is ${far_m < 1000 ? `${Math.round(far_m / 10) * 10} m` : `${(far_m / 1000).toFixed(1)} km`} from there; if you are there, press again`);
+    }
     order.stage = "held";
     this.track.see(order.to, this.mission_s);
     this.step();
+  }
+
+  /** Metres between the phone and a place that it is not near to; null: it is near, or has not told lately where it is. */
+  #farFrom(to) {
+    const place = this.#place;
+    if (!place || place.trouble || this.mission_s - place.mission_s > FRESH_S * this.hello.rate) return null;
+    const far_m = Math.hypot(place.x_m - to.x_m, place.y_m - to.y_m);
+    return far_m > FAR_M + place.accuracy_m ? far_m : null;
   }
 
   #done(order) {

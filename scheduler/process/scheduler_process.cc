@@ -1,6 +1,9 @@
 #include "scheduler/process/scheduler_process.h"
 
+#include <algorithm>
+
 #include "lcmtypes/channels.h"
+#include "scheduler/policies/directives/directing.h"
 
 namespace muster::scheduler {
 namespace {
@@ -74,9 +77,18 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
   repeat_tick_ = -1;
 }
 
+void SchedulerProcess::Tell(EventKind kind, const std::string& detail, const Now& now) {
+  event_t event{};
+  event.kind = NumberOf(kind);
+  event.at_us = tick_us_;
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.detail = detail;
+  Announce(std::move(event), now);
+}
+
 void SchedulerProcess::Decide(const Now& now) {
   const TimeUs begin = stopwatch_();
-  const Decision decision = policy_->Decide(fusion_->Fuse(orders()));
+  const Decision decision = DecideWithDirectives(fusion_->Fuse(orders()), policy_.get());
   schedule_t schedule{};
   schedule.decision = due_;
   schedule.tick = tick_;
@@ -87,14 +99,13 @@ void SchedulerProcess::Decide(const Now& now) {
   for (const Action& action : decision.actions) schedule.actions.push_back(ToWire(action));
   schedule.n = static_cast<std::int32_t>(schedule.actions.size());
   schedule.solve_us = stopwatch_() - begin;
-  if (!decision.refused.empty()) {
-    event_t event{};
-    event.kind = NumberOf(EventKind::kAnswerRefused);
-    event.at_us = tick_us_;
-    event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
-    event.detail = decision.refused;
-    Announce(std::move(event), now);
+  if (!decision.refused.empty()) Tell(EventKind::kAnswerRefused, decision.refused, now);
+  for (const std::string& unkept : decision.unkept) {
+    // Once, as long as the reason stays the same.
+    const bool told = std::find(unkept_.begin(), unkept_.end(), unkept) != unkept_.end();
+    if (!told) Tell(EventKind::kDirectiveUnkept, unkept, now);
   }
+  unkept_ = decision.unkept;
   schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
   schedule_tick_ = tick_;
   due_ = -1;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/follower.h"
 #include "scheduler/policies/registry.h"
@@ -36,6 +37,7 @@ class SchedulerProcess : public Follower {
  private:
   void Take(const clock_t& clock);
   void Decide(const Now& now);
+  void Tell(EventKind kind, const std::string& detail, const Now& now);
 
   const std::string policy_name_;
   const std::unique_ptr<Policy> policy_;
@@ -49,6 +51,7 @@ class SchedulerProcess : public Follower {
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
   SentPacket schedule_packet_;     ///< the newest
   std::int64_t schedule_tick_ = -1;
+  std::vector<std::string> unkept_;  ///< directives, as the last decision says
 };
 
 }  // namespace muster::scheduler

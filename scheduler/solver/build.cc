@@ -82,6 +82,9 @@ class Builder {
   bool IsInTime(Index task, TimeUs travel_us) const {
     return CanBegin(TaskAt(task), situation_.now_us, travel_us);
   }
+  bool IsForbidden(const AgentState& agent, Index task) const {
+    return site_.Forbids(agent, roster_.tasks[At(task)].value);
+  }
   TimeUs TimeLeft(const AgentState& agent) const {
     return LatestEnd(agent, rules_) - situation_.now_us;
   }
@@ -106,6 +109,7 @@ class Builder {
       tasks.WithinFrom(uavs_.at[u], range_m[u], [&](Index x, double metres) {
         const double to_charge_m = site_.task_to_charge_m[roster_.tasks[At(x)].index()];
         if (!CanSense(range_m[u], metres, TaskAt(x).cost_m, to_charge_m)) return;
+        if (IsForbidden(*uavs_.agents[u], x)) return;
         ways->push_back({static_cast<Index>(u), x, metres, level(metres)});
       });
     });
@@ -134,6 +138,7 @@ class Builder {
         if (charging && roster_.site_of_charge[At(place)] < 0) return;
         const TimeUs travel = TravelUs(metres, speed_m_s);
         if (travel == kNever || travel > left) return;
+        if (!charging && IsForbidden(*crew.agents[i], place)) return;
         ways->push_back({static_cast<Index>(i), place, metres, level(metres)});
       });
     });
@@ -155,6 +160,7 @@ class Builder {
         index.WithinTo(places[k], reach_m * most * (1 + 1e-9) + 1, [&](Index i, double metres) {
           const std::int32_t level = crew.level_of(At(i))(metres);
           if (level > most) return;
+          if (!charging && IsForbidden(*crew.agents[At(i)], static_cast<Index>(k))) return;
           ways->push_back({i, static_cast<Index>(k), metres, level});
         });
         const bool all = ways->size() - before == crew.size();

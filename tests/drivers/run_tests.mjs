@@ -8,7 +8,8 @@ import { fileURLToPath } from "node:url";
 const here = dirname(fileURLToPath(import.meta.url));
 const [driver, ...files] = process.argv.slice(2);
 const folder = join(here, "../../drivers", driver);
-const needed = Object.keys(JSON.parse(readFileSync(join(folder, "package.json"), "utf8")).dependencies);
+const { dependencies, devDependencies } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+const needed = Object.keys({ ...dependencies, ...devDependencies });
 const missing = needed.filter((name) => !existsSync(join(folder, "node_modules", name)));
 if (missing.length) {
   console.log(`SKIPPED: ${missing.join(", ")} is not installed; scripts/test-drivers does it`);

@@ -22,7 +22,7 @@ void ForEachWord(Visit visit) {
   visit(TaskStatus::kHeld, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kStateUnknown, "`event_t.kind`");
+  visit(EventKind::kDirectiveUnkept, "`event_t.kind`");
   visit(FaultKind::kRoadClosed, "`fault_t.kind`");
   visit(ProcessState::kEnded, "`process_status_t.state`");
 }
@@ -62,7 +62,7 @@ TEST(Words, OutcomesAreToldApart) {
   }
   EXPECT_EQ(others, (std::set<std::string_view>{"process_lost", "process_back", "fault_applied",
                                                 "fault_ended", "answer_refused", "driver_failed",
-                                                "state_unknown"}));
+                                                "state_unknown", "directive_unkept"}));
 }
 
 TEST(WireDocument, HasEveryWord) {

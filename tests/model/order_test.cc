@@ -1,5 +1,6 @@
 #include "model/order.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -128,6 +129,68 @@ TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
 
 /// Ten thousand orders that are none, or that cannot be: each is refused with a reason, and changes
 /// nothing.
+TEST(Order, DirectivesAreInForceUntilTheyAreEnded) {
+  Scenario scenario = Roomy();
+  const auto take = [&](const std::string& id, const std::string& json) -> std::string {
+    try {
+      Order order = ParseOrder(json, "order");
+      order.id = id;
+      order.issuer = "chief";
+      TakeInto(&scenario, order, kNow);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto in_force = [&] {
+    std::string text;
+    for (const Directive& one : scenario.directives) text += one.order + " " + ToString(one) + "\n";
+    return text;
+  };
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 7, "agents": ["uav:3", "worker:7"]})"), "");
+  EXPECT_EQ(take("q", R"({"order": "pin", "task": 7, "agents": ["uav:4"]})"),
+            "task 7 is pinned already by order p: unpin it first");
+  EXPECT_EQ(take("f", R"({"order": "forbid", "agent": "uav:3", "task": 8})"), "");
+  EXPECT_EQ(take("a", R"({"order": "forbid", "class": "worker", "circle_km": [9, 9, 1]})"), "");
+  EXPECT_EQ(take("c", R"({"order": "charge_now", "agents": ["uav:3", "vehicle:1"], "charge": 2})"),
+            "");
+  EXPECT_EQ(take("g", R"({"order": "go_to", "agent": "worker:7", "x_km": 1, "y_km": 2})"), "");
+  // The later word about an agent stands.
+  EXPECT_EQ(take("h", R"({"order": "go_to", "agent": "worker:7", "x_km": 3, "y_km": 4})"), "");
+  EXPECT_EQ(in_force(),
+            "p pin: uav:3 and worker:7 to task 7\nf forbid: uav:3 task 8\n"
+            "a forbid: workers in an area\nc charge now: uav:3 and vehicle:1 at charge:2\n"
+            "h go to: worker:7 to (3.000, 4.000) km\n");
+  EXPECT_EQ(scenario.directives.front().issuer, "chief");
+  EXPECT_TRUE(IsOffLimits(scenario.directives, AgentKind::kWorker, {9000, 9500}));
+  EXPECT_FALSE(IsOffLimits(scenario.directives, AgentKind::kUav, {9000, 9500}));
+  EXPECT_FALSE(IsOffLimits(scenario.directives, AgentKind::kWorker, {9000, 10'500}));
+
+  for (const char* id : {"f", "a", "c", "h"}) {
+    EXPECT_EQ(take("r", fmt::format(R"({{"order": "release", "directive": "{}"}})", id)), "");
+  }
+  EXPECT_EQ(take("u", R"({"order": "unpin", "task": 7})"), "");
+  EXPECT_EQ(in_force(), "");
+  EXPECT_EQ(take("u", R"({"order": "unpin", "task": 7})"), "task 7 is not pinned");
+  EXPECT_EQ(take("r", R"({"order": "release", "directive": "p"})"),
+            "no directive of an order p is in force");
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 120, "agents": ["uav:3"]})"),
+            "there is no task 120: there are 120");
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 1, "agents": ["uav:30"]})"),
+            "there is no uav:30: the last is 29");
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 1, "agents": ["vehicle:1"]})"),
+            "order: agents: found vehicle:1, expected an agent of a class that takes part in it");
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 1, "agents": ["uav:1", "uav:2"]})"),
+            "order: agents: found uav:2, expected one uav");
+  EXPECT_EQ(take("p", R"({"order": "pin", "task": 1, "agents": []})"),
+            "order: agents: found an array of 0, expected a list of agents, as [\"uav:3\"]");
+  EXPECT_EQ(take("g", R"({"order": "go_to", "agent": "uav:1", "x_km": 31, "y_km": 2})"),
+            "(31, 2) km is outside the area of 30 x 30 km");
+  EXPECT_EQ(take("f", R"({"order": "forbid", "agent": "vehicle:1", "task": 2})"),
+            "order: agent: found \"vehicle:1\", expected a UAV or a worker: vehicles do no tasks");
+  EXPECT_EQ(in_force(), "");
+}
+
 TEST(Order, TenThousandMalformedOnesChangeNothing) {
   Scenario scenario = Roomy();
   const std::string good[] = {
@@ -135,11 +198,14 @@ TEST(Order, TenThousandMalformedOnesChangeNothing) {
       R"({"order": "task_change", "task": 7, "priority": 2, "due_in_min": 5})",
       R"({"order": "agent_join", "class": "vehicle", "agent": {"x_km": 5, "y_km": 6,
           "speed_km_per_min": 1, "charge_km_per_min": 5}})",
-      R"({"order": "agent_recall", "agent": "worker:3"})"};
+      R"({"order": "agent_recall", "agent": "worker:3"})",
+      R"({"order": "pin", "task": 7, "agents": ["uav:3", "worker:7"]})",
+      R"({"order": "forbid", "class": "worker", "circle_km": [10, 10, 3]})",
+      R"({"order": "go_to", "agent": "uav:3", "x_km": 5, "y_km": 6})"};
   int refused = 0;
   for (std::uint64_t seed = 0; refused < 10'000; ++seed) {
     Random random(seed, Stream::kTest);
-    std::string text = good[random.Below(4)];
+    std::string text = good[random.Below(std::size(good))];
     const int changes = 1 + static_cast<int>(random.Below(4));
     for (int i = 0; i < changes && !text.empty(); ++i) {
       const std::size_t at = random.Below(static_cast<std::uint32_t>(text.size()));

@@ -1,5 +1,6 @@
 #include "world/order_desk.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -101,6 +102,66 @@ TEST_F(OrderDeskTest, RefusesInWordsThatAMessageCanCarry) {
       EXPECT_EQ(Decide(tick++).n_refused, 1);
     }
   }
+}
+
+TEST_F(OrderDeskTest, ADirectiveThatCannotBeKeptIsRefusedWithTheReason) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentState& agent : agents_[kind]) {
+      agent.online_from_us = 0;
+      agent.online_until_us = 180 * kMinuteUs;
+    }
+  }
+  int n = 0;
+  const auto answer = [&](const std::string& json) -> std::string {
+    Hear(fmt::format("d{}", ++n), json);
+    const orders_t said = Decide(n);
+    return said.n_refused == 1 ? said.refused[0].reason : "";
+  };
+  const std::string pin = R"({"order": "pin", "task": 7, "agents": ["uav:3", "worker:7"]})";
+  AgentState& uav = agents_.at(AgentKind::kUav, 3);
+  AgentState& worker = agents_.at(AgentKind::kWorker, 7);
+  uav.from = uav.to = worker.from = worker.to = scenario_.tasks[7].at;
+  uav.range_at_departure_m = 100;
+  EXPECT_EQ(answer(pin).find("uav:3 lacks range for task 7: it needs "), 0U);
+  uav.range_at_departure_m = uav.range_full_m;
+  EXPECT_EQ(answer(R"({"order": "charge_now", "agents": ["uav:3"]})"), "uav:3 is charged already");
+  worker.failed = true;
+  EXPECT_EQ(answer(pin), "worker:7 has failed");
+  worker.failed = false;
+  worker.online_until_us = kMinuteUs;
+  EXPECT_EQ(answer(pin), "worker:7 has left");
+  worker.online_until_us = 180 * kMinuteUs;
+  status_[7] = TaskStatus::kReserved;
+  EXPECT_EQ(answer(pin), "task 7 is reserved: others are at it (task_hold or agent_recall)");
+  status_[7] = TaskStatus::kOpen;
+  EXPECT_EQ(answer(R"({"order": "forbid", "agent": "uav:3", "task": 7})"), "");
+  EXPECT_EQ(answer(pin), "order d6 forbids uav:3 task 7");
+  EXPECT_EQ(answer(R"({"order": "release", "directive": "d6"})"), "");
+  EXPECT_EQ(answer(pin), "");
+  EXPECT_EQ(answer(R"({"order": "forbid", "agent": "uav:3", "task": 7})"),
+            "order d9 pins uav:3 to task 7: unpin it first");
+  EXPECT_EQ(desk_.scenario().directives.size(), 1U) << "what is refused leaves nothing behind";
+}
+
+TEST_F(OrderDeskTest, WhatIsFulfilledIsReleasedByTheWorld) {
+  agents_.at(AgentKind::kUav, 3).range_at_departure_m = 15'000;
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentState& agent : agents_[kind]) agent.online_until_us = 180 * kMinuteUs;
+  }
+  Hear("c", R"({"order": "charge_now", "agents": ["uav:3"]})");
+  ASSERT_EQ(Decide(1).n_taken, 1);
+  Event event;
+  event.kind = Event::Kind::kChargingDone;
+  event.uav = UavId(4);
+  desk_.EndFulfilled(event);
+  EXPECT_EQ(Decide(2).n_taken, 0);
+  event.uav = UavId(3);
+  desk_.EndFulfilled(event);
+  const orders_t said = Decide(3);
+  ASSERT_EQ(said.n_taken, 1);
+  EXPECT_EQ(said.taken[0].id, "release:c");
+  EXPECT_EQ(said.taken[0].issuer, "world");
+  EXPECT_TRUE(desk_.scenario().directives.empty());
 }
 
 }  // namespace

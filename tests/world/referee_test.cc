@@ -205,6 +205,21 @@ TEST(Referee, OnlyWhoFailsWithItsProcessIsRuledToBeLost) {
                                  {AgentKind::kVehicle, 0, RKind::kFailed, 20 * kSecondUs}}));
 }
 
+TEST(Referee, AVacantPlaceOfALostProcessFailsInSilence) {
+  Scenario scenario = SmallScenario();
+  AddRoom({0, {1, 0, 0}}, &scenario);
+  Mission mission(scenario);
+  for (const std::int32_t id : {0, 1}) {
+    mission.referee().Add(
+        {AgentKind::kUav, id, 30 * kSecondUs + 1, kNever, FailureReason::LossOf("uav")});
+  }
+  for (const TimeUs t : {0, 30, 60}) mission.Judge(t * kSecondUs);
+  EXPECT_EQ(mission.referee().verdict().rulings().size(), 2U);
+  mission.referee().EndOutages(FailureReason::LossOf("uav"), 90 * kSecondUs);
+  mission.Judge(90 * kSecondUs);
+  EXPECT_EQ(mission.Happened(), (Happened{{Kind::kAgentFailed, 30}, {Kind::kAgentBack, 90}}));
+}
+
 TEST(Referee, OverlappingOutagesAreOne) {
   Mission mission(SmallScenario());
   mission.referee().Add({AgentKind::kUav, 0, 100 * kSecondUs, 600 * kSecondUs, Fault("first")});

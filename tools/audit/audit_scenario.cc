@@ -230,6 +230,35 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
   return s;
 }
 
+namespace {
+
+int ClassNamed(const std::string& name) {
+  return name == "uav" ? kUav : name == "worker" ? kWorker : kVehicle;
+}
+
+void ReadDirective(const json& top, const std::string& text, AuditOrder* order) {
+  Scenario::Directive& directive = order->directive;
+  directive.what = order->what;
+  directive.task = top.value("task", -1);
+  directive.charge = top.value("charge", -1);
+  order->closure = top.value("directive", "");
+  const auto name = [&](const std::string& agent) {
+    const std::size_t colon = agent.find(':');
+    directive.agents[ClassNamed(agent.substr(0, colon))] = std::stoi(agent.substr(colon + 1));
+  };
+  if (top.contains("agent")) name(top.at("agent").get<std::string>());
+  if (top.contains("agents")) {
+    for (const json& agent : top.at("agents")) name(agent.get<std::string>());
+  }
+  if (order->what == "go_to") directive.place = PlaceOf(top);
+  if (top.contains("class")) {
+    directive.of_class = ClassNamed(top.at("class").get<std::string>());
+    directive.area = ReadZone(text);
+  }
+}
+
+}  // namespace
+
 AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const Scenario& scenario) {
   const json top = json::parse(text);
   AuditOrder order;
@@ -264,6 +293,7 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     order.since_us = now_us;
     order.until_us = time(top, "until_min", "until_in_min");
   }
+  if (order.is_directive()) ReadDirective(top, text, &order);
   if (order.is_join()) {
     const json& item = top.at("agent");
     const std::string of = top.at("class").get<std::string>();

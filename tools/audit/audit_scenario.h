@@ -93,6 +93,17 @@ struct Scenario {
            room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
   }
 
+  /// What the commander has decided, in force (the orders' names are the kinds).
+  struct Directive {
+    std::string what, order;
+    int agents[3] = {-1, -1, -1};  ///< by class; -1: not named
+    int task = -1, charge = -1;
+    Place place;
+    int of_class = -1;  ///< that does nothing in `area`
+    Rings area;
+  };
+  std::vector<Directive> directives;
+
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
   std::int64_t TimeOf(std::int64_t tick) const;
   /// Decision due at that tick; -1: none.
@@ -115,12 +126,19 @@ struct AuditOrder {
   std::set<int> roads;      ///< to be closed or opened
   Rings zone;               ///< to be added
   std::int64_t since_us = kForever, until_us = kForever;  ///< of a closure
+  Scenario::Directive directive;
 
   bool is_add() const { return what == "task_add"; }
   bool is_join() const { return what == "agent_join"; }
   bool is_roads() const { return what.starts_with("road_"); }
   bool is_zone() const { return what.starts_with("zone_"); }
   bool changes_ways() const { return is_roads() || is_zone(); }
+  /// Whether it gives a directive, or ends one.
+  bool is_directive() const {
+    return what == "pin" || what == "forbid" || what == "charge_now" || what == "go_to" ||
+           ends_directive();
+  }
+  bool ends_directive() const { return what == "unpin" || what == "release"; }
   bool is_agents() const { return what.starts_with("agent_"); }
 };
 

@@ -75,7 +75,10 @@ void Auditor::CheckTick() {
   CheckTasks(view);
   ExpectEvents(view);
   if (view.due >= 0 && view.schedule == nullptr) skipped_.insert(view.due);
-  if (view.Holds() && view.schedule != nullptr) CheckDecision(view);
+  if (view.Holds() && view.schedule != nullptr) {
+    CheckDecision(view);
+    CheckDirectives(view);
+  }
 }
 
 void Auditor::CheckSkipped() {

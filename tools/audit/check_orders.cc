@@ -57,6 +57,7 @@ std::string WrongOf(const View& view, const AuditOrder& order) {
                ? "these roads are closed already"
                : "";
   }
+  if (order.is_directive()) return WrongDirective(view, order);
   const int n_agents = view.n_agents[order.kind];
   if (order.is_join()) {
     if (order.agent != n_agents) {
@@ -236,8 +237,13 @@ void OrderCheck::Check(View& view) {
     order.task = taken.task_id;
     order.kind = NumberOfClass(taken.agent_kind);
     order.agent = taken.agent_id;
+    order.id = taken.id;
     if (const std::string wrong = WrongOf(view, order); !wrong.empty()) {
       view.Violate("orders", "order {}: {}", taken.id, wrong);
+      continue;
+    }
+    if (order.is_directive()) {
+      TakeDirective(order, &view.scenario);
       continue;
     }
     TakeOrder(view, order);

@@ -40,6 +40,11 @@ void ExpireTasks(View& view) {
   }
 }
 
+/// A vacant place fails with its process, and nobody is told.
+bool IsVacant(const View& view, const AgentKey& agent) {
+  return view.agents[agent.first].at(agent.second).spec->online_until_us == 0;
+}
+
 }  // namespace
 
 void ReadRulings(View& view) {
@@ -53,6 +58,7 @@ void ReadRulings(View& view) {
     }
     const AgentKey agent{r.agent_kind, r.agent_id};
     const std::string name = view.Model(r.agent_kind, r.agent_id).name();
+    const bool silent = r.kind == RulingKind::kLost && IsVacant(view, agent);
     if (r.kind == RulingKind::kReleased) {
       view.released[agent] = r.at_us;
       continue;
@@ -63,7 +69,8 @@ void ReadRulings(View& view) {
                        r.kind == RulingKind::kFailed && known->second.at_us != r.at_us;
     const bool is_new = known == view.failed.end() || again;
     failed[agent] = {r.at_us, is_new, r.kind == RulingKind::kLost};
-    if (again) view.expected_back.emplace_back(agent, view.before_us, view.now_us);
+    if (again && !IsVacant(view, agent))
+      view.expected_back.emplace_back(agent, view.before_us, view.now_us);
     if (!is_new && known->second.at_us != r.at_us) {
       view.Violate("rulings", "{} failed at {} us, earlier it was {} us", name, r.at_us,
                    known->second.at_us);
@@ -73,10 +80,11 @@ void ReadRulings(View& view) {
       view.Violate("rulings", "{} is said to have failed at {} us, after {} us", name, r.at_us,
                    view.before_us);
     }
-    view.Expect(r.at_us, EventKind::kAgentFailed, agent);
+    if (!silent) view.Expect(r.at_us, EventKind::kAgentFailed, agent);
   }
   for (const auto& [agent, failure] : view.failed) {
-    if (!failed.contains(agent))
+    const bool silent = failure.lost && IsVacant(view, agent);
+    if (!failed.contains(agent) && !silent)
       view.expected_back.emplace_back(agent, view.before_us, view.now_us);
   }
   view.failed = std::move(failed);

@@ -78,6 +78,14 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed);
 /// When such a pair is given up, because one is too late; kForever: it is not.
 std::int64_t GivenUpAt(View& view, const Activity& activity);
 
+// Parts about the commander's directives (check_directives.cc).
+
+/// Why the order cannot give or end a directive; "": it can.
+std::string WrongDirective(const View& view, const AuditOrder& order);
+void TakeDirective(const AuditOrder& order, Scenario* scenario);
+/// Whether the decision keeps the directives that can be kept.
+void CheckDirectives(View& view);
+
 // Parts about orders (check_orders.cc).
 
 /// When an order of this tick ends that activity; kForever: none does.

@@ -14,6 +14,7 @@
 #include "tools/log/log_command.h"
 #include "tools/orders/feed_command.h"
 #include "tools/orders/order_commands.h"
+#include "tools/orders/what_if.h"
 #include "tools/replay/replay_command.h"
 #include "tools/report/report_command.h"
 #include "tools/scenario/import_command.h"
@@ -35,6 +36,7 @@ const std::vector<Command> kCommands = {
     {"bench", "compares policies, times decisions", BenchCommand},
     {"bound", "tells how many tasks any policy could do at most", BoundCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
+    {"direct", "decides in the policy's place: pins, forbids, sends", DirectCommand},
     {"drive", "tries out a driver, a program that takes an agent's part", DriveCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},
     {"export-graph", "writes a decision's conflict graph for other solvers", ExportGraphCommand},
@@ -54,6 +56,7 @@ const std::vector<Command> kCommands = {
     {"simulate", "runs a mission in one process", SimulateCommand},
     {"task", "adds, changes, cancels or holds a task of a running mission", TaskCommand},
     {"top", "shows a mission in the terminal while it goes on", TopCommand},
+    {"what-if", "says what a directive would change", WhatIfCommand},
     {"train", "trains a learned policy", TrainCommand},
 };
 

@@ -153,4 +153,17 @@ std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
                                     : fusion.Fuse(*log.orders);
 }
 
+PolicyOfLog LoggedPolicy(const DecisionLog& log) {
+  for (const auto& [d, logged] : log.decisions) {
+    if (logged.schedules.empty()) continue;
+    const std::string& name = logged.schedules.front().policy;
+    const auto& known = scheduler::Policies();
+    const bool ours = std::any_of(known.begin(), known.end(), [&](const auto& policy) {
+      return policy.name == scheduler::BaseName(name);
+    });
+    return {name, ours ? scheduler::MakePolicy(name) : nullptr};
+  }
+  return {};
+}
+
 }  // namespace muster::tools

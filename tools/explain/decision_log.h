@@ -13,6 +13,7 @@
 #include "lcmtypes/bus/bus.h"
 #include "model/scenario.h"
 #include "protocol/order_book.h"
+#include "scheduler/policies/registry.h"
 #include "scheduler/situation.h"
 #include "tools/log/log_source.h"
 
@@ -60,5 +61,12 @@ std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log
 /// not whole.
 std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
                                                 const DecisionLog& log);
+
+/// The policy of the log's first schedule.
+struct PolicyOfLog {
+  std::string name;                           ///< "": the log has no schedule
+  std::unique_ptr<scheduler::Policy> policy;  ///< null: it is none of ours
+};
+PolicyOfLog LoggedPolicy(const DecisionLog& log);
 
 }  // namespace muster::tools

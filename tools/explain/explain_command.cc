@@ -31,6 +31,15 @@ std::pair<AgentKind, std::int32_t> ParseAgent(const std::string& text) {
                    "uav:N, worker:N or vehicle:N");
 }
 
+/// "17" or "task:17", as pages and events write it.
+std::int32_t ParseTask(const std::string& text) {
+  const std::string_view prefix = "task:";
+  const auto id =
+      ToInteger(text.starts_with(prefix) ? text.substr(prefix.size()) : text, 0, kMostId);
+  if (id) return static_cast<std::int32_t>(*id);
+  throw InputError("command line", "--task", fmt::format("'{}'", text), "N or task:N");
+}
+
 template <class Story>
 void Print(const Story& story, bool json) {
   fmt::print("{}", json ? ToJson(story).dump(2) + "\n" : ToText(story));
@@ -45,7 +54,7 @@ int ExplainCommand(int argc, const char* const* argv) {
       "to, what was planned for it, and what forcing it would have cost, in the terms of the\n"
       "policy that decided.");
   options.Run();
-  options.Add("task", "N", "A task").Integer(0, kMostId);
+  options.Add("task", "N", "A task: N or task:N");
   options.Add("agent", "NAME", "An agent: uav:N, worker:N or vehicle:N");
   options.Add("decision", "N", "One decision (default: all)").Integer(0, kMostId);
   options.Json();
@@ -78,7 +87,7 @@ int ExplainCommand(int argc, const char* const* argv) {
   if (agent) {
     print(TellAgent(log, run, agent->first, agent->second, decision, progress));
   } else {
-    print(TellTask(log, run, arguments->Get<std::int32_t>("task"), decision, progress));
+    print(TellTask(log, run, ParseTask(arguments->Get("task")), decision, progress));
   }
   return kExitOk;
 }

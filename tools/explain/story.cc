@@ -6,12 +6,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "base/check.h"
 #include "model/feasibility.h"
 #include "protocol/convert.h"
-#include "scheduler/policies/registry.h"
 
 namespace muster::tools {
 namespace {
@@ -35,6 +35,33 @@ bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs
   return (at_us < event.at_us || decision == 0) && event.at_us <= next_us;
 }
 
+/// A logged situation, parted into what directives decided and what was left to the policy.
+struct Parted {
+  scheduler::Directing directing;
+  std::vector<Action> commands;  ///< of the policy
+};
+
+/// None: the decision's messages are not whole.
+std::optional<Parted> PartedOf(const LoggedDecision& logged, const DecisionLog& log) {
+  auto situation = SituationOf(logged, log);
+  if (!situation) return {};
+  Parted parted{{}, CommandsOf(logged, log.scenario)};
+  if (situation->site->directives.empty()) {
+    parted.directing.rest = std::move(*situation);
+    return parted;
+  }
+  parted.directing = scheduler::Direct(*situation);
+  std::erase_if(parted.commands, [&](const Action& command) {
+    const auto& actions = parted.directing.actions;
+    return std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
+      return std::any_of(std::begin(kAgentKinds), std::end(kAgentKinds), [&](AgentKind kind) {
+        return MemberOf(command, kind) >= 0 && MemberOf(command, kind) == MemberOf(action, kind);
+      });
+    });
+  });
+  return parted;
+}
+
 /// A log's decisions by horizon's matchings. The policy is asked once how it made each.
 class HorizonDecisions {
  public:
@@ -46,9 +73,9 @@ class HorizonDecisions {
     const auto [entry, is_new] = decisions_.try_emplace(decision);
     const auto logged = log_.decisions.find(decision);
     if (!is_new || logged == log_.decisions.end()) return entry->second.get();
-    if (auto situation = SituationOf(logged->second, log_)) {
+    if (auto parted = PartedOf(logged->second, log_)) {
       entry->second = std::make_unique<scheduler::HorizonDecision>(
-          std::move(*situation), CommandsOf(logged->second, log_.scenario), policy_);
+          std::move(parted->directing.rest), std::move(parted->commands), policy_);
     }
     return entry->second.get();
   }
@@ -59,25 +86,13 @@ class HorizonDecisions {
   std::map<std::int32_t, std::unique_ptr<scheduler::HorizonDecision>> decisions_;
 };
 
-/// The policy of the log's first schedule, when it is one of ours.
-std::unique_ptr<scheduler::Policy> PolicyOf(const DecisionLog& log, std::string* name) {
-  for (const auto& [d, logged] : log.decisions) {
-    if (logged.schedules.empty()) continue;
-    *name = logged.schedules.front().policy;
-    const auto& known = scheduler::Policies();
-    const bool ours = std::any_of(known.begin(), known.end(), [&](const auto& policy) {
-      return policy.name == scheduler::BaseName(*name);
-    });
-    return ours ? scheduler::MakePolicy(*name) : nullptr;
-  }
-  return nullptr;
-}
-
 /// What a story is about.
 template <class Answer>
 struct Question {
   std::function<Answer(const Explainer&)> ask;
   std::function<bool(const event_t&)> concerns;  ///< whether an event belongs to the story
+  /// Whether a directive, with what its agents are sent to do, belongs to it.
+  std::function<bool(const Directed&)> is_about;
 };
 
 /// The planned pairs of an answer that were not commanded.
@@ -101,12 +116,12 @@ template <class Answer>
 class Teller {
  public:
   Teller(const DecisionLog& log, std::vector<Question<Answer>> questions)
-      : log_(log), questions_(std::move(questions)), policy_(PolicyOf(log, &policy_name_)) {
-    const auto* matching = dynamic_cast<const scheduler::MatchingPolicy*>(policy_.get());
+      : log_(log), questions_(std::move(questions)), logged_(LoggedPolicy(log)) {
+    const auto* matching = dynamic_cast<const scheduler::MatchingPolicy*>(logged_.policy.get());
     if (matching != nullptr) horizon_.emplace(log, *matching);
   }
 
-  const std::string& policy() const { return policy_name_; }
+  const std::string& policy() const { return logged_.name; }
   Terms terms() const { return horizon_ ? Terms::kHorizon : Terms::kPaper; }
 
   /// The chapters of each question.
@@ -134,13 +149,13 @@ class Teller {
  private:
   void TellOne(const LoggedDecision& logged, std::vector<std::vector<Chapter<Answer>>>* stories) {
     const scheduler::HorizonDecision* matched = horizon_ ? horizon_->at(logged.decision) : nullptr;
-    std::optional<scheduler::Situation> situation;
+    std::optional<Parted> parted;
     std::optional<Explainer> explainer;
+    if (!horizon_ || HasDirectives()) parted = PartedOf(logged, log_);
     if (matched != nullptr) {
       explainer.emplace(*matched);
-    } else if (!horizon_) {
-      situation = SituationOf(logged, log_);
-      if (situation) explainer.emplace(*situation, CommandsOf(logged, log_.scenario));
+    } else if (!horizon_ && parted) {
+      explainer.emplace(parted->directing.rest, parted->commands);
     }
     for (std::size_t i = 0; i < questions_.size(); ++i) {
       const Question<Answer>& question = questions_[i];
@@ -150,12 +165,52 @@ class Teller {
         if (chapter.missing.empty()) chapter.missing = "a message that can be";
         continue;
       }
+      if (parted) AddDirectives(logged, parted->directing, question, &chapter);
+      if (chapter.directed) continue;
       chapter.answer = question.ask(*explainer);
       if (matched == nullptr || !chapter.answer.options.empty()) {
         chapter.quality = explainer->Quality();
       }
       if (matched != nullptr) AddHow(*matched, &chapter);
     }
+  }
+
+  /// Whether the mission has ever had a directive.
+  bool HasDirectives() const {
+    for (const auto& [tick, orders] : log_.orders->said()) {
+      for (const TakenOrder& taken : log_.orders->TakenAt(tick)) {
+        if (taken.order.directive) return true;
+      }
+    }
+    return false;
+  }
+
+  void AddDirectives(const LoggedDecision& logged, const scheduler::Directing& directing,
+                     const Question<Answer>& question, Chapter<Answer>* chapter) {
+    using State = scheduler::DirectiveOutcome::State;
+    std::set<std::string> about;
+    for (const scheduler::DirectiveOutcome& outcome : directing.outcomes) {
+      Directed directed{outcome.directive, outcome.state, outcome.why, {}};
+      for (const Action& action : directing.actions) {
+        if (scheduler::IsSentBy(action, directed.directive)) directed.sent.push_back(action);
+      }
+      if (outcome.state == State::kOver || !question.is_about(directed)) continue;
+      about.insert(directed.directive.order);
+      chapter->directed =
+          chapter->directed || outcome.state == State::kKept || outcome.state == State::kWaits;
+      chapter->directives.push_back(std::move(directed));
+    }
+    if (!chapter->directed || logged_.policy == nullptr) return;
+    const scheduler::Situation with = *SituationOf(logged, log_);
+    auto site = std::make_shared<scheduler::Site>(*with.site);
+    std::erase_if(site->directives,
+                  [&](const Directive& one) { return about.contains(one.order); });
+    site->forbidden = ForbiddenPairs(site->directives);
+    scheduler::Situation without = with;
+    without.site = std::move(site);
+    chapter->with_and_without = {
+        scheduler::DecideWithDirectives(with, logged_.policy.get()).weight,
+        scheduler::DecideWithDirectives(without, logged_.policy.get()).weight};
   }
 
   /// A chapter with all but the answer.
@@ -187,8 +242,7 @@ class Teller {
 
   const DecisionLog& log_;
   std::vector<Question<Answer>> questions_;
-  std::string policy_name_;
-  std::unique_ptr<scheduler::Policy> policy_;
+  PolicyOfLog logged_;
   std::optional<HorizonDecisions> horizon_;
 };
 
@@ -222,8 +276,12 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
     for (const event_t& event : log.events) {
       if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
     }
-    questions.push_back(
-        {[id](const Explainer& explainer) { return explainer.AboutTask(id); }, concerns});
+    questions.push_back({[id](const Explainer& explainer) { return explainer.AboutTask(id); },
+                         concerns,
+                         [id](const Directed& directed) {
+                           return directed.directive.task == id.value &&
+                                  directed.directive.kind == Directive::Kind::kPin;
+                         }});
   }
   Teller<scheduler::TaskAnswer> teller(log, std::move(questions));
   auto chapters = teller.Tell(run, decision, progress);
@@ -259,6 +317,12 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
       [kind, id](const event_t& event) {
         return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
                IsOutcome(static_cast<EventKind>(event.kind));
+      },
+      [kind, id](const Directed& directed) {
+        return directed.directive.kind != Directive::Kind::kForbid &&
+               (directed.directive.agents[kind] == id ||
+                std::any_of(directed.sent.begin(), directed.sent.end(),
+                            [&](const Action& action) { return MemberOf(action, kind) == id; }));
       }};
   Teller<scheduler::AgentAnswer> teller(log, {question});
   story.policy = teller.policy();

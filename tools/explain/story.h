@@ -7,11 +7,20 @@
 
 #include "scheduler/explain/explain.h"
 #include "scheduler/explain/fate.h"
+#include "scheduler/policies/directives/directing.h"
 #include "tools/explain/decision_log.h"
 
 namespace muster::tools {
 
 using scheduler::Terms;
+
+/// One directive at a decision.
+struct Directed {
+  Directive directive;
+  scheduler::DirectiveOutcome::State state = scheduler::DirectiveOutcome::State::kKept;
+  std::string why;           ///< of what waits or cannot be kept
+  std::vector<Action> sent;  ///< its agents' actions at this decision
+};
 
 /// One decision of a story. `Answer` is scheduler::TaskAnswer or AgentAnswer.
 template <class Answer>
@@ -22,6 +31,13 @@ struct Chapter {
   bool scheduled = true;  ///< the log holds a schedule for it
   bool in_force = true;   ///< as LoggedDecision; else no agent was commanded
   std::string policy;
+  /// What the commander had decided about the task or agent, and what became of it.
+  std::vector<Directed> directives;
+  /// Weights of the decision with these, and as the policy decides without them; none: no policy of
+  /// ours decided.
+  std::optional<std::pair<double, double>> with_and_without;
+  /// The commander decided, not the policy: there is no answer.
+  bool directed = false;
   Answer answer;
   scheduler::DecisionQuality quality;  ///< in horizon's terms only where the answer has options
   // In horizon's terms only.

@@ -262,6 +262,23 @@ Json EventJson(const event_t& event) {
 }
 
 template <class Answer>
+void AddDirectives(const Chapter<Answer>& chapter, Json* json) {
+  if (chapter.directives.empty()) return;
+  constexpr std::string_view kStates[] = {"kept", "waits", "not kept", "over"};
+  (*json)["directives"] = ListOf(chapter.directives, [&](const Directed& directed) {
+    return Json{{"order", directed.directive.order},
+                {"issuer", directed.directive.issuer},
+                {"what", ToString(directed.directive)},
+                {"state", kStates[static_cast<std::size_t>(directed.state)]},
+                {"why", directed.why},
+                {"commanded", ListOf(directed.sent, CommandJson)}};
+  });
+  if (!chapter.with_and_without) return;
+  (*json)["weight_with"] = chapter.with_and_without->first;
+  (*json)["weight_without"] = chapter.with_and_without->second;
+}
+
+template <class Answer>
 Json ChapterJson(const Chapter<Answer>& chapter, Terms terms) {
   Json json = {{"decision", chapter.decision}, {"at_s", ToSeconds(chapter.at_us)}};
   json["policy"] = chapter.scheduled ? Json(chapter.policy) : Json();
@@ -269,13 +286,18 @@ Json ChapterJson(const Chapter<Answer>& chapter, Terms terms) {
   if (!chapter.missing.empty()) {
     json["missing"] = chapter.missing;
   } else {
-    if (terms == Terms::kPaper) {
+    if (terms == Terms::kPaper && !chapter.directed) {
       json["weight"] = chapter.quality.weight;
       json["best_weight"] = chapter.quality.best.weight;
       json["best_bound"] = chapter.quality.best.bound;
       json["own_weights"] = chapter.quality.own_weights;
     }
-    AddAnswer(chapter, terms, &json);
+    AddDirectives(chapter, &json);
+    if (chapter.directed) {
+      json["verdict"] = "directed";
+    } else {
+      AddAnswer(chapter, terms, &json);
+    }
   }
   json["events"] = ListOf(chapter.events, EventJson);
   return json;

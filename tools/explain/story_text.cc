@@ -168,6 +168,31 @@ void AddForce(bool scheduled, bool in_force, Lines* lines) {
   }
 }
 
+std::string_view StateWords(const Directed& directed) {
+  using State = scheduler::DirectiveOutcome::State;
+  if (directed.state == State::kWaits) return "waits";
+  if (directed.state == State::kUnkept) return "cannot be kept";
+  return directed.sent.empty() ? "kept: it stays there" : "kept";
+}
+
+/// What the commander had decided, and what that changed.
+template <class Answer>
+void AddDirectives(const Chapter<Answer>& chapter, Lines* lines) {
+  for (const Directed& directed : chapter.directives) {
+    const Directive& one = directed.directive;
+    std::string text = fmt::format("directed by order {}{} ({}): {}", one.order,
+                                   one.issuer.empty() ? "" : fmt::format(" of {}", one.issuer),
+                                   ToString(one), StateWords(directed));
+    if (!directed.why.empty()) text += ", " + directed.why;
+    for (const Action& action : directed.sent) text += "; " + Weighed(action);
+    lines->Add(text);
+  }
+  if (!chapter.with_and_without) return;
+  const auto [with, without] = *chapter.with_and_without;
+  lines->Add(
+      fmt::format("the decision weighs {:.3f} with that, and {:.3f} without", with, without));
+}
+
 /// In the paper's terms: how good the decision itself was. In horizon's: which way to weigh
 /// decided, where there is more than one.
 template <class Answer>
@@ -340,6 +365,7 @@ std::string_view ShortWords(Obstacle obstacle, Terms terms) {
 /// "Of 18 decisions: infeasible in 10 (range 6, time limit 4), lost in 5, ...", and where forcing
 /// it would have been cheapest.
 std::string Summary(const TaskStory& story) {
+  int directed = 0;
   std::map<TaskVerdict, int> verdicts;
   std::map<Obstacle, int> obstacles;
   const Chapter<TaskAnswer>* cheapest = nullptr;
@@ -348,6 +374,10 @@ std::string Summary(const TaskStory& story) {
   };
   for (const auto& chapter : story.chapters) {
     if (!chapter.missing.empty()) continue;
+    if (chapter.directed) {
+      ++directed;
+      continue;
+    }
     const TaskAnswer& answer = chapter.answer;
     ++verdicts[answer.verdict];
     if (impossible(answer.verdict)) ++obstacles[answer.look.obstacle];
@@ -357,6 +387,7 @@ std::string Summary(const TaskStory& story) {
     }
   }
   std::vector<std::string> parts;
+  if (directed > 0) parts.push_back(fmt::format("directed in {}", directed));
   for (const auto& [verdict, n] : verdicts) {
     std::string part = fmt::format("{} in {}", ToString(verdict), n);
     if (impossible(verdict)) {
@@ -399,7 +430,8 @@ std::string ToText(const TaskStory& story) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
     } else {
       if (!done) AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddAnswer(chapter, story.terms, &lines);
+      AddDirectives(chapter, &lines);
+      if (!chapter.directed) AddAnswer(chapter, story.terms, &lines);
     }
     lines.AddEvents(chapter.events);
   }
@@ -420,7 +452,8 @@ std::string ToText(const AgentStory& story) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
     } else {
       AddForce(chapter.scheduled, chapter.in_force, &lines);
-      AddAnswer(chapter, story.kind, story.terms, &lines);
+      AddDirectives(chapter, &lines);
+      if (!chapter.directed) AddAnswer(chapter, story.kind, story.terms, &lines);
     }
     lines.AddEvents(chapter.events);
   }

@@ -285,6 +285,7 @@ int RunCommand(int argc, const char* const* argv) {
   if (server) {
     feed.emplace(fs::path(directory.path()).filename().string());
     plan.on_logged = [&feed](const Packet& packet) { feed->Add({packet}); };
+    server->AnswerAbout(directory.path());
     server->Start(&*feed, options->control ? &*gate : nullptr);
     Say("live at {}\n", server->url());
   }

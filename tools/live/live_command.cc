@@ -37,6 +37,7 @@ int LiveCommand(int argc, const char* const* argv) {
   const StopSignals stop;
   LiveFeed feed(source->name());
   LiveServer server(port);
+  if (source->is_log()) server.AnswerAbout(arguments->Get("run"));
   server.Start(&feed);
   fmt::print("{}\n", server.url());
   std::fflush(stdout);

@@ -149,8 +149,11 @@ void LiveServer::Serve(Client* one, Time now, bool ending) {
   if (!client->asks()) client->in.clear();
   if (client->asks()) Answer(client, now);
   if (!client->order.empty()) AnswerOrder(client, now);
+  if (client->question) AnswerQuestion(client, now, ending);
   if (client->listens && !client->last) Tell(client, now);
-  client->look = !client->order.empty() ? kLookForAnswer : client->listens ? kLook : kIdle;
+  client->look = !client->order.empty() || client->question ? kLookForAnswer
+                 : client->listens                          ? kLook
+                                                            : kIdle;
   // A client that has not asked yet gets no answer any more.
   if (client->ended || (ending && client->asks())) client->until = now;
 }
@@ -184,6 +187,42 @@ void LiveServer::AnswerOrder(Browser* client, Time now) {
   client->until = now + kPatience;
 }
 
+void LiveServer::Ask(Browser* client, const std::string& path, const std::string& body, Time now) {
+  const std::optional<std::vector<std::string>> command =
+      body.empty() ? WhyCommand(run_, path.substr(std::string_view("/why/").size()))
+                   : std::vector<std::string>{"what-if", run_, "-"};
+  if (!command) {
+    client->out = Head("404 Not Found", "", 0);
+  } else if (asked_ >= kMostAsked) {
+    client->out = Head("503 Service Unavailable", "", 0);
+  } else {
+    try {
+      client->question = std::make_unique<Question>(*command, body);
+      client->last = false;
+      client->until = now + kPatience + Question::kMostTime;
+      client->answer_by = now + Question::kMostTime;
+      ++asked_;
+    } catch (const std::exception&) {  // no process, no file
+      client->out = Head("503 Service Unavailable", "", 0);
+    }
+  }
+}
+
+void LiveServer::AnswerQuestion(Browser* client, Time now, bool ending) {
+  const bool is_late = ending || client->ended || now >= client->answer_by;
+  const auto answer = client->question->Poll();
+  if (!answer && !is_late) return;
+  const char* const status = !answer        ? "503 Service Unavailable"
+                             : answer->good ? "200 OK"
+                                            : "409 Conflict";
+  const std::string text = answer ? answer->text : "";
+  client->out = Head(status, "text/plain; charset=utf-8", text.size()) + text;
+  client->question.reset();
+  --asked_;
+  client->last = true;
+  client->until = now + kPatience;
+}
+
 void LiveServer::Answer(Browser* client, Time now) {
   const std::size_t head = client->in.find("\r\n\r\n");
   const bool is_long = std::min(head, client->in.size()) > kMostRequestBytes;
@@ -195,21 +234,27 @@ void LiveServer::Answer(Browser* client, Time now) {
   client->until = now + kPatience;
   const bool is_order =
       request && (request->path == "/orders" || request->path.starts_with("/orders/"));
+  const bool is_what_if = request && request->path == "/what-if";
+  const bool is_question =
+      !run_.empty() && (is_what_if || (request && request->path.starts_with("/why/")));
   if (is_long) {
     client->out = Head("431 Request Header Fields Too Large", "", 0);
   } else if (length > kMostBodyBytes) {
     client->out = Head("413 Content Too Large", "", 0);
   } else if (!request) {
     client->out = Head("400 Bad Request", "", 0);
-  } else if (!IsOurs(request->host) || (is_order && gate_ == nullptr)) {
+  } else if (!IsOurs(request->host) || ((is_order || is_what_if) && gate_ == nullptr)) {
     client->out = Head("403 Forbidden", "", 0);
-  } else if (is_order && !MayOrder(request->authorization, token_)) {
+  } else if ((is_order || is_what_if) && !MayOrder(request->authorization, token_)) {
     client->out = Head("401 Unauthorized", "", 0);
   } else if (is_order &&
              (request->method == "POST" ? request->path == "/orders" && request->length > 0
                                         : request->method == "GET" && request->path.size() > 8)) {
     TakeOrder(client, std::string(request->path), client->in.substr(head + 4, request->length),
               now);
+  } else if (is_question && (request->method == "POST") == is_what_if &&
+             is_what_if == (request->length > 0)) {
+    Ask(client, std::string(request->path), client->in.substr(head + 4, request->length), now);
   } else if (request->method != "GET") {
     client->out = Head("405 Method Not Allowed", "", 0);
   } else if (request->path == "/") {

@@ -6,6 +6,7 @@
 
 #include "tools/host/socket_server.h"
 #include "tools/live/live_feed.h"
+#include "tools/live/question.h"
 #include "tools/orders/order_gate.h"
 
 namespace muster::tools {
@@ -31,16 +32,22 @@ class LiveServer final : public SocketServer {
   void Start(LiveFeed* feed) { Start(feed, nullptr); }
   /// The same; what is posted goes through `gate`, which outlives the server, too.
   void Start(LiveFeed* feed, OrderGate* gate);
+  /// Questions about the run in that directory are answered: GET /why/NAME says why a task or an
+  /// agent was commanded as it was, and with the token POST /what-if says what a directive would
+  /// change. Programs of ours find the answers, at most kMostAsked at a time. Before Start().
+  void AnswerAbout(const std::string& run) { run_ = run; }
+  static constexpr std::size_t kMostAsked = 2;
   /// "http://127.0.0.1:8087/", with the token behind it where orders are taken.
   std::string url() const;
 
  private:
   struct Browser : Client {
     /// Its request is not complete yet.
-    bool asks() const { return !listens && !last && order.empty(); }
+    bool asks() const { return !listens && !last && order.empty() && question == nullptr; }
     bool listens = false;
     std::string order;  ///< whose answer it waits for, by id
     Time answer_by = {};
+    std::unique_ptr<Question> question;  ///< that a program of ours answers
     LiveFeed::Reader reader = {};
     Time tell_at = {}, told_at = {};
   };
@@ -52,6 +59,9 @@ class LiveServer final : public SocketServer {
   /// POST /orders, GET /orders/ID.
   void TakeOrder(Browser* client, const std::string& path, const std::string& body, Time now);
   void AnswerOrder(Browser* client, Time now);
+  /// GET /why/NAME, POST /what-if.
+  void Ask(Browser* client, const std::string& path, const std::string& body, Time now);
+  void AnswerQuestion(Browser* client, Time now, bool ending);
   void Tell(Browser* client, Time now);
 
   int port_ = 0;
@@ -59,6 +69,8 @@ class LiveServer final : public SocketServer {
   OrderGate* gate_ = nullptr;
   std::string token_;  ///< "": no orders are taken
   std::string page_;
+  std::string run_;        ///< "": nothing is asked about it
+  std::size_t asked_ = 0;  ///< questions that are being answered
 };
 
 }  // namespace muster::tools

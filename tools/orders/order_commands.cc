@@ -64,6 +64,11 @@ int Give(Json order, const Arguments& arguments) {
           bare[item].erase("longitude_deg");
           bare[item]["x_km"] = bare[item]["y_km"] = 0;
         }
+        if (bare.contains("latitude_deg")) {
+          bare.erase("latitude_deg");
+          bare.erase("longitude_deg");
+          bare["x_km"] = bare["y_km"] = 0;
+        }
         if (bare.erase("area_deg") > 0) bare["area_km"] = {{0, 0}, {1, 0}, {0, 1}};
         if (bare.erase("circle_deg") > 0) bare["circle_km"] = {0, 0, 1};
         if (bare.erase("near_deg") > 0) bare["near_km"] = {0, 0};
@@ -341,6 +346,82 @@ int ZoneCommand(int argc, const char* const* argv) {
   if (arguments->Has("zone")) order["zone"] = arguments->Get("zone");
   if (arguments->Has("for")) order["until_in_min"] = arguments->Get<double>("for");
   if (arguments->Has("name")) order["name"] = arguments->Get("name");
+  return Give(std::move(order), *arguments);
+}
+
+int DirectCommand(int argc, const char* const* argv) {
+  Options options(
+      "muster direct",
+      "Decides in the policy's place (docs/guide/directives.md): who does a task (pin), who must "
+      "not (forbid), which UAV charges now (charge), who goes where and waits (go). It holds until "
+      "it is done, or until unpin or release. The mission was started with muster run "
+      "--take-orders.");
+  options.Positional("what", "pin|unpin|forbid|charge|go|release")
+      .OneOf({"pin", "unpin", "forbid", "charge", "go", "release"})
+      .Required("one of pin, unpin, forbid, charge, go, release");
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  options.Add("agents", "AGENT,...", "Who it is about, as uav:3; also without --agents").List();
+  options.RestBelongsTo("agents");
+  options.Add("task", "N", "To pin, unpin or forbid: the task").Integer(0, INT32_MAX);
+  options
+      .Add("charge", "N", "To charge: at that charging point (default: where it is soonest done)")
+      .Integer(0, INT32_MAX);
+  options.Add("class", "CLASS", "To forbid: uavs, workers or vehicles stay out of an area")
+      .OneOf({"uav", "worker", "vehicle"});
+  options.Add("area", "\"X,Y X,Y ...\"",
+              "To forbid: the area's corners, km from the south-west corner");
+  options.Add("circle", "X,Y,RADIUS", "To forbid: the area's middle and radius, km");
+  options.Flag("degrees", "Corners and middles are given as LAT,LON in degrees");
+  AddPlaceOptions(&options);
+  options.Add("directive", "ID", "To release: the id of the order that gave it");
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::string what = arguments->Get("what");
+  const std::vector<std::string> agents = arguments->All("agents");
+  Json order = {{"order", what == "charge" ? "charge_now" : what == "go" ? "go_to" : what}};
+  const auto need = [&](const char* flag) {
+    if (arguments->Has(flag)) return;
+    throw InputError("command line", fmt::format("--{}", flag), "nothing",
+                     fmt::format("--{} with {}", flag, what));
+  };
+  const auto need_agents = [&](std::size_t least, std::size_t most, const char* expected) {
+    if (agents.size() >= least && agents.size() <= most) return;
+    throw InputError("command line", "AGENT",
+                     agents.empty() ? "nothing" : fmt::format("{}", fmt::join(agents, " ")),
+                     expected);
+  };
+  if (what == "pin" || what == "unpin") {
+    need("task");
+    order["task"] = arguments->Get<int>("task");
+    if (what == "unpin") need_agents(0, 0, "no agent: --task says which pin");
+    if (what == "pin") need_agents(1, 2, "a UAV, a worker or both, as uav:3 worker:7");
+    if (what == "pin") order["agents"] = agents;
+  } else if (what == "forbid") {
+    if (arguments->Has("class")) {
+      need_agents(0, 0, "no agent beside --class");
+      order["class"] = arguments->Get("class");
+      if (ReadArea(*arguments, &order) != 1) {
+        throw InputError("command line", "--area", "not one of them", "--area or --circle");
+      }
+    } else {
+      need_agents(1, 1, "one agent, as uav:3, or --class");
+      need("task");
+      order["agent"] = agents.front();
+      order["task"] = arguments->Get<int>("task");
+    }
+  } else if (what == "charge") {
+    need_agents(1, 2, "a UAV, and the vehicle if it matters, as uav:3 vehicle:1");
+    order["agents"] = agents;
+    if (arguments->Has("charge")) order["charge"] = arguments->Get<int>("charge");
+  } else if (what == "go") {
+    need_agents(1, 1, "one agent, as worker:7");
+    order["agent"] = agents.front();
+    ReadPlace(*arguments, &order);
+  } else {
+    need("directive");
+    order["directive"] = arguments->Get("directive");
+  }
   return Give(std::move(order), *arguments);
 }
 

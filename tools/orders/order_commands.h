@@ -11,4 +11,8 @@ int RoadCommand(int argc, const char* const* argv);
 /// `muster zone`: adds or lifts a zone of a running mission that UAVs keep out of.
 int ZoneCommand(int argc, const char* const* argv);
 
+/// `muster direct`: decides in the policy's place: who does a task, who must not, who charges, who
+/// goes where.
+int DirectCommand(int argc, const char* const* argv);
+
 }  // namespace muster::tools

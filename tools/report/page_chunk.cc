@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "tools/record/report_json.h"
+#include "tools/report/directive_rows.h"
 
 namespace muster::tools {
 namespace {
@@ -333,6 +334,12 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
        });
   WriteProcesses(timeline, cursor, &chunk);
   WriteFaultsAndRoads(timeline, cursor, &chunk);
+  const OrderBook& orders = feed.record().reader().orders();
+  if (cursor->orders != orders.size()) {
+    cursor->orders = orders.size();
+    ordered_json rows = DirectiveRows(orders);
+    if (!rows.empty()) chunk["directives"] = std::move(rows);
+  }
   return chunk;
 }
 

@@ -22,6 +22,7 @@ struct PageCursor {
   Place done, schedules, activities, events;
   std::map<std::string, Place> processes;
   std::size_t faults = 0, road_changes = 0;
+  std::int64_t orders = 0;
   std::vector<Task> told_tasks;  ///< of missions that are open, which orders may change
   PerKind<std::vector<AgentSpec>> told_agents;
 };

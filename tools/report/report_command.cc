@@ -40,6 +40,13 @@ std::string NameOf(const std::string& run) {
   return path.filename().string();
 }
 
+/// Beside the log: "runs/a" -> "runs/a/report.html".
+std::string PageOf(const std::string& run) {
+  const std::filesystem::path path(run);
+  return ((std::filesystem::is_directory(path) ? path : path.parent_path()) / "report.html")
+      .string();
+}
+
 /// Pages may be made again; whatever else is at `out` stays.
 void RequirePageOrNothing(const std::string& out) {
   std::ifstream file(out, std::ios::binary);
@@ -144,7 +151,7 @@ int ReportCommand(int argc, const char* const* argv) {
            "Coast and water below a map with an origin: auto (what Debian's gmt-gshhg-full, -high "
            "or -low has), none, or a binned file of GSHHG")
       .Default("auto");
-  options.Out("FILE.html", "Page to write");
+  options.Out("FILE.html", "Page to write (default, of one run: report.html in its directory)");
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",
               "What the picture shows, as in the page's address: 't=4800&sel=uav:2&look=time'");
@@ -152,8 +159,10 @@ int ReportCommand(int argc, const char* const* argv) {
   if (!arguments) return kExitOk;
   RequirePage();
   const auto runs = arguments->All("runs");
-  const std::string out = arguments->Has("out") ? arguments->Get("out") : "";
   const std::string scene = arguments->Has("scene") ? arguments->Get("scene") : "";
+  const std::string out = arguments->Has("out")               ? arguments->Get("out")
+                          : scene.empty() && runs.size() == 1 ? PageOf(runs[0])
+                                                              : "";
   if (out.empty() && scene.empty()) {
     throw InputError("command line", "--out", "nothing", "a file to write, FILE.html");
   }

@@ -74,7 +74,7 @@ void Timeline::Add(const Message& message) {
   Handle(
       message, [&](const agent_states_t& m) { TakeAgents(m); },
       [&](const world_state_t& m) {
-        world_order_.Add(m.tick, m, [&](std::int64_t, const world_state_t& world) {
+        world_order_.Add(m.tick, m.header, m, [&](std::int64_t, const world_state_t& world) {
           TakeWorld(world, world.header.sim_us);
         });
       },
@@ -83,7 +83,9 @@ void Timeline::Add(const Message& message) {
           if (ruling.kind == RulingKind::kReleased) continue;
           const auto kind = static_cast<AgentKind>(ruling.agent_kind);
           const auto i = row_.Find(kind, ruling.agent_id);
-          if (i) agents_[*i].failed_us = ruling.at_us;
+          if (!i) continue;
+          agents_[*i].failed_us = ruling.at_us;
+          if (ruling.kind == RulingKind::kLost) Lose(&agents_[*i], ruling.at_us, m.header.sim_us);
         }
       },
       [&](const schedule_t& m) {
@@ -124,10 +126,20 @@ void Timeline::TakeAgents(const agent_states_t& message) {
   for (const agent_t& agent : message.agents) {
     const auto i = row_.Find(kind, agent.id);
     if (!i) continue;
-    agent_order_[*i].Add(message.tick, agent, [&](std::int64_t tick, const agent_t& state) {
-      TakeAgent(kind, *i, state, scenario_.rules.TimeOf(tick));
-    });
+    agent_order_[*i].Add(message.tick, message.header, agent,
+                         [&](std::int64_t tick, const agent_t& state) {
+                           TakeAgent(kind, *i, state, scenario_.rules.TimeOf(tick));
+                         });
   }
+}
+
+void Timeline::Lose(Agent* agent, std::int64_t at_us, std::int64_t now_us) {
+  if (!agent->last || agent->last_us >= now_us) return;
+  if (static_cast<AgentStatus>(agent->last->status) == AgentStatus::kFailed) return;
+  Append(&agent->spans, at_us, AgentStatus::kFailed);
+  agent->last->status = static_cast<std::int8_t>(AgentStatus::kFailed);
+  agent->last->arrive_us = std::min(agent->last->arrive_us, at_us);
+  agent->last_us = std::max(agent->last_us, at_us);
 }
 
 void Timeline::TakeAgent(AgentKind kind, std::size_t index, const agent_t& now,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -19,19 +20,26 @@ namespace muster::tools {
 inline std::int64_t Ms(std::int64_t us) { return us / 1000; }
 
 /// Puts what belongs to consecutive ticks into order. Repairs make a log's order differ from the
-/// ticks' by a few; what is still missing kWindow entries later is given up.
+/// ticks' by a few. A tick is given up when it is missing from a process that has started again
+/// since, when it is still missing kPatienceUs of wall time later, and when kWindow later ones
+/// wait.
 template <class T>
 class TickOrder {
  public:
   static constexpr std::size_t kWindow = 64;
+  static constexpr std::int64_t kPatienceUs = 2'000'000;
 
   template <class Visit>
-  void Add(std::int64_t tick, T value, Visit visit) {
-    if (tick < next_) return;
-    waiting_.try_emplace(tick, std::move(value));
-    while (!waiting_.empty() && (waiting_.begin()->first == next_ || waiting_.size() > kWindow)) {
-      Pop(visit);
+  void Add(std::int64_t tick, const header_t& header, T value, Visit visit) {
+    if (header.boot_id > boot_id_) {
+      Finish(visit);
+      boot_id_ = header.boot_id;
+      next_ = std::max(next_, tick);
     }
+    newest_us_ = std::max(newest_us_, header.wall_us);
+    if (tick < next_) return;
+    waiting_.try_emplace(tick, Waiting{header.wall_us, std::move(value)});
+    while (!waiting_.empty() && Due()) Pop(visit);
   }
   /// Nothing more comes: what still waits is visited, too.
   template <class Visit>
@@ -40,15 +48,24 @@ class TickOrder {
   }
 
  private:
+  struct Waiting {
+    std::int64_t wall_us;
+    T value;
+  };
+
+  bool Due() const {
+    const auto& [tick, waiting] = *waiting_.begin();
+    return tick == next_ || waiting_.size() > kWindow || newest_us_ - waiting.wall_us > kPatienceUs;
+  }
   template <class Visit>
   void Pop(Visit visit) {
     auto first = waiting_.extract(waiting_.begin());
     next_ = first.key() + 1;
-    visit(first.key(), std::move(first.mapped()));
+    visit(first.key(), std::move(first.mapped().value));
   }
 
-  std::int64_t next_ = 0;
-  std::map<std::int64_t, T> waiting_;
+  std::int64_t next_ = 0, boot_id_ = 0, newest_us_ = 0;
+  std::map<std::int64_t, Waiting> waiting_;
 };
 
 /// Rows that grow; of those that are there, only the last may change, unless all is rebuilt.
@@ -147,6 +164,8 @@ class Timeline {
  private:
   void TakeAgents(const agent_states_t& message);
   void TakeAgent(AgentKind kind, std::size_t index, const agent_t& now, std::int64_t now_us);
+  /// Its process is lost: it stands failed where it was last heard, until it is heard again.
+  static void Lose(Agent* agent, std::int64_t at_us, std::int64_t now_us);
   /// Adds the corners of a way by road that the agent has passed since its last report.
   void PassCorners(AgentKind kind, const Agent& agent, std::int64_t until_us,
                    Growing<Stop>* stops) const;

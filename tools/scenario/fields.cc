@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <set>
 
 #include "base/check.h"
 #include "base/moment.h"
@@ -260,11 +261,18 @@ std::optional<FieldTime> ReadTime(std::string_view text, DateOrder order) {
 }
 
 std::optional<Priority> PriorityOf(std::string_view field) {
-  static const std::array<std::string, kPriorities> words = {"LOW", "NORMAL", "HIGH", "EMERGENCY"};
+  static const std::array<std::set<std::string>, kPriorities> words = {{
+      {"LOW", "MINOR"},
+      {"NORMAL", "MEDIUM", "MODERATE"},
+      {"HIGH", "SEVERE"},
+      {"EMERGENCY", "EXTREME", "CRITICAL"},
+  }};
   const std::string upper = Upper(Trim(field));
   const auto number = ToNumber(upper);
   for (std::size_t i = 0; i < kPriorities; ++i) {
-    if (upper == words[i] || number == static_cast<double>(i)) return static_cast<Priority>(i);
+    if (words[i].contains(upper) || number == static_cast<double>(i)) {
+      return static_cast<Priority>(i);
+    }
   }
   return std::nullopt;
 }

@@ -26,8 +26,9 @@ const std::vector<std::string> kLongitudeNames = {
     "longitude",        "lon", "lng", "long", "start_lng", "start_lon", "start_longitude",
     "pickup_longitude", "x"};
 const std::vector<std::string> kTimeNames = {
-    "time",       "timestamp", "datetime",        "date",       "incident_date", "started_at",
-    "start_time", "stime",     "pickup_datetime", "created_at", "unix_time",     "epoch"};
+    "time",       "timestamp", "datetime",        "date",        "incident_date", "started_at",
+    "start_time", "stime",     "pickup_datetime", "created_at",  "unix_time",     "epoch",
+    "received",   "reported",  "received_at",     "reported_at", "call_time",     "occurred_at"};
 
 std::string Clock(TimeUs t) {
   const TimeUs minutes = t / kMinuteUs % (24 * 60);

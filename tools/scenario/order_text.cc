@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// latitude_deg and longitude_deg of a task or an agent, as x_km and y_km.
+/// latitude_deg and longitude_deg of a task, an agent or an order itself, as x_km and y_km.
 void PutOnMap(Json* item, const std::string& where, const std::string& key,
               const std::optional<Origin>& origin) {
   if (!item->is_object() || !(item->contains("latitude_deg") || item->contains("longitude_deg"))) {
@@ -95,6 +95,7 @@ world::PlannedOrder ReadOrder(std::string_view text, const std::string& where,
   if (!json.is_object()) throw InputError(where, "top level", "no object", "an object");
   if (json.contains("task")) PutOnMap(&json["task"], where, "task", origin);
   if (json.contains("agent")) PutOnMap(&json["agent"], where, "agent", origin);
+  PutOnMap(&json, where, "order", origin);
   PutAreaOnMap(&json, where, origin);
   world::PlannedOrder planned;
   planned.order = ParseOrder(json.dump(), where);

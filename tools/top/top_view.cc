@@ -97,10 +97,9 @@ std::string TopView::TaskLine() const {
   const auto n = [count = TaskCounts()](TaskStatus status) {
     return count[static_cast<std::size_t>(status)];
   };
-  const auto& tasks = feed_.timeline().scenario().tasks;
-  // A place that orders may fill is no task yet.
-  const auto total = std::count_if(tasks.begin(), tasks.end(),
-                                   [](const Task& task) { return task.reported_us != kNever; });
+  // As the page and the launcher count: what has been reported and not been cancelled.
+  const auto total = static_cast<int>(feed_.timeline().tasks().size()) -
+                     n(TaskStatus::kUnreported) - n(TaskStatus::kCancelled);
   return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open",
                      n(TaskStatus::kDone), total, n(TaskStatus::kSensing), n(TaskStatus::kReserved),
                      n(TaskStatus::kOpen));

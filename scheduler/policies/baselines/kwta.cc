@@ -89,6 +89,8 @@ class WinnersTakeAll {
     const TimeUs unit_us = rules.ceil_to_minutes ? kMinuteUs : rules.interval_us;
     std::vector<Leg> legs;
     for (std::size_t i = 0; i < places.size(); ++i) {
+      const TaskId task = places[i].task;
+      if (task.valid() && situation_.site->Forbids(agent, task.value)) continue;
       const double way_m = agent.WayM(agent.to, places[i].at);
       legs.push_back(
           {Intervals(TravelUs(way_m, agent.speed_m_s), unit_us), way_m, static_cast<int>(i)});

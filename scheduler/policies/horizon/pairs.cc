@@ -126,12 +126,15 @@ class PairFinder {
         tasks_(task_at_, Of(AgentKind::kUav)),
         uavs_to_task_(uavs_, tasks_, n_tasks(), threads,
                       [&](const Mover& uav, std::size_t s, double way_m) {
-                        return CanSense(uav.range_m, way_m, TaskAt(s).cost_m, ToChargeFrom(s));
+                        return CanSense(uav.range_m, way_m, TaskAt(s).cost_m, ToChargeFrom(s)) &&
+                               MayDo(AgentKind::kUav, uav, s);
                       }),
         uavs_to_charge_(uavs_, PlaceIndex(charge_at_, Of(AgentKind::kUav)), n_charges(), threads,
                         kAnybody),
         workers_to_task_(workers_, PlaceIndex(task_at_, Of(AgentKind::kWorker)), n_tasks(), threads,
-                         kAnybody),
+                         [&](const Mover& worker, std::size_t s, double) {
+                           return MayDo(AgentKind::kWorker, worker, s);
+                         }),
         vehicles_to_charge_(vehicles_, PlaceIndex(charge_at_, Of(AgentKind::kVehicle)), n_charges(),
                             threads, kAnybody) {}
 
@@ -162,6 +165,9 @@ class PairFinder {
   }
 
  private:
+  bool MayDo(AgentKind kind, const Mover& mover, std::size_t s) const {
+    return !site_.Forbids({kind, mover.id, pairs_.site_ids[s]});
+  }
   static constexpr auto kAnybody = [](const Mover&, std::size_t, double) { return true; };
 
   PossiblePairs OpenAll(const OpenSites& open) const {

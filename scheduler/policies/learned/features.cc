@@ -93,6 +93,7 @@ class Observer {
         const Task& task = site_.tasks[At(x)];
         const double way = agent.WayM(agent.to, task.at);
         const bool is_uav = agent.kind == AgentKind::kUav;
+        if (site_.Forbids(agent, x)) continue;
         if (is_uav && !CanSense(range, way, task.cost_m, site_.task_to_charge_m[At(x)])) continue;
         if (!arrives(way, is_uav ? task.cost_m : 0)) continue;
         if (!CanBegin(task, s_.now_us, TravelUs(way, agent.speed_m_s))) continue;

@@ -5,6 +5,43 @@
 #include "base/check.h"
 
 namespace muster::scheduler {
+namespace {
+
+/// null: it is not named.
+AgentState* Find(Situation* situation, AgentKind kind, std::int32_t id) {
+  if (id < 0) return nullptr;
+  auto& agents = ByKind(kind, situation->uavs, situation->workers, situation->vehicles);
+  const auto agent = std::lower_bound(agents.begin(), agents.end(), id,
+                                      [](const AgentState& a, std::int32_t i) { return a.id < i; });
+  MUSTER_CHECK(agent != agents.end() && agent->id == id, "{}:{}", ToString(kind), id);
+  return &*agent;
+}
+
+}  // namespace
+
+void CarryOut(const Action& action, Situation* situation) {
+  AgentState* uav = Find(situation, AgentKind::kUav, action.uav.value);
+  AgentState* worker = Find(situation, AgentKind::kWorker, action.worker.value);
+  AgentState* vehicle = Find(situation, AgentKind::kVehicle, action.vehicle.value);
+  for (AgentState* agent : {uav, worker, vehicle}) {
+    if (agent != nullptr) {
+      Begin(agent, action, situation->decision, situation->now_us, Disturbances(),
+            situation->site->seed);
+    }
+  }
+  if (!IsPair(action.kind)) return;
+  AgentState* partner = action.kind == ActionKind::kSense ? worker : vehicle;
+  const Activity activity = PlanActivity(*uav, *partner, situation->site->tasks);
+  for (AgentState* agent : {uav, partner}) {
+    agent->activity = activity;
+    agent->busy_until_us = activity.end_us;
+  }
+  if (action.kind == ActionKind::kSense) {
+    situation->task_status[action.task.index()] = TaskStatus::kReserved;
+  } else {
+    ++situation->charging_load[action.charge.index()];
+  }
+}
 
 ForwardModel::ForwardModel(const Situation& situation, std::size_t expected)
     : situation_(situation), expected_(expected) {}
@@ -20,43 +57,10 @@ void ForwardModel::Add(const AgentState& agent) {
 }
 
 void ForwardModel::Step(const std::vector<Action>& actions) {
-  for (const Action& action : actions) Start(action);
+  for (const Action& action : actions) CarryOut(action, &situation_);
   const Rules& rules = situation_.site->rules;
   ++situation_.decision;
   AdvanceTo(std::min(situation_.now_us + rules.interval_us, rules.limit_us));
-}
-
-AgentState* ForwardModel::Find(AgentKind kind, std::int32_t id) {
-  if (id < 0) return nullptr;
-  auto& agents = ByKind(kind, situation_.uavs, situation_.workers, situation_.vehicles);
-  const auto agent = std::lower_bound(agents.begin(), agents.end(), id,
-                                      [](const AgentState& a, std::int32_t i) { return a.id < i; });
-  MUSTER_CHECK(agent != agents.end() && agent->id == id, "{}:{}", ToString(kind), id);
-  return &*agent;
-}
-
-void ForwardModel::Start(const Action& action) {
-  AgentState* uav = Find(AgentKind::kUav, action.uav.value);
-  AgentState* worker = Find(AgentKind::kWorker, action.worker.value);
-  AgentState* vehicle = Find(AgentKind::kVehicle, action.vehicle.value);
-  for (AgentState* agent : {uav, worker, vehicle}) {
-    if (agent != nullptr) {
-      Begin(agent, action, situation_.decision, situation_.now_us, Disturbances(),
-            situation_.site->seed);
-    }
-  }
-  if (!IsPair(action.kind)) return;
-  AgentState* partner = action.kind == ActionKind::kSense ? worker : vehicle;
-  const Activity activity = PlanActivity(*uav, *partner, situation_.site->tasks);
-  for (AgentState* agent : {uav, partner}) {
-    agent->activity = activity;
-    agent->busy_until_us = activity.end_us;
-  }
-  if (action.kind == ActionKind::kSense) {
-    situation_.task_status[action.task.index()] = TaskStatus::kReserved;
-  } else {
-    ++situation_.charging_load[action.charge.index()];
-  }
 }
 
 void ForwardModel::AdvanceTo(TimeUs t) {

@@ -8,6 +8,10 @@
 
 namespace muster::scheduler {
 
+/// The action, which must pass CheckActions, has begun: its agents are under way, its task is
+/// reserved, its place at a charging point is taken.
+void CarryOut(const Action& action, Situation* situation);
+
 /// The known situation carried forward without messages, on the mission's rule book
 /// (model/agent.h): the agents of the situation with their own online times, without agents that
 /// come online later and without disturbances. Outcomes are those of the mission as long as that is
@@ -38,8 +42,6 @@ class ForwardModel {
   const std::vector<Activity>& done() const { return done_; }
 
  private:
-  AgentState* Find(AgentKind kind, std::int32_t id);
-  void Start(const Action& action);
   void AdvanceTo(TimeUs t);
 
   Situation situation_;

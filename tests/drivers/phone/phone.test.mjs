@@ -71,6 +71,22 @@ test("what was pressed for an order of before, or for a driver of before, is not
   assert.match(box.press("dance"), /not known/);
 });
 
+test("'I am here' far from there is asked back once", () => {
+  const box = new Box();
+  const id = box.goTo({ x_m: 6200, y_m: 4000 });
+  box.pass(1, () => box.sync(box.place({ x_m: 4010, y_m: 4000 })));
+  assert.equal(box.press("here", { order: id }), "your phone is 2.2 km from there; if you are there, press again");
+  assert.equal(box.sync().order.stage, "going");
+  assert.equal(box.press("here", { order: id }), "", "the person knows better");
+  assert.equal(box.sync().order.stage, "held");
+  // What the phone told minutes ago says nothing.
+  const old = new Box();
+  const other = old.goTo({ x_m: 6200, y_m: 4000 });
+  old.pass(1, () => old.sync(old.place({ x_m: 4010, y_m: 4000 })));
+  old.pass(4);
+  assert.equal(old.press("here", { order: other }), "");
+});
+
 test("a person in a car is told as far as the speed allows, and does not fail", () => {
   const box = new Box();
   box.goTo({ x_m: 9000, y_m: 4000 });

@@ -78,6 +78,7 @@ TEST(Audit, CatchesEveryMutation) {
 
 /// Rules that need a mission which this one is not; the tests that break them.
 const std::map<std::string, const char*> kBrokenElsewhere = {
+    {"directives", "DirectedMissions.DirectivesThatAreNotKeptAreFound"},
     {"meeting", "AuditMission.CatchesAMeetingThatLastsTooShort"},
     {"orders", "OrdersMission.TheAuditSeesWhatWasNotTaken"},
     {"report", "Audit.ComparesTheReportWithTheLog"},

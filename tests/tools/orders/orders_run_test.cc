@@ -62,6 +62,20 @@ TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
             0);
   EXPECT_NE(output.find("uav:30"), std::string::npos) << output;
   EXPECT_EQ(Command({"agent", "recall", Run(), "worker:3"}), 0);
+  EXPECT_EQ(Command({"direct", "pin", Run(), "uav:1", "worker:7", "--task", "5"}, &output), 4);
+  EXPECT_NE(output.find("refused: task 5 is cancelled"), std::string::npos) << output;
+  EXPECT_EQ(Command({"direct", "go", Run(), "vehicle:4", "--at", "15,15", "--id", "g"}), 0);
+  EXPECT_EQ(Command({"direct", "forbid", Run(), "uav:2", "--task", "8"}), 0);
+  EXPECT_EQ(Command({"direct", "forbid", Run(), "--class", "worker", "--circle", "9,9,1"}), 0);
+  EXPECT_EQ(Command({"direct", "release", Run(), "--directive", "g"}), 0);
+  EXPECT_EQ(Command({"direct", "unpin", Run(), "--task", "9"}, &output), 4);
+  EXPECT_NE(output.find("refused: task 9 is not pinned"), std::string::npos) << output;
+  EXPECT_EQ(Command({"direct", "pin", Run(), "--task", "9"}, &output), 2);
+  EXPECT_NE(output.find("AGENT: found nothing, expected a UAV, a worker or both"),
+            std::string::npos)
+      << output;
+  EXPECT_EQ(Command({"direct", "pin", Run(), "uav:x", "--task", "9"}, &output), 2);
+  EXPECT_NE(output.find("an agent, as \"uav:3\""), std::string::npos) << output;
   const std::string rows = folder_.File("rows.jsonl");
   std::ofstream(rows) << R"({"order": "task_add", "task": {"x_km": 1, "y_km": 1}})"
                       << "\n"

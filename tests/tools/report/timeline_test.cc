@@ -152,6 +152,64 @@ void Apply(nlohmann::json* lists, const nlohmann::json& chunk, const char* key, 
   }
 }
 
+/// The feed of all that is said until `until_us`, with no state of the UAVs at ticks 4 to 6.
+MissionFeed FeedWithAGap(std::int64_t until_us,
+                         const std::function<void(agent_states_t&)>& edit_after) {
+  FakeLog log = MakeFakeMission();
+  MissionFeed feed;
+  for (FakeMessage& message : log) {
+    if (message.header().sim_us > until_us) continue;
+    if (auto* states = std::get_if<agent_states_t>(&message.body);
+        states != nullptr && static_cast<AgentKind>(states->kind) == AgentKind::kUav) {
+      if (states->tick >= 4 && states->tick <= 6) continue;
+      if (states->tick > 6) edit_after(*states);
+    }
+    feed.Add(message.Encoded());
+  }
+  return feed;
+}
+
+TEST(Timeline, AProcessThatReturnsIsShownAtOnce) {
+  const auto last_ms = [](const MissionFeed& feed) {
+    return feed.timeline().agents()[0].stops.rows.back().t_ms;
+  };
+  const std::int64_t tick_us = 60'000'000;
+  const auto restarted = [](agent_states_t& states) { states.header.boot_id = 1; };
+  EXPECT_EQ(last_ms(FeedWithAGap(7 * tick_us, restarted)), 7 * kMinuteMs);
+  // Not started again, it was stopped or cut off: shown when the gap is older than any repair.
+  const auto cut_off = [](agent_states_t& states) {
+    states.header.wall_us += 1'000'000 * states.tick;
+  };
+  EXPECT_EQ(last_ms(FeedWithAGap(8 * tick_us, cut_off)), 3 * kMinuteMs);
+  EXPECT_EQ(last_ms(FeedWithAGap(10 * tick_us, cut_off)), 10 * kMinuteMs);
+}
+
+TEST(Timeline, AgentsOfALostProcessHaveFailedUntilItReturns) {
+  FakeLog log = MakeFakeMission();
+  const std::int64_t lost_us = 3 * 60'000'000 + 1;
+  ForEach<rulings_t>(&log, [&](rulings_t& rulings) {
+    if (rulings.tick < 4 || rulings.tick > 6) return;
+    rulings.rulings = {{static_cast<std::int8_t>(AgentKind::kUav), 0,
+                        static_cast<std::int8_t>(RulingKind::kLost), lost_us}};
+    rulings.n = 1;
+  });
+  MissionFeed feed;
+  for (FakeMessage& message : log) {
+    auto* states = std::get_if<agent_states_t>(&message.body);
+    if (states != nullptr && static_cast<AgentKind>(states->kind) == AgentKind::kUav) {
+      if (states->tick >= 4 && states->tick <= 6) continue;
+      if (states->tick > 6) states->header.boot_id = 1;
+    }
+    feed.Add(message.Encoded());
+  }
+  feed.Finish();
+  const Timeline::Agent& uav = feed.timeline().agents()[0];
+  EXPECT_NE(StatusAt(uav, 3 * kMinuteMs - 1), AgentStatus::kFailed);
+  EXPECT_EQ(StatusAt(uav, 3 * kMinuteMs + 1000), AgentStatus::kFailed);
+  EXPECT_EQ(StatusAt(uav, 6 * kMinuteMs), AgentStatus::kFailed);
+  EXPECT_EQ(StatusAt(uav, 7 * kMinuteMs), AgentStatus::kWaiting);
+}
+
 TEST(Timeline, ATickAfterTheLastIsNone) {
   std::vector<Packet> packets = Encoded(MakeFakeMission());
   PageCursor cursor;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/tools/trials/air_missions.h"
+#include "tests/tools/trials/directed_missions.h"
 #include "tests/tools/trials/road_missions.h"
 #include "tools/host/worker_pool.h"
 #include "tools/trials/soak.h"
@@ -39,6 +40,10 @@ TEST(LongSoak, RandomMissionsBreakNoPromise) {
 TEST(LongSoak, RandomMissionsByRoadBreakNoPromise) { BreakNoPromise(1000, DrawRoadMission); }
 
 TEST(LongSoak, RandomMissionsWithZonesBreakNoPromise) { BreakNoPromise(1000, DrawAirMission); }
+
+TEST(LongSoak, RandomMissionsWithDirectivesBreakNoPromise) {
+  BreakNoPromise(500, DrawDirectedMission);
+}
 
 }  // namespace
 }  // namespace muster::tools

@@ -88,7 +88,7 @@ function why(run, task, t) {
 }
 
 /** Whether the forecast leaves tasks undone. */
-const late = (run, t) => forecastAt(run, t).done < run.tasksTotal;
+const late = (run, t) => forecastAt(run, t).done < run.tasksKnownAt(t);
 
 /**
  * What is wrong with an agent: { kind, harm, note }; null: nothing. `since` and `nearest` (metres to the nearest charging
@@ -156,10 +156,10 @@ export function attentionAt(run, t, silentMs = 0) {
 
 /**
  * How many tasks will be done by the end, from the rate so far: those of the last three intervals go on, per task that
- * is open. Source: ours; tasks get scarce as they are done, so the rate falls with them.
+ * is open; tasks that nobody has reported yet do not count. Source: ours; tasks get scarce as they are done, so the rate falls with them.
  */
 export function forecastAt(run, t) {
-  const total = run.tasksTotal;
+  const total = run.tasksKnownAt(t);
   const done = doneAt(run, t);
   const left = Math.max(0, run.limitMs - t);
   const window = Math.min(t, 3 * run.intervalMs);

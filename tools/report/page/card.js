@@ -1,5 +1,6 @@
 import { oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
+import { directiveWords, directivesOf } from "./directives.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
 import { placeWords } from "./place.js";
@@ -82,6 +83,7 @@ export class Card {
   #why(run, selected, t) {
     const box = byId("card-why");
     const task = selected.type === "task" ? selected.id : null;
+    if (task !== null && this.state.live && !run.ended) this.#askWhy(run, task);
     const story = task === null ? null : storyOf(run, task);
     const reason = story && reasonAt(story, decisionAt(run, t));
     const key = `${run.name} ${task} ${reason?.index}`;
@@ -104,6 +106,22 @@ export class Card {
         ...story.tail.map((line) => element("p", {}, line))));
   }
 
+  /** A live mission is asked itself, once for each decision. */
+  async #askWhy(run, task) {
+    const decision = run.decisions.at(-1)?.index;
+    const asked = `${run.name} ${task} ${decision}`;
+    if (decision === undefined || asked === this.askedWhy || taskNow(run, run.tasks[task], run.nowMs).doneAt !== null) return;
+    this.askedWhy = asked;
+    const response = await fetch(`/why/task:${task}`).catch(() => null);
+    if (!response?.ok) return;
+    const text = await response.text();
+    run.reasons ??= new Map();
+    run.reasons.set(task, text);
+    run.derived.delete(`reasons ${task}`);
+    this.whyKey = null;
+    this.draw();
+  }
+
   /** Names of things in a text are buttons that select them. */
   #linked(run, text) {
     return String(text).split(/((?:uav|worker|vehicle):\d+|task \d+|charging point \d+)/).filter(Boolean).map((part) => {
@@ -112,7 +130,14 @@ export class Card {
     });
   }
 
+  /** What is so now, with what the commander has decided about it. */
   #now(run, selected, t) {
+    const now = this.#facts(run, selected, t);
+    for (const one of directivesOf(run, selected, t)) now.facts.push(["directed", directiveWords(one)]);
+    return now;
+  }
+
+  #facts(run, selected, t) {
     if (selected.type === "agent") return this.#agentNow(run, run.agents[selected.index], t);
     if (selected.type === "task") return this.#taskNow(run, run.tasks[selected.id], t);
     const point = run.charging[selected.id];

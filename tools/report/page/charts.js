@@ -32,7 +32,7 @@ const CHARTS = [
   {
     id: "completion", title: "Completion", unit: "%", names: ["% done"], digits: 1,
     curves: completion,
-    now: (run, t) => `${doneAt(run, t)} of ${run.tasksTotal} (${percent(doneAt(run, t) / Math.max(1, run.tasksTotal))})`,
+    now: (run, t) => `${doneAt(run, t)} of ${run.tasksKnownAt(t)} (${percent(doneAt(run, t) / Math.max(1, run.tasksKnownAt(t)))})`,
     range: () => [0, 100],
   },
   {

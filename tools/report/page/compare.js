@@ -14,8 +14,8 @@ export function numbersOf(run) {
   return {
     live,
     tasksDone: done,
-    tasksTotal: run.tasksTotal,
-    completion: live ? done / Math.max(1, run.tasksTotal) : r.completion_rate,
+    tasksTotal: run.tasksKnownAt(run.nowMs),
+    completion: live ? done / Math.max(1, run.tasksKnownAt(run.nowMs)) : r.completion_rate,
     weight: run.decisions.reduce((total, d) => total + (d.weight ?? 0), 0),
     decisions: run.decisions.length,
     charges: live ? run.events.filter((e) => e.kind === "charging_done").length : r.charges,
@@ -56,9 +56,11 @@ export function figuresAt(run, t) {
   const made = run.decisions.filter((d) => d.t <= t);
   const happened = (kind) => run.events.filter((e) => e.kind === kind && e.t <= t).length;
   const done = doneAt(run, t);
+  const tasksTotal = run.tasksKnownAt(t);
   return { ...end, ...until,
     tasksDone: done,
-    completion: done / Math.max(1, end.tasksTotal),
+    tasksTotal,
+    completion: done / Math.max(1, tasksTotal),
     weight: made.reduce((total, d) => total + (d.weight ?? 0), 0),
     decisions: made.length,
     charges: happened("charging_done"),

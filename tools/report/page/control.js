@@ -1,15 +1,16 @@
 import { byId, element } from "./dom.js";
 import { isWater } from "./coast.js";
+import { agentsOfClass, directiveWords, directivesOf } from "./directives.js";
 import { OrderForm } from "./order_form.js";
 import { Orders, orderEffect, orderWords, ordersOf, tokenOf } from "./orders.js";
 import { statusAt, taskStatusAt } from "./run.js";
 import { clockText } from "./time.js";
 import { zoneAt } from "./layers/zones.js";
-import { CANCELLED, DONE, EXPIRED, FAILED } from "./words.js";
+import { CANCELLED, DONE, EXPIRED, FAILED, OFFLINE, UAV } from "./words.js";
 
 const KEPT = "muster-token";
 /** What a click on the map chooses, by the button that was pressed before. */
-const PICKED = { "order-add": "the place of the new task", "order-road": "the roads", "order-zone": "the middle of the zone, or a zone to lift" };
+const PICKED = { "order-add": "the place of the new task", "order-road": "the roads", "order-zone": "the middle of the zone, or a zone to lift", "go-to": "where it is to go" };
 const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
 
 /** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
@@ -32,7 +33,7 @@ export class Control {
     this.clock = clock;
     this.map = map;
     this.orders = new Orders(state.live ? tokenOfPage() : null, (entry) => this.#onOrder(entry));
-    this.form = new OrderForm((order) => this.#words(order), (order) => this.orders.give(order, state.run.nowMs));
+    this.form = new OrderForm((order) => this.#words(order), (order) => this.orders.give(order, state.run.nowMs), (order) => this.orders.whatIf(order));
     this.form.closed = () => this.map.mark(null);
     this.picks = "order-add"; // what the next click on the map is for
     byId("order-add").addEventListener("click", () => this.togglePick());
@@ -78,6 +79,16 @@ export class Control {
     this.#showPicking(true);
   }
 
+  /** The next click on the map is where the agent is to go. */
+  #goTo(agent) {
+    if (this.map.picking) this.#stopPicking();
+    this.going = agent.label;
+    this.picks = "go-to";
+    this.state.look("map");
+    this.map.pick((place) => this.#add(place));
+    this.#showPicking(true);
+  }
+
   #stopPicking() {
     this.map.pick(null);
     this.map.mark(null);
@@ -102,9 +113,9 @@ export class Control {
     byId("pick-hint").hidden = !on;
     byId("pick-what").textContent = this.corners ? "the corners of the area, one after the other," : PICKED[this.picks];
     byId("pick-enter").hidden = this.corners !== null;
-    byId("pick-area").hidden = this.picks === "order-add" || (this.corners !== null && this.corners.length < 3);
+    byId("pick-area").hidden = ["order-add", "go-to"].includes(this.picks) || (this.corners !== null && this.corners.length < 3);
     byId("pick-area").textContent = this.corners ? `Use these ${this.corners.length} corners` : "draw an area";
-    byId(this.picks).setAttribute("aria-pressed", String(on));
+    byId(this.picks)?.setAttribute("aria-pressed", String(on));
   }
 
   #add(place) {
@@ -116,6 +127,7 @@ export class Control {
     this.#stopPicking();
     this.map.mark(place);
     if (this.picks === "order-road") this.form.roads(place);
+    else if (this.picks === "go-to") this.form.simple({ order: "go_to", agent: this.going, x_km: Math.round(place.x) / 1000, y_km: Math.round(place.y) / 1000 });
     else if (this.picks === "order-zone") this.form.zone(place, zoneAt(this.state.run, this.clock.t, place));
     else this.form.add(this.state.run, place);
   }
@@ -129,19 +141,27 @@ export class Control {
     return effect ? `${words}: ${effect}` : words;
   }
 
-  /** What can be ordered of what is selected, at the newest time. */
+  /** What can be ordered of what is selected, at the newest time: [button, act] each. */
   #choices(run, selected) {
-    if (selected.type === "task") {
-      const task = run.tasks[selected.id];
-      const status = taskStatusAt(task, run.nowMs);
-      if ([DONE, EXPIRED, CANCELLED].includes(status)) return [];
-      return ordersOf("task", status).map(([text, order]) => [text, () => (order === "task_change" ? this.form.change(run, task) : this.form.simple({ order, task: task.id }))]);
-    }
+    const released = directivesOf(run, selected, run.nowMs).map((one) => [`Release: ${one.words}`,
+      () => this.form.simple({ order: "release", directive: one.order, words: directiveWords(one) })]);
+    if (selected.type === "task") return [...this.#taskChoices(run, run.tasks[selected.id]), ...released];
     if (selected.type !== "agent") return [];
     const agent = run.agents[selected.index];
     const status = statusAt(agent, run.nowMs);
-    if (status === FAILED) return [];
-    return ordersOf("agent", status).map(([text, order]) => [text, () => this.form.simple({ order, agent: agent.label })]);
+    if (status === FAILED) return released;
+    const acts = { go_to: () => this.#goTo(agent), charge_now: () => this.form.simple({ order: "charge_now", agents: [agent.label] }) };
+    const kinds = [...(agent.kind === UAV ? ordersOf("uav", status) : []), ...ordersOf("agent", status)];
+    return [...kinds.map(([text, order]) => [text, acts[order] ?? (() => this.form.simple({ order, agent: agent.label }))]), ...released];
+  }
+
+  #taskChoices(run, task) {
+    const status = taskStatusAt(task, run.nowMs);
+    if ([DONE, EXPIRED, CANCELLED].includes(status)) return [];
+    const isThere = (agent) => ![OFFLINE, FAILED].includes(statusAt(agent, run.nowMs));
+    const crews = [0, 1].map((kind) => agentsOfClass(run, kind).filter(isThere).map(({ label }) => label));
+    const acts = { task_change: () => this.form.change(run, task), pin: () => this.form.pin(task, crews) };
+    return ordersOf("task", status).map(([text, order]) => [text, acts[order] ?? (() => this.form.simple({ order, task: task.id }))]);
   }
 
   #drawCard() {

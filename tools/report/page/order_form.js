@@ -32,12 +32,14 @@ function whereOf(values, area) {
 
 /**
  * The dialog in which an order is written and asked back. `ask(title, parts, read)`: shows `parts`; `read(values)` gives the
- * order, or a text that says what is wrong. Then what is ordered is asked once more, and `send(order)` called.
+ * order, or a text that says what is wrong. Then what is ordered is asked once more, with what `effect(order)` promises to say of
+ * its consequences, and `send(order)` called.
  */
 export class OrderForm {
-  constructor(words, send) {
+  constructor(words, send, effect) {
     this.words = words;
     this.send = send;
+    this.effect = effect;
     this.dialog = byId("order");
     this.form = byId("order-form");
     this.dialog.addEventListener("close", () => this.closed?.());
@@ -106,6 +108,18 @@ export class OrderForm {
     });
   }
 
+  /** Who is to do a task, or must not: the names of the UAVs and workers that are there. */
+  pin(task, [uavs, workers]) {
+    const choice = (name, any, names) => element("select", { name }, element("option", { value: "" }, any), ...names.map((one) => element("option", { value: one }, one)));
+    const what = element("select", { name: "what" }, element("option", { value: "pin" }, "These do it"), element("option", { value: "forbid" }, "This one must not do it"));
+    this.#write(`Who does task ${task.id}`, [field("Do what", what), field("UAV", choice("uav", "the best", uavs)), field("Worker", choice("worker", "the best", workers))], (values) => {
+      const agents = [values.uav, values.worker].filter(Boolean);
+      if (agents.length === 0) return "A UAV, a worker or both are needed.";
+      if (values.what === "pin") return { order: "pin", task: task.id, agents };
+      return agents.length === 1 ? { order: "forbid", task: task.id, agent: agents[0] } : "One agent at a time is forbidden a task.";
+    });
+  }
+
   /** An order that has nothing to write. */
   simple(order) {
     this.#ask(order, null);
@@ -123,7 +137,9 @@ export class OrderForm {
   /** What is ordered is asked back; `back` leads to where it was written. */
   #ask(order, back) {
     const words = this.words(order);
-    this.#show("Give this order?", [element("p", { class: "asked" }, `${words[0].toUpperCase()}${words.slice(1)}.`)], [
+    const effect = element("pre", { class: "effect", "aria-live": "polite", hidden: true });
+    this.effect(order).then((text) => Object.assign(effect, { hidden: !text, textContent: text ?? "" }));
+    this.#show("Give this order?", [element("p", { class: "asked" }, `${words[0].toUpperCase()}${words.slice(1)}.`), effect], [
       ["Give the order", () => {
         this.dialog.close();
         this.send(order);
@@ -134,7 +150,7 @@ export class OrderForm {
     const data = new FormData(this.form);
     const numeric = (name) => (String(data.get(name) ?? "").trim() === "" ? null : Number(data.get(name)));
     return { x: numeric("x"), y: numeric("y"), cost: numeric("cost"), priority: numeric("priority"), due: numeric("due"), expires: numeric("expires"),
-      what: data.get("what"), radius: numeric("radius"), minutes: numeric("minutes"),
+      what: data.get("what"), uav: data.get("uav"), worker: data.get("worker"), radius: numeric("radius"), minutes: numeric("minutes"),
       name: String(data.get("name") ?? "").trim() };
   }
 

@@ -1,3 +1,4 @@
+import { agentWords } from "./directives.js";
 import { number } from "./dom.js";
 import { clockText } from "./time.js";
 import { PRIORITIES } from "./story.js";
@@ -17,7 +18,7 @@ function whereWords({ area_km: corners, circle_km: circle }) {
 
 /**
  * All that is particular to one kind of order. `words(order)`: what it asks for. `more`: what follows from it, told before it is
- * given. `button`: shown on the card of a task or an agent (`on`) whose status passes `when`.
+ * given. `directs`: it decides in the policy's place. `button`: shown on the card of a task or an agent (`on`) whose status passes `when`.
  */
 const KINDS = {
   task_add: { words: ({ task }) => `add a task at ${number(task.x_km, 1)}, ${number(task.y_km, 1)} km: ${number(task.cost_km, 1)} km of range, ${changes(task)}` },
@@ -30,6 +31,12 @@ const KINDS = {
   road_open: { words: (where) => `open the closed roads ${whereWords(where)}` },
   zone_add: { words: ({ until_in_min: min, name, ...where }) => `keep UAVs out of what is ${whereWords(where)}${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way through it fly around it, and pairs that cannot are called off" },
   zone_lift: { words: ({ zone }) => `lift the zone ${zone}` },
+  pin: { directs: true, words: ({ agents, task }) => `let ${agentWords(agents)} do task ${task}${agents.length === 1 ? " with the best partner" : ""}`, more: "nobody else is sent there; who is under way finishes first", on: "task", button: "Pin or forbid …", when: (status) => status === OPEN },
+  unpin: { directs: true, words: ({ task }) => `unpin task ${task}` },
+  forbid: { directs: true, words: ({ agent, task }) => `never send ${agent} to task ${task}` },
+  charge_now: { directs: true, words: ({ agents }) => `charge ${agentWords(agents)} now`, more: "it does nothing else before; what it is at it finishes first", on: "uav", button: "Charge now", when: (status) => status !== OFFLINE },
+  go_to: { directs: true, words: ({ agent, x_km: x, y_km: y }) => `send ${agent} to ${number(x, 2)}, ${number(y, 2)} km`, more: "it waits there until it is released; what it is at it finishes first", on: "agent", button: "Go to …", when: (status) => status !== OFFLINE },
+  release: { directs: true, words: ({ directive, words }) => `release ${words ?? directive}` },
   agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
 };
 
@@ -43,7 +50,7 @@ export function orderEffect(order) {
   return KINDS[order.order]?.more;
 }
 
-/** What can be ordered of a task or an agent (`on`) of that status: [button, kind] each. */
+/** What can be ordered of a task, an agent or a UAV (`on`) of that status: [button, kind] each. */
 export function ordersOf(on, status) {
   return Object.entries(KINDS).filter(([, kind]) => kind.on === on && (kind.when?.(status) ?? true)).map(([name, kind]) => [kind.button, name]);
 }
@@ -78,10 +85,21 @@ export class Orders {
     return this.send(entry);
   }
 
+  /** What a directive would change at the newest decision, as text; null: that is not known, or it is none. */
+  async whatIf(order) {
+    if (!KINDS[order.order]?.directs) return null;
+    try {
+      const response = await this.ask("/what-if", { method: "POST", body: JSON.stringify(order), headers: { Authorization: `Bearer ${this.token}` } });
+      return response.ok ? (await response.text()).trim() : null;
+    } catch {
+      return null;
+    }
+  }
+
   /** Sends an order; once more with the same id it is the same order. */
   async send(entry) {
     this.#set(entry, "pending", "");
-    let answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.id, issuer: "page", ...entry.order }) });
+    let answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.id, issuer: "page", ...entry.order, words: undefined }) });
     while (answer?.status === 202) {
       this.#set(entry, "pending", "the mission has not answered yet");
       await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));

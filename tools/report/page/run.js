@@ -1,5 +1,6 @@
+import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
-import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, readWords } from "./words.js";
+import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
 
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
 
@@ -32,6 +33,7 @@ export class Run {
     this.processes = new Map(); // name -> rows of SAMPLE
     this.faults = [];
     this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads, rings of a zone]]
+    this.directives = []; // what the commander has decided: directives.js
     this.coast = null; // where land is: coast.js
     this.background = null; // shapes in degrees, drawn below the map
     this.reasons = null; // task -> why it was not done; reports only
@@ -73,6 +75,7 @@ export class Run {
       splice(this.processes.get(name), from * SAMPLE, rows);
     }
     if (chunk.road_changes) this.roadChanges = chunk.road_changes;
+    if (chunk.directives) this.directives = readDirectives(chunk.directives);
     if (chunk.coast) this.coast = chunk.coast;
     if (chunk.background) this.background = chunk.background;
     if (chunk.reasons) this.reasons = new Map(chunk.reasons.tasks);
@@ -134,6 +137,12 @@ export class Run {
   get tasksTotal() {
     const report = this.ended ? this.report?.tasks_total : undefined;
     return report ?? this.once("tasks total", () => this.tasks.filter((task) => !task.vacant && task.changes.at(-1) !== CANCELLED).length);
+  }
+
+  /** How many tasks the mission knows of at t: those reported by then and not cancelled; at its end, as its report counts them. */
+  tasksKnownAt(t) {
+    if ((!this.timed && !this.hasOrders) || (this.ended && t >= this.nowMs)) return this.tasksTotal;
+    return this.tasks.filter((task) => !task.vacant && ![UNREPORTED, CANCELLED].includes(taskStatusAt(task, t))).length;
   }
 
   /** Whether any task was ever held or cancelled. */

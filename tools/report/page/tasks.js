@@ -30,6 +30,18 @@ const FILTERS = [
   ["never", "never done", (row) => row.never],
 ];
 
+/**
+ * Which rows a text finds: a number is a task's, other text stands anywhere in task, agents and name, in any case. A number
+ * at its end is whole: "uav:7" does not find uav:70.
+ */
+export function matcherOf(text) {
+  if (!text) return () => true;
+  if (/^\d+$/.test(text)) return (row) => row.id === Number(text);
+  const escaped = text.toLowerCase().replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+  const wanted = new RegExp(/\d$/.test(text) ? `${escaped}(?!\\d)` : escaped);
+  return (row) => wanted.test(`task:${row.id} task ${row.id} ${row.who} ${row.name.toLowerCase()}`);
+}
+
 /** A task as it stands at t. Who is at it is found when it is asked for: of a city's tasks few are shown. */
 class Row {
   #of;
@@ -123,7 +135,7 @@ export class TaskTable {
     const { run } = this.state;
     const wanted = FILTERS.find(([id]) => id === this.filter)[2];
     const { text } = this;
-    const matches = (row) => !text || (/^\d+$/.test(text) ? String(row.id).includes(text) : `task ${row.id} ${row.who} ${row.name.toLowerCase()}`.includes(text));
+    const matches = matcherOf(text);
     const rows = run.tasks.map((task) => new Row(run, task, this.clock.t))
       .filter((row) => row.status !== UNREPORTED && wanted(row) && matches(row));
     const { key } = COLUMNS.find((column) => column.id === this.sort);

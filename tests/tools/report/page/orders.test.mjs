@@ -105,7 +105,7 @@ test("a task is changed, held, resumed and cancelled; what is refused says why",
   const choices = () => page.locator("#card-orders button").allInnerTexts();
   const latest = (wanted) => soon(async () => assert.match(await page.locator("#order-latest").innerText(), wanted));
   await select(page, `task:${task}`);
-  await soon(async () => assert.deepEqual(await choices(), ["Change …", "Hold", "Cancel task"]));
+  await soon(async () => assert.deepEqual(await choices(), ["Change …", "Hold", "Cancel task", "Pin or forbid …"]));
 
   await page.getByRole("button", { name: "Change …" }).click();
   await press(page, "Next");
@@ -133,7 +133,7 @@ test("a task is changed, held, resumed and cancelled; what is refused says why",
   await press(page, "Give the order");
   await latest(/resume task \d+: taken/);
   tell({ tasks: [[task, 1, [3690000, 0]]] });
-  await soon(async () => assert.deepEqual(await choices(), ["Change …", "Hold", "Cancel task"]));
+  await soon(async () => assert.deepEqual(await choices(), ["Change …", "Hold", "Cancel task", "Pin or forbid …"]));
 
   await page.getByRole("button", { name: "Cancel task" }).click();
   await soon(async () => assert.match(await page.locator("#order .asked").innerText(), /nobody will do it/));
@@ -178,6 +178,53 @@ test("an agent is recalled and leaves; an order that is not answered is asked fo
   await soon(async () => assert.match(await page.locator("#order-latest").innerText(), new RegExp(`let ${agent} leave: taken`)));
   const { id, ...order } = given.at(-1);
   assert.deepEqual(order, { issuer: "page", order: "agent_leave", agent });
+});
+
+test("who does a task is decided on its card, who charges and who goes where on an agent's", async (t) => {
+  const run = liveRun("o.html", MINUTES);
+  const { url, given, tell } = await serve(html, run, (order) => taken(order));
+  const page = await openLive(t, `${url}#token=${TOKEN}`);
+  const task = openTask(run);
+  const here = await page.evaluate(() => [0, 1].map((kind) => window.muster.state.run.agents.find((agent) => agent.kind === kind && ![0, 6].includes(agent.spans.at(-1))).label));
+  await select(page, `task:${task}`);
+  await soon(async () => assert.match(await page.locator("#card-why").innerText(), /lost: uav:1 and worker:2 could sense it/));
+  await page.getByRole("button", { name: "Pin or forbid …" }).click();
+  await press(page, "Next");
+  await soon(async () => assert.match(await page.locator("#order .wrong").innerText(), /A UAV, a worker or both/));
+  await page.locator("#order select[name=uav]").selectOption(here[0]);
+  await page.locator("#order select[name=worker]").selectOption(here[1]);
+  await accessible(page, "a pin");
+  await press(page, "Next");
+  await soon(async () => assert.match(await page.locator("#order .asked").innerText(), new RegExp(`Let ${here[0]} and ${here[1]} do task ${task}: nobody else`)));
+  await soon(async () => assert.match(await page.locator("#order .effect").innerText(), /0\.420 less than without/));
+  await press(page, "Give the order");
+  await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /taken/));
+  const ids = here.map((label) => Number(label.split(":")[1]));
+  tell({ directives: [[3660000, null, "p1", "chief", "pin", `pin: ${here[0]} and ${here[1]} to task ${task}`, ...ids, -1, task]], now_ms: 3690000 });
+  await soon(async () => assert.match(await page.locator("#card-facts").innerText(), new RegExp(`directed\\s+pin: ${here[0]} and ${here[1]} to task ${task}, by chief`)));
+  await page.getByRole("button", { name: "Release: pin" }).click();
+  await press(page, "Give the order");
+  await soon(async () => assert.equal(given.length, 2));
+
+  await select(page, here[0]);
+  await page.getByRole("button", { name: "Charge now" }).click();
+  await press(page, "Give the order");
+  await page.getByRole("button", { name: "Go to …" }).click();
+  await soon(async () => assert.match(await page.locator("#pick-hint").innerText(), /where it is to go/));
+  await drawn(page);
+  const [x0, x1, y0, y1] = await page.evaluate(() => {
+    const { x, y } = window.muster.parts.map.shown;
+    return [x(0), x(1000), y(0), y(1000)];
+  });
+  await page.locator("#map").click({ position: { x: 400, y: 200 } });
+  await press(page, "Give the order");
+  await soon(async () => assert.equal(given.length, 4));
+  const [pin, release, charge, go] = given.map(({ id, issuer, ...order }) => order);
+  assert.deepEqual(pin, { order: "pin", task, agents: here });
+  assert.deepEqual(release, { order: "release", directive: "p1" });
+  assert.deepEqual(charge, { order: "charge_now", agents: [here[0]] });
+  assert.deepEqual([go.order, go.agent], ["go_to", here[0]]);
+  assert.ok(Math.abs(go.x_km - (400 - x0) / (x1 - x0)) < 0.2 && Math.abs(go.y_km - (200 - y0) / (y1 - y0)) < 0.2, JSON.stringify(go));
 });
 
 test("without a token a page is read-only, with a wrong one it becomes so, and without a connection nothing is lost", async (t) => {

@@ -21,23 +21,7 @@ import { linear, roundTicks } from "../../../../tools/report/page/scale.js";
 import { agentNext, agentNow, doneTime, flownAt, taskNow, waitedMs } from "../../../../tools/report/page/story.js";
 import { clockText, localWords, rowAt, timeText, timeTicks, wallTime } from "../../../../tools/report/page/time.js";
 import { WHOLE, gripped, zoomed } from "../../../../tools/report/page/zoom.js";
-
-const SCENARIO = {
-  name: "two", seed: 1, width_m: 1000, height_m: 1000, interval_ms: 600000, limit_ms: 3600000, tick_ms: 30000,
-  uavs: 1, workers: 1, vehicles: 1, tasks: [100, 100, 50, 900, 900, 60], charging_points: [500, 500, null], range_full_m: [30000],
-};
-
-const WORDS = {
-  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"],
-  tasks: ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"],
-  actions: ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"],
-};
-
-function begun(more = {}) {
-  const run = new Run();
-  run.apply({ version: 1, name: "r", scenario: SCENARIO, words: WORDS, now_ms: 0, epoch_ms: 0, ended: false, ...more });
-  return run;
-}
+import { SCENARIO, begun } from "./small_run.mjs";
 
 test("times are told as people tell them", () => {
   assert.equal(clockText(0), "0:00:00");

@@ -69,6 +69,8 @@ export async function serve(html, run, answer) {
       listening.add(response);
       return undefined;
     }
+    if (request.url.startsWith("/why/task:")) return reply(200, "text/plain", "task:1\n\ndecision   6  1:00:00  lost: uav:1 and worker:2 could sense it\n");
+    if (request.url === "/what-if") return reply(200, "text/plain", "the decision weighs 1.000, 0.420 less than without\n");
     if (!request.url.startsWith("/orders")) return reply(404, "text/plain", "");
     if (request.headers.authorization !== `Bearer ${TOKEN}`) return reply(403, "application/json", "{}");
     let text = "";

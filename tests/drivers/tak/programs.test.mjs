@@ -1,0 +1,184 @@
+// The bridge as a program, beside a mission over LCM, and TAK clients that see and say.
+import assert from "node:assert/strict";
+import { once } from "node:events";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { connect, createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { test } from "node:test";
+import { setTimeout as sleep } from "node:timers/promises";
+import { fileURLToPath } from "node:url";
+import { MissionMap } from "../../../drivers/places.mjs";
+import { Splitter, event, readEvent, toXml } from "../../../drivers/tak/cot.mjs";
+import { Program } from "../mavlink/programs.mjs";
+
+const MAIN = join(dirname(fileURLToPath(import.meta.url)), "../../../drivers/tak/main.mjs");
+const { MUSTER_PROGRAM } = process.env;
+const ORIGIN = { latitude_deg: 46.85, longitude_deg: 7.3 };
+
+/** A TAK client, or who a TAK server stands for: keeps the newest of each event. */
+class Client {
+  events = new Map();
+  all = [];
+
+  constructor(socket) {
+    this.socket = socket;
+    const splitter = new Splitter();
+    socket.on("error", () => {});
+    socket.on("data", (bytes) => {
+      for (const xml of splitter.take(bytes)) {
+        const read = readEvent(xml, Date.now() - 5000);
+        this.events.set(read.uid, { ...read, xml });
+        this.all.push(read);
+      }
+    });
+  }
+
+  async until(isIt, what) {
+    for (let i = 0; i < 1200; ++i) {
+      const found = isIt(this);
+      if (found) return found;
+      await sleep(50);
+    }
+    throw new Error(`never came: ${what}; ${[...this.events.keys()].join(" ")}`);
+  }
+
+  say(options) {
+    this.socket.write(toXml(event({ now: Date.now(), holds: 60000, ...options })));
+  }
+}
+
+/** Runs `body({start, folder, mission(options), bridge(address, options)})`; what was started is ended behind it. */
+async function withPrograms(body) {
+  const folder = mkdtempSync(join(tmpdir(), "muster-tak-"));
+  const programs = [];
+  const start = (command, words) => {
+    programs.push(new Program(command, words));
+    return programs.at(-1);
+  };
+  const run = async (...words) => assert.equal(await start(MUSTER_PROGRAM, words).ended, 0, words.join(" "));
+  const mission = async (rate) => {
+    const scenario = join(folder, "scenario.json");
+    await run("scenario", "--preset", "Random_1", "--origin", `${ORIGIN.latitude_deg},${ORIGIN.longitude_deg}`, "--out", scenario);
+    const program = start(MUSTER_PROGRAM, ["run", scenario, "--live=0", "--control", "--rate", String(rate), "--out", join(folder, "run")]);
+    const line = await program.line((some) => some.startsWith("live at "));
+    return { program, address: line.slice("live at ".length), run: join(folder, "run") };
+  };
+  const bridge = (address, ...words) => start(process.execPath, [MAIN, address, "--every", "0.1", ...words]);
+  try {
+    return await body({ start, run, mission, bridge, folder });
+  } finally {
+    for (const { child } of programs) child.kill("SIGKILL");
+    await Promise.all(programs.map((program) => program.ended));
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+async function client(bridge) {
+  const line = await bridge.line((some) => some.startsWith("listening on "));
+  const socket = connect(Number(line.split(":").at(-1)), "127.0.0.1");
+  await once(socket, "connect");
+  return new Client(socket);
+}
+
+const colour = ({ xml }) => Number(/argb="(-?\d+)"/.exec(xml)[1]);
+const GREEN = 0xff00cc44 | 0;
+const markerAt = (place) => {
+  const { latitude_deg: latitude, longitude_deg: longitude } = new MissionMap(ORIGIN).toDegrees(place);
+  return { uid: "marker-1", type: "b-r-f-h-c", at: { latitude, longitude }, detail: { contact: { $: { callsign: "Bus stop" } }, creator: { $: { callsign: "chief" } } } };
+};
+
+test("a mission is seen as it is; a report becomes a task, and is done; a bridge that starts again doubles nothing", async () => {
+  await withPrograms(async ({ mission, bridge, run }) => {
+    const { program, address, run: folder } = await mission(600);
+    let tak = bridge(address, "--listen", "0", "--allow", "chief");
+    let phone = await client(tak);
+    phone.say(markerAt({ x_m: 14000, y_m: 15000 }));
+    const uid = await phone.until(({ events }) => [...events.keys()].find((key) => key === "muster.run.task.120"), "the task of the report");
+    assert.equal(phone.events.get(uid).callsign, "Task 120 Bus stop");
+    tak.child.kill("SIGKILL");
+    await tak.ended;
+    tak = bridge(address, "--listen", "0", "--allow", "chief");
+    phone = await client(tak);
+    phone.say(markerAt({ x_m: 14000, y_m: 15000 }));
+    await phone.until(({ all }) => all.some(({ type }) => type === "b-t-f"), "news in the room");
+    assert.equal(await Promise.race([tak.ended, program.ended.then(() => "the mission")]), 0, tak.lines.join("\n"));
+    assert.match(tak.lines.join("\n"), /the mission is over/);
+    // The end, as the report has it. Its tasks are all there, each in its colour.
+    program.child.kill("SIGINT");
+    assert.equal(await program.ended, 0);
+    const report = JSON.parse(readFileSync(join(folder, "report.json"), "utf8"));
+    assert.equal(report.tasks_total, 121, "the report was one task");
+    assert.equal(report.tasks[120].status, "done");
+    const tasks = report.tasks.filter(({ status }) => status !== "unreported"); // not the places that orders may fill
+    assert.equal(tasks.length, 121);
+    for (const { id, status } of tasks) assert.equal(colour(phone.events.get(`muster.run.task.${id}`)) === GREEN, status === "done", `task ${id} is ${status}`);
+    const agents = [...phone.events.values()].filter(({ type }) => /^a-f-(A-M-H-Q|G-U-C|G-E-V-C)$/.test(type));
+    assert.ok(agents.length >= 80, `${agents.length} agents were seen`);
+    await run("audit", folder);
+  });
+});
+
+test("a TAK server that goes away is found again; who may not order is not heard", async () => {
+  await withPrograms(async ({ mission, bridge }) => {
+    const { address } = await mission(60);
+    const server = createServer();
+    const open = (port) => new Promise((resolve) => server.listen(port, "127.0.0.1", resolve));
+    await open(0);
+    const { port } = server.address();
+    const tak = bridge(address.split("#")[0], "--connect", `127.0.0.1:${port}`, "--allow", "chief");
+    const accept = async () => new Client((await once(server, "connection"))[0]);
+    let other = await accept();
+    await other.until(({ events }) => events.has("muster.run.task.0"), "task 0");
+    other.socket.destroy();
+    await new Promise((resolve) => server.close(resolve));
+    await tak.line((line) => line.includes("trying again"));
+    await open(port);
+    other = await accept();
+    await other.until(({ events }) => events.has("muster.run.task.0"), "task 0 again");
+    other.say({ ...markerAt({ x_m: 14000, y_m: 15000 }), detail: { contact: { $: { callsign: "x" } }, creator: { $: { callsign: "stranger" } } } });
+    await tak.line((line) => line.includes("a report of stranger is not heard"));
+    other.say(markerAt({ x_m: 14000, y_m: 15000 }));
+    await tak.line((line) => line.includes("refused: this bridge has no token of the mission"));
+    tak.child.kill("SIGTERM");
+    assert.equal(await tak.ended, 0);
+    server.close();
+    other.socket.destroy();
+  });
+});
+
+test("rubbish, floods and what never ends are dropped; others go on", async () => {
+  await withPrograms(async ({ mission, bridge }) => {
+    const { address } = await mission(60);
+    const tak = bridge(address, "--listen", "0", "--allow", "chief");
+    const good = await client(tak);
+    const endless = await client(tak);
+    endless.socket.write(`<event a="${"x".repeat(10 * 1024 * 1024)}`);
+    await new Promise((resolve, reject) => {
+      endless.socket.once("close", resolve);
+      setTimeout(() => reject(new Error("it is not cut off")), 30_000).unref();
+    });
+    const flood = await client(tak);
+    for (let i = 0; i < 5000; ++i) flood.say({ ...markerAt({ x_m: 1, y_m: 1 }), uid: `f${i}`, type: "a-f-G-U-C" });
+    await good.until(({ events }) => events.has("muster.run.task.0"), "task 0");
+    good.say(markerAt({ x_m: 14000, y_m: 15000 }));
+    await good.until(({ events }) => events.has("muster.run.task.120"), "the task of the report");
+    tak.child.kill("SIGINT");
+    assert.equal(await tak.ended, 0);
+    const [, dropped] = /(\d+) dropped/.exec(tak.lines.join("\n"));
+    assert.ok(Number(dropped) > 1000, tak.lines.join("\n"));
+  });
+});
+
+test("what is wrong with the command line is said, with exit code 2", async () => {
+  await withPrograms(async ({ start }) => {
+    const good = "http://127.0.0.1:1/";
+    for (const [words, wrong] of [[[], /MISSION: found 0 addresses/], [["ftp://x", "--listen", "0"], /MISSION: found 'ftp:\/\/x'/], [[good], /expected one of them/], [[good, "--connect", "host"], /--connect: found 'host'/],
+      [[good, "--listen", "70000"], /--listen: found '70000'/], [[good, "--multicast", "10.0.0.1:5"], /a multicast group/], [[good, "--listen", "0", "--cert", "x"], /without --tls/],
+      [[good, "--connect", "a:1", "--tls", "--ca", "/nowhere"], /--ca: ENOENT/], [[good, "--fly"], /fly/]]) {
+      const program = start(process.execPath, [MAIN, ...words]);
+      assert.equal(await program.ended, 2, words.join(" "));
+      assert.match(program.lines.join("\n"), wrong);
+    }
+  });
+});
