@@ -76,6 +76,10 @@ class Check {
 
   void GoTo(const Directive& one, const AgentState& agent) const {
     const Point at = scenario_.ways->StopNear(agent.kind, one.place).at;
+    if (IsOffLimits(scenario_.directives, agent.kind, at)) {
+      throw InputError(
+          fmt::format("the place lies in an area that is forbidden to {}s", ToString(agent.kind)));
+    }
     const double way_m = WayTo(agent, at, "that place");
     if (agent.kind == AgentKind::kUav && way_m > RangeOf(agent)) {
       throw InputError(fmt::format("{} lacks range for that place: it is {} away, and it has {}",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -44,6 +45,9 @@ struct AgentModel {
   std::optional<Activity> activity;
   double cost_m = 0;  ///< of the activity, when it senses
   bool failed = false;
+  /// As it was before its way was closed, while nobody has heard from it since: it may turn out to
+  /// have failed before that. null: it was heard.
+  std::shared_ptr<const AgentModel> unheard;
   Place was;  ///< where it truly was, as last known, and when
   std::int64_t was_us = 0;
 

@@ -129,11 +129,11 @@ class Check {
       view_.Violate("directives", "{} could be kept, and nobody is sent to task {}", NameOf(one),
                     one.task);
     }
-    if (sent == nullptr || (both && all_idle && !possible)) return;
+    // Of one who is named alone and free, the others may lack range or time to be the partner.
+    if (sent == nullptr || (all_idle && !possible)) return;
     const int ids[] = {sent->uav_id, sent->worker_id};
     for (const int kind : {kUav, kWorker}) {
       if (one.agents[kind] < 0 || ids[kind] < 0 || ids[kind] == one.agents[kind]) continue;
-      if (!both && !HasRange(one)) continue;
       view_.Violate("directives", "{} is at task {} instead of those whom {} names",
                     view_.Model(kind, ids[kind]).name(), one.task, NameOf(one));
     }
@@ -217,6 +217,10 @@ class Check {
           a->kind <= NumberOf(ActionKind::kVehicleStays)) {
         continue;
       }
+      // By road it goes to a stop near the place, which may lie in the area.
+      const bool has_area = std::any_of(
+          all_.begin(), all_.end(), [&](const Directive& other) { return other.of_class == kind; });
+      if (has_area) continue;
       const double way_m = model.WayM(model.to, one.place);
       const std::int64_t travel = DurationUs(way_m, model.spec->speed_m_s);
       if (!std::isfinite(way_m) || view_.now_us + travel + kNarrow_us > view_.LatestEnd(model) ||

@@ -98,6 +98,13 @@ void SettleAgents(View& view) {
       const bool fails = failure != view.failed.end();
       if (fails && !model.failed) {
         const std::int64_t at = failure->second.at_us;
+        if (model.unheard && at < model.depart_us) {
+          // It had failed when its way was closed.
+          const Ways* const ways = model.ways;
+          model = AgentModel(*model.unheard);
+          model.ways = ways;
+        }
+        model.unheard.reset();
         if (!model.way_seen && kind == kUav && model.MovedAt(at) > 0) {
           // It ran dry before its first report: that tells the wind.
           model.range_per_m = model.range_at_departure_m / model.MovedAt(at);

@@ -137,6 +137,9 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   if (report != nullptr && Apart(here, {report->x_m, report->y_m}) <= now.rounding_m(model->kind)) {
     here = {report->x_m, report->y_m};
   }
+  if (report == nullptr && model->unheard == nullptr) {
+    model->unheard = std::make_shared<const AgentModel>(*model);
+  }
   if (model->kind == kUav) {
     const double gone_m = before.Length(kUav, model->from, model->to) * here_part;
     model->range_at_departure_m =
@@ -301,6 +304,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   }
   model->was = here;
   model->was_us = view.now_us;
+  model->unheard.reset();
   if (model->kind == kUav) {
     NoteUav(view, view.tick, a);
     if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {

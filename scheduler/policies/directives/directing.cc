@@ -305,6 +305,9 @@ class Director {
     const AgentState* const agent = Find(kind, one.agents[kind]);
     if (agent == nullptr) return Absent(kind, one.agents[kind]);
     const Point goal = agent->ways->StopNear(kind, one.place).at;
+    if (muster::IsOffLimits(site_.directives, kind, goal)) {
+      return {State::kUnkept, "the place lies in an area that is forbidden to it"};
+    }
     if (!IsFree(*agent)) return agent->to == goal ? Outcome{State::kOver} : Busy(*agent);
     if (agent->to == goal) {
       Hold(*agent);
