@@ -83,7 +83,7 @@ class Builder {
     return CanBegin(TaskAt(task), situation_.now_us, travel_us);
   }
   bool IsForbidden(const AgentState& agent, Index task) const {
-    return site_.Forbids(agent, roster_.tasks[At(task)].value);
+    return !site_.forbidden.empty() && site_.Forbids(agent, roster_.tasks[At(task)].value);
   }
   TimeUs TimeLeft(const AgentState& agent) const {
     return LatestEnd(agent, rules_) - situation_.now_us;

@@ -6,6 +6,7 @@
 
 #include "lcmtypes/channels.h"
 #include "tools/host/quiet_thread.h"
+#include "tools/live/mission_geojson.h"
 #include "tools/report/gshhg.h"
 
 namespace muster::tools {
@@ -98,6 +99,11 @@ std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseco
     }
   }
   return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::optional<std::string> LiveFeed::GeoJson() const {
+  const std::lock_guard lock(feed_mutex_);
+  return feed_->ready() ? MissionGeoJson(feed_->timeline()) : std::nullopt;
 }
 
 bool LiveFeed::worked_off() const {

@@ -42,6 +42,9 @@ class LiveFeed {
   /// The next chunk for that reader (PageChunk, as text), as soon as there is something new; none
   /// when `wait` is over, or the feed is closed and the reader knows all.
   std::optional<std::string> Next(Reader* reader, std::chrono::milliseconds wait);
+  /// The mission as it is now, for maps (MissionGeoJson). None: it is not known yet, or nowhere on
+  /// the earth.
+  std::optional<std::string> GeoJson() const;
   /// It is closed, and all that it was given can be read.
   bool worked_off() const;
 

@@ -68,10 +68,9 @@ class Director {
   void ForEach(Directive::Kind kind, Keep keep) {
     for (DirectiveOutcome& outcome : result_.outcomes) {
       if (outcome.directive.kind != kind) continue;
-      std::tie(outcome.state, outcome.why) = [&] {
-        Outcome of_one = keep(outcome.directive);
-        return std::pair(of_one.state, std::move(of_one.why));
-      }();
+      Outcome of_one = keep(outcome.directive);
+      outcome.state = of_one.state;
+      outcome.why = std::move(of_one.why);
     }
   }
 

@@ -99,6 +99,8 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   }
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing is beside the screen");
   await page.getByRole("button", { name: "I am here" }).tap();
+  await shows(page, /your phone is 3[78]0 m from there; if you are there, press again/);
+  await page.getByRole("button", { name: "I am here" }).tap();
   for (let arrived = null; !arrived; tick()) {
     await new Promise((resolve) => setTimeout(resolve, 20));
     arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');

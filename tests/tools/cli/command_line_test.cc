@@ -196,7 +196,7 @@ TEST_F(CommandLine, ReportWritesOverPagesOnly) {
 
 TEST_F(CommandLine, ReportSaysWhatItCannotPaint) {
   const std::string run = MakeRun();
-  const ChildResult nothing = Muster({"report", run});
+  const ChildResult nothing = Muster({"report", run, run});
   if (Contains(nothing.output, "built without esbuild")) GTEST_SKIP() << nothing.output;
   EXPECT_EQ(nothing.exit_code, 2) << nothing.output;
   EXPECT_TRUE(Contains(nothing.output, "--out")) << nothing.output;

@@ -112,7 +112,7 @@ TEST_F(Drive, ACommandTellsItWithItsExitCode) {
   EXPECT_EQ(told["steps"].size(), 7U);
   EXPECT_TRUE(told["wrong"].empty());
   const ChildResult late =
-      Muster({"drive", "--check", "python3 " + kExample + " --silent 2:12", "--rate", "3600"});
+      Muster({"drive", "--check", "python3 " + kExample + " --silent 2:12", "--rate", "900"});
   EXPECT_EQ(late.exit_code, 0) << late.output;  // ten minutes are soon over
   EXPECT_NE(late.output.find("% late"), std::string::npos) << late.output;
   const ChildResult bad = Muster({"drive", "--check", "python3 " + kExample + " --dies 3"});

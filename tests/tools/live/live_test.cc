@@ -17,10 +17,12 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
+#include "tests/tools/launch/process_test_util.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
 #include "tools/report/page.h"
@@ -118,6 +120,33 @@ TEST_F(Served, ThePageIsThereForBrowsersOfThisHostOnly) {
     EXPECT_EQ(strange->status, 403) << path;
     EXPECT_TRUE(strange->body.empty());
   }
+}
+
+TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
+  EXPECT_EQ(client_.Get("/mission.geojson")->status, 404);
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [](scenario_t& scenario) {
+    scenario.json.insert(scenario.json.find("\"seed\""),
+                         R"("origin": {"latitude_deg": 46.85, "longitude_deg": 7.3}, )");
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  feed_.Add(Encoded(log));
+  nlohmann::json map;
+  ASSERT_TRUE(Eventually([&] {
+    const auto got = client_.Get("/mission.geojson");
+    if (!got || got->status != 200) return false;
+    map = nlohmann::json::parse(got->body);
+    return map["features"][0]["properties"]["status"] == "done" &&
+           map["features"][1]["properties"]["status"] == "done";
+  }));
+  ASSERT_EQ(map["features"].size(), 8U);  // 2 tasks, 1 charging point, 5 agents
+  EXPECT_EQ(map["features"][0]["id"], "task:0");
+  EXPECT_EQ(map["features"][0]["properties"]["uav"], 0);
+  const auto& uav = map["features"][3];
+  EXPECT_EQ(uav["id"], "uav:0");
+  // At (6, 1) km: a degree is 111.2 km to the north and 76.2 km to the east there.
+  EXPECT_NEAR(uav["geometry"]["coordinates"][0], 7.3 + 6 / 76.2, 0.001);
+  EXPECT_NEAR(uav["geometry"]["coordinates"][1], 46.85 + 1 / 111.2, 0.001);
 }
 
 TEST_F(Served, EventsCarryTheMissionAndSayGoodbye) {
