@@ -136,7 +136,11 @@ std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log
 std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
                                                 const DecisionLog& log) {
   const std::int64_t tick = log.scenario.rules.TickOf(decision.at_us);
-  scheduler::Fusion fusion(log.orders->scenario());
+  // As it was then: later orders are not known at that tick.
+  std::optional<OrderBook> then;
+  if (log.orders->takes_orders() && log.orders->complete(tick)) then = log.orders->UpTo(tick);
+  const OrderBook& orders = then ? *then : *log.orders;
+  scheduler::Fusion fusion(orders.scenario());
   fusion.Start(tick, decision.at_us, decision.decision);
   for (const Packet& packet : decision.told) {
     if (fusion.complete()) break;  // as the scheduler, which then decides
@@ -149,8 +153,7 @@ std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
     }
   }
   if (!fusion.complete() || !log.orders->complete(tick)) return {};
-  return log.orders->takes_orders() ? fusion.Fuse(log.orders->UpTo(tick))
-                                    : fusion.Fuse(*log.orders);
+  return fusion.Fuse(orders);
 }
 
 PolicyOfLog LoggedPolicy(const DecisionLog& log) {

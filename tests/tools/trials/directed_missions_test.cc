@@ -2,13 +2,16 @@
 // its own rules for directives, and each of their decisions is made again.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tests/tools/trials/directed_missions.h"
 #include "tests/tools/trials/each_policy.h"
 #include "tools/audit/auditor.h"
+#include "tools/explain/story.h"
 #include "tools/trials/soak.h"
 
 namespace muster::tools {
@@ -34,6 +37,47 @@ TEST(DirectedMissions, WithKillsAndLossAreAuditedAndDecidedAgain) {
       ADD_FAILURE() << "seed " << seed << ", " << mission.policy << ": " << finding;
     }
   }
+}
+
+/// Packets in memory, as a log.
+class Packets : public MessageSource {
+ public:
+  std::vector<Packet> all;
+  void Rewind() override { next_ = 0; }
+  std::optional<LogEvent> NextEvent() override {
+    if (next_ == all.size()) return {};
+    return LogEvent{0, 0, all[next_++]};
+  }
+
+ private:
+  std::size_t next_ = 0;
+};
+
+TEST(DirectedMissions, AreExplainedFromTheTickOnAtWhichTheyWereDirected) {
+  VirtualMission mission = RoadMission("certified", 2);
+  mission.scenario.roads = nullptr;
+  mission.scenario.ways = DefaultWays();
+  AddRoom({1, {}}, &mission.scenario);
+  const std::string go =
+      R"({"id": "g", "at_min": 22, "order": "go_to", "agent": "worker:0", "x_km": 1, "y_km": 1})";
+  mission.orders = {{ParseOrder(go, "order"), go}};
+  Packets log;
+  mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
+    log.all.push_back(*event.packet);
+  };
+  RunVirtualMission(mission);
+  std::size_t before = 0, told = 0;
+  for (const auto& chapter :
+       TellAgent(ReadDecisionLog(&log), "", AgentKind::kWorker, 0, {}).chapters) {
+    if (chapter.at_us >= 22 * kMinuteUs) {
+      told += chapter.directives.size();  // none while it is on its way there
+      continue;
+    }
+    ++before;
+    EXPECT_TRUE(chapter.directives.empty()) << "decision " << chapter.decision;
+  }
+  EXPECT_GE(before, 2U);
+  EXPECT_GE(told, 2U);
 }
 
 /// What the audit finds when the log says that other agents were pinned, or another task forbidden.
