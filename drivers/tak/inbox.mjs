@@ -1,7 +1,7 @@
 // What TAK users say: reports that become tasks, and commands in chat. Only those whom the list allows are heard.
 import { readStory } from "../../tools/report/page/reasons.js";
 import { planeOf } from "../../tools/report/page/place.js";
-import { statusAt, taskStatusAt } from "../../tools/report/page/run.js";
+import { taskStatusAt } from "../../tools/report/page/run.js";
 import { NoEvent, readEvent } from "./cot.mjs";
 import { taskName } from "./picture.mjs";
 
@@ -144,11 +144,5 @@ export class Inbox {
     if (!text) return `${this.#status(id)}; the mission does not say why`;
     const last = readStory(text).decisions.at(-1);
     return last ? `Decision ${last.index}: ${last.lines.slice(0, 3).join("; ")}` : this.#status(id);
-  }
-
-  /** How many agents of the mission are there, for the bridge's own summary. */
-  get online() {
-    const { run } = this.mission;
-    return run ? run.agents.filter((agent) => !agent.vacant && statusAt(agent, run.nowMs) > 0).length : 0;
   }
 }

@@ -40,6 +40,7 @@ class Intake {
 /** All connections. `heard(xml)`: an event that came; `joined()`: somebody new listens; `note(words, once)`. */
 export class Links {
   #sockets = new Set();
+  #timer = null; // of the next try to connect
   #closers = [];
 
   constructor(options, { heard, joined, note }) {
@@ -79,8 +80,6 @@ export class Links {
       this.#timer = setTimeout(() => this.#connect(next), next);
     });
   }
-
-  #timer = null;
 
   #welcome(socket, name) {
     const intake = new Intake(this.heard, this.counts);

@@ -64,6 +64,11 @@ Json AgentFields(const Situation& situation, const AgentState& agent) {
     json["range_full_m"] = agent.range_full_m;
   }
   if (agent.kind == AgentKind::kVehicle) json["charge_rate_m_s"] = agent.charge_rate_m_s;
+  Json forbidden = Json::array();
+  for (const ForbiddenPair& pair : situation.site->forbidden) {
+    if (pair.kind == agent.kind && pair.agent == agent.id) forbidden.push_back(pair.task);
+  }
+  if (!forbidden.empty()) json["forbidden_tasks"] = std::move(forbidden);
   if (!agent.idle(now)) {
     json["action"] = ToString(agent.action);
     json["target"] = agent.site();

@@ -1,5 +1,6 @@
 // The bridge as a program, beside a mission over LCM, and TAK clients that see and say.
 import assert from "node:assert/strict";
+import { createSocket } from "node:dgram";
 import { once } from "node:events";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { connect, createServer } from "node:net";
@@ -7,6 +8,7 @@ import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
+import { createServer as createTlsServer } from "node:tls";
 import { fileURLToPath } from "node:url";
 import { MissionMap } from "../../../drivers/places.mjs";
 import { Splitter, event, readEvent, toXml } from "../../../drivers/tak/cot.mjs";
@@ -144,6 +146,35 @@ test("a TAK server that goes away is found again; who may not order is not heard
     assert.equal(await tak.ended, 0);
     server.close();
     other.socket.destroy();
+  });
+});
+
+test("over TLS with a certificate of its own, and to a multicast group of this machine", async (t) => {
+  await withPrograms(async ({ mission, bridge, start, folder }) => {
+    const [cert, key] = ["cert.pem", "key.pem"].map((name) => join(folder, name));
+    const made = start("openssl", ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+      "-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", cert]);
+    made.child.on("error", () => {});
+    if (await made.ended !== 0) return t.skip("no openssl to make a certificate");
+    const { address } = await mission(60);
+    const pem = readFileSync(cert);
+    const server = createTlsServer({ cert: pem, key: readFileSync(key), ca: pem, requestCert: true, rejectUnauthorized: true });
+    await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+    const group = createSocket({ type: "udp4", reuseAddr: true });
+    await new Promise((resolve) => group.bind(0, resolve));
+    group.addMembership("239.2.3.1");
+    const heard = new Promise((resolve) => group.on("message", (bytes) => /task\.0"/.test(bytes) && resolve()));
+    const tak = bridge(address, "--connect", `127.0.0.1:${server.address().port}`, "--tls", "--cert", cert, "--key", key, "--ca", cert,
+      "--multicast", `239.2.3.1:${group.address().port}`, "--ttl", "0");
+    const [socket] = await once(server, "secureConnection");
+    assert.ok(socket.authorized);
+    await new Client(socket).until(({ events }) => events.has("muster.run.task.0"), "task 0");
+    await heard;
+    tak.child.kill("SIGINT");
+    assert.equal(await tak.ended, 0);
+    group.close();
+    socket.destroy();
+    return server.close();
   });
 });
 

@@ -2,12 +2,11 @@
 // its own rules for directives, and each of their decisions is made again.
 #include <gtest/gtest.h>
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "tests/simulation/order_draws.h"
 #include "tests/tools/trials/directed_missions.h"
 #include "tests/tools/trials/each_policy.h"
 #include "tools/audit/auditor.h"
@@ -38,20 +37,6 @@ TEST(DirectedMissions, WithKillsAndLossAreAuditedAndDecidedAgain) {
     }
   }
 }
-
-/// Packets in memory, as a log.
-class Packets : public MessageSource {
- public:
-  std::vector<Packet> all;
-  void Rewind() override { next_ = 0; }
-  std::optional<LogEvent> NextEvent() override {
-    if (next_ == all.size()) return {};
-    return LogEvent{0, 0, all[next_++]};
-  }
-
- private:
-  std::size_t next_ = 0;
-};
 
 TEST(DirectedMissions, AreExplainedFromTheTickOnAtWhichTheyWereDirected) {
   VirtualMission mission = RoadMission("certified", 2);

@@ -18,6 +18,7 @@
 
 #include "base/check.h"
 #include "scheduler/checker.h"
+#include "scheduler/policies/external/situation_json.h"
 #include "scheduler/policies/registry.h"
 #include "tests/scheduler/situation_builder.h"
 #include "tests/temporary_folder.h"
@@ -87,6 +88,19 @@ TEST(ExternalNames, OfNoProgramAreRefused) {
     EXPECT_THROW(MakePolicy(name), InputError) << name;
   }
   EXPECT_NO_THROW(MakePolicy("external:sh -c true", 10.0));
+}
+
+TEST(ExternalSituation, SaysWhichTasksTheCommanderHasForbidden) {
+  SituationBuilder builder;
+  Directive forbid;
+  forbid.kind = Directive::Kind::kForbid;
+  forbid.agents = {-1, 1, -1};
+  forbid.task = 0;
+  builder.scenario().directives = {forbid};
+  builder.Worker({1e3, 1e3}).Worker({2e3, 1e3}).Task({3e3, 1e3});
+  const nlohmann::ordered_json situation = ToJson(builder.Build());
+  EXPECT_FALSE(situation["workers"][0].contains("forbidden_tasks"));
+  EXPECT_EQ(situation["workers"][1]["forbidden_tasks"], (std::vector<int>{0}));
 }
 
 TEST_F(External, ActionsGetTheirWeights) {
