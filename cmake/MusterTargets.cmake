@@ -30,16 +30,18 @@ endif()
 # sanitizers' presets build without it.
 file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cc" CONTENT "")
 add_library(muster_precompiled STATIC "${PROJECT_BINARY_DIR}/precompiled.cc")
-target_link_libraries(muster_precompiled PRIVATE muster_options)
+target_link_libraries(muster_precompiled PRIVATE muster_options nlohmann_json::nlohmann_json)
 target_precompile_headers(muster_precompiled PRIVATE
-  <algorithm> <cmath> <filesystem> <functional> <map> <memory> <optional> <set> <string>
-  <string_view> <tuple> <utility> <vector> <fmt/format.h>)
+  <algorithm> <chrono> <cmath> <filesystem> <fstream> <functional> <map> <memory> <mutex> <optional>
+  <set> <span> <string> <string_view> <thread> <tuple> <utility> <variant> <vector> <fmt/format.h>
+  <nlohmann/json.hpp>)
 
 # The same for tests, with the test framework. They are compiled with less optimisation, for half
 # the time: what they call is not.
 if(BUILD_TESTING)
   add_library(muster_precompiled_tests STATIC "${PROJECT_BINARY_DIR}/precompiled.cc")
-  target_link_libraries(muster_precompiled_tests PRIVATE muster_options GTest::gtest)
+  target_link_libraries(muster_precompiled_tests
+                        PRIVATE muster_options GTest::gtest nlohmann_json::nlohmann_json)
   target_compile_options(muster_precompiled_tests PRIVATE -O1)
   target_precompile_headers(muster_precompiled_tests PRIVATE
     $<TARGET_PROPERTY:muster_precompiled,PRECOMPILE_HEADERS> <gtest/gtest.h>)

@@ -205,7 +205,7 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
 /// the mission may come to something else, but it comes to an end.
 TEST(Hostile, DamagedPacketsHoldNoMissionUp) {
   const std::string json = ScenarioToJson(Generate(PresetByName("Random_10"), 1));
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Crew network({.corrupt = 0.2}, seed);
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
       network.Add(StartProcess(name, 0, json));

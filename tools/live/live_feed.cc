@@ -6,6 +6,7 @@
 
 #include "lcmtypes/channels.h"
 #include "tools/host/quiet_thread.h"
+#include "tools/live/mission_cap.h"
 #include "tools/live/mission_geojson.h"
 #include "tools/report/gshhg.h"
 
@@ -104,6 +105,12 @@ std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseco
 std::optional<std::string> LiveFeed::GeoJson() const {
   const std::lock_guard lock(feed_mutex_);
   return feed_->ready() ? MissionGeoJson(feed_->timeline()) : std::nullopt;
+}
+
+std::optional<std::string> LiveFeed::Cap() const {
+  const std::lock_guard lock(feed_mutex_);
+  if (!feed_->ready()) return {};
+  return MissionCap(feed_->timeline(), name_.empty() ? feed_->timeline().scenario().name : name_);
 }
 
 bool LiveFeed::worked_off() const {

@@ -45,6 +45,8 @@ class LiveFeed {
   /// The mission as it is now, for maps (MissionGeoJson). None: it is not known yet, or nowhere on
   /// the earth.
   std::optional<std::string> GeoJson() const;
+  /// The same for dispatch systems (MissionCap).
+  std::optional<std::string> Cap() const;
   /// It is closed, and all that it was given can be read.
   bool worked_off() const;
 

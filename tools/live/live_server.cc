@@ -259,11 +259,13 @@ void LiveServer::Answer(Browser* client, Time now) {
     client->out = Head("405 Method Not Allowed", "", 0);
   } else if (request->path == "/") {
     client->out = Head("200 OK", "text/html; charset=utf-8", page_.size()) + page_;
-  } else if (request->path == "/mission.geojson") {
-    const auto text = feed_->GeoJson();
-    client->out = Head(text ? "200 OK" : "404 Not Found", text ? "application/geo+json" : "",
-                       text ? text->size() : 0) +
-                  text.value_or("");
+  } else if (request->path == "/mission.geojson" || request->path == "/mission.cap") {
+    const bool is_cap = request->path == "/mission.cap";
+    const auto text = is_cap ? feed_->Cap() : feed_->GeoJson();
+    const char* type = is_cap ? "application/atom+xml" : "application/geo+json";
+    client->out =
+        Head(text ? "200 OK" : "404 Not Found", text ? type : "", text ? text->size() : 0) +
+        text.value_or("");
   } else if (request->path == "/events") {
     client->out = Head("200 OK", "text/event-stream", {});
     client->last = false;

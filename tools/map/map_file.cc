@@ -16,6 +16,8 @@
 namespace muster::tools {
 namespace {
 
+constexpr int kMostDepth = 32;  ///< of objects and arrays in one another
+
 using Json = nlohmann::json;
 
 constexpr std::string_view kGeoJson = "GeoJSON: a FeatureCollection of lines";
@@ -261,6 +263,11 @@ void ParseGeoJsonMap(std::string_view text, const std::string& file,
   std::int64_t number = 0;
   // The features of a collection are two deep. Each goes as soon as it is read.
   const auto keep = [&](int depth, Json::parse_event_t event, const Json& value) {
+    // Values in values without end would exhaust the stack.
+    if (depth > kMostDepth) {
+      throw InputError(file, "content", "objects and arrays nested deeper",
+                       fmt::format("at most {} levels", kMostDepth));
+    }
     if (depth != 2 || event != Json::parse_event_t::object_end || !IsFeature(value)) return true;
     take(FeatureReader(file, ++number).Read(value));
     return false;

@@ -13,14 +13,18 @@
 #include <string>
 
 #include "base/check.h"
+#include "base/json_tree.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "base/say.h"
+#include "base/sha256.h"
 #include "base/text.h"
 #include "model/scenario_json.h"
 #include "tools/files/pending_file.h"
 #include "tools/host/stop_signals.h"
+#include "tools/orders/alert_feed.h"
 #include "tools/orders/order_socket.h"
+#include "tools/orders/report_feed.h"
 #include "tools/scenario/fields.h"
 #include "tools/scenario/order_text.h"
 #include "tools/scenario/table.h"
@@ -217,7 +221,8 @@ class LineReader {
       return {};
     }
     if (csv_) return Row(ParseCsv(head_ + line + "\n", where));
-    Json json = Json::parse(line, nullptr, false);
+    ParseJson(line, where);  // for its own errors, and for what another parser would let pass
+    Json json = Json::parse(line);
     if (!json.is_object()) throw InputError(where, "line", "no JSON object", "an object");
     if (IsOrder(json)) return json;
     if (json.value("type", "") == "Feature") {
@@ -287,6 +292,67 @@ void TakeStart(const std::optional<Scenario>& scenario, Columns* columns) {
   columns->offset_min = start.offset_min;
 }
 
+int Finish(int taken, int refused, const StopSignals& stop) {
+  fmt::print("{} taken, {} refused\n", taken, refused);
+  if (stop.count() > 0) return kExitInterrupted;
+  return refused == 0 ? kExitOk : kExitCheckFailed;
+}
+
+/// The token in a file that only its owner should read; "" without one.
+std::string ReadToken(const Arguments& arguments) {
+  if (!arguments.Has("token-file")) return "";
+  const std::string file = arguments.Get("token-file");
+  const std::string text = ReadFile(file);
+  std::string token(Trim(text));
+  if (token.empty())
+    throw InputError("command line", "--token-file", file, "a file with a token in it");
+  return token;
+}
+
+int FeedAlertsOrForms(const Arguments& arguments, const std::optional<Scenario>& scenario,
+                      const Columns& columns) {
+  const std::string format = arguments.Get("format"), from = arguments.Get("file");
+  if (arguments.Has("out")) {
+    throw InputError(
+        "command line", "--out", arguments.Get("out"),
+        fmt::format("none with --format {}: what replaces a report needs a mission that runs",
+                    format));
+  }
+  const bool is_cap = format == "cap";
+  FeedSettings settings;
+  settings.run = arguments.Get("run");
+  settings.name = fmt::format("{}-{}", format, Sha256(from).substr(0, 8));
+  arguments.Read("every", &settings.every_s);
+  if (settings.every_s > 0 && from == "-") {
+    throw InputError("command line", "FILE", "-", "a file, a folder or an address with --every");
+  }
+  if (is_cap) {
+    const std::string status = arguments.Has("exercise") ? "Exercise" : "Actual";
+    const std::optional<Moment> start = scenario ? scenario->start : std::nullopt;
+    settings.read = [=](const std::string& text, const std::string& file) {
+      return ReadCap(text, file, status, start);
+    };
+  } else {
+    std::vector<std::string> names;
+    for (const auto* column :
+         {&columns.latitude, &columns.longitude, &columns.time, &columns.priority, &columns.name,
+          &columns.external_id, &columns.cost}) {
+      if (*column) names.push_back(**column);
+    }
+    settings.read = [=](const std::string& text, const std::string& file) {
+      return ReadKobo(text, file, names, [&](const Table& row) {
+        return RowReader(row, columns).OrderOf(row, 0)["task"];
+      });
+    };
+  }
+  const StopSignals stop;
+  const DocumentSource source(
+      from, is_cap ? std::vector<std::string>{".xml", ".cap"} : std::vector<std::string>{".json"},
+      ReadToken(arguments));
+  const FeedCounts counts = FeedReports(source, settings, stop);
+  return Finish(counts.taken, counts.refused, stop);
+}
+
 Columns ReadColumns(const Arguments& arguments) {
   Columns columns;
   arguments.Read("lat", &columns.latitude);
@@ -307,19 +373,25 @@ Columns ReadColumns(const Arguments& arguments) {
   return columns;
 }
 
-}  // namespace
-
-int FeedCommand(int argc, const char* const* argv) {
+Options FeedOptions() {
   Options options(
       "muster feed",
       "Gives a running mission tasks and orders as they come: rows of CSV, GeoJSON or JSON lines "
-      "with a place each become tasks; a line with \"order\" is an order (docs/guide/orders.md).");
+      "with a place each become tasks; a line with \"order\" is an order (docs/guide/orders.md). "
+      "Alerts in CAP and forms of KoboToolbox become tasks too (docs/guide/feeds.md).");
   options.Positional("run", "RUN")
       .Required("the run directory of a mission, or with --out a scenario");
   options.Positional("file", "FILE|-").Required("a file, or - for stdin");
   options
-      .Add("format", "NAME", "csv or json (a line each); default: by the file's name, json for -")
-      .OneOf({"csv", "json"});
+      .Add(
+          "format", "NAME",
+          "csv, json (a line each), cap or kobo; default: by the file's name, json for -. With cap "
+          "and kobo FILE may be a folder or an address (http, https)")
+      .OneOf({"csv", "json", "cap", "kobo"});
+  options.Add("every", "S", "cap, kobo: look again every S seconds until the mission ends")
+      .Number(Above0(86400));
+  options.Add("token-file", "FILE", "cap, kobo: the server's token, sent as Authorization: Token");
+  options.Flag("exercise", "cap: take alerts of status Exercise, and none of status Actual");
   options.Add("lat", "COLUMN", "Latitude (default: the usual names)");
   options.Add("lon", "COLUMN", "Longitude (default: the usual names)");
   options.Add("time", "COLUMN", "Time of the report; default: when it is taken");
@@ -332,18 +404,24 @@ int FeedCommand(int argc, const char* const* argv) {
   options.Add("source", "TEXT", "Who reports these");
   options.Add("out", "ORDERS",
               "Write orders for muster run --orders instead; RUN is the scenario they are for");
-  const auto arguments = options.Parse(argc, argv);
-  if (!arguments) return kExitOk;
-  const std::string file = arguments->Get("file");
+  return options;
+}
+
+/// Rows and orders of a file, or of a stream.
+int FeedRows(const Arguments& arguments, const std::optional<Scenario>& scenario,
+             const Columns& columns) {
+  const std::string file = arguments.Get("file");
+  const std::string format = arguments.Has("format") ? arguments.Get("format") : "";
   const bool from_stdin = file == "-";
   const bool is_lines = from_stdin || file.ends_with(".jsonl") || file.ends_with(".ndjson") ||
-                        file.ends_with(".geojsonl") ||
-                        (arguments->Has("format") && arguments->Get("format") == "json");
-  const bool csv = arguments->Has("format") ? arguments->Get("format") == "csv" : !is_lines;
-  Columns columns = ReadColumns(*arguments);
-  const std::string run = arguments->Get("run");
-  const auto scenario = arguments->Has("out") ? LoadScenario(run) : ScenarioOf(run);
-  TakeStart(scenario, &columns);
+                        file.ends_with(".geojsonl") || format == "json";
+  const bool csv = format.empty() ? !is_lines : format == "csv";
+  for (const char* option : {"every", "token-file", "exercise"}) {
+    if (arguments.Has(option)) {
+      throw InputError("command line", fmt::format("--{}", option), "given",
+                       "--format cap or kobo with it");
+    }
+  }
   std::ifstream opened;
   if (!from_stdin) {
     opened.open(file);
@@ -353,10 +431,10 @@ int FeedCommand(int argc, const char* const* argv) {
   }
   const StopSignals stop;
   std::unique_ptr<Sink> sink;
-  if (arguments->Has("out")) {
-    sink = std::make_unique<FileSink>(arguments->Get("out"), *scenario);
+  if (arguments.Has("out")) {
+    sink = std::make_unique<FileSink>(arguments.Get("out"), *scenario);
   } else {
-    sink = std::make_unique<MissionSink>(run, stop);
+    sink = std::make_unique<MissionSink>(arguments.Get("run"), stop);
   }
   if (is_lines) {
     std::istream& in = from_stdin ? std::cin : opened;
@@ -379,9 +457,21 @@ int FeedCommand(int argc, const char* const* argv) {
         },
         sink.get(), stop);
   }
-  fmt::print("{} taken, {} refused\n", sink->taken, sink->refused);
-  if (stop.count() > 0) return kExitInterrupted;
-  return sink->refused == 0 ? kExitOk : kExitCheckFailed;
+  return Finish(sink->taken, sink->refused, stop);
+}
+
+}  // namespace
+
+int FeedCommand(int argc, const char* const* argv) {
+  const auto arguments = FeedOptions().Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  Columns columns = ReadColumns(*arguments);
+  const std::string run = arguments->Get("run");
+  const auto scenario = arguments->Has("out") ? LoadScenario(run) : ScenarioOf(run);
+  TakeStart(scenario, &columns);
+  const std::string format = arguments->Has("format") ? arguments->Get("format") : "";
+  return format == "cap" || format == "kobo" ? FeedAlertsOrForms(*arguments, scenario, columns)
+                                             : FeedRows(*arguments, scenario, columns);
 }
 
 }  // namespace muster::tools

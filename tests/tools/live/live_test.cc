@@ -25,6 +25,7 @@
 #include "tests/tools/launch/process_test_util.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
+#include "tools/orders/alert_feed.h"
 #include "tools/report/page.h"
 #include "tools/top/top_view.h"
 
@@ -147,6 +148,39 @@ TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
   // At (6, 1) km: a degree is 111.2 km to the north and 76.2 km to the east there.
   EXPECT_NEAR(uav["geometry"]["coordinates"][0], 7.3 + 6 / 76.2, 0.001);
   EXPECT_NEAR(uav["geometry"]["coordinates"][1], 46.85 + 1 / 111.2, 0.001);
+}
+
+TEST_F(Served, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {
+  EXPECT_EQ(client_.Get("/mission.cap")->status, 404);
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [](scenario_t& scenario) {
+    scenario.json.insert(scenario.json.find("\"seed\""),
+                         R"("origin": {"latitude_deg": 46.85, "longitude_deg": 7.3},
+                            "start": "2026-01-16T09:00:00Z", )");
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  const std::vector<Packet> packets = Encoded(log);
+  Reports read;
+  const auto reads = [&](auto is_so) {
+    return Eventually([&] {
+      const auto got = client_.Get("/mission.cap");
+      if (!got || got->status != 200) return false;
+      read = ReadCap(got->body, "mission.cap", "Actual", std::nullopt);
+      return is_so();
+    });
+  };
+  const auto half = packets.begin() + static_cast<std::ptrdiff_t>(packets.size() / 2);
+  feed_.Add({packets.begin(), half});
+  ASSERT_TRUE(reads([&] { return read.reports.size() == 2 && read.reports[1].tasks.size() == 1; }));
+  EXPECT_EQ(read.reports[1].key, "muster,muster.run.task.1,2026-01-16T09:00:00-00:00");
+  EXPECT_EQ(read.reports[1].tasks[0]["priority"], 1);
+  EXPECT_EQ(read.reports[1].tasks[0]["name"], "Task 1");
+  feed_.Add({half, packets.end()});
+  ASSERT_TRUE(
+      reads([&] { return read.reports[0].tasks.empty() && read.reports[1].tasks.empty(); }));
+  EXPECT_TRUE(read.refused.empty());
+  EXPECT_EQ(read.reports[1].replaces,
+            std::vector<std::string>{"muster,muster.run.task.1,2026-01-16T09:00:00-00:00"});
 }
 
 TEST_F(Served, EventsCarryTheMissionAndSayGoodbye) {

@@ -92,6 +92,13 @@ TEST(GeoJsonMap, WhatIsCutOffAnywhereIsAnInputError) {
   }
 }
 
+TEST(GeoJsonMap, ValuesInValuesWithoutEndDoNotExhaustTheStack) {
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  EXPECT_THROW(Parsed(R"({"type": "FeatureCollection", "features": [{"type": "Feature", "x": )" +
+                      deep + "}]}"),
+               InputError);
+}
+
 TEST(MapFile, TagsInOneText) {
   const auto tags = [](std::string_view text) {
     MapTags read;

@@ -81,9 +81,11 @@ TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
                       << "\n"
                       << R"({"order": "task_add", "task": {"x_km": 100, "y_km": 1}})"
                       << "\n"
-                      << "nonsense\n";
+                      << "nonsense\n"
+                      << R"({"x": )" << std::string(1'000'000, '[') << std::string(1'000'000, ']')
+                      << "}\n";
   EXPECT_EQ(Command({"feed", Run(), rows}, &output), 4);
-  EXPECT_NE(output.find("1 taken, 2 refused"), std::string::npos) << output;
+  EXPECT_NE(output.find("1 taken, 3 refused"), std::string::npos) << output;
   ASSERT_EQ(mission.Wait(), 0) << mission.output();
   const Json report = Report();
   EXPECT_EQ(report["tasks_total"], 122);

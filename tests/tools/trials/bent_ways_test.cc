@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, BentWays, ::testing::ValuesIn(AllPolicies()),
 TEST(BentWays, MissionsWithKillsAndLossAreAuditedAndDecidedAgain) {
   const InManhattan bent;
   const audit::ScopedDefaultWays audited(std::make_shared<const AuditedManhattan>());
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     // Not with free moves: a process that starts again finds the goal of one, but not where it
     // began, and so tells it anew from where it was last seen.
     SoakSettings settings;

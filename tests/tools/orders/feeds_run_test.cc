@@ -1,0 +1,136 @@
+// Alerts and forms fed to missions of real processes.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/tools/faults/mission_test.h"
+
+namespace muster::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class FeedsRunTest : public MissionTest {
+ protected:
+  void SetUp() override {
+    MissionTest::SetUp();
+    if (IsSkipped()) return;
+    Json scenario = Json::parse(TextOf(scenario_));
+    scenario["origin"] = {{"latitude_deg", 46.8}, {"longitude_deg", 7.3}};
+    here_ = folder_.File("here.json");
+    std::ofstream(here_) << scenario;
+    fs::create_directory(folder_.File("inbox"));
+  }
+  void Start(const std::string& rate) {
+    mission_.emplace(folder_, "mission",
+                     std::vector<std::string>{"run", here_, "--quiet", "--take-orders", "--rate",
+                                              rate, "--out", Run()});
+    ASSERT_TRUE(Eventually([&] { return fs::exists(Run() + "/orders.sock"); }))
+        << mission_->output();
+  }
+  std::string Run() const { return folder_.File("run"); }
+  /// The last line of a feed's output.
+  std::string Feed(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"feed", Run()});
+    Muster feed(folder_, fmt::format("feed-{}", feeds_++), arguments);
+    feed.Wait();
+    return feed.output();
+  }
+  void Write(const std::string& name, const std::string& kind, const std::string& id,
+             const std::string& references, const std::string& severity, double latitude = 46.9) {
+    std::ofstream(folder_.File("inbox/" + name)) << fmt::format(
+        "<alert><identifier>{}</identifier><sender>s</sender><sent>2026-01-01T00:00:0{}Z</sent>"
+        "<status>Actual</status><msgType>{}</msgType><references>{}</references><info>"
+        "<urgency>Unknown</urgency><severity>{}</severity><headline>Bridge</headline>"
+        "<area><circle>{},7.4 1</circle></area></info></alert>",
+        id, id, kind, references, severity, latitude);
+  }
+
+  std::string here_;
+  std::optional<Muster> mission_;
+  int feeds_ = 0;
+};
+
+TEST_F(FeedsRunTest, AlertsAreTakenOnceChangedAndCancelled) {
+  Start("600");
+  const std::vector<std::string> look = {folder_.File("inbox"), "--format", "cap"};
+  Write("1.xml", "Alert", "1", "", "Extreme");
+  EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  EXPECT_EQ(Feed(look), "0 taken, 0 refused\n");
+  // Without its memory it is the same order again.
+  for (const auto& file : fs::directory_iterator(Run())) {
+    if (file.path().filename().string().starts_with("cap-")) fs::remove(file.path());
+  }
+  EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  // The same place: changed. Another one: in its stead. The order of the names is not theirs.
+  Write("0.xml", "Update", "2", "s,1,2026-01-01T00:00:01Z", "Minor");
+  EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  Write("00.xml", "Update", "3", "s,2,2026-01-01T00:00:02Z", "Minor", 46.95);
+  EXPECT_EQ(Feed(look), "2 taken, 0 refused\n");
+  // What the server no longer has is cancelled all the same.
+  fs::remove(folder_.File("inbox/00.xml"));
+  Write("4.xml", "Cancel", "4", "s,3,2026-01-01T00:00:03Z", "Minor");
+  Write("5.xml", "Alert", "5", "", "Extreme", 80);
+  const std::string output = Feed(look);
+  EXPECT_NE(output.find("1 taken, 1 refused"), std::string::npos) << output;
+  ASSERT_EQ(mission_->Wait(), 0) << mission_->output();
+  const Json report = Report();
+  EXPECT_EQ(report["tasks_total"], 122);
+  EXPECT_EQ(report["events"]["task_cancelled"], 2);
+}
+
+TEST_F(FeedsRunTest, AServerIsAskedAgainUntilTheMissionEnds) {
+  httplib::Server server;
+  int asked = 0;
+  server.Get("/data.json", [&](const httplib::Request& request, httplib::Response& response) {
+    ++asked;
+    if (request.get_header_value("Authorization") != "Token secret" || asked == 1) {
+      response.status = 503;
+      return;
+    }
+    const char* second = R"(, {"_uuid": "v", "_geolocation": [46.92, 7.45], "what": "Dam"})";
+    response.set_content(fmt::format(R"([{{"_uuid": "u", "_geolocation": [46.91, 7.45]}}{}])",
+                                     asked > 2 ? second : ""),
+                         "application/json");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  std::thread serving([&] { server.listen_after_bind(); });
+  std::ofstream(folder_.File("token")) << "secret\n";
+  Start("1200");
+  const std::string output =
+      Feed({fmt::format("http://127.0.0.1:{}/data.json", port), "--format", "kobo", "--every",
+            "0.3", "--token-file", folder_.File("token"), "--task-name", "what"});
+  EXPECT_NE(output.find("it answers with status 503"), std::string::npos) << output;
+  EXPECT_NE(output.find("2 taken, 0 refused"), std::string::npos) << output;
+  server.stop();
+  serving.join();
+  ASSERT_EQ(mission_->Wait(), 0) << mission_->output();
+  EXPECT_EQ(Report()["tasks_total"], 122);
+}
+
+TEST_F(FeedsRunTest, WhatCannotBeIsRefusedBeforeAnythingIsGiven) {
+  std::ofstream(folder_.File("a.csv")) << "lat,lon\n";
+  Muster every(folder_, "every", {"feed", Run(), folder_.File("a.csv"), "--every", "3"});
+  EXPECT_EQ(every.Wait(), 2);
+  EXPECT_NE(every.output().find("--format cap or kobo with it"), std::string::npos)
+      << every.output();
+  Muster out(
+      folder_, "out",
+      {"feed", here_, folder_.File("inbox"), "--format", "cap", "--out", folder_.File("o.jsonl")});
+  EXPECT_EQ(out.Wait(), 2);
+  Muster gone(folder_, "gone", {"feed", Run(), folder_.File("nowhere"), "--format", "cap"});
+  EXPECT_EQ(gone.Wait(), 2);
+  EXPECT_NE(gone.output().find("no such file or folder"), std::string::npos) << gone.output();
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace muster::tools {
+
+/// Begins with "http://" or "https://".
+bool IsWebAddress(const std::string& text);
+
+/// What a server answers to GET, of at most so many bytes; redirects are followed, certificates
+/// checked. `token`: "Authorization: Token ..."; "": none. Throws SystemError naming address and
+/// reason.
+std::string Fetch(const std::string& address, const std::string& token, std::size_t most_bytes);
+
+}  // namespace muster::tools
