@@ -37,12 +37,24 @@ export function chat({ from, to, text, at, now, number }) {
   } });
 }
 
+/** A way over these places, as a route. */
+export function route({ uid, callsign, places, now, holds, remarks = "", isOnFoot = false }) {
+  const link = places.map(({ latitude, longitude }, i) => ({ $: { uid: `${uid}.${i}`, callsign: i === places.length - 1 ? callsign : "",
+    type: i === 0 || i === places.length - 1 ? "b-m-p-w" : "b-m-p-c", point: `${latitude.toFixed(7)},${longitude.toFixed(7)}`, relation: "c" } }));
+  return event({ uid, type: "b-m-r", at: places[0], now, holds, detail: { link, link_attr: { $: { color: "-16711681", stroke: "3", type: isOnFoot ? "On Foot" : "Vehicle",
+    method: isOnFoot ? "Walking" : "Driving", direction: "Infil", routetype: "Primary", order: "Ascending Check Points", prefix: "CP", planningmethod: "Infil" } },
+  contact: { $: { callsign } }, remarks } });
+}
+
+/** What was shown as `uid` is there no more. */
+export const deletion = ({ uid, type, at, now }) => event({ uid: `${uid}.gone`, type: "t-x-d-d", at, now, holds: 60_000, detail: { link: { $: { uid, type, relation: "none" } }, __forcedelete: {} } });
+
 const first = (node) => (Array.isArray(node) ? node[0] : node);
 const attributes = (node) => first(node)?.$ ?? {};
 const words = (node) => (typeof first(node) === "object" ? first(node)?.["#text"] : first(node));
 
 /**
- * What an event says: {uid, type, time, stale (milliseconds), at, callsign, remarks, links, chat}. Throws NoEvent where it is
+ * What an event says: {uid, type, time, stale (milliseconds), at, ce (m, null: unknown), callsign, remarks, links, chat}. Throws NoEvent where it is
  * none, is over, or comes from the future.
  */
 export function readEvent(xml, now) {
@@ -65,7 +77,8 @@ export function readEvent(xml, now) {
   const detail = first(top.detail) || {};
   const links = [detail.link ?? []].flat().map(attributes);
   const room = attributes(detail.__chat);
-  return { uid: clean(uid), type, time: from, stale: until, at: { latitude, longitude },
+  const ce = degrees(point.ce);
+  return { uid: clean(uid), type, time: from, stale: until, at: { latitude, longitude }, ce: ce >= 0 && ce < Number(UNKNOWN) ? ce : null,
     callsign: clean(attributes(detail.contact).callsign, 80), creator: clean(attributes(detail.creator).callsign, 80),
     remarks: clean(words(detail.remarks)), links, cancels: attributes(detail.emergency).cancel === "true",
     chat: detail.__chat === undefined ? null : { sender: clean(room.senderCallsign, 80), room: clean(room.chatroom, 80), uid: clean(links[0]?.uid ?? "", 300) } };

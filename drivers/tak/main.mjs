@@ -21,7 +21,7 @@ function note(words, once = words) {
 }
 
 async function run(options) {
-  const picture = new Picture();
+  const picture = new Picture(options);
   let number = 0;
   const waiting = []; // events that are due, to be sent as the pace allows
   const say = (to, text) => {

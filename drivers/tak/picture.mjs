@@ -7,7 +7,7 @@ import { actionsOf, placeAt, statusAt, taskStatusAt } from "../../tools/report/p
 import { PRIORITIES, arrivalAt, taskNow } from "../../tools/report/page/story.js";
 import { timeText } from "../../tools/report/page/time.js";
 import { BEING_SENSED, CANCELLED, CHARGING, DONE, EXPIRED, HELD, LAST_STAY, MOVING, OFFLINE, OPEN, RESERVED, SENSING, UAV, UNREPORTED, WAITING } from "../../tools/report/page/words.js";
-import { event } from "./cot.mjs";
+import { deletion, event, route } from "./cot.mjs";
 
 const AGENT_TYPES = ["a-f-A-M-H-Q", "a-f-G-U-C", "a-f-G-E-V-C"]; // drone, ground unit, vehicle
 const AGENT_HOLDS_MS = 60_000;
@@ -15,6 +15,7 @@ const PLACE_HOLDS_MS = 10 * 60_000;
 const MOVED_M = 1; // less is no move
 const TROUBLES = ["failed", "stranded", "range", "process"];
 const MOST_SHAPE_POINTS = 500;
+const MOST_CLOSED = 200; // roads of one closure
 
 // Signed ARGB, as ATAK has colours.
 const argb = (rgb) => (0xff000000 | rgb) | 0;
@@ -38,9 +39,12 @@ export class Picture {
   #commands = new Map(); // agent -> its newest command
   #learned = 0; // decisions whose commands are known
   #told = -1; // newest decision that the room heard of
+  #ways = new Set(); // agents whose way is shown
 
-  constructor() {
+  /** `ways`: the ways of those who move, too. */
+  constructor({ ways = false } = {}) {
     this.run = null;
+    this.ways = ways;
   }
 
   /** Another mission, or the same from its beginning: everything is said anew. Names stay those of the run. */
@@ -50,6 +54,7 @@ export class Picture {
     this.self = { uid: this.prefix, callsign: "MUSTER" };
     this.#said.clear();
     this.#commands.clear();
+    this.#ways.clear();
     this.#learned = 0;
   }
 
@@ -88,7 +93,8 @@ export class Picture {
       if (made) events.push(made);
     }
     for (const point of run.charging) events.push(this.#charging(point, now));
-    events.push(...this.#zones(t, now));
+    events.push(...this.#zones(t, now), ...this.#closedRoads(t, now));
+    if (this.ways) events.push(...run.agents.map((agent) => (agent.vacant ? null : this.#way(agent, t, now))));
     return events.filter(Boolean);
   }
 
@@ -146,6 +152,34 @@ export class Picture {
     return arrival ? `${where}, there by ${timeText(run, arrival.t)}` : where;
   }
 
+  /** The way that is ahead of one who moves; its end when nothing is. */
+  #way(agent, t, now) {
+    const { run } = this;
+    const uid = `${this.prefix}.way.${agent.label.replace(":", ".")}`;
+    const place = placeAt(agent, t);
+    const command = this.#commands.get(agent.index);
+    const goal = command && (command.task >= 0 ? run.tasks[command.task] : run.charging[command.charge]);
+    if (statusAt(agent, t) !== MOVING || !goal || !place) {
+      if (!this.#ways.delete(agent.index)) return null;
+      this.#said.delete(uid);
+      return deletion({ uid, type: "b-m-r", at: this.middle, now });
+    }
+    const places = [place];
+    for (let i = 0; i < agent.stops.length; i += 4) {
+      const [when, x, y] = agent.stops.slice(i, i + 3);
+      if (when > t && Math.hypot(goal.x - x, goal.y - y) > MOVED_M) places.push({ x, y });
+      else if (when > t) break;
+    }
+    places.push(goal);
+    const callsign = `${agent.label} to ${command.task >= 0 ? "task" : "charging point"} ${goal.id}`;
+    const key = `${callsign} ${places.slice(1).map(({ x, y }) => `${x} ${y}`).join()}`;
+    const said = this.#said.get(uid);
+    if (said?.key === key && now < said.until) return null;
+    this.#said.set(uid, { key, until: now + AGENT_HOLDS_MS / 2 });
+    this.#ways.add(agent.index);
+    return route({ uid, callsign, places: places.map((one) => this.at(one)), now, holds: AGENT_HOLDS_MS, isOnFoot: agent.kind === 1 });
+  }
+
   /** Takes in the decisions that came since. */
   #learn() {
     const { decisions } = this.run;
@@ -188,6 +222,21 @@ export class Picture {
         link: links, contact: { $: { callsign: name || `Zone ${order}` } }, strokeColor: { $: { value: String(RED) } }, strokeWeight: { $: { value: "3.0" } },
         fillColor: { $: { value: String(0x33ff0000 | 0) } }, labels_on: { $: { value: "true" } }, remarks: "UAVs keep out" } }, order);
     });
+  }
+
+  /** Roads that are closed: a line each. */
+  #closedRoads(t, now) {
+    const lines = this.run.scenario.roads?.lines;
+    if (!lines) return [];
+    return closuresAt(this.run, t).flatMap(([order, name, , roads]) => roads.slice(0, MOST_CLOSED).map((road) => {
+      const corners = [];
+      const line = lines[road];
+      for (let i = 1; i + 1 < line.length && corners.length < MOST_SHAPE_POINTS; i += 2) corners.push(this.at({ x: line[i], y: line[i + 1] }));
+      const links = corners.map(({ latitude, longitude }) => ({ $: { point: `${latitude.toFixed(7)},${longitude.toFixed(7)}` } }));
+      return this.#make({ uid: `${this.prefix}.closed.${order}.${road}`, type: "u-d-f", how: "h-e", at: corners[0], now, holds: PLACE_HOLDS_MS, detail: {
+        link: links, contact: { $: { callsign: name || "Closed road" } }, strokeColor: { $: { value: String(RED) } }, strokeWeight: { $: { value: "4.0" } },
+        remarks: "closed road" } }, order);
+    }));
   }
 
   /** What has begun to need attention, and what no longer does. */

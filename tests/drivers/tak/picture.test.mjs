@@ -66,6 +66,33 @@ test("a zone in force is a shape; one that is lifted is not said any more", () =
   assert.equal(byUid(picture.due(NOW)).get("muster.r.zone.z1"), undefined);
 });
 
+test("closed roads are lines, as long as they are closed", () => {
+  const run = begun({ scenario: { ...scenario, roads: { source: "s", classes: [["road", 5, 50]], lines: [[0, 0, 0, 500, 0, 500, 500], [0, 1, 1, 2, 2]] } }, now_ms: 60000 });
+  const picture = new Picture();
+  picture.begin(run);
+  at(run, 61000, { road_changes: [[61000, [["c1", "flood", 61000, [0]]]]] });
+  const road = byUid(picture.due(NOW)).get("muster.r.closed.c1.0");
+  assert.deepEqual([road.$.type, road.detail.contact.$.callsign, road.detail.link.length], ["u-d-f", "flood", 3]);
+  at(run, 62000, { road_changes: [[61000, [["c1", "flood", 61000, [0]]]], [62000, []]] });
+  picture.repeat();
+  assert.equal(byUid(picture.due(NOW)).get("muster.r.closed.c1.0"), undefined);
+});
+
+test("with ways: the way ahead as a route, which goes when it is over", () => {
+  const run = begun({ scenario, stops: [[0, 0, [0, 0, 0, 30000, 60000, 600, 0, 29400, 90000, 600, 300, 29100]], [1, 0, [0, 100, 100, 0]]], spans: [[0, 0, [0, 2]], [1, 0, [0, 1]]],
+    now_ms: 60000, decisions: [0, [[0, 0, 1, 1, 1, 10, "certified", [7, 0, 0, -1, 1, -1, 900, 900, 1]]]] });
+  const picture = new Picture({ ways: true });
+  picture.begin(run);
+  const way = byUid(picture.due(NOW)).get("muster.r.way.uav.0");
+  assert.deepEqual([way.$.type, way.detail.contact.$.callsign, way.detail.link[0].$.type], ["b-m-r", "uav:0 to task 1", "b-m-p-w"]);
+  assert.ok(way.detail.link.length >= 3, "here, the corner, the goal");
+  assert.equal(byUid(picture.due(NOW + 1000)).get("muster.r.way.uav.0"), undefined);
+  at(run, 61000, { spans: [[0, 1, [61000, 1]]] });
+  const gone = byUid(picture.due(NOW + 2000)).get("muster.r.way.uav.0.gone");
+  assert.deepEqual([gone.$.type, gone.detail.link.$.uid], ["t-x-d-d", "muster.r.way.uav.0"]);
+  assert.equal(byUid(picture.due(NOW + 3000)).get("muster.r.way.uav.0.gone"), undefined);
+});
+
 test("the room hears of a decision once", () => {
   const { run, picture } = made();
   at(run, 60000, { decisions: [0, [[0, 60000, 1, 1, 1, 10, "certified", [7, 0, 0, -1, 1, -1, 900, 900, 1]]]] });

@@ -10,11 +10,13 @@ import { test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
 import { createServer as createTlsServer } from "node:tls";
 import { fileURLToPath } from "node:url";
-import { MissionMap } from "../../../drivers/places.mjs";
+import { MissionMap, distance_m, towards } from "../../../drivers/places.mjs";
 import { Splitter, event, readEvent, toXml } from "../../../drivers/tak/cot.mjs";
 import { Program } from "../mavlink/programs.mjs";
 
 const MAIN = join(dirname(fileURLToPath(import.meta.url)), "../../../drivers/tak/main.mjs");
+const DRIVE = join(dirname(MAIN), "drive.mjs");
+const FIELD_TEST = join(dirname(MAIN), "../../scenarios/field_test.json");
 const { MUSTER_PROGRAM } = process.env;
 const ORIGIN = { latitude_deg: 46.85, longitude_deg: 7.3 };
 
@@ -178,6 +180,85 @@ test("over TLS with a certificate of its own, and to a multicast group of this m
   });
 });
 
+/**
+ * A person with a TAK device at the end of that connection: walks to what is shown, writes what is asked for. `of`: {map, at (metres), speed_m_s, rate}.
+ * Ends with the connection.
+ */
+async function walk(tak, { map, at, speed_m_s, rate }) {
+  const here = { ...at };
+  let isOpen = true;
+  tak.socket.once("close", () => { isOpen = false; });
+  const degreesHere = () => {
+    const { latitude_deg: latitude, longitude_deg: longitude } = map.toDegrees(here);
+    return { latitude, longitude };
+  };
+  const self = await tak.until(({ all }) => all.find(({ type }) => type === "a-f-G-I"), "the driver's contact");
+  let [heard, n] = [0, 0];
+  const written = [];
+  const write = (text) => {
+    written.push(text);
+    tak.say({ uid: `GeoChat.${self.uid}.${++n}`, type: "b-t-f", at: degreesHere(), detail: { __chat: { $: { chatroom: self.callsign, id: self.uid, senderCallsign: "Jenny" } },
+      link: { $: { uid: `ANDROID-${self.uid}`, relation: "p-p" } }, remarks: text } });
+  };
+  const STEP_MS = 50;
+  for (let goal = null, doneAt = null; isOpen; await sleep(STEP_MS)) {
+    const chats = tak.all.filter(({ chat }) => chat);
+    for (; heard < chats.length; ++heard) {
+      const words = chats[heard].remarks;
+      const [, amount, unit] = /\((\d+) (s|min)\)/.exec(words) ?? [];
+      goal = words.startsWith("go to ") ? "unseen" : null;
+      doneAt = amount ? Date.now() + (1000 * amount * (unit === "s" ? 1 : 60)) / rate : null;
+    }
+    if (goal === "unseen") {
+      const { at: to } = await tak.until(({ all }) => all.findLast(({ type }) => type === "b-m-p-w-GOTO"), "the goal");
+      goal = map.toMetres({ latitude_deg: to.latitude, longitude_deg: to.longitude });
+    }
+    if (goal) {
+      const way = (speed_m_s * rate * STEP_MS) / 1000;
+      Object.assign(here, towards(here, goal, way));
+      if (distance_m(here, goal) < 2) {
+        write("here");
+        goal = null;
+      }
+    }
+    if (doneAt !== null && Date.now() > doneAt) {
+      write(/^change/.test(chats.at(-1).remarks) ? "battery changed" : "done");
+      doneAt = null;
+    }
+    tak.say({ uid: `ANDROID-${self.uid}`, type: "a-f-G-U-C", at: degreesHere(), detail: { contact: { $: { callsign: "Jenny" } } } });
+  }
+  return { written, agent: self.uid };
+}
+
+test("TAK users take the parts of a worker and a vehicle: three places of three", async () => {
+  await withPrograms(async ({ start, run, folder }) => {
+    const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
+    const RATE = 30;
+    const server = createServer();
+    await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+    const specs = { "muster.worker.0": scenario.workers[0], "muster.vehicle.0": scenario.vehicles[0] };
+    const parts = [];
+    server.on("connection", (socket) => parts.push((async () => {
+      const tak = new Client(socket);
+      const { uid } = await tak.until(({ all }) => all.find(({ type }) => type === "a-f-G-I"), "the driver's contact");
+      const { x_km, y_km, speed_km_per_min: speed } = specs[uid];
+      return walk(tak, { map: new MissionMap(scenario.origin), at: { x_m: 1000 * x_km, y_m: 1000 * y_km }, speed_m_s: (1000 * speed) / 60, rate: RATE });
+    })()));
+    const driver = `'${process.execPath}' '${DRIVE}' --callsign Jenny --connect 127.0.0.1:${server.address().port}`;
+    const out = join(folder, "run");
+    const mission = start(MUSTER_PROGRAM, ["run", FIELD_TEST, "--policy", "rollout", "--rate", String(RATE), "--quiet", "--out", out, "--driver", `worker:0=${driver}`, "--driver", `vehicle:0=${driver}`]);
+    assert.equal(await mission.ended, 0, mission.lines.join("\n"));
+    const people = await Promise.all(parts);
+    server.close();
+    const report = JSON.parse(readFileSync(join(out, "report.json"), "utf8"));
+    assert.equal(report.tasks_done, 3, `${JSON.stringify(people)} ${readFileSync(join(out, "worker.stderr"), "utf8")}`);
+    assert.equal(report.events.agent_failed ?? 0, 0);
+    const worker = people.find(({ agent }) => agent === "muster.worker.0");
+    assert.deepEqual([worker.written.filter((text) => text === "here").length >= 3, worker.written.filter((text) => text === "done").length], [true, 3]);
+    await run("audit", out);
+  });
+});
+
 test("rubbish, floods and what never ends are dropped; others go on", async () => {
   await withPrograms(async ({ mission, bridge }) => {
     const { address } = await mission(60);
@@ -208,6 +289,12 @@ test("what is wrong with the command line is said, with exit code 2", async () =
       [[good, "--listen", "70000"], /--listen: found '70000'/], [[good, "--multicast", "10.0.0.1:5"], /a multicast group/], [[good, "--listen", "0", "--cert", "x"], /without --tls/],
       [[good, "--connect", "a:1", "--tls", "--ca", "/nowhere"], /--ca: ENOENT/], [[good, "--fly"], /fly/]]) {
       const program = start(process.execPath, [MAIN, ...words]);
+      assert.equal(await program.ended, 2, words.join(" "));
+      assert.match(program.lines.join("\n"), wrong);
+    }
+    for (const [words, wrong] of [[[], /--callsign: found none/], [["--callsign", "J"], /expected one of them/], [["x", "--callsign", "J"], /found 'x'/],
+      [["--callsign", "J", "--listen", "0", "--accuracy", "0"], /--accuracy: found '0'/]]) {
+      const program = start(process.execPath, [DRIVE, ...words]);
       assert.equal(await program.ended, 2, words.join(" "));
       assert.match(program.lines.join("\n"), wrong);
     }
