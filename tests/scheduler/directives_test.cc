@@ -7,6 +7,7 @@
 #include "scheduler/checker.h"
 #include "scheduler/policies/directives/directing.h"
 #include "scheduler/policies/registry.h"
+#include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -173,6 +174,50 @@ TEST(Directives, OneWhoIsSentToAPlaceGoesThereAndStays) {
   EXPECT_EQ(sent->to, go.place);
   situation.workers[0].to = situation.workers[0].from = go.place;
   for (const Action& a : Decide(situation).actions) EXPECT_NE(a.worker.value, 0) << ToString(a);
+}
+
+/// Brute force on small situations. The pinned pair has the weight of the whole problem's graph; a
+/// partner who was not named is the best there; what the policy adds is the best of the graph that
+/// is left.
+TEST(Directives, WithAPinTheDecisionIsTheBestThatIsLeft) {
+  int pairs = 0, partners = 0;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    SCOPED_TRACE(seed);
+    Situation situation = testing::RandomSituation(seed, {.times = seed % 2 == 0});
+    Random random(seed, Stream::kTest, 8);
+    auto site = std::make_shared<Site>(*situation.site);
+    const auto below = [&](int n) {
+      return static_cast<std::int32_t>(random.Below(static_cast<std::uint32_t>(n)));
+    };
+    const int named = below(3);  // both, the UAV, the worker
+    const Directive pin = Pin(named == 2 ? -1 : below(3), named == 1 ? -1 : below(4), below(5));
+    site->directives = {pin};
+    situation.site = site;
+    const testing::ReferenceGraph whole(situation);
+    const Action* best = nullptr;  // of the nodes in order of ids: the first of equals
+    for (const Action& a : whole.nodes()) {
+      if (a.kind == ActionKind::kSense && IsSentBy(a, pin) &&
+          (best == nullptr || a.weight > best->weight + 1e-9)) {
+        best = &a;
+      }
+    }
+    const Directing directing = Direct(situation);
+    double expected = 0;
+    for (const Action& a : directing.actions) {
+      if (a.kind != ActionKind::kSense) continue;
+      ASSERT_NE(best, nullptr) << ToString(a);
+      EXPECT_EQ(ToString(a), ToString(*best));
+      EXPECT_NEAR(a.weight, best->weight, 1e-9);
+      ++(named == 0 ? pairs : partners);
+    }
+    for (const Action& a : directing.actions) expected += a.weight;
+    expected += testing::ReferenceGraph(directing.rest).BestWeight();
+    const Decision decision = Decide(situation);
+    EXPECT_NEAR(decision.weight, expected, 1e-6);
+    EXPECT_NEAR(decision.bound, expected, 1e-6);
+  }
+  EXPECT_GT(pairs, 20);
+  EXPECT_GT(partners, 60);
 }
 
 /// Of random directives in random situations: whatever they and the policy decide together may be
