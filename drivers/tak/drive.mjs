@@ -24,7 +24,7 @@ async function run(options) {
       isUnread = true;
     }
   } });
-  const person = new Person({ callsign: options.callsign, phone, send: (object) => links.send(object), note, session: phone.session,
+  const person = new Person({ callsign: options.callsign, phone, send: (object) => links.send(object), session: phone.session,
     clock: (ms) => new Date(ms).toTimeString().slice(0, 5) });
   const step = () => {
     phone.step();

@@ -19,8 +19,8 @@ export class Person {
   #number = 0;
 
   /** `phone`: Phone; `send(event)`: to TAK; `clock(ms)`: a time for people. */
-  constructor({ callsign, phone, send, note, clock, session }) {
-    Object.assign(this, { callsign, phone, send, note, clock, session });
+  constructor({ callsign, phone, send, clock, session }) {
+    Object.assign(this, { callsign, phone, send, clock, session });
   }
 
   get self() {

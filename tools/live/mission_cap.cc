@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <pugixml.hpp>
 #include <sstream>
 
@@ -23,8 +24,18 @@ void Add(pugi::xml_node* to, const char* name, const std::string& text) {
 class Alerts {
  public:
   Alerts(const Scenario& scenario, std::string run)
-      : scenario_(scenario), run_(std::move(run)), frame_(*scenario.origin) {}
+      : scenario_(scenario), run_(std::move(run)), frame_(*scenario.origin) {
+    // An identifier has no spaces and commas, as references are parted by them.
+    for (char& c : run_) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
+    }
+    for (const auto* agents : {&scenario.uavs, &scenario.workers, &scenario.vehicles}) {
+      is_real_ |= std::any_of(agents->begin(), agents->end(),
+                              [](const AgentSpec& agent) { return agent.measured; });
+    }
+  }
 
+  const std::string& run() const { return run_; }
   std::string When(TimeUs t) const {
     std::string text = MomentText(scenario_.start->unix_us + t, scenario_.start->offset_min);
     if (scenario_.start->offset_min == 0) text[text.size() - 6] = '-';  // CAP 1.2: UTC is -00:00
@@ -45,9 +56,10 @@ class Alerts {
     Add(&alert, "identifier", Identifier(x) + (is_over ? ".end" : ""));
     Add(&alert, "sender", kSender);
     Add(&alert, "sent", When(is_over ? changed_us : task.reported_us));
-    Add(&alert, "status", "Actual");
+    Add(&alert, "status", is_real_ ? "Actual" : "Exercise");
     Add(&alert, "msgType", is_over ? "Cancel" : "Alert");
-    Add(&alert, "scope", "Public");
+    Add(&alert, "scope", "Restricted");
+    Add(&alert, "restriction", "for those who dispatch");
     if (is_over) {
       Add(&alert, "note", std::string(ToString(status)));
       Add(&alert, "references",
@@ -70,8 +82,9 @@ class Alerts {
 
  private:
   const Scenario& scenario_;
-  const std::string run_;
+  std::string run_;
   const LocalFrame frame_;
+  bool is_real_ = false;  ///< an agent at least is no simulated one
 };
 
 }  // namespace
@@ -83,7 +96,7 @@ std::optional<std::string> MissionCap(const Timeline& timeline, const std::strin
   pugi::xml_document document;
   pugi::xml_node feed = document.append_child("feed");
   feed.append_attribute("xmlns") = kAtom;
-  Add(&feed, "id", "urn:muster:" + run);
+  Add(&feed, "id", "urn:muster:" + alerts.run());
   Add(&feed, "title", "Tasks of " + run);
   pugi::xml_node updated = feed.append_child("updated");
   TimeUs newest_us = 0;

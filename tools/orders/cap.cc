@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <pugixml.hpp>
-#include <set>
+#include <sstream>
 #include <utility>
 
 #include "base/check.h"
-#include "base/text.h"
 #include "base/units.h"
 #include "tools/orders/alert_feed.h"
 #include "tools/scenario/fields.h"
@@ -38,22 +38,15 @@ std::vector<pugi::xml_node> Children(const pugi::xml_node& node, std::string_vie
   return found;
 }
 
-std::string Text(const pugi::xml_node& node, std::string_view name) {
-  const std::vector<pugi::xml_node> found = Children(node, name);
-  return found.empty() ? "" : std::string(Trim(found.front().text().get()));
+std::vector<std::string> Words(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
-std::vector<std::string> Words(std::string_view text) {
-  std::vector<std::string> words;
-  std::string word;
-  for (const char c : std::string(text) + " ") {
-    if (c != ' ' && c != '\n' && c != '\t' && c != '\r') {
-      word += c;
-    } else if (!word.empty()) {
-      words.push_back(std::exchange(word, ""));
-    }
-  }
-  return words;
+/// In one line.
+std::string Text(const pugi::xml_node& node, std::string_view name) {
+  const std::vector<pugi::xml_node> found = Children(node, name);
+  return found.empty() ? "" : fmt::format("{}", fmt::join(Words(found.front().text().get()), " "));
 }
 
 std::optional<Place> PlaceOf(std::string_view text) {

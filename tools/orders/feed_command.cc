@@ -321,7 +321,8 @@ int FeedAlertsOrForms(const Arguments& arguments, const std::optional<Scenario>&
   const bool is_cap = format == "cap";
   FeedSettings settings;
   settings.run = arguments.Get("run");
-  settings.name = fmt::format("{}-{}", format, Sha256(from).substr(0, 8));
+  settings.format = format;
+  settings.memory = fmt::format("{}-{}.json", format, Sha256(from).substr(0, 8));
   arguments.Read("every", &settings.every_s);
   if (settings.every_s > 0 && from == "-") {
     throw InputError("command line", "FILE", "-", "a file, a folder or an address with --every");

@@ -91,7 +91,7 @@ class Feeder {
       : settings_(settings),
         stop_(stop),
         client_(settings.run),
-        memory_((fs::path(settings.run) / (settings.name + ".json")).string()) {}
+        memory_((fs::path(settings.run) / settings.memory).string()) {}
 
   void Look(const DocumentSource& source) {
     std::vector<Report> reports;
@@ -99,10 +99,10 @@ class Feeder {
       if (!documents_.insert(Sha256(text)).second) continue;
       try {
         Reports read = settings_.read(text, name);
-        for (const std::string& why : read.refused) Refuse(why);
+        for (const std::string& why : read.refused) RefuseOnce(why);
         std::move(read.reports.begin(), read.reports.end(), std::back_inserter(reports));
       } catch (const InputError& error) {
-        Refuse(error.what());
+        RefuseOnce(error.what());
       }
     }
     std::stable_sort(reports.begin(), reports.end(),
@@ -125,6 +125,10 @@ class Feeder {
   FeedCounts counts;
 
  private:
+  /// What stays wrong from look to look is one refusal.
+  void RefuseOnce(const std::string& why) {
+    if (refused_.insert(why).second) Refuse(why);
+  }
   void Refuse(const std::string& why) {
     if (++counts.refused <= kMostSaid) Say("muster: refused: {}\n", why);
     if (counts.refused == kMostSaid) Say("muster: further refusals are only counted\n");
@@ -139,7 +143,7 @@ class Feeder {
     }
     int n = 0;
     const auto id = [&] {
-      return fmt::format("{}-{}", settings_.name,
+      return fmt::format("{}-{}", settings_.format,
                          Sha256(fmt::format("{} {}", report.key, n++)).substr(0, 32));
     };
     for (const Json& task : report.tasks) {
@@ -191,7 +195,8 @@ class Feeder {
   const StopSignals& stop_;
   OrderClient client_;
   Memory memory_;
-  std::set<std::string> documents_;
+  std::set<std::string> documents_;  ///< SHA-256 of those that were read
+  std::set<std::string> refused_;
 };
 
 }  // namespace
@@ -210,7 +215,8 @@ std::vector<std::pair<std::string, std::string>> DocumentSource::Read() const {
   if (IsWebAddress(from_)) return {{from_, Fetch(from_, token_, kMostBytes)}};
   std::vector<std::string> files;
   if (fs::is_directory(from_)) {
-    for (const auto& entry : fs::directory_iterator(from_)) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(from_, error)) {
       const std::string name = entry.path().filename().string();
       const bool fits =
           std::any_of(endings_.begin(), endings_.end(),
@@ -218,6 +224,7 @@ std::vector<std::pair<std::string, std::string>> DocumentSource::Read() const {
       if (fits && !name.starts_with('.') && entry.is_regular_file())
         files.push_back(entry.path().string());
     }
+    if (error) throw InputError(fmt::format("{}: cannot read it: {}", from_, error.message()));
     std::sort(files.begin(), files.end());
   } else {
     files.push_back(from_);
@@ -234,13 +241,16 @@ std::vector<std::pair<std::string, std::string>> DocumentSource::Read() const {
 FeedCounts FeedReports(const DocumentSource& source, const FeedSettings& settings,
                        const StopSignals& stop) {
   Feeder feeder(settings, stop);
+  std::string trouble;
   while (!feeder.Ended()) {
     try {
       feeder.Look(source);
-    } catch (const SystemError& error) {
-      // A server that is away comes back; the mission does not.
+      trouble.clear();
+    } catch (const std::exception& error) {
+      // A server or a folder that is away comes back; the mission does not.
       if (settings.every_s == 0 || feeder.Ended()) throw;
-      Say("muster: {}\n", error.what());
+      if (trouble != error.what()) Say("muster: {}\n", error.what());
+      trouble = error.what();
     }
     if (settings.every_s == 0) break;
     const auto next = std::chrono::steady_clock::now() +

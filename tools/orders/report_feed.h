@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,7 +33,8 @@ class DocumentSource {
 
 struct FeedSettings {
   std::string run;     ///< run directory
-  std::string name;    ///< of the feed, for the file that remembers what was given
+  std::string format;  ///< in the orders' ids
+  std::string memory;  ///< file in the run directory: what was given from this source
   double every_s = 0;  ///< seconds between two looks; 0: one look
   std::function<Reports(const std::string& document, const std::string& file)> read;
 };
@@ -43,10 +43,12 @@ struct FeedCounts {
   int taken = 0, refused = 0;
 };
 
-/// Gives a running mission what the documents report. The orders' ids follow from the reports, and
-/// RUN/NAME.json remembers their tasks: so what is given again, after a restart too, is taken once.
-/// A report that replaces another changes its task where the place is the same, and else cancels it
-/// and adds a new one. Ends with the mission, or when `stop` says so.
+/// Gives a running mission what the documents report. The orders' ids follow from the reports
+/// alone, and a file remembers their tasks: so what is given again, after a restart or from another
+/// source too, is taken once. A report that replaces another changes its task where the place is
+/// the same, and else cancels it and adds a new one. Ends with the mission, or when `stop` says so.
+/// Where it looks again, a look that fails is said, and is no end; else it throws as
+/// DocumentSource::Read, and SystemError where the mission ends before an answer.
 FeedCounts FeedReports(const DocumentSource& source, const FeedSettings& settings,
                        const StopSignals& stop);
 

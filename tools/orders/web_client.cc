@@ -15,7 +15,7 @@ std::string Fetch(const std::string& address, const std::string& token, std::siz
   const std::size_t slash = address.find('/', address.find("//") + 2);
   httplib::Client client(address.substr(0, slash));
   if (!client.is_valid()) throw InputError(fmt::format("{}: no address of a web server", address));
-  client.set_follow_location(true);
+  client.set_follow_location(token.empty());  // else it would tell the token to another server
   client.set_connection_timeout(10);
   client.set_read_timeout(30);
   httplib::Headers headers;

@@ -7,9 +7,9 @@ namespace muster::tools {
 /// Begins with "http://" or "https://".
 bool IsWebAddress(const std::string& text);
 
-/// What a server answers to GET, of at most so many bytes; redirects are followed, certificates
-/// checked. `token`: "Authorization: Token ..."; "": none. Throws SystemError naming address and
-/// reason.
+/// What a server answers to GET, of at most so many bytes. Certificates are checked. `token`:
+/// "Authorization: Token ..."; "": none, and redirects are followed. Throws InputError where it is
+/// no address, SystemError naming address and reason.
 std::string Fetch(const std::string& address, const std::string& token, std::size_t most_bytes);
 
 }  // namespace muster::tools

@@ -14,7 +14,7 @@ class Field {
 
   constructor(hello) {
     this.box = new Box(hello);
-    this.person = new Person({ callsign: "Jenny", phone: this.box.phone, send: (object) => this.sent.push(readEvent(toXml(object), this.now)), note: () => {},
+    this.person = new Person({ callsign: "Jenny", phone: this.box.phone, send: (object) => this.sent.push(readEvent(toXml(object), this.now)),
       clock: (ms) => `${Math.round((ms - this.now) / 1000)} s from now`, session: "s" });
   }
   get now() {

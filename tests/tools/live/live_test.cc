@@ -165,7 +165,7 @@ TEST_F(Served, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {
     return Eventually([&] {
       const auto got = client_.Get("/mission.cap");
       if (!got || got->status != 200) return false;
-      read = ReadCap(got->body, "mission.cap", "Actual", std::nullopt);
+      read = ReadCap(got->body, "mission.cap", "Exercise", std::nullopt);
       return is_so();
     });
   };

@@ -116,6 +116,12 @@ TEST(Cap, SeveralAlertsInAFeedWithPrefixesAndLanguages) {
   EXPECT_EQ(prefixed.reports.at(0).key, "s,i,2010-01-16T09:10:00Z");
 }
 
+TEST(Cap, AHeadlineOverSeveralLinesIsAName) {
+  std::string alert = Alert({});
+  alert.replace(alert.find("School in"), 9, "School\n   in");
+  EXPECT_EQ(ReadCap(alert, "f", "Actual", {}).reports.at(0).tasks.at(0)["name"], "School in ruins");
+}
+
 TEST(Cap, WhatIsWrongIsNamed) {
   const auto refused = [](const AlertParts& parts) { return Read(parts).refused.at(0); };
   EXPECT_EQ(refused({.area = "<circle>18.5 -72.3 1</circle>"}),

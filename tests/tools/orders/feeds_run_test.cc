@@ -71,6 +71,8 @@ TEST_F(FeedsRunTest, AlertsAreTakenOnceChangedAndCancelled) {
     if (file.path().filename().string().starts_with("cap-")) fs::remove(file.path());
   }
   EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  // Nor is it another one from another source.
+  EXPECT_EQ(Feed({folder_.File("inbox/1.xml"), "--format", "cap"}), "1 taken, 0 refused\n");
   // The same place: changed. Another one: in its stead. The order of the names is not theirs.
   Write("0.xml", "Update", "2", "s,1,2026-01-01T00:00:01Z", "Minor");
   EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
