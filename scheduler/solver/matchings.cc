@@ -1,7 +1,9 @@
 #include "scheduler/solver/matchings.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <queue>
 #include <utility>
 
 namespace muster::scheduler {
@@ -17,21 +19,43 @@ constexpr Index kMorePlaces = 3;  ///< of a site, besides those in use, that pai
 Matchings::Matchings(const Instance& instance, const Dual& dual)
     : instance_(instance), dual_(dual), planner_(instance, dual) {}
 
-void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
-  const auto n_sites = At(instance_.n_sites());
-  if (uav_arc_.empty()) {
-    uav_arc_.assign(instance_.uavs.size() * n_sites, -1);
-    partner_arc_.assign(instance_.partners.size() * n_sites, -1);
-    for (std::size_t s = 0; s < n_sites; ++s) {
-      for (Index i = instance_.uav_begin[s]; i < instance_.uav_begin[s + 1]; ++i) {
-        uav_arc_[At(instance_.uav_arcs[At(i)].uav) * n_sites + s] = i;
-      }
-      for (Index j = instance_.partner_begin[s]; j < instance_.partner_begin[s + 1]; ++j) {
-        partner_arc_[At(instance_.partner_arcs[At(j)].partner) * n_sites + s] = j;
+Index Matchings::ArcsBySite::Find(Index agent, Index site) const {
+  const auto arcs = of(agent);
+  const auto arc = std::lower_bound(arcs.begin(), arcs.end(), std::pair(site, Index{0}));
+  return arc != arcs.end() && arc->first == site ? arc->second : -1;
+}
+
+void Matchings::ListArcs() {
+  const auto list = [&](std::size_t n_agents, std::size_t n_arcs, auto&& for_each) {
+    ArcsBySite arcs{std::vector<std::size_t>(n_agents + 1, 0), {}};
+    for_each([&](Index agent, Index, Index) { ++arcs.begin[At(agent) + 1]; });
+    for (std::size_t k = 0; k < n_agents; ++k) arcs.begin[k + 1] += arcs.begin[k];
+    arcs.all.resize(n_arcs);
+    std::vector<std::size_t> next(arcs.begin.begin(), arcs.begin.end() - 1);
+    for_each([&](Index agent, Index site, Index arc) {
+      arcs.all[next[At(agent)]++] = {site, arc};
+    });
+    work_ += static_cast<std::int64_t>(2 * n_arcs);
+    return arcs;
+  };
+  uav_arcs_ = list(instance_.uavs.size(), instance_.uav_arcs.size(), [&](auto&& visit) {
+    for (Index s = 0; s < instance_.n_sites(); ++s) {
+      for (Index i = instance_.uav_begin[At(s)]; i < instance_.uav_begin[At(s) + 1]; ++i) {
+        visit(instance_.uav_arcs[At(i)].uav, s, i);
       }
     }
-    work_ += static_cast<std::int64_t>(uav_arc_.size() + partner_arc_.size());
-  }
+  });
+  partner_arcs_ = list(instance_.partners.size(), instance_.partner_arcs.size(), [&](auto&& visit) {
+    for (Index s = 0; s < instance_.n_sites(); ++s) {
+      for (Index j = instance_.partner_begin[At(s)]; j < instance_.partner_begin[At(s) + 1]; ++j) {
+        visit(instance_.partner_arcs[At(j)].partner, s, j);
+      }
+    }
+  });
+}
+
+void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
+  if (uav_arcs_.begin.empty()) ListArcs();
   planner_.Weigh(plan);
   int idle = 0;
   for (std::uint32_t round = 0; idle < kIdle && !stop(); ++round) {
@@ -50,9 +74,8 @@ void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
 }
 
 Column Matchings::ColumnOf(Index uav, Index partner, Index site) const {
-  const auto n_sites = At(instance_.n_sites());
-  const Index i = uav_arc_[At(uav) * n_sites + At(site)];
-  const Index j = partner < 0 ? -1 : partner_arc_[At(partner) * n_sites + At(site)];
+  const Index i = uav_arcs_.Find(uav, site);
+  const Index j = partner < 0 ? -1 : partner_arcs_.Find(partner, site);
   if (i < 0 || (partner >= 0 && j < 0)) return {};
   return {site, i, j, 0};
 }
@@ -96,16 +119,19 @@ Plan Matchings::MatchPartners(const Plan& plan) {
   for (Index u = 0; u < instance_.n_uavs(); ++u) {
     if (plan.column[At(u)].site >= 0) rows.push_back(u);
   }
-  const auto n = At(instance_.n_partners());
-  std::vector<double> gains;
+  Edges edges;
   for (const Index u : rows) {
     const Index site = plan.column[At(u)].site;
-    const double alone = std::max(instance_.uavs[At(u)].stay, WeightOf(ColumnOf(u, -1, site)));
-    for (Index p = 0; At(p) < n; ++p) {
-      gains.push_back(WeightOf(ColumnOf(u, p, site)) - alone - OwnWeight(plan, p));
+    const Column own = ColumnOf(u, -1, site);
+    const double alone = std::max(instance_.uavs[At(u)].stay, WeightOf(own));
+    for (Index j = instance_.partner_begin[At(site)]; j < instance_.partner_begin[At(site) + 1];
+         ++j) {
+      const Index p = instance_.partner_arcs[At(j)].partner;
+      edges.Add(p, WeightOf({site, own.uav_arc, j, 0}) - alone - OwnWeight(plan, p));
     }
+    edges.EndRow();
   }
-  const std::vector<Index> matched = Match(rows.size(), n, gains);
+  const std::vector<Index> matched = Match(At(instance_.n_partners()), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Index site = plan.column[At(rows[k])].site;
@@ -131,22 +157,24 @@ Plan Matchings::MatchSites(const Plan& plan) {
     rows.push_back({u, planner_.PartnerOf(column), -1});
     ++used[At(column.site)];
   }
-  std::vector<Index> places;
+  std::vector<Index> place_begin(1, 0), places;
   for (Index s = 0; s < instance_.n_sites(); ++s) {
     const Index n = used[At(s)] + std::min(plan.free_places[At(s)], kMorePlaces);
     places.insert(places.end(), At(n), s);
+    place_begin.push_back(static_cast<Index>(places.size()));
   }
-  std::vector<double> gains;
+  Edges edges;
   for (const Half& half : rows) {
     double least = instance_.uavs[At(half.uav)].stay;
     if (half.partner >= 0) least += instance_.partners[At(half.partner)].stay;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      gains.push_back(k > 0 && places[k] == places[k - 1]
-                          ? gains.back()
-                          : WeightOf(ColumnOf(half.uav, half.partner, places[k])) - least);
+    for (const auto& [site, arc] :
+         half.partner >= 0 ? partner_arcs_.of(half.partner) : uav_arcs_.of(half.uav)) {
+      const double gain = WeightOf(ColumnOf(half.uav, half.partner, site)) - least;
+      for (Index k = place_begin[At(site)]; k < place_begin[At(site) + 1]; ++k) edges.Add(k, gain);
     }
+    edges.EndRow();
   }
-  const std::vector<Index> matched = Match(rows.size(), places.size(), gains);
+  const std::vector<Index> matched = Match(places.size(), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (matched[k] < 0) continue;
@@ -170,18 +198,21 @@ Plan Matchings::MatchUavs(const Plan& plan, std::uint32_t round) {
     if (plan.own[At(p)] == nullptr) --rest.free_places[At(site)];
     rows.push_back({-1, p, site});
   }
-  const auto n = At(instance_.n_uavs());
-  std::vector<double> gains;
+  Edges edges;
   for (const Half& half : rows) {
     const double own = OwnWeight(plan, half.partner);
-    for (Index u = 0; At(u) < n; ++u) {
+    const Index j = partner_arcs_.Find(half.partner, half.site);
+    for (Index i = instance_.uav_begin[At(half.site)]; i < instance_.uav_begin[At(half.site) + 1];
+         ++i) {
+      const Index u = instance_.uav_arcs[At(i)].uav;
       const Column& column = plan.column[At(u)];
       const double alone =
           column.partner_arc < 0 ? planner_.WeightOf(u, column) : instance_.uavs[At(u)].stay;
-      gains.push_back(WeightOf(ColumnOf(u, half.partner, half.site)) - own - alone);
+      edges.Add(u, WeightOf({half.site, i, j, 0}) - own - alone);
     }
+    edges.EndRow();
   }
-  const std::vector<Index> matched = Match(rows.size(), n, gains);
+  const std::vector<Index> matched = Match(At(instance_.n_uavs()), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (matched[k] < 0) continue;
@@ -198,9 +229,8 @@ Index Matchings::SiteFor(const Plan& plan, Index partner, std::uint32_t round) {
   double least = kInfinity;
   Index best = -1;
   std::uint32_t best_mix = 0;
-  for (Index s = 0; s < instance_.n_sites(); ++s) {
-    const Index j = partner_arc_[At(partner) * At(instance_.n_sites()) + At(s)];
-    if (j < 0 || plan.free_places[At(s)] <= 0) continue;
+  for (const auto& [s, j] : partner_arcs_.of(partner)) {
+    if (plan.free_places[At(s)] <= 0) continue;
     // The site's price is lost where nobody takes it.
     double regret = kInfinity;
     for (Index i = instance_.uav_begin[At(s)]; i < instance_.uav_begin[At(s) + 1]; ++i) {
@@ -220,60 +250,83 @@ Index Matchings::SiteFor(const Plan& plan, Index partner, std::uint32_t round) {
   return best;
 }
 
-std::vector<Index> Matchings::Match(std::size_t n_rows, std::size_t n_columns,
-                                    const std::vector<double>& gains) {
-  // Columns from 1; then one for each row, which is to gain nothing.
-  const std::size_t n = n_columns + n_rows;
-  std::vector<double> row_potential(n_rows + 1, 0), column_potential(n + 1, 0), least(n + 1);
-  std::vector<std::size_t> row_of(n + 1, 0), before(n + 1, 0);
-  std::vector<char> seen(n + 1);
-  const auto cost = [&](std::size_t row, std::size_t column) {
-    if (column > n_columns) return column - n_columns == row ? 0.0 : 1.0;
-    const double gain = gains[(row - 1) * n_columns + column - 1];
-    return gain > 0 ? -gain : 1.0;
-  };
-  for (std::size_t row = 1; row <= n_rows; ++row) {
-    row_of[0] = row;
-    std::fill(least.begin(), least.end(), kInfinity);
-    std::fill(seen.begin(), seen.end(), 0);
-    std::size_t column = 0;
-    while (row_of[column] != 0) {
-      seen[column] = 1;
-      const std::size_t from = row_of[column];
-      double delta = kInfinity;
-      std::size_t next = 0;
-      for (std::size_t k = 1; k <= n; ++k) {
-        if (seen[k]) continue;
-        const double reduced = cost(from, k) - row_potential[from] - column_potential[k];
-        if (reduced < least[k]) {
-          least[k] = reduced;
-          before[k] = column;
-        }
-        if (least[k] < delta) {
-          delta = least[k];
-          next = k;
-        }
-      }
-      for (std::size_t k = 0; k <= n; ++k) {
-        if (seen[k]) {
-          row_potential[row_of[k]] += delta;
-          column_potential[k] -= delta;
-        } else {
-          least[k] -= delta;
-        }
-      }
-      work_ += 2 * static_cast<std::int64_t>(n);
-      column = next;
+std::vector<Index> Matchings::Match(std::size_t n_columns, const Edges& edges) {
+  const std::size_t n_rows = edges.begin.size() - 1;
+  // Costs are gains below zero. A row may also stay without a column, at no cost.
+  std::vector<double> row_potential(n_rows, 0), column_potential(n_columns, 0);
+  std::vector<Index> row_of(n_columns, -1), column_of(n_rows, -1);
+  std::vector<double> distance(n_columns, kInfinity);
+  std::vector<Index> before(n_columns, -1);  // the row that a column was reached from
+  std::vector<char> passed(n_columns, 0);
+  std::vector<Index> reached;
+  using Next = std::pair<double, Index>;
+  std::priority_queue<Next, std::vector<Next>, std::greater<>> queue;
+  const auto potential_of = [&](Index row) -> double& { return row_potential[At(row)]; };
+  for (Index first = 0; At(first) < n_rows; ++first) {
+    for (std::size_t k = edges.begin[At(first)]; k < edges.begin[At(first) + 1]; ++k) {
+      const Edge& edge = edges.all[k];
+      potential_of(first) =
+          std::min(potential_of(first), -edge.gain - column_potential[At(edge.column)]);
     }
-    for (; column != 0; column = before[column]) row_of[column] = row_of[before[column]];
+    // The row that is cheapest to leave without a column, and the cheapest free column.
+    double least = kInfinity;
+    Index without = -1, free = -1;
+    const auto reach_from = [&](Index row, double so_far) {
+      if (so_far - potential_of(row) < least) {
+        least = so_far - potential_of(row);
+        without = row;
+      }
+      for (std::size_t k = edges.begin[At(row)]; k < edges.begin[At(row) + 1]; ++k) {
+        const auto& [column, gain] = edges.all[k];
+        const double to = so_far - gain - potential_of(row) - column_potential[At(column)];
+        if (passed[At(column)] || to >= distance[At(column)] || to >= least) continue;
+        if (distance[At(column)] == kInfinity) reached.push_back(column);
+        distance[At(column)] = to;
+        before[At(column)] = row;
+        queue.emplace(to, column);
+      }
+      work_ += 4 * static_cast<std::int64_t>(edges.begin[At(row) + 1] - edges.begin[At(row)]);
+    };
+    reach_from(first, 0);
+    while (!queue.empty() && queue.top().first < least) {
+      const auto [so_far, column] = queue.top();
+      queue.pop();
+      if (passed[At(column)] || so_far > distance[At(column)]) continue;
+      if (row_of[At(column)] < 0) {
+        least = so_far;
+        free = column;
+        break;
+      }
+      passed[At(column)] = 1;
+      reach_from(row_of[At(column)], so_far);
+    }
+    potential_of(first) += least;
+    for (const Index column : reached) {
+      if (!passed[At(column)]) continue;
+      column_potential[At(column)] -= least - distance[At(column)];
+      potential_of(row_of[At(column)]) += least - distance[At(column)];
+    }
+    Index column = free;
+    if (free < 0) {
+      column = column_of[At(without)];
+      column_of[At(without)] = -1;
+    }
+    while (column >= 0) {
+      const Index row = before[At(column)];
+      const Index rest = column_of[At(row)];
+      row_of[At(column)] = row;
+      column_of[At(row)] = column;
+      if (row == first) break;
+      column = rest;
+    }
+    for (const Index c : reached) {
+      distance[At(c)] = kInfinity;
+      passed[At(c)] = 0;
+    }
+    reached.clear();
+    queue = {};
   }
-  std::vector<Index> matched(n_rows, -1);
-  for (std::size_t k = 1; k <= n_columns; ++k) {
-    if (row_of[k] == 0) continue;
-    const std::size_t row = row_of[k] - 1;
-    if (gains[row * n_columns + k - 1] > 0) matched[row] = static_cast<Index>(k - 1);
-  }
-  return matched;
+  return column_of;
 }
 
 }  // namespace muster::scheduler

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "scheduler/solver/dual.h"
@@ -14,9 +16,10 @@ namespace muster::scheduler {
 /// and the third is matched to them anew, by a heaviest bipartite matching. That finds what chains
 /// and windows miss where most columns tie: a partner or a site that all are short of is left over,
 /// and no UAV loses by it. Source: for the three-index assignment problem Huang and Lim 2006.
+/// Memory and time of a matching grow with the arcs that may be used in it.
 class Matchings {
  public:
-  /// Both must outlive this. Memory: a word for each UAV or partner and site.
+  /// Both must outlive this.
   Matchings(const Instance& instance, const Dual& dual);
 
   /// Until no class can be matched better, or `stop`.
@@ -29,6 +32,7 @@ class Matchings {
   struct Half {
     std::int32_t uav = -1, partner = -1, site = -1;
   };
+  void ListArcs();
   Plan MatchPartners(const Plan& plan);
   Plan MatchSites(const Plan& plan);
   Plan MatchUavs(const Plan& plan, std::uint32_t round);
@@ -40,16 +44,39 @@ class Matchings {
   double OwnWeight(const Plan& plan, std::int32_t partner) const;
   void PutIfFree(Plan* plan, std::int32_t uav, const Column& column) const;
   void KeepOwn(const Plan& before, Plan* plan) const;
-  /// Of each row the column that it is matched to, or -1, for the largest sum of gains; gains
-  /// [n_rows x n_columns], row-major; what gains nothing is not matched. Source: the Hungarian
-  /// method with potentials (Kuhn 1955; Tomizawa 1971).
-  std::vector<std::int32_t> Match(std::size_t n_rows, std::size_t n_columns,
-                                  const std::vector<double>& gains);
+  /// What a row may be matched to, and what that gains.
+  struct Edge {
+    std::int32_t column;
+    double gain;
+  };
+  /// The edges of all rows, one after the other; those that gain nothing are left out.
+  struct Edges {
+    std::vector<std::size_t> begin = {0};
+    std::vector<Edge> all = {};
+    void Add(std::int32_t column, double gain) {
+      if (gain > 0) all.push_back({column, gain});
+    }
+    void EndRow() { begin.push_back(all.size()); }
+  };
+  /// Of each row the column that it is matched to, or -1, for the largest sum of gains. Source:
+  /// shortest augmenting paths with potentials (Edmonds and Karp 1972; Tomizawa 1971).
+  std::vector<std::int32_t> Match(std::size_t n_columns, const Edges& edges);
+
+  /// Arcs of an agent by site, of all agents one after the other.
+  struct ArcsBySite {
+    std::vector<std::size_t> begin;
+    std::vector<std::pair<std::int32_t, std::int32_t>> all;  ///< site, arc
+    std::span<const std::pair<std::int32_t, std::int32_t>> of(std::int32_t agent) const {
+      return {all.data() + begin[At(agent)], begin[At(agent) + 1] - begin[At(agent)]};
+    }
+    /// -1: none.
+    std::int32_t Find(std::int32_t agent, std::int32_t site) const;
+  };
 
   const Instance& instance_;
   const Dual& dual_;
   Planner planner_;
-  std::vector<std::int32_t> uav_arc_, partner_arc_;  ///< [n_agents x n_sites] -1: none
+  ArcsBySite uav_arcs_, partner_arcs_;
   std::int64_t work_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace muster::scheduler {
 namespace {
@@ -22,6 +23,10 @@ constexpr std::int64_t kEasyWork = 8'000'000, kEasyWorkPerRow = 500;
 constexpr std::size_t kSparse = 64, kPart = 4;
 constexpr std::int64_t kArraySpeed = 4;  ///< entries of an array that cost as much as one elsewhere
 
+/// So many steps, and these for each row, in each of so many pivots are more than factors cost.
+constexpr std::int64_t kDear = 20'000, kDearPerRow = 4, kLately = 128;
+constexpr std::int64_t kFactorsSpeed = 2;  ///< steps of one of the factors, which lie scattered
+
 /// Of an array, that part of the entries is as dear to change as all of them side by side.
 constexpr std::size_t kScattered = 8;
 
@@ -39,7 +44,7 @@ void SubtractMultiple(double* __restrict a, const double* __restrict b, double f
 
 }  // namespace
 
-PackingLp::PackingLp(std::span<const std::int32_t> capacity)
+PackingLp::PackingLp(std::span<const std::int32_t> capacity, std::int32_t n_first)
     : m_(static_cast<std::int32_t>(capacity.size())),
       capacity_(capacity.begin(), capacity.end()),
       slack_cost_(capacity.size(), 0),
@@ -62,7 +67,8 @@ PackingLp::PackingLp(std::span<const std::int32_t> capacity)
     slack_position_[At(i)] = i;
     basic_[At(i)] = ~i;
     state = state * 1664525u + 1013904223u;
-    raised_[At(i)] = capacity[At(i)] + kRaise * (1 + static_cast<double>(state >> 8) * 0x1p-24);
+    const double more = n_first > 0 && i >= n_first ? 2 : 1;
+    raised_[At(i)] = capacity[At(i)] + kRaise * (more + static_cast<double>(state >> 8) * 0x1p-24);
     x_[At(i)] = raised_[At(i)];
   }
 }
@@ -120,6 +126,18 @@ void PackingLp::FillInverseRow(std::int32_t position) {
     inverse_row_.values[At(row + 1)] = value;
     inverse_row_.rows.push_back(row);
   };
+  if (factors_) {
+    const std::int64_t before = factors_->work();
+    vector_.values[At(position)] = 1;
+    vector_.nonzero.push_back(position);
+    factors_->SolveTransposed(&vector_);
+    for (const std::int32_t row : vector_.nonzero) {
+      if (std::abs(vector_.values[At(row)]) >= kZero) add(row, vector_.values[At(row)]);
+    }
+    vector_.Clear();
+    work_ += kFactorsSpeed * (factors_->work() - before);
+    return;
+  }
   std::vector<std::int32_t>& rows = rows_at_[At(position)];
   std::size_t kept = 0;
   ++look_;
@@ -178,14 +196,46 @@ double PackingLp::ReducedCost(std::int32_t variable) const {
 }
 
 std::int32_t PackingLp::Entering() {
-  if (!devex_ && work_ >= kEasyWork + kEasyWorkPerRow * m_) devex_.emplace(*this, &work_);
+  if (!devex_ && work_ >= kEasyWork + kEasyWorkPerRow * m_) UseDevex();
   return devex_ ? devex_->Entering(*this, &work_) : largest_.Entering(*this, &work_);
+}
+
+/// Where the inverse fills up, factors of the basis do not.
+void PackingLp::UseFactorsIfDear() {
+  const std::int64_t lately = work_ - std::exchange(work_before_, work_);
+  if (factors_ || !devex_ || lately <= kLately * (kDear + kDearPerRow * m_)) return;
+  factors_.emplace(At(m_));
+  vector_ = Sparse(At(m_));
+  Refactor();
+  inverse_.assign(At(m_), {});
+  dense_.assign(At(m_), {});
+  rows_at_.assign(At(m_), {});
+  dense_rows_.clear();
 }
 
 /// alpha = inverse of the basis times the variable's column.
 void PackingLp::FillAlpha(std::int32_t variable) {
   for (const std::int32_t i : alpha_nonzero_) alpha_[At(i)] = 0;
   alpha_nonzero_.clear();
+  if (factors_) {
+    const std::int64_t before = factors_->work();
+    const std::array<std::int32_t, 3> rows =
+        variable < 0 ? std::array{~variable, kNoRow, kNoRow} : rows_[At(variable)];
+    for (const std::int32_t row : rows) {
+      if (row < 0) continue;
+      vector_.values[At(row)] = 1;
+      vector_.nonzero.push_back(row);
+    }
+    factors_->Solve(&vector_);
+    for (const std::int32_t i : vector_.nonzero) {
+      if (std::abs(vector_.values[At(i)]) <= kNoise) continue;
+      alpha_[At(i)] = vector_.values[At(i)];
+      alpha_nonzero_.push_back(i);
+    }
+    vector_.Clear();
+    work_ += kFactorsSpeed * (factors_->work() - before);
+    return;
+  }
   const auto add = [&](std::int32_t row) {
     if (row < 0) return;
     const std::int32_t position = slack_position_[At(row)];
@@ -240,33 +290,22 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
   const std::int32_t leaving = basic_[At(position)];
   if (leaving < 0) {
     // The row becomes active; its column was a unit vector.
-    inverse_[At(~leaving)].assign(1, {position, 1});
-    rows_at_[At(position)].push_back(~leaving);
+    if (!factors_) {
+      inverse_[At(~leaving)].assign(1, {position, 1});
+      rows_at_[At(position)].push_back(~leaving);
+    }
     slack_position_[At(~leaving)] = -1;
   } else {
     position_of_[At(leaving)] = -1;
   }
-  alpha_values_.clear();
-  for (const std::int32_t i : alpha_nonzero_) alpha_values_.push_back(alpha_[At(i)]);
   FillInverseRow(position);
-  const bool many = alpha_nonzero_.size() > At(m_) / kScattered;
   for (const std::int32_t row : inverse_row_.rows) {
-    const double factor = inverse_row_.at(row) / pivot;
-    ChangePrice(row, reduced * factor);
-    if (dense_[At(row)].empty()) {
-      UpdateSparse(row, position, factor);
-      continue;
-    }
-    double* const column = dense_[At(row)].data();
-    if (many) {
-      SubtractMultiple(column, alpha_.data(), factor, alpha_.size());
-    } else {
-      for (std::size_t k = 0; k < alpha_nonzero_.size(); ++k) {
-        column[At(alpha_nonzero_[k])] -= factor * alpha_values_[k];
-      }
-    }
-    column[At(position)] = factor;
-    work_ += static_cast<std::int64_t>(alpha_nonzero_.size()) / kArraySpeed;
+    ChangePrice(row, reduced * (inverse_row_.at(row) / pivot));
+  }
+  if (factors_) {
+    factors_->Exchange(position, alpha_, alpha_nonzero_);
+  } else {
+    UpdateInverse(position, pivot);
   }
   basic_[At(position)] = entering;
   if (entering < 0) {
@@ -286,6 +325,32 @@ void PackingLp::Pivot(std::int32_t entering, std::int32_t position, double reduc
     devex_->Pivoted(*this, inverse_row_, entering, leaving, reduced, pivot, &work_);
   }
   ++pivots_;
+  if (pivots_ % kLately == 0) UseFactorsIfDear();
+  if (factors_ && factors_->is_long()) Refactor();
+}
+
+/// Part of Pivot: the inverse as it is kept without factors.
+void PackingLp::UpdateInverse(std::int32_t position, double pivot) {
+  alpha_values_.clear();
+  for (const std::int32_t i : alpha_nonzero_) alpha_values_.push_back(alpha_[At(i)]);
+  const bool many = alpha_nonzero_.size() > At(m_) / kScattered;
+  for (const std::int32_t row : inverse_row_.rows) {
+    const double factor = inverse_row_.at(row) / pivot;
+    if (dense_[At(row)].empty()) {
+      UpdateSparse(row, position, factor);
+      continue;
+    }
+    double* const column = dense_[At(row)].data();
+    if (many) {
+      SubtractMultiple(column, alpha_.data(), factor, alpha_.size());
+    } else {
+      for (std::size_t k = 0; k < alpha_nonzero_.size(); ++k) {
+        column[At(alpha_nonzero_[k])] -= factor * alpha_values_[k];
+      }
+    }
+    column[At(position)] = factor;
+    work_ += static_cast<std::int64_t>(alpha_nonzero_.size()) / kArraySpeed;
+  }
 }
 
 /// Part of Pivot: one sparse column of the inverse.
@@ -399,6 +464,7 @@ void PackingLp::ResetToSlacks() {
     x_[At(row)] = raised_[At(row)];
     price_[At(row)] = slack_cost_[At(row)];
   }
+  if (factors_) MakeFactors();
   if (devex_) {
     devex_->Restart(*this, &work_);
   } else {
@@ -408,9 +474,50 @@ void PackingLp::ResetToSlacks() {
   work_ += m_ + n_columns();
 }
 
+void PackingLp::Refactor() {
+  if (!factors_) {
+    MakeInverse();
+  } else if (!MakeFactors()) {
+    ResetToSlacks();
+  } else {
+    devex_->Refresh(*this, &work_);
+  }
+}
+
+/// Of the present basis, with its values and prices; false: it is singular, by rounding.
+bool PackingLp::MakeFactors() {
+  std::vector<BasisFactors::Rows> columns;
+  for (std::int32_t i = 0; i < m_; ++i) {
+    const std::int32_t variable = basic_[At(i)];
+    columns.push_back(variable >= 0 ? rows_[At(variable)]
+                                    : BasisFactors::Rows{~variable, kNoRow, kNoRow});
+  }
+  const std::int64_t before = factors_->work();
+  const bool is_regular = factors_->Factor(columns);
+  if (is_regular) {
+    const auto set = [&](std::int32_t i, double value) {
+      vector_.values[At(i)] = value;
+      vector_.nonzero.push_back(i);
+    };
+    for (std::int32_t row = 0; row < m_; ++row) set(row, raised_[At(row)]);
+    factors_->Solve(&vector_);
+    x_ = vector_.values;
+    vector_.Clear();
+    for (std::int32_t i = 0; i < m_; ++i) {
+      const std::int32_t variable = basic_[At(i)];
+      set(i, variable >= 0 ? cost_[At(variable)] : slack_cost_[At(~variable)]);
+    }
+    factors_->SolveTransposed(&vector_);
+    price_ = vector_.values;
+    vector_.Clear();
+  }
+  work_ += kFactorsSpeed * (factors_->work() - before);
+  return is_regular;
+}
+
 /// The same basis, pivot by pivot from the slacks, each at the largest entry among the rows that
 /// are to be active. What does not fit, by rounding, stays outside.
-void PackingLp::Refactor() {
+void PackingLp::MakeInverse() {
   std::vector<std::int32_t> columns;
   std::vector<char> active(At(m_));
   for (std::int32_t i = 0; i < m_; ++i) {

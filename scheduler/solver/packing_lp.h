@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/index.h"
+#include "scheduler/solver/basis_factors.h"
 #include "scheduler/solver/pricing.h"
 
 namespace muster::scheduler {
@@ -22,12 +23,13 @@ namespace muster::scheduler {
 /// reduced cost, and once that has taken many steps by devex weights. Right-hand sides are raised
 /// by different small amounts against stalling; dual prices do not depend on it. Of the rows that
 /// may leave, the one with the largest pivot does (Harris 1973), and the inverse is made anew when
-/// it no longer fits the basis.
+/// it no longer fits the basis. Where the inverse fills up after all, BasisFactors take its place.
 class PackingLp {
  public:
   static constexpr std::int32_t kNoRow = -1;
 
-  explicit PackingLp(std::span<const std::int32_t> capacity);
+  /// The first so many rows' prices rise first: of rows that are used up alike, these stay so.
+  explicit PackingLp(std::span<const std::int32_t> capacity, std::int32_t n_first = 0);
 
   /// Rows that are kNoRow do not count. Returns the column's number, counting from 0.
   std::int32_t AddColumn(double cost, std::array<std::int32_t, 3> rows);
@@ -39,6 +41,8 @@ class PackingLp {
   /// Whether it took many steps for its size: devex weights choose what enters.
   bool is_hard() const { return devex_.has_value(); }
   void UseDevex() { devex_.emplace(*this, &work_); }
+  /// Whether its inverse filled up, so that factors of the basis are used instead.
+  bool has_factors() const { return factors_.has_value(); }
 
   /// Whether values and prices fit the basis up to rounding. If not, both are made anew: Solve
   /// again.
@@ -90,10 +94,14 @@ class PackingLp {
   /// Position that the variable in alpha_ takes; -1: none, which is rounding only.
   std::int32_t Leaving() const;
   void Pivot(std::int32_t entering, std::int32_t position, double reduced);
+  void UpdateInverse(std::int32_t position, double pivot);
   void UpdateSparse(std::int32_t row, std::int32_t position, double factor);
   double Misfit() const;
   void ResetToSlacks();
+  void UseFactorsIfDear();
   void Refactor();
+  void MakeInverse();
+  bool MakeFactors();
 
   std::int32_t m_;
   std::vector<std::int32_t> capacity_;
@@ -122,10 +130,13 @@ class PackingLp {
   std::vector<std::int64_t> looked_at_;  ///< [m]
   std::int64_t look_ = 0;
   LargestReducedCost largest_;
-  std::optional<Devex> devex_;  ///< in its place, of a program that is not easy
+  std::optional<Devex> devex_;           ///< in its place, of a program that is not easy
+  std::optional<BasisFactors> factors_;  ///< in place of inverse_, likewise
+  Sparse vector_{0};                     ///< [m] for these; zero between uses
   std::vector<std::vector<std::int32_t>> columns_at_;  ///< [m]
   double closed_cost_ = 1e4;
   std::int64_t work_ = 0, pivots_ = 0, verified_at_ = 0;
+  std::int64_t work_before_ = 0;  ///< work_ when the present kLately pivots began
 };
 
 }  // namespace muster::scheduler

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kCandidates = 24;
 constexpr std::int64_t kCompared = 64;  ///< variables that devex always compares
+/// Above it a devex weight says nothing any more, and would grow until it overflows.
+constexpr double kMostWeight = 1e30;
 
 }  // namespace
 
@@ -93,6 +95,7 @@ void Devex::Pivoted(const PackingLp& lp, const InverseRow& row, std::int32_t ent
   if (leaving >= 0) reduced_[At(leaving)] = 0;
   Move(lp, row, reduced / pivot, weight, work);
   Weight(leaving) = std::max(weight, 1.0);
+  if (weight > kMostWeight) Restart(lp, work);
 }
 
 void Devex::Move(const PackingLp& lp, const InverseRow& row, double by, double weight,
@@ -138,6 +141,9 @@ void Devex::Refresh(const PackingLp& lp, std::int64_t* work) {
   for (std::int32_t j = 0; j < lp.n_columns(); ++j) {
     reduced_[At(j)] = lp.ReducedCost(j);
     if (reduced_[At(j)] > kReducedCost && !lp.IsBasic(j)) pool_.Add(j);
+  }
+  for (std::int32_t r = 0; At(r) < slack_weight_.size(); ++r) {
+    if (lp.ReducedCost(~r) > kReducedCost && !lp.IsBasic(~r)) pool_.Add(~r);
   }
   fresh_ = true;
   *work += lp.n_columns();

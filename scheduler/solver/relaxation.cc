@@ -27,8 +27,8 @@ constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing 
 /// A program that is hard and still that far from its bound, relative, is begun anew,
 constexpr double kFar = 0.01;
 constexpr std::int64_t kWorkAnew = 30'000'000;  ///< after so many steps,
-constexpr std::size_t kRowsAnew = 2000;         ///< unless it has more rows,
-constexpr std::size_t kDiverse = 20;            ///< with so many columns of each UAV
+constexpr std::size_t kRowsAnew = 20000;        ///< unless it has more rows,
+constexpr std::size_t kDiverse = 6;             ///< with so many columns of each UAV
 constexpr std::size_t kDrawn = 200;             ///< out of so many;
 constexpr double kAlikeAnew = 0.1;              ///< regrets that count as equal there.
 
@@ -169,11 +169,8 @@ bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function
   return true;
 }
 
-bool Relaxation::is_hard() const { return lp_.is_hard() && lp_.prices().size() <= kRowsAnew; }
-
 bool Relaxation::IsHard() const {
-  return !anew_ && is_hard() && lp_.work() >= kWorkAnew &&
-         bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
+  return !anew_ && lp_.is_hard() && bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
 }
 
 /// Where nearly all columns tie, all UAVs are offered the same few partners and sites, round by
@@ -181,19 +178,26 @@ bool Relaxation::IsHard() const {
 /// anew: of a plan, which says how many can act together, and of columns of each UAV that share
 /// neither partner nor site.
 void Relaxation::BeginAnew(const std::function<bool()>& stop) {
-  anew_ = true;
   work_ += lp_.work();
-  lp_ = PackingLp(Rows(instance_));
+  lp_ = PackingLp(Rows(instance_), instance_.n_uavs());
   lp_.UseDevex();
   known_.clear();
   std::fill(solo_known_.begin(), solo_known_.end(), 0);
   dual_.set_prices(first_prices_);
   dual_.Evaluate();
-  Plan plan = planner_.Empty();
+  anew_ = planner_.Empty();
+  Plan& plan = *anew_;
   work_ += planner_.Fill(&plan);
   Matchings matchings(instance_, dual_);
   matchings.Improve(&plan, stop);
   work_ += matchings.work();
+  for (Index u = 0; u < instance_.n_uavs(); ++u) {
+    if (plan.column[At(u)].site >= 0) AddColumn(u, plan.column[At(u)]);
+  }
+  for (Index p = 0; p < instance_.n_partners(); ++p) {
+    if (plan.own[At(p)] != nullptr) AddSolo(p, plan.own[At(p)]);
+  }
+  lp_.Solve(std::numeric_limits<std::int64_t>::max() / 2, stop);
   std::vector<Column> columns;
   std::vector<Keyed> order;
   // UAVs that have a column with the partner, at the site: the last of them.
@@ -209,7 +213,10 @@ void Relaxation::BeginAnew(const std::function<bool()>& stop) {
       at_site[At(column.site)] = u;
       if (const Index p = planner_.PartnerOf(column); p >= 0) with_partner[At(p)] = u;
     };
-    if (plan.column[At(u)].site >= 0) add(plan.column[At(u)]);
+    if (const Column& column = plan.column[At(u)]; column.site >= 0) {
+      at_site[At(column.site)] = u;
+      if (const Index p = planner_.PartnerOf(column); p >= 0) with_partner[At(p)] = u;
+    }
     columns.clear();
     PairsOf(u, std::numeric_limits<double>::infinity(), &columns);
     work_ += 8 * dual_.n_arcs(u) + 8 * static_cast<std::int64_t>(columns.size());
@@ -228,9 +235,6 @@ void Relaxation::BeginAnew(const std::function<bool()>& stop) {
       add(order[k].column);
       ++added;
     }
-  }
-  for (Index p = 0; p < instance_.n_partners(); ++p) {
-    if (plan.own[At(p)] != nullptr) AddSolo(p, plan.own[At(p)]);
   }
 }
 
@@ -258,15 +262,10 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
   const std::int64_t end = dual_.work() + work() + work_limit;
   bound_ = dual_.Evaluate();
   prices_ = first_prices_ = dual_.prices();
+  const auto stop_or_hard = [&] { return stop() || IsHard(); };
   while (!stop() && dual_.work() + work() < end) {
-    if (IsHard()) {
-      BeginAnew(stop);
-      const bool solved = lp_.Solve(end - dual_.work() - work(), stop);
-      TakePrices();
-      if (!solved) break;
-    }
     const auto before = lp_.n_columns();
-    bool solved = AddOffers(Offers(), stop, end);
+    bool solved = AddOffers(Offers(), stop_or_hard, end);
     for (Index p = 0; p < n_partners; ++p) {
       const double earns =
           instance_.partners[At(p)].stay + lp_.prices()[At(n_uavs + p)] + kNegligible;
@@ -281,7 +280,11 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
       solved_ = solved;
       break;
     }
-    solved = solved && lp_.Solve(end - dual_.work() - work(), stop);
+    solved = solved && lp_.Solve(end - dual_.work() - work(), stop_or_hard);
+    if (IsHard()) {
+      BeginAnew(stop);
+      solved = lp_.Solve(end - dual_.work() - work(), stop);
+    }
     TakePrices();
     if (!solved) break;
     // What is too large for a proof of the optimum need not be exact either.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "scheduler/solver/dual.h"
@@ -42,10 +43,10 @@ class Relaxation {
   /// Weight of everybody staying, which the program's objective leaves out.
   double stay_weight() const { return stay_weight_; }
   PackingLp* lp() { return &lp_; }
-  /// Whether the program was found hard and begun anew.
-  bool anew() const { return anew_; }
-  /// Whether it was found hard, and is small enough to be begun anew.
-  bool is_hard() const;
+  const PackingLp& lp() const { return lp_; }
+  /// The plan that the program was begun anew from, where it was found hard; none: it was not.
+  const std::optional<Plan>& anew() const { return anew_; }
+  bool is_hard() const { return lp_.is_hard(); }
 
   /// What a column of the linear program is.
   struct Known {
@@ -95,7 +96,8 @@ class Relaxation {
   Dual::Prices prices_, first_prices_;
   double bound_ = std::numeric_limits<double>::infinity();
   double stay_weight_ = 0;
-  bool solved_ = false, anew_ = false;
+  bool solved_ = false;
+  std::optional<Plan> anew_;
   std::int64_t work_ = 0;
 };
 

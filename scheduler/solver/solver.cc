@@ -18,11 +18,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kWork = 300'000'000;       ///< default limit: this
+constexpr std::int64_t kWork = 400'000'000;       ///< default limit: this
 constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
 constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that,
 constexpr std::int64_t kFarWork = 60'000'000;     ///< or that where the gap is not close enough
-constexpr double kWorthAnotherStart = 1e-4;       ///< gap, relative
+/// With more UAVs, partners and sites, chains and windows do what matchings do in less time.
+constexpr std::size_t kMatchedRows = 2000;
+constexpr double kCloseToLooseBound = 2e-4;  ///< gap, relative
+constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
 
 class Search {
  public:
@@ -55,19 +58,22 @@ class Search {
     work_ += planner_.Fill(&plan);
     planner_.Weigh(&plan);
     best_ = plan;
-    if (!Proven() && relaxation_.is_hard()) {
+    if (relaxation_.anew()) Keep(Plan(*relaxation_.anew()));
+    if (!Proven() && MayNeedMatchings()) {
       matchings_.Improve(&plan, stop);
-      best_ = plan;
+      Keep(Plan(plan));
     }
-    if (!Proven()) {
+    if (!Proven() && !IsCloseToLooseBound()) {
       windows_.ImproveFractions(&plan, stop);
       chains_.Improve(&plan, stop);
       windows_.ImproveLosers(&plan, stop);
       Keep(std::move(plan));
     }
     if (relaxation_.solved()) Branch();
-    if (Gap() > kWorthAnotherStart * relaxation_.bound()) StartAgain(stop);
-    if (!relaxation_.solved()) Branch();
+    if (Gap() > kWorthAnotherStart * relaxation_.bound() && !IsCloseToLooseBound()) {
+      StartAgain(stop);
+    }
+    if (!relaxation_.solved() && !IsCloseToLooseBound()) Branch();
     search_s_ += Lap(&mark);
     return Finish();
   }
@@ -85,6 +91,16 @@ class Search {
   }
   bool Stop() const {
     return Work() > work_limit_ || (limits_.deadline && Clock::now() >= *limits_.deadline);
+  }
+  /// Where nearly all columns tie.
+  bool MayNeedMatchings() const {
+    return relaxation_.anew() ||
+           (relaxation_.is_hard() && relaxation_.lp().prices().size() <= kMatchedRows);
+  }
+  /// Whether the bound, which more work would lower, accounts for most of a gap that is small.
+  bool IsCloseToLooseBound() const {
+    return relaxation_.anew() && !relaxation_.solved() &&
+           Gap() <= kCloseToLooseBound * relaxation_.bound();
   }
   void Keep(Plan&& plan) {
     planner_.Weigh(&plan);

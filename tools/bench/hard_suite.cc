@@ -47,6 +47,15 @@ void EqualSpeeds(GeneratorSettings* settings, double km_per_min) {
       settings->vehicle_speed_km_per_min = km_per_min;
 }
 
+/// All agents are free at once and most tasks are within an interval or two.
+HardFamily AnHour(int scale) {
+  HardFamily family{fmt::format("hour-x{}", scale),
+                    fmt::format("--preset Random_29 --scale {} --limit 60", scale),
+                    Scaled(PresetByName("Random_29"), scale)};
+  family.settings.rules.limit_us = 60 * kMinuteUs;
+  return family;
+}
+
 HardRow Decide(const Situation& situation, const BenchOptions& options, HardRow row) {
   scheduler::SolverLimits limits;
   limits.threads = options.threads;
@@ -66,8 +75,10 @@ HardRow Decide(const Situation& situation, const BenchOptions& options, HardRow 
   return row;
 }
 
+constexpr std::int64_t kMostNodes = 1'000'000;  ///< that CBC is asked about, or that are drawn
+
 void Ask(const Situation& situation, AskCbc ask, GeneralSolver* cbc, HardRow* row) {
-  if (cbc == nullptr || ask == AskCbc::kNothing) return;
+  if (cbc == nullptr || ask == AskCbc::kNothing || row->nodes > kMostNodes) return;
   const scheduler::Candidates graph = scheduler::EnumerateCandidates(situation);
   const auto shares = cbc->Heaviest(graph.nodes, graph.elements, true, kCbcSeconds);
   row->cbc_relaxation = shares.weight.value_or(kNotKnown);
@@ -84,7 +95,6 @@ struct Limits {
 };
 constexpr Limits kSideKm{5, 60}, kUavs{2, 150}, kWorkers{2, 120}, kVehicles{2, 60}, kTasks{5, 200},
     kCharges{1, 40};
-constexpr std::int64_t kMostNodes = 1'000'000;
 
 GeneratorSettings RandomSettings(std::uint64_t seed, Availability* availability) {
   Random random(seed, Stream::kPolicy, 1, 7);
@@ -181,6 +191,9 @@ const std::vector<HardFamily>& HardFamilies() {
        With(LongOnline(10, 100, 20, 120, 30), [](auto* s) { EqualSpeeds(s, 2); })},
       {"minutes", "--preset Random_1 --online-min 180 --workers 15 --ceil-to-minutes",
        With(LongOnline(30, 15, 20, 120, 30), [](auto* s) { s->rules.ceil_to_minutes = true; })},
+      AnHour(2),
+      AnHour(4),
+      AnHour(7),
   };
   return families;
 }

@@ -12,8 +12,9 @@ namespace muster::scheduler {
 namespace {
 
 constexpr std::size_t kWorthThreads = 2000;  ///< agents and tasks
-/// Gap, relative, above which simple rules are asked too: they are never heavier than the bound.
-constexpr double kFloorGap = 1e-6;
+/// Gap, relative, above which simple rules are asked too. They are never heavier than the bound, so
+/// below it they could add next to nothing.
+constexpr double kFloorGap = 2e-4;
 /// With more nodes these rules, which list them (some 50 bytes each), are not asked.
 constexpr std::int64_t kFloorNodes = 2'000'000;
 constexpr int kFloorWinners = 3;

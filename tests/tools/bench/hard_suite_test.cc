@@ -38,7 +38,8 @@ TEST(HardSuite, EachFamilysSettingsAreValidAndItsOwn) {
     SCOPED_TRACE(family.name);
     const Scenario scenario = Generate(family.settings, 1);
     EXPECT_FALSE(scenario.uavs.empty());
-    EXPECT_NE(family.flags.find("--online-min 180"), std::string::npos);
+    const bool hour = scenario.rules.limit_us == 60 * kMinuteUs;
+    EXPECT_NE(family.flags.find(hour ? "--limit 60" : "--online-min 180"), std::string::npos);
   }
 }
 
