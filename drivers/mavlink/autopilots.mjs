@@ -30,7 +30,8 @@ function ardupilotSettings(all) {
     { name: "BATT_LOW_VOLT", value: (now) => Math.max(now, LATER_LOW_V * all.cells), needed: true },
     { name: "BATT_CRT_VOLT", value: (now) => Math.max(now, LATER_CRITICAL_V * all.cells), needed: true },
     { name: "RTL_ALT_M", otherwise: { name: "RTL_ALT", value: all.altitude_m * 100 }, value: all.altitude_m, needed: true },
-    { name: "WP_SPD", otherwise: { name: "WPNAV_SPEED", value: all.speed_m_s * 100 }, value: all.speed_m_s, needed: true },
+    // Never faster than somebody has set it.
+    { name: "WP_SPD", otherwise: { name: "WPNAV_SPEED", value: (now) => Math.min(now, all.speed_m_s * 100) }, value: (now) => Math.min(now, all.speed_m_s), needed: true },
     { name: "FENCE_ACTION", value: 1, needed: true },          // return, or land
     { name: "FENCE_TYPE", value: 1 | 4, needed: true },        // ceiling and polygon
     { name: "FENCE_ALT_MAX", value: all.ceiling_m, needed: true },
@@ -50,7 +51,7 @@ function px4Settings(all) {
     { name: "RTL_CONE_ANG", value: 0 },
     { name: "RTL_RETURN_ALT", value: all.altitude_m, needed: true },
     { name: "RTL_LAND_DELAY", value: 0 },                      // land at once
-    { name: "MPC_XY_CRUISE", value: all.speed_m_s, needed: true },
+    { name: "MPC_XY_CRUISE", value: (now) => Math.min(now, all.speed_m_s), needed: true },
     { name: "GF_MAX_VER_DIST", value: all.ceiling_m, needed: true },
     { name: "GF_ACTION", value: 3, needed: true, afterFence: true },  // return
   ];
@@ -77,6 +78,8 @@ export const ardupilot = {
   estimateMessage: 193,
   estimateName: "EKF_STATUS_REPORT",
   cellSettings: [],
+  cruise_m_s: (set) => set.WP_SPD ?? set.WPNAV_SPEED / 100,
+  cameraSetting: "CAM1_TYPE",  // 0: none
 };
 
 const px4Mode = (main, sub) => (main << 16) | (sub << 24);
@@ -97,11 +100,13 @@ export const px4 = {
   flyMode: [1, 4, 3],
   takeOff: (altitude_m, home) => ({ command: MavCmd.NAV_TAKEOFF, params: [NaN, 0, 0, NaN, NaN, NaN, home.altitude_m + altitude_m] }),
   // It takes no place without leave to change the mode: see talk.mjs for what keeps that from a pilot.
-  goTo: (place, altitude_m, home, speed_m_s) =>
-    ({ command: MavCmd.DO_REPOSITION, params: [speed_m_s, 1, 0, NaN], place, z: home.altitude_m + altitude_m, frame: GLOBAL }),
+  goTo: (place, altitude_m, home, cruise_m_s) =>
+    ({ command: MavCmd.DO_REPOSITION, params: [cruise_m_s, 1, 0, NaN], place, z: home.altitude_m + altitude_m, frame: GLOBAL }),
   estimateMessage: 230,
   estimateName: "ESTIMATOR_STATUS",
   cellSettings: ["BAT1_N_CELLS", "BAT_N_CELLS"],
+  cruise_m_s: (set) => set.MPC_XY_CRUISE,
+  cameraSetting: null,
 };
 
 export function autopilotOf(id) {

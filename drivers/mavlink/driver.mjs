@@ -13,6 +13,7 @@ import { Talk, Trouble } from "./talk.mjs";
 import { Vehicle } from "./vehicle.mjs";
 
 const HEARTBEAT_S = 1;
+const LANDING_S = 900;
 const ROUNDING_S = 1e-6;
 /** A ground station, as MAV_COMPONENT and MAV_STATE have it. */
 const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
@@ -63,6 +64,7 @@ export class Driver {
     const { talk, vehicle, settings, options, edge } = this;
     try {
       yield* heartbeat(talk, vehicle, options.speedup);
+      if (options.after) yield* talk.await(() => !vehicle.armed, LANDING_S);
       if (vehicle.armed) throw new Trouble("it is armed: its settings are put back on the ground only", "off");
       this.exitCode = (yield* settings.restore()) ? 0 : 1;
     } catch (error) {
@@ -182,6 +184,11 @@ export class Driver {
     if (!this.isEnding) this.order = line;
     if (line.type === "goto") this.#task = line.task ?? null;
     this.step();
+  }
+
+  /** The mission is over, and it is still in the air with settings that are to be put back. */
+  get isUnfinished() {
+    return this.order?.type === "bye" && this.vehicle.armed && !this.isHandsOff;
   }
 
   /** It has failed, or the mission is over. */

@@ -18,6 +18,8 @@ const TURN_M = 6;
 /** Slower than this for so long on its way, it does not move. */
 const STUCK_M_S = 0.3, STUCK_S = 20;
 const CLIMB_M_S = 0.5;
+/** Slower by so little is as fast. */
+const SLOWER_M_S = 0.1;
 const HOME_MESSAGE = 242;
 
 /** Waits for the autopilot. It may still be starting, for which its own time does not count. */
@@ -27,7 +29,7 @@ export function* heartbeat(talk, vehicle, speedup) {
 }
 
 export class Flight {
-  /** `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}. */
+  /** `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}; it also keeps what is learned: cruise_m_s, climb_m_s, descent_m_s. */
   constructor({ talk, vehicle, safety, settings, streams, note, plan }) {
     Object.assign(this, { talk, vehicle, safety, settings, streams, note, plan });
   }
@@ -47,9 +49,22 @@ export class Flight {
     this.streams.isOn = true;
     yield* this.#countCells();
     yield* this.#untilReady(isFirst ? START_V : CHARGED_V);
+    if (isFirst) yield* this.#checkCamera();
     if (isFirst) this.#checkLaunch();
-    yield* this.#setHome();
-    yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), plan.area.corners());
+    yield* this.#setHome(true);
+    const set = yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), plan.area.corners());
+    plan.cruise_m_s = vehicle.kind.cruise_m_s(set);
+    if (isFirst && plan.cruise_m_s < plan.speed_m_s - SLOWER_M_S) {
+      this.note(`it flies ${plan.cruise_m_s.toFixed(1)} m/s, as it is set; the scenario counts on ${plan.speed_m_s.toFixed(1)}: it will be late`);
+    }
+  }
+
+  /** Autopilots acknowledge pictures that no camera takes. */
+  *#checkCamera() {
+    const { talk, vehicle, plan } = this;
+    if (plan.camera !== "digicam" || !vehicle.kind.cameraSetting) return;
+    const camera = yield* talk.read(vehicle.kind.cameraSetting);
+    if (camera?.value === 0) throw new Trouble(`it has no camera: ${vehicle.kind.cameraSetting} is 0. --camera none, if no picture is wanted`, "off");
   }
 
   *#countCells() {
@@ -120,11 +135,15 @@ export class Flight {
     plan.home = { ...vehicle.place, altitude_m: vehicle.altitude_amsl_m };
   }
 
-  /** Autopilots take where they are armed for their home, even after a battery was changed elsewhere. */
-  *#setHome() {
+  /**
+   * Autopilots take where they are armed for their home, even after a battery was changed elsewhere, unless it was set.
+   * `isNew`: its power may have been off, so that it is to be set even where it is right.
+   */
+  *#setHome(isNew) {
     const { talk, vehicle, plan } = this;
     const isHome = () => vehicle.home !== null && distance_m(plan.map.toMetres(vehicle.home), plan.map.toMetres(plan.home)) < THERE_M;
     const home = { command: MavCmd.DO_SET_HOME, params: [0, 0, 0, 0], place: plan.home, z: plan.home.altitude_m, frame: 0 };
+    if (isNew) yield* this.#retry(() => talk.command("setting its home", home));
     for (let n = 0; n < 4; ++n) {
       vehicle.home = null;  // it may have changed since
       yield* this.#ask(false, "sending its home", { command: MavCmd.REQUEST_MESSAGE, params: [HOME_MESSAGE] });
@@ -153,11 +172,13 @@ export class Flight {
     safety.phase = Phase.fly;
     safety.isArming = false;
     yield* talk.command("taking off", vehicle.kind.takeOff(plan.altitude_m, plan.home), () => vehicle.altitude_m > 1);
+    const from_s = talk.now();
     const isUp = () => vehicle.altitude_m > plan.altitude_m - 1.5;
     if (!(yield* talk.await(isUp, plan.altitude_m / CLIMB_M_S + SETTLE_S))) throw new Trouble(`it does not climb to ${plan.altitude_m} m`);
     // PX4 stays in TAKEOFF for a moment, and may take the place where it was armed for its home.
     yield* talk.await(() => vehicle.kind.modes.fly[0] === vehicle.mode, SETTLE_S);
-    yield* this.#setHome();
+    plan.climb_m_s = plan.altitude_m / Math.max(1, talk.now() - from_s);
+    yield* this.#setHome(false);
   }
 
   *#arm() {
@@ -200,7 +221,7 @@ export class Flight {
   *#send(what, to) {
     const { talk, vehicle, plan } = this;
     if (!plan.area.mayBeSent(to)) throw new Trouble(`(${to.x_m?.toFixed(0)}, ${to.y_m?.toFixed(0)}) m is outside the area`);
-    yield* talk.command(what, vehicle.kind.goTo(plan.map.toDegrees(to), plan.altitude_m, plan.home, plan.speed_m_s));
+    yield* talk.command(what, vehicle.kind.goTo(plan.map.toDegrees(to), plan.altitude_m, plan.home, plan.cruise_m_s));
   }
 
   /** Stops where it is. It may be a few metres outside by then. */
@@ -222,11 +243,13 @@ export class Flight {
 
   /** Lands where it is, and waits until the motors are off. */
   *land() {
-    const { talk, vehicle, safety } = this;
+    const { talk, vehicle, safety, plan } = this;
+    const from_s = talk.now(), from_m = vehicle.altitude_m;
     safety.phase = Phase.land;
     const isLanding = () => !vehicle.armed || (!vehicle.kind.modes.fly.includes(vehicle.mode) && vehicle.kind.modes.land.includes(vehicle.mode));
     yield* talk.command("landing", { command: MavCmd.NAV_LAND, params: [] }, isLanding);
     if (!(yield* talk.await(() => !vehicle.armed, LAND_S))) throw new Trouble(`it has not landed after ${LAND_S} s`);
+    plan.descent_m_s = Math.max(1, from_m) / Math.max(1, talk.now() - from_s);
     safety.phase = Phase.ground;
   }
 

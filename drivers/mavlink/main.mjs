@@ -1,5 +1,6 @@
 #!/usr/bin/env node
 // The driver as a program: sockets, clock and files around driver.mjs.
+import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { dirname } from "node:path";
 import { createInterface } from "node:readline";
@@ -7,7 +8,7 @@ import { setTimeout } from "node:timers/promises";
 import { PhotoFolder } from "../photos.mjs";
 import { readOptions, UsageError } from "./options.mjs";
 
-const STEP_MS = 50, FAST_STEP_MS = 5;
+const STEP_MS = 50, FAST_STEP_MS = 5, AFTER_MS = 200;
 /** A mission greets at once. */
 const GREETING_MS = 500;
 
@@ -94,7 +95,23 @@ function isHello(line) {
   }
 }
 
+/** A mission ends its drivers a moment after its own end. What is left to do on the ground is done by a program of its own. */
+function leaveRestorer() {
+  spawn(process.execPath, [...process.argv.slice(1), "--restore", "--after", String(process.pid)], { detached: true, stdio: "ignore" }).unref();
+}
+
+function isRunning(pid) {
+  try {
+    return process.kill(pid, 0);
+  } catch (error) {
+    return error.code === "EPERM";
+  }
+}
+
 async function run(options) {
+  while (options.after && isRunning(options.after)) await setTimeout(AFTER_MS);  // it has the port
+  const kept = keptIn(options.kept);
+  if (options.after && !kept.load()) return;
   const lines = options.restore ? null : new Lines(options.system);
   await Promise.race([lines?.first, setTimeout(GREETING_MS, null, { ref: false })]);
   const { Driver } = await import("./driver.mjs");
@@ -108,7 +125,7 @@ async function run(options) {
     say,
     send: (bytes) => link?.send(bytes),
     note,
-    kept: keptIn(options.kept),
+    kept,
     isChanged: () => takeFile(options.confirm),
     keepPicture: pictureKeeper(options.run),
   });
@@ -134,10 +151,16 @@ async function run(options) {
   process.stdout.on("error", () => {});  // the mission is gone: stdin says so too
   if (driver.exitCode !== null) return endWhenOver();
   if (options.restore) return driver.restore();
+  let isLeft = false;
+  const leave = () => {
+    if (driver.isUnfinished && !isLeft) leaveRestorer();
+    isLeft ||= driver.isUnfinished;
+  };
   lines.to({
-    line: (line) => (driver.hearLine(line), endWhenOver()),
+    line: (line) => (driver.hearLine(line), leave(), endWhenOver()),
     close: () => {
       if (driver.order?.type !== "bye") driver.bye("nobody speaks to us any more");
+      leave();
       endWhenOver();
     },
   });

@@ -26,6 +26,7 @@ Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that s
   --own-system N      our own system id; the autopilot's SYSID_MYGCS (default: 255)
   --keep FOLDER       where the settings that were changed are kept until they are put back (default: ~/.local/state/muster)
   --restore           only puts them back
+  --after PID         with --restore: when that program has ended and the UAV has landed, up to 15 minutes later
 `;
 
 export class UsageError extends Error {}
@@ -50,7 +51,7 @@ function link(text) {
 export function readOptions(argv) {
   const defaults = {
     connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", confirm: "", charged: "90", cells: "0", camera: "digicam",
-    run: "", speedup: "1", "own-system": "255", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
+    run: "", speedup: "1", "own-system": "255", after: "0", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
   let values;
@@ -71,5 +72,6 @@ export function readOptions(argv) {
     altitudeStep: number(values, "altitude-step", 0, 100), ceiling: number(values, "ceiling", 5, 1000), reserve: number(values, "reserve", 10, 80),
     confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), cells: number(values, "cells", 0, 24), camera: values.camera,
     run: values.run || null, speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
+    after: number(values, "after", 0, 2 ** 31),
   };
 }

@@ -13,8 +13,11 @@ const OLD_S = 3;
 const STANDS_M = 2;
 /** Places differ by rounding. */
 const SAME_M = 1e-6;
-/** To take off or land, and to speed up and slow down: for the expected arrival. */
-const CLIMB_M_S = 1.5, TURN_S = 5;
+/**
+ * For the expected arrival: how fast it takes off and lands until it has done so once (ArduPilot took 45 s to land from 40 m), and
+ * what it takes to speed up and slow down.
+ */
+const CLIMB_M_S = 1.5, DESCENT_M_S = 0.9, TURN_S = 5;
 
 export class Reporter {
   /** Where it is sent: {order, to, isThere}; null: nowhere. */
@@ -103,9 +106,10 @@ export class Reporter {
   #left_s(at) {
     const { plan, vehicle } = this.driver;
     const { order, to, corners } = this.goal;
-    const climb_m = Math.abs(plan.altitude_m - vehicle.altitude_m) + (order.then === "charge" ? plan.altitude_m : 0);
+    const climb_s = Math.abs(plan.altitude_m - vehicle.altitude_m) / (plan.climb_m_s ?? CLIMB_M_S);
+    const descent_s = order.then === "charge" ? plan.altitude_m / (plan.descent_m_s ?? DESCENT_M_S) : 0;
     const way_m = [...corners, to].reduce(([sum, from], place) => [sum + distance_m(from, place), place], [0, at])[0];
-    return way_m / this.hello.speed_m_s + climb_m / CLIMB_M_S + TURN_S;
+    return way_m / Math.min(this.hello.speed_m_s, plan.cruise_m_s) + climb_s + descent_s + TURN_S;
   }
 
   /**

@@ -9,7 +9,7 @@ export class Settings {
     Object.assign(this, { talk, kept, note });
   }
 
-  /** Sets what a flight needs. `wanted`: of autopilots.mjs; `corners`: of the fence. */
+  /** Sets what a flight needs; returns it, by name. `wanted`: of autopilots.mjs; `corners`: of the fence. */
   *apply(wanted, corners) {
     const before = this.kept.load() ?? { settings: {}, fence: yield* readFence(this.talk) };
     const plans = [];
@@ -23,6 +23,7 @@ export class Settings {
     yield* this.#write(plans.filter((plan) => !plan.afterFence));
     yield* writeFence(this.talk, polygon(corners));
     yield* this.#write(plans.filter((plan) => plan.afterFence));
+    return Object.fromEntries(plans.map(({ name, to }) => [name, to]));
   }
 
   /** Puts back what was there, the fence's switch first. Returns whether all of it is. */

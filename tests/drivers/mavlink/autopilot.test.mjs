@@ -191,3 +191,73 @@ test("the last answer to its fence is lost: it is written again", () => {
   assert.equal(lost, 2, "the first is lost, the second is not");
   assert.ok(box.copter.fence.length > 3);
 });
+
+test("home stays where it set out, also while it is armed where its battery was changed", () => {
+  const box = new Box().ready();
+  const to = box.goTo(800, 900, "charge");
+  box.until(() => box.said("arrived", to).length, 300);
+  const charge = box.order("charge", 30);
+  box.until(() => box.said("done", charge).length, 120);
+  box.goTo(1500, 900);
+  let most_m = 0;
+  box.until(() => {
+    const home = box.map.toMetres(box.copter.home);
+    most_m = Math.max(most_m, Math.hypot(home.x_m - START.x_m, home.y_m - START.y_m));
+    return box.distanceTo({ x_m: 1500, y_m: 900 }) < 3;
+  }, 300);
+  assert.ok(most_m < 3, `it was ${most_m} m away`);
+});
+
+test("no camera is there, though pictures are acknowledged: it does not fly, unless none is wanted", () => {
+  for (const camera of ["digicam", "none"]) {
+    const box = new Box({ options: { camera } });
+    box.copter.settings.CAM1_TYPE = 0;
+    if (camera === "none") box.flying();
+    else failsWithin(box, 10, /^it has no camera: CAM1_TYPE is 0/);
+    assert.equal(box.copter.armed, camera === "none");
+  }
+  const box = new Box();
+  delete box.copter.settings.CAM1_TYPE;  // a version that has no such setting
+  box.flying();
+});
+
+for (const kind of KINDS) {
+  test(`${kind}: no faster than it is set, which is said, and the mission hears when it will be there`, () => {
+    const box = new Box({ kind });
+    const [name, per_m_s] = kind === "px4" ? ["MPC_XY_CRUISE", 1] : ["WPNAV_SPEED", 100];
+    box.copter.settings[name] = 5 * per_m_s;
+    box.ready();
+    assert.equal(box.copter.settings[name], 5 * per_m_s);
+    assert.ok(box.notes.some((words) => words.startsWith("it flies 5.0 m/s, as it is set; the scenario counts on 12.0")), box.notes.join("; "));
+    const id = box.goTo(1500, 400);
+    box.until(() => box.place.x_m > 600, 120);
+    const { expected_s } = box.said("state").at(-1);
+    box.until(() => box.said("arrived", id).length, 400);
+    assert.ok(Math.abs(expected_s - box.now) < 12, `expected at ${expected_s} s, there at ${box.now} s`);
+  });
+
+  test(`${kind}: slower than the scenario, if it was faster`, () => {
+    const box = new Box({ kind });
+    const [name, per_m_s] = kind === "px4" ? ["MPC_XY_CRUISE", 1] : ["WPNAV_SPEED", 100];
+    box.copter.settings[name] = 20 * per_m_s;
+    box.ready();
+    assert.equal(box.copter.settings[name], 12 * per_m_s);
+    assert.ok(!box.notes.some((words) => words.includes("late")));
+  });
+
+  test(`${kind}: what it takes to land is learned from landing`, () => {
+    const box = new Box({ kind }).ready();
+    const late = [];
+    for (const [x_m, y_m] of [[1200, 700], [600, 700]]) {
+      const to = box.goTo(x_m, y_m, "charge");
+      box.until(() => box.distanceTo({ x_m, y_m }) < 300 && box.copter.armed && box.copter.at.up > 50, 300);
+      const { expected_s } = box.said("state").at(-1);
+      box.until(() => box.said("arrived", to).length, 400);
+      late.push(Math.abs(box.now - expected_s));
+      const charge = box.order("charge", 30);
+      box.until(() => box.said("done", charge).length, 120);
+    }
+    assert.ok(late[0] < 40, `${late[0]} s off at first`);
+    assert.ok(late[1] < 10, `${late[1]} s off then`);
+  });
+}

@@ -21,11 +21,11 @@ const SETTINGS = {
   ardupilot: {
     SYSID_MYGCS: 255, FS_GCS_ENABLE: 0, FS_GCS_TIMEOUT: 5, FS_OPTIONS: 0, FS_EKF_ACTION: 1, BATT_FS_LOW_ACT: 0, BATT_FS_CRT_ACT: 0, BATT_LOW_MAH: 0,
     BATT_LOW_VOLT: 10.5, BATT_CRT_VOLT: 0,
-    BATT_CAPACITY: CAPACITY_MAH, RTL_ALT: 1500, WPNAV_SPEED: 1000, FENCE_ENABLE: 0, FENCE_ACTION: 1, FENCE_TYPE: 7, FENCE_ALT_MAX: 100,
+    BATT_CAPACITY: CAPACITY_MAH, RTL_ALT: 1500, WPNAV_SPEED: 1200, CAM1_TYPE: 1, FENCE_ENABLE: 0, FENCE_ACTION: 1, FENCE_TYPE: 7, FENCE_ALT_MAX: 100,
   },
   px4: {
     NAV_DLL_ACT: 0, COM_DL_LOSS_T: 10, COM_RC_OVERRIDE: 0, COM_LOW_BAT_ACT: 0, BAT_CRIT_THR: 0.07, BAT_LOW_THR: 0.15, RTL_TYPE: 1, RTL_CONE_ANG: 45,
-    RTL_RETURN_ALT: 60, RTL_LAND_DELAY: -1, MPC_XY_CRUISE: 5, GF_MAX_VER_DIST: 0, GF_ACTION: 2,
+    RTL_RETURN_ALT: 60, RTL_LAND_DELAY: -1, MPC_XY_CRUISE: 12, GF_MAX_VER_DIST: 0, GF_ACTION: 2,
   },
 };
 
@@ -149,6 +149,7 @@ export class Copter {
     while (this.now < now - 1e-9) {
       const dt = Math.min(STEP_S, now - this.now);
       this.now += dt;
+      if (!this.home && this.isEstimating) this.home = { ...this.place, up: 0 };  // until it is set, or armed elsewhere
       if (!this.armed) continue;
       this.battery_percent = Math.max(0, this.battery_percent - this.drain_percent_s * dt);
       this.charge_percent = Math.max(0, this.charge_percent - this.drain_percent_s * dt);

@@ -4,6 +4,7 @@ import { spawnSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
+import { setTimeout } from "node:timers/promises";
 import { AT, freePort, MAIN, ORIGIN, withPrograms } from "./programs.mjs";
 
 const TICK_S = 10;
@@ -127,6 +128,23 @@ test("nobody speaks to it any more: it has sent it home before it ends", () => w
   driver.child.stdin.end();
   assert.equal(await driver.ended, 0, driver.lines.join("\n"));
   assert.ok(one.lines.some((line) => line.endsWith("RTL armed")));
+}));
+
+test("killed on its way home, as by a mission that is over: its settings are put back when it has landed", () => withPrograms(async ({ start, copter, folder }) => {
+  const port = await freePort();
+  const one = await copter(["--udp", `127.0.0.1:${port}`, "--speedup", String(SPEEDUP)]);
+  const driver = start(process.execPath, driverWords(`udpin:${port}`, folder, "--speedup", String(SPEEDUP)));
+  driver.say(hello(SPEEDUP));
+  send(driver);
+  await driver.said("arrived");
+  driver.say({ type: "bye", reason: "it is over" });
+  const from = one.lines.length;
+  await one.line((line) => line.endsWith("RTL armed"), from);
+  driver.child.kill("SIGKILL");
+  await one.line((line) => line.endsWith("RTL disarmed"), from);
+  const kept = join(folder, "system-1.json");
+  for (let n = 0; n < 200 && existsSync(kept); ++n) await setTimeout(100);
+  assert.equal(existsSync(kept), false);
 }));
 
 test("two UAVs, one driver each, by system id", () => withPrograms(async ({ start, copter, folder }) => {
