@@ -13,32 +13,6 @@ namespace {
 
 using Index = std::int32_t;
 
-template <class Arc>
-ArcsByAgent Sort(Index n_agents, const std::vector<Index>& arc_begin, const std::vector<Arc>& arcs,
-                 Index Arc::*agent_of) {
-  ArcsByAgent by_agent{std::vector<Index>(At(n_agents) + 1, 0), {}};
-  std::vector<Index>& begin = by_agent.begin;
-  by_agent.site_arc.resize(arcs.size());
-  for (const Arc& arc : arcs) ++begin[At(arc.*agent_of) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Index> next(begin.begin(), begin.end() - 1);
-  for (std::size_t s = 0; s + 1 < arc_begin.size(); ++s) {
-    for (Index i = arc_begin[s]; i < arc_begin[s + 1]; ++i) {
-      by_agent.site_arc[At(next[At(arcs[At(i)].*agent_of)]++)] = {static_cast<Index>(s), i};
-    }
-  }
-  return by_agent;
-}
-
-ArcsByAgent UavArcsOf(const Instance& instance) {
-  return Sort(instance.n_uavs(), instance.uav_begin, instance.uav_arcs, &Instance::UavArc::uav);
-}
-
-ArcsByAgent PartnerArcsOf(const Instance& instance) {
-  return Sort(instance.n_partners(), instance.partner_begin, instance.partner_arcs,
-              &Instance::PartnerArc::partner);
-}
-
 /// Each site's partner arcs, ascending by partner.
 std::vector<Index> ByPartner(const Instance& instance) {
   std::vector<Index> arcs(instance.partner_arcs.size());
@@ -85,13 +59,6 @@ Index Look(const std::vector<Index>& index_of_id, Index id) {
 }
 
 }  // namespace
-
-Index ArcsByAgent::Find(Index agent, Index site) const {
-  const auto last = site_arc.begin() + begin[At(agent) + 1];
-  const auto found =
-      std::lower_bound(site_arc.begin() + begin[At(agent)], last, std::pair(site, Index{0}));
-  return found != last && found->first == site ? found->second : -1;
-}
 
 Candidates EnumerateCandidates(const Situation& situation, Foundation foundation) {
   Candidates list{BuildInstance(situation), {}, {}};

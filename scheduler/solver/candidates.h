@@ -33,15 +33,6 @@ struct Candidates {
 Candidates EnumerateCandidates(const Situation& situation,
                                Foundation foundation = Foundation::kHierarchical);
 
-/// Arcs of one side by agent, each agent's ascending by site.
-struct ArcsByAgent {
-  std::vector<std::int32_t> begin;                              ///< [n_agents + 1] of site_arc
-  std::vector<std::pair<std::int32_t, std::int32_t>> site_arc;  ///< site, index of the arc
-
-  /// The agent's arc to the site; -1: none.
-  std::int32_t Find(std::int32_t agent, std::int32_t site) const;
-};
-
 /// The paper's weights of single actions, for callers that ask about a few and need no list of all
 /// pairs.
 class ActionWeights {

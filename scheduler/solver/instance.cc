@@ -2,10 +2,49 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "scheduler/solver/parallel.h"
 
 namespace muster::scheduler {
+namespace {
+
+using Index = std::int32_t;
+
+template <class Arc>
+ArcsByAgent Sort(Index n_agents, const std::vector<Index>& arc_begin, const std::vector<Arc>& arcs,
+                 Index Arc::*agent_of) {
+  ArcsByAgent by_agent{std::vector<Index>(At(n_agents) + 1, 0), {}};
+  std::vector<Index>& begin = by_agent.begin;
+  by_agent.site_arc.resize(arcs.size());
+  for (const Arc& arc : arcs) ++begin[At(arc.*agent_of) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Index> next(begin.begin(), begin.end() - 1);
+  for (std::size_t s = 0; s + 1 < arc_begin.size(); ++s) {
+    for (Index i = arc_begin[s]; i < arc_begin[s + 1]; ++i) {
+      by_agent.site_arc[At(next[At(arcs[At(i)].*agent_of)]++)] = {static_cast<Index>(s), i};
+    }
+  }
+  return by_agent;
+}
+
+}  // namespace
+
+ArcsByAgent UavArcsOf(const Instance& instance) {
+  return Sort(instance.n_uavs(), instance.uav_begin, instance.uav_arcs, &Instance::UavArc::uav);
+}
+
+ArcsByAgent PartnerArcsOf(const Instance& instance) {
+  return Sort(instance.n_partners(), instance.partner_begin, instance.partner_arcs,
+              &Instance::PartnerArc::partner);
+}
+
+Index ArcsByAgent::Find(Index agent, Index site) const {
+  const auto last = site_arc.begin() + begin[At(agent) + 1];
+  const auto found =
+      std::lower_bound(site_arc.begin() + begin[At(agent)], last, std::pair(site, Index{0}));
+  return found != last && found->first == site ? found->second : -1;
+}
 
 bool IsValid(const Instance& instance, const Assignment& assignment) {
   std::vector<std::int32_t> site_use(instance.capacity.size(), 0);

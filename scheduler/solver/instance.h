@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "base/units.h"
 #include "model/feasibility.h"
 
@@ -88,6 +91,21 @@ struct Instance {
     return u.base / (u.level > p.level ? u.level : p.level) + p.gain + u.pair_gain;
   }
 };
+
+/// Arcs of one side by agent, each agent's ascending by site.
+struct ArcsByAgent {
+  std::vector<std::int32_t> begin;                              ///< [n_agents + 1] of site_arc
+  std::vector<std::pair<std::int32_t, std::int32_t>> site_arc;  ///< site, index of the arc
+
+  std::span<const std::pair<std::int32_t, std::int32_t>> of(std::int32_t agent) const {
+    const auto first = site_arc.begin();
+    return {first + begin[At(agent)], first + begin[At(agent) + 1]};
+  }
+  /// The agent's arc to the site; -1: none.
+  std::int32_t Find(std::int32_t agent, std::int32_t site) const;
+};
+ArcsByAgent UavArcsOf(const Instance& instance);
+ArcsByAgent PartnerArcsOf(const Instance& instance);
 
 /// A solution: what each agent does. A UAV's choice names the arcs; -1: none.
 struct Assignment {

@@ -19,43 +19,12 @@ constexpr Index kMorePlaces = 3;  ///< of a site, besides those in use, that pai
 Matchings::Matchings(const Instance& instance, const Dual& dual)
     : instance_(instance), dual_(dual), planner_(instance, dual) {}
 
-Index Matchings::ArcsBySite::Find(Index agent, Index site) const {
-  const auto arcs = of(agent);
-  const auto arc = std::lower_bound(arcs.begin(), arcs.end(), std::pair(site, Index{0}));
-  return arc != arcs.end() && arc->first == site ? arc->second : -1;
-}
-
-void Matchings::ListArcs() {
-  const auto list = [&](std::size_t n_agents, std::size_t n_arcs, auto&& for_each) {
-    ArcsBySite arcs{std::vector<std::size_t>(n_agents + 1, 0), {}};
-    for_each([&](Index agent, Index, Index) { ++arcs.begin[At(agent) + 1]; });
-    for (std::size_t k = 0; k < n_agents; ++k) arcs.begin[k + 1] += arcs.begin[k];
-    arcs.all.resize(n_arcs);
-    std::vector<std::size_t> next(arcs.begin.begin(), arcs.begin.end() - 1);
-    for_each([&](Index agent, Index site, Index arc) {
-      arcs.all[next[At(agent)]++] = {site, arc};
-    });
-    work_ += static_cast<std::int64_t>(2 * n_arcs);
-    return arcs;
-  };
-  uav_arcs_ = list(instance_.uavs.size(), instance_.uav_arcs.size(), [&](auto&& visit) {
-    for (Index s = 0; s < instance_.n_sites(); ++s) {
-      for (Index i = instance_.uav_begin[At(s)]; i < instance_.uav_begin[At(s) + 1]; ++i) {
-        visit(instance_.uav_arcs[At(i)].uav, s, i);
-      }
-    }
-  });
-  partner_arcs_ = list(instance_.partners.size(), instance_.partner_arcs.size(), [&](auto&& visit) {
-    for (Index s = 0; s < instance_.n_sites(); ++s) {
-      for (Index j = instance_.partner_begin[At(s)]; j < instance_.partner_begin[At(s) + 1]; ++j) {
-        visit(instance_.partner_arcs[At(j)].partner, s, j);
-      }
-    }
-  });
-}
-
 void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
-  if (uav_arcs_.begin.empty()) ListArcs();
+  if (uav_arcs_.begin.empty()) {
+    uav_arcs_ = UavArcsOf(instance_);
+    partner_arcs_ = PartnerArcsOf(instance_);
+    work_ += static_cast<std::int64_t>(uav_arcs_.site_arc.size() + partner_arcs_.site_arc.size());
+  }
   planner_.Weigh(plan);
   int idle = 0;
   for (std::uint32_t round = 0; idle < kIdle && !stop(); ++round) {

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
-#include <utility>
 #include <vector>
 
 #include "scheduler/solver/dual.h"
@@ -32,7 +30,6 @@ class Matchings {
   struct Half {
     std::int32_t uav = -1, partner = -1, site = -1;
   };
-  void ListArcs();
   Plan MatchPartners(const Plan& plan);
   Plan MatchSites(const Plan& plan);
   Plan MatchUavs(const Plan& plan, std::uint32_t round);
@@ -62,21 +59,10 @@ class Matchings {
   /// shortest augmenting paths with potentials (Edmonds and Karp 1972; Tomizawa 1971).
   std::vector<std::int32_t> Match(std::size_t n_columns, const Edges& edges);
 
-  /// Arcs of an agent by site, of all agents one after the other.
-  struct ArcsBySite {
-    std::vector<std::size_t> begin;
-    std::vector<std::pair<std::int32_t, std::int32_t>> all;  ///< site, arc
-    std::span<const std::pair<std::int32_t, std::int32_t>> of(std::int32_t agent) const {
-      return {all.data() + begin[At(agent)], begin[At(agent) + 1] - begin[At(agent)]};
-    }
-    /// -1: none.
-    std::int32_t Find(std::int32_t agent, std::int32_t site) const;
-  };
-
   const Instance& instance_;
   const Dual& dual_;
   Planner planner_;
-  ArcsBySite uav_arcs_, partner_arcs_;
+  ArcsByAgent uav_arcs_, partner_arcs_;
   std::int64_t work_ = 0;
 };
 

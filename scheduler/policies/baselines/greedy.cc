@@ -11,6 +11,7 @@
 
 #include "model/feasibility.h"
 #include "model/generator.h"
+#include "model/place_index.h"
 
 namespace muster::scheduler {
 namespace {
@@ -20,7 +21,11 @@ namespace {
 class Cells {
  public:
   Cells(const Site& site, AgentKind kind, const std::vector<Point>& targets, GreedyPolicy::Aim aim)
-      : site_(site), ways_{site.ways.get(), kind}, targets_(targets), aim_(aim) {}
+      : site_(site),
+        ways_{site.ways.get(), kind},
+        targets_(targets),
+        index_(targets, ways_),
+        aim_(aim) {}
 
   /// Calls visit(cell, centre) for each cell whose centre may be within `radius_m` of `middle`, row
   /// by row.
@@ -55,19 +60,16 @@ class Cells {
   }
 
   double Cost(Point centre) const {
+    if (aim_ == GreedyPolicy::Aim::kNearest) return index_.NearestFrom(centre);
     double sum = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Point target : targets_) {
-      const double way_m = ways_.Length(centre, target);
-      sum += way_m;
-      least = std::min(least, way_m);
-    }
-    return aim_ == GreedyPolicy::Aim::kSum ? sum : least;
+    for (const Point target : targets_) sum += ways_.Length(centre, target);
+    return sum;
   }
 
   const Site& site_;
   WaysOf ways_;
   const std::vector<Point>& targets_;
+  PlaceIndex index_;
   GreedyPolicy::Aim aim_;
   int columns_ = Count(site_.width_m), rows_ = Count(site_.height_m);
   std::unordered_map<std::int64_t, double> costs_;
