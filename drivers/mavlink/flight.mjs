@@ -29,7 +29,10 @@ export function* heartbeat(talk, vehicle, speedup) {
 }
 
 export class Flight {
-  /** `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}; it also keeps what is learned: cruise_m_s, climb_m_s, descent_m_s. */
+  /**
+   * `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}; it also keeps what is
+   * learned: cruise_m_s, climb_m_s, descent_m_s.
+   */
   constructor({ talk, vehicle, safety, settings, streams, note, plan }) {
     Object.assign(this, { talk, vehicle, safety, settings, streams, note, plan });
   }
