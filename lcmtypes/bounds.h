@@ -8,6 +8,8 @@ namespace muster {
 
 /// No two places on Earth are farther apart.
 inline constexpr double kFarthest_m = 2e7;
+/// Of an altitude above the ground.
+inline constexpr double kHighest_m = 1e5;
 /// Of a range, of sensing, of a call: twice around the Earth.
 inline constexpr double kLongestWay_m = 1e8;
 /// Of agents, and of charging. An agent that shall stay in place has the slowest speed.

@@ -45,6 +45,7 @@ inline constexpr std::string_view kUavChanges = "MUSTER_UAV_CHANGES";
 inline constexpr std::string_view kWorkerChanges = "MUSTER_WORKER_CHANGES";
 inline constexpr std::string_view kVehicleChanges = "MUSTER_VEHICLE_CHANGES";
 inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
+inline constexpr std::string_view kClearances = "MUSTER_CLEARANCES";
 inline constexpr std::string_view kEvent = "MUSTER_EVENT";
 inline constexpr std::string_view kDriver = "MUSTER_DRIVER";
 inline constexpr std::string_view kFault = "MUSTER_FAULT";
@@ -84,6 +85,8 @@ inline constexpr Channel kChannels[] = {
      kWorldAlone},
     {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB,
      kWorldAndAgents},
+    {channel::kClearances, "clearances_t", process_name::kScheduler,
+     "before the schedule, in a mission that keeps UAVs apart", 16 * kMiB, kWorldAndAgents},
     {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096, kNobody},
     {channel::kDriver, "event_t", "processes with drivers", "until the world rules", 4096,
      kWorldAlone},

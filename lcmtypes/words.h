@@ -106,6 +106,7 @@ enum class EventKind : std::int8_t {
   kDriverFailed = 24,     ///< what the driver of a measured agent says, or what is wrong with it
   kStateUnknown = 25,     ///< after a restart of the world: a lost process's last state is lost
   kDirectiveUnkept = 26,  ///< the commander's word that a decision could not keep, and why
+  kActionWithheld = 27,   ///< a UAV stays, as no altitude is free for what it was to do
 };
 
 /// fault_t.kind. Each has a row in protocol/fault_kinds.cc.
@@ -176,13 +177,13 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 27> kNames<EventKind> = {
-    "agent_online",  "agent_offline",   "agent_failed",     "agent_back",     "sensing_started",
-    "sensing_done",  "sensing_aborted", "charging_started", "charging_done",  "charging_aborted",
-    "match_failed",  "process_lost",    "process_back",     "fault_applied",  "fault_ended",
-    "task_reported", "task_expired",    "answer_refused",   "task_cancelled", "task_held",
-    "task_resumed",  "task_changed",    "agent_joined",     "agent_leaves",   "driver_failed",
-    "state_unknown", "directive_unkept"};
+inline constexpr std::array<std::string_view, 28> kNames<EventKind> = {
+    "agent_online",  "agent_offline",    "agent_failed",     "agent_back",     "sensing_started",
+    "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",  "charging_aborted",
+    "match_failed",  "process_lost",     "process_back",     "fault_applied",  "fault_ended",
+    "task_reported", "task_expired",     "answer_refused",   "task_cancelled", "task_held",
+    "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",   "driver_failed",
+    "state_unknown", "directive_unkept", "action_withheld"};
 template <>
 inline constexpr std::array<std::string_view, 13> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",

@@ -24,9 +24,9 @@ double RangeOnArrival(const AgentState& uav) {
 /// Share of its leg that the agent has behind it at t, 0 to 1.
 double ShareAt(const AgentState& agent, TimeUs t) {
   if (t >= agent.arrive_us) return 1;
-  if (t <= agent.depart_us) return 0;
-  return static_cast<double>(t - agent.depart_us) /
-         static_cast<double>(agent.arrive_us - agent.depart_us);
+  const TimeUs set_out_us = agent.depart_us + HoldUs(agent);
+  if (t <= set_out_us) return 0;
+  return static_cast<double>(t - set_out_us) / static_cast<double>(agent.arrive_us - set_out_us);
 }
 
 /// The agent stands where it is at `t`, free, from then on.
@@ -98,12 +98,23 @@ AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const
   return agent;
 }
 
+TimeUs HoldUs(const AgentState& agent) {
+  if (agent.kind != AgentKind::kUav || agent.measured || agent.leg_ways->straight(agent.kind) ||
+      agent.arrive_us <= agent.depart_us) {
+    return 0;
+  }
+  const TimeUs travel_us = TravelUs(agent.LegM(), agent.speed_m_s);
+  const TimeUs hold_us = agent.arrive_us - agent.depart_us - std::min(travel_us, agent.arrive_us);
+  return std::max<TimeUs>(hold_us, 0);
+}
+
 std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const Ways& now) {
   const auto share =
       agent.leg_ways->BarredAt(agent.kind, agent.from, agent.to, ShareAt(agent, since_us), now);
   if (!share) return {};
-  const auto way_us = static_cast<double>(agent.arrive_us - agent.depart_us);
-  return agent.depart_us + static_cast<TimeUs>(std::ceil(*share * way_us));
+  const TimeUs set_out_us = agent.depart_us + HoldUs(agent);
+  const auto way_us = static_cast<double>(agent.arrive_us - set_out_us);
+  return set_out_us + static_cast<TimeUs>(std::ceil(*share * way_us));
 }
 
 void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
@@ -119,6 +130,7 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
   if (!barred_us) return;
   const Point here = PositionAt(moved, agent->measured ? t : std::min(*barred_us, t));
   if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = RangeOnWayAt(moved, t);
+  const TimeUs rest_of_hold_us = std::max<TimeUs>(0, moved.depart_us + HoldUs(moved) - t);
   agent->leg_ways = &now;
   agent->from = here;
   agent->depart_us = t;
@@ -130,7 +142,7 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
     agent->action = ActionKind::kNone;
     agent->target = agent->partner = -1;
   } else {
-    agent->arrive_us = t + TravelUs(way_m, agent->speed_m_s);
+    agent->arrive_us = t + rest_of_hold_us + TravelUs(way_m, agent->speed_m_s);
   }
   agent->busy_until_us = IsPair(agent->action) ? kNever : agent->arrive_us;
   if (agent->measured) NoteLeg(agent);
@@ -138,8 +150,9 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
 
 Point PositionAt(const AgentState& agent, TimeUs t) {
   if (t >= agent.arrive_us) return agent.to;
-  if (t <= agent.depart_us) return agent.from;
-  return agent.leg_ways->PlaceAfter(agent.kind, agent.from, agent.to, ShareAt(agent, t));
+  const double share = ShareAt(agent, t);
+  if (share <= 0) return agent.from;
+  return agent.leg_ways->PlaceAfter(agent.kind, agent.from, agent.to, share);
 }
 
 double RangeOnWayAt(const AgentState& agent, TimeUs t) {
@@ -187,8 +200,9 @@ std::optional<TimeUs> RunsDryAt(const AgentState& uav) {
       way <= uav.range_at_departure_m + kRangeSlack_m)
     return {};
   const double fraction = uav.range_at_departure_m / way;
-  const auto duration = static_cast<double>(uav.arrive_us - uav.depart_us);
-  return uav.depart_us + static_cast<TimeUs>(std::floor(duration * fraction));
+  const TimeUs set_out_us = uav.depart_us + HoldUs(uav);
+  const auto duration = static_cast<double>(uav.arrive_us - set_out_us);
+  return set_out_us + static_cast<TimeUs>(std::floor(duration * fraction));
 }
 
 std::optional<TimeUs> RunsDryAt(const AgentState& uav, const Activity& sensing,
@@ -308,7 +322,7 @@ double RangePerMetre(UavId uav, std::int32_t decision, const Disturbances& distu
 }
 
 void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeUs now,
-           const Disturbances& disturbances, std::uint64_t seed) {
+           const Disturbances& disturbances, std::uint64_t seed, TimeUs hold_us) {
   MUSTER_CHECK(agent->idle(now), "{}:{} at {}", ToString(agent->kind), agent->id, now);
   agent->decision = decision;
   if (IsStay(action.kind)) return;
@@ -321,7 +335,7 @@ void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeU
   agent->to = goal.at;
   agent->leg_ways = agent->ways;
   agent->depart_us = now;
-  agent->arrive_us = now + TravelUs(way_m, agent->speed_m_s);
+  agent->arrive_us = now + (agent->measured ? 0 : hold_us) + TravelUs(way_m, agent->speed_m_s);
   agent->action = action.kind;
   agent->activity.reset();
   agent->busy_until_us = IsPair(action.kind) ? kNever : agent->arrive_us;

@@ -110,6 +110,10 @@ struct AgentState {
 /// A fresh agent at mission start.
 AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways);
 
+/// How long it stays at the place where its leg begins before it sets out. A computed UAV that
+/// waits for its altitude has more time for its leg than its way takes.
+TimeUs HoldUs(const AgentState& agent);
+
 /// When it comes on its leg to what is closed by `now`, not before since_us; none: it does not.
 std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const Ways& now);
 
@@ -188,9 +192,10 @@ class Verdict {
 void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const Task> tasks);
 
 /// Starts `action` at `now` for one of its participants, which must be idle and settled. Draws the
-/// way's wind and the communication cost as functions of (seed, UAV, decision).
+/// way's wind and the communication cost as functions of (seed, UAV, decision). `hold_us`: a
+/// computed agent sets out so much later.
 void Begin(AgentState* agent, const Action& action, std::int32_t decision, TimeUs now,
-           const Disturbances& disturbances, std::uint64_t seed);
+           const Disturbances& disturbances, std::uint64_t seed, TimeUs hold_us = 0);
 
 /// Range that a UAV spends per metre on the way of the action that `decision` commands: 1, or
 /// 1 + a draw in wind.

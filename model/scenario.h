@@ -12,6 +12,7 @@
 #include "base/ids.h"
 #include "base/moment.h"
 #include "base/units.h"
+#include "model/clearance.h"
 #include "model/directive.h"
 #include "model/per_kind.h"
 #include "model/road_area.h"
@@ -175,6 +176,8 @@ class AirWaysStore;
 /// The airspace that UAVs of a scenario fly in.
 struct ScenarioAir {
   double margin_m = 30;  ///< they stay so far away from a zone
+  /// By how much they are kept apart from each other; none: they are not.
+  std::optional<Separation> separation = Separation();
   std::vector<PlannedZone> zones;
   std::shared_ptr<const AirWaysStore> ways;  ///< around each set of zones that there has been
 };
@@ -217,6 +220,10 @@ struct Scenario {
   }
   /// The ways at that time, with the orders of its tick.
   const Ways& WaysAt(TimeUs t) const;
+  /// By how much UAVs are kept apart; null: they are not.
+  const Separation* separation() const {
+    return air && air->separation ? &*air->separation : nullptr;
+  }
   /// Whether orders may come.
   bool takes_orders() const { return room.any() || roads != nullptr || air != nullptr; }
   AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }

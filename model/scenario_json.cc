@@ -336,6 +336,15 @@ class Writer {
 
   void AddAir(const ScenarioAir& air) {
     Add("  \"air\": {{\"margin_km\": {}", ToText(air.margin_m, kKm));
+    if (!air.separation) {
+      text_ += ", \"separation\": false";
+    } else if (*air.separation != Separation()) {
+      const Separation& s = *air.separation;
+      Add(", \"separation\": {{\"horizontal_m\": {}, \"vertical_m\": {}, \"lowest_m\": {}, "
+          "\"ceiling_m\": {}}}",
+          ToText(s.horizontal_m, kOne), ToText(s.vertical_m, kOne), ToText(s.lowest_m, kOne),
+          ToText(s.ceiling_m, kOne));
+    }
     for (const PlannedZone& planned : air.zones) {
       Add("{}\n    {{{}", &planned == air.zones.data() ? ", \"zones\": [" : ",",
           ZoneToJson(planned.zone));

@@ -63,9 +63,34 @@ ScenarioRoads ReadRoadsKey(const ObjectReader& object) {
   return roads;
 }
 
+namespace {
+
+std::optional<Separation> ReadSeparation(const ObjectReader& air) {
+  const JsonValue& value = *air.Optional("separation");
+  if (value.type == JsonValue::Type::kBoolean && !value.boolean) return {};
+  const ObjectReader object = air.Child("separation");
+  object.AllowOnly({"horizontal_m", "vertical_m", "lowest_m", "ceiling_m"});
+  Separation s;
+  const auto read = [&](const char* key, double low, double high, double* metres) {
+    if (object.Has(key)) *metres = object.Number(key, kOne, low, high);
+  };
+  read("horizontal_m", 1, 10'000, &s.horizontal_m);
+  read("vertical_m", 1, 1'000, &s.vertical_m);
+  read("lowest_m", 1, 10'000, &s.lowest_m);
+  read("ceiling_m", 1, 10'000, &s.ceiling_m);
+  if (s.ceiling_m < s.lowest_m) {
+    object.Fail("ceiling_m", fmt::format("{:g}", s.ceiling_m),
+                fmt::format("at least lowest_m, {:g}", s.lowest_m));
+  }
+  return s;
+}
+
+}  // namespace
+
 ScenarioAir ReadAir(const ObjectReader& object) {
-  object.AllowOnly({"margin_km", "zones"});
+  object.AllowOnly({"margin_km", "separation", "zones"});
   ScenarioAir air;
+  if (object.Has("separation")) air.separation = ReadSeparation(object);
   if (object.Has("margin_km")) {
     air.margin_m = object.Number("margin_km", kKm, 0.001, kWidestMargin_km);
   }

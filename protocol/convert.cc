@@ -124,6 +124,11 @@ bool Possible(const schedule_t& schedule, const Rules& rules) {
          schedule.decision == rules.DecisionAt(schedule.tick);
 }
 
+bool Possible(const clearances_t& clearances, const Rules& rules) {
+  return clearances.tick >= 0 && clearances.tick <= rules.last_tick() && clearances.decision >= 0 &&
+         clearances.decision == rules.DecisionAt(clearances.tick);
+}
+
 std::string_view ChannelOf(AgentKind kind) {
   return ByKind(kind, channel::kUavs, channel::kWorkers, channel::kVehicles);
 }
@@ -290,6 +295,29 @@ std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits) {
   const auto kind = static_cast<AgentKind>(wire.agent_kind);
   if (!Below(wire.agent_id, limits.agents(kind)) || wire.at_us < 0) return {};
   return Ruling{kind, wire.agent_id, static_cast<Ruling::Kind>(wire.kind), wire.at_us};
+}
+
+clearances_t ToWire(const std::vector<Clearance>& clearances) {
+  clearances_t wire{};
+  for (const Clearance& c : clearances) {
+    clearance_t& one = wire.clearances.emplace_back();
+    one.uav_id = c.uav;
+    one.decision = c.decision;
+    one.from_m = c.from_m;
+    one.to_m = c.to_m;
+    one.begin_us = c.begin_us;
+  }
+  wire.n = static_cast<std::int32_t>(wire.clearances.size());
+  return wire;
+}
+
+std::optional<std::vector<Clearance>> FromWire(const clearances_t& wire, const WireLimits& limits) {
+  std::vector<Clearance> clearances;
+  for (const clearance_t& one : wire.clearances) {
+    if (!Below(one.uav_id, limits.uavs)) return {};
+    clearances.push_back({one.uav_id, one.decision, one.from_m, one.to_m, one.begin_us});
+  }
+  return clearances;
 }
 
 action_t ToWire(const Action& action) {

@@ -4,6 +4,7 @@
 #include <muster/activity_t.hpp>
 #include <muster/agent_states_t.hpp>
 #include <muster/agent_t.hpp>
+#include <muster/clearances_t.hpp>
 #include <muster/clock_t.hpp>
 #include <muster/ruling_t.hpp>
 #include <muster/rulings_t.hpp>
@@ -46,6 +47,7 @@ bool Possible(const clock_t& clock, const Rules& rules);
 bool Possible(const world_state_t& world, const Rules& rules);
 bool Possible(const rulings_t& rulings, const Rules& rules);
 bool Possible(const schedule_t& schedule, const Rules& rules);
+bool Possible(const clearances_t& clearances, const Rules& rules);
 
 /// Where the states of that class are published.
 std::string_view ChannelOf(AgentKind kind);
@@ -75,6 +77,11 @@ ruling_t ToWire(const Ruling& ruling);
 /// event_t.detail of an agent that has failed because that process is lost.
 std::string LossDetail(std::string_view process);
 std::optional<Ruling> FromWire(const ruling_t& wire, const WireLimits& limits);
+
+/// Header, decision and tick are not filled.
+clearances_t ToWire(const std::vector<Clearance>& clearances);
+/// None where one names a UAV that the scenario does not have.
+std::optional<std::vector<Clearance>> FromWire(const clearances_t& wire, const WireLimits& limits);
 
 action_t ToWire(const Action& action);
 std::optional<Action> FromWire(const action_t& wire, const WireLimits& limits);

@@ -5,6 +5,7 @@
 #include <muster/agent_changes_t.hpp>
 #include <muster/agent_states_t.hpp>
 #include <muster/answer_t.hpp>
+#include <muster/clearances_t.hpp>
 #include <muster/clock_t.hpp>
 #include <muster/event_t.hpp>
 #include <muster/fault_t.hpp>
@@ -36,7 +37,7 @@ std::int64_t GapsIn(const IntervalSet& seqs);
 using Message =
     std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, agent_changes_t,
                  schedule_t, event_t, fault_t, process_status_t, log_status_t, request_t, restore_t,
-                 answer_t, order_t, orders_t, roads_t>;
+                 answer_t, order_t, orders_t, roads_t, clearances_t>;
 const header_t& HeaderOf(const Message& message);
 
 /// The message that the packet is; none where it is not a valid one of its channel's type.

@@ -53,6 +53,16 @@ void Archive::Add(const Packet& packet) {
     schedule_ = packet;
     return;
   }
+  if (packet.channel == channel::kClearances) {
+    const auto clearances = DecodeValid<clearances_t>(packet.bytes);
+    if (!clearances || clearances->header.run_id != run_id_ ||
+        !Possible(*clearances, scenario_.rules)) {
+      return;
+    }
+    clearances_[clearances->decision] = packet;
+    if (clearances_.size() > kTicks) clearances_.erase(clearances_.begin());
+    return;
+  }
   if (packet.channel == channel::kOrders && book_.takes_orders()) {
     const auto orders = DecodeValid<orders_t>(packet.bytes);
     // One that cannot be is nothing to keep.
@@ -159,13 +169,20 @@ std::optional<std::int64_t> Archive::Consistent() const {
 }
 
 bool Archive::AnswersAtOnce(const request_t& request) const {
-  return request.channel == channel::kSchedule ||
+  return request.channel == channel::kSchedule || request.channel == channel::kClearances ||
          (goes_on_ && request.header.sender == process_name::kWorld);
 }
 
 std::vector<answer_t> Archive::Answer(const request_t& request, TimeUs now_us) {
   if (request.channel == channel::kSchedule && schedule_) {
     return {AnswerTo(request, 0, schedule_->bytes)};
+  }
+  if (request.channel == channel::kClearances) {
+    std::vector<answer_t> answers;
+    for (const auto& [decision, packet] : clearances_) {
+      answers.push_back(AnswerTo(request, decision, packet.bytes));
+    }
+    return answers;
   }
   const bool of_orders = request.channel == channel::kOrders && book_.takes_orders();
   if (!IsStates(request.channel) && !IsOfWorld(request.channel) && !of_orders) return {};

@@ -67,6 +67,7 @@ class Archive {
   const bool goes_on_;
   std::optional<Packet> schedule_;  ///< the newest decision
   std::int32_t newest_decision_ = -1;
+  std::map<std::int32_t, Packet> clearances_;  ///< the newest altitudes, by decision
   std::map<Source, Told> told_;
   ReportReader reports_;
   std::map<std::pair<std::string, std::int64_t>, IntervalSet>

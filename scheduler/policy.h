@@ -23,6 +23,10 @@ struct Decision {
   std::string refused = {};
   /// The commander's directives that could not be kept, each with the reason.
   std::vector<std::string> unkept = {};
+  /// The altitudes of all UAVs from this decision on, by id. Empty: UAVs are not kept apart.
+  std::vector<Clearance> clearances = {};
+  /// Actions that were left out because no altitude is free for them.
+  std::vector<Action> withheld = {};
 };
 
 /// The action of one idle agent, or of a UAV and its partner (a worker or a vehicle): it goes to

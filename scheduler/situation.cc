@@ -14,6 +14,7 @@ Site::Site(const Scenario& scenario)
       open_roads(scenario.roads ? scenario.roads->ways : nullptr),
       closures(scenario.closures),
       directives(scenario.directives),
+      separation(scenario.separation() ? std::optional(*scenario.separation()) : std::nullopt),
       forbidden(ForbiddenPairs(directives)),
       rules(scenario.rules),
       width_m(scenario.width_m),

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "model/agent.h"
+#include "model/clearance.h"
 #include "model/scenario.h"
 
 namespace muster::scheduler {
@@ -21,6 +23,7 @@ struct Site {
       open_roads;                        ///< the same while no road was closed; null: no roads
   std::vector<Closure> closures;         ///< of roads and air, in force
   std::vector<Directive> directives;     ///< of the commander, in force
+  std::optional<Separation> separation;  ///< by how much UAVs are kept apart; none: they are not
   std::vector<ForbiddenPair> forbidden;  ///< the pairs among them, sorted
   std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
   Rules rules;
@@ -51,6 +54,9 @@ struct Situation {
   std::vector<TaskStatus> task_status;  ///< [n_tasks]
   std::vector<std::int32_t>
       charging_load;  ///< [n_charging_points] pairs charging there or on their way
+  /// Of UAVs that are kept apart: by the last decision in force, by id. A UAV that is not listed
+  /// has never left the ground.
+  std::vector<Clearance> clearances;
 
   const std::vector<AgentState>& agents(AgentKind kind) const {
     return ByKind(kind, uavs, workers, vehicles);

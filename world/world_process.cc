@@ -85,6 +85,7 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       },
       [&](const agent_changes_t& changes) { Take(changes, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
+      [&](const clearances_t& clearances) { Take(clearances, packet); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
       [&](const event_t& event) {
@@ -195,11 +196,23 @@ void WorldProcess::TakeIn(AgentState agent) {
   agents_.at(agent.kind, agent.id) = agent;
 }
 
+void WorldProcess::Take(const clearances_t& clearances, const Packet& packet) {
+  if (scenario_.separation() == nullptr || wait_ != Wait::kSchedule ||
+      clearances.decision != clock_.decision() || clearances.tick != clock_.tick()) {
+    return;
+  }
+  if (!FromWire(clearances, limits_)) return inbox().Reject();
+  next_clearances_packet_ = std::make_shared<const Packet>(packet);
+  next_clearances_decision_ = clearances.decision;
+}
+
 void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {
   if (wait_ != Wait::kSchedule || schedule.decision != clock_.decision() ||
       schedule.tick != clock_.tick()) {
     return;
   }
+  // Altitudes that were lost on the way come again with the schedule, when it is asked for again.
+  if (scenario_.separation() != nullptr && next_clearances_decision_ != schedule.decision) return;
   std::vector<Action> actions;
   for (const action_t& wire : schedule.actions) {
     const std::optional<Action> action = FromWire(wire, limits_);
@@ -215,6 +228,8 @@ void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const 
     SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
   }
   schedule_packet_ = std::make_shared<const Packet>(packet);
+  clearances_packet_ = next_clearances_packet_;
+  clearances_decision_ = next_clearances_decision_;
   schedule_tick_ = clock_.tick();
   schedule_time_.Note(now.monotonic_us - asked_us_);
   clock_.Require(schedule.decision);
@@ -230,6 +245,9 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
   if (request.channel == channel::kOrders && desk_.book().takes_orders()) {
     Process::Answer(request, desk_.book().tick(), BookBytes(desk_.book(), identity()),
                     clock_.sim_us(), now);
+  }
+  if (request.channel == channel::kClearances && clearances_packet_) {
+    Process::Answer(request, clearances_decision_, clearances_packet_->bytes, clock_.sim_us(), now);
   }
   for (const AgentKind kind : kAgentKinds) {
     if (request.channel != ChannelOf(kind)) continue;
@@ -496,6 +514,7 @@ void WorldProcess::Repeat(const Now& now) {
     const bool schedule_lacks =
         clock_.tick() == schedule_tick_ + 1 || now.monotonic_us - asked_us_ > kMissedUs;
     if (schedule_packet_ && wait_ == Wait::kStates && schedule_lacks) {
+      if (clearances_packet_) sender().Resend(clearances_packet_);
       sender().Resend(schedule_packet_);
     }
     if (orders_packet_) sender().Resend(orders_packet_);

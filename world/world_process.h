@@ -64,6 +64,7 @@ class WorldProcess : public Process {
   void TakeIn(AgentState agent);
   bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
+  void Take(const clearances_t& clearances, const Packet& packet);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
   bool RestoreState(const Now& now);
@@ -121,6 +122,10 @@ class WorldProcess : public Process {
   SentPacket orders_packet_;                    ///< of the tick
   std::map<std::int64_t, SentPacket> answers_;  ///< to orders, by tick
   SentPacket schedule_packet_;                  ///< the decision in force, as the scheduler sent it
+  /// What goes with it, if UAVs are kept apart, and whose it is; that of the next decision may have
+  /// come already.
+  SentPacket clearances_packet_, next_clearances_packet_;
+  std::int32_t clearances_decision_ = -1, next_clearances_decision_ = -1;
   BackOff repeat_;
   AnswerTime states_time_, schedule_time_;
   TimeUs asked_us_ = 0;              ///< since when it waits for the present answer

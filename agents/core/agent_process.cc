@@ -53,6 +53,7 @@ void AgentProcess::OnMissionMessage(const Message& message, const Packet& packet
         Take(rulings);
         if (rulings_ && rulings.tick == tick_) rulings_packet_ = packet;
       },
+      [&](const clearances_t& clearances) { Take(clearances, packet); },
       [&](const schedule_t& schedule) { Take(schedule); });
 }
 
@@ -187,6 +188,9 @@ void AgentProcess::Answer(const request_t& request, const Now& now) {
     if (published_before_.states) Answer(request, published_before_, now);
     says_whole_ = true;
   }
+  if (request.channel == channel::kClearances) {
+    for (const auto& [decision, packet] : clearances_packets_) answer(decision, packet);
+  }
   // The newest verdict, too: it may have been given without a process that is lost.
   if (request.channel == channel::kWorld) {
     if (activities_) answer(tick_, world_packet_);
@@ -278,12 +282,33 @@ void AgentProcess::Take(const schedule_t& schedule) {
   }
 }
 
+bool AgentProcess::NeedsClearances() const {
+  return kind_ == AgentKind::kUav && scenario()->separation() != nullptr;
+}
+
+void AgentProcess::Take(const clearances_t& clearances, const Packet& packet) {
+  if (!NeedsClearances()) return;
+  if (!Possible(clearances, scenario()->rules)) return inbox().Reject();
+  const bool is_wanted =
+      clearances.tick == tick_ || (clock_ && clearances.decision == clock_->required_decision);
+  if (!is_wanted || clearances.decision == clearances_decision_) return;
+  const auto list = FromWire(clearances, WireLimits(*scenario()));
+  if (!list) return inbox().Reject();
+  clearances_.clear();
+  for (const Clearance& clearance : *list) clearances_[clearance.uav] = clearance;
+  clearances_decision_ = clearances.decision;
+  clearances_packets_[clearances.decision] = packet;
+  if (clearances_packets_.size() > 2) clearances_packets_.erase(clearances_packets_.begin());
+}
+
 bool AgentProcess::CanAdvance() const {
   if (!clock_ || clock_->tick != tick_ + 1) return false;
   if (tick_ < 0) return true;
-  return activities_ && rulings_ &&
-         (clock_->required_decision <= applied_decision_ ||
-          (schedule_ && schedule_decision_ == clock_->required_decision));
+  if (!activities_ || !rulings_) return false;
+  const std::int32_t required = clock_->required_decision;
+  return required <= applied_decision_ ||
+         (schedule_ && schedule_decision_ == required &&
+          (!NeedsClearances() || clearances_decision_ == required));
 }
 
 void AgentProcess::OnMissionStep(const Now& now) {
@@ -444,8 +469,19 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
         MatchFails(action, decision, scenario()->disturbances, scenario()->seed)) {
       continue;
     }
-    Begin(&agent, action, decision, t, scenario()->disturbances, scenario()->seed);
+    Begin(&agent, action, decision, t, scenario()->disturbances, scenario()->seed, HoldOf(id, t));
   }
+  for (const std::int32_t id : driven_) {
+    const auto clearance = clearances_.find(id);
+    if (!NeedsClearances() || clearance == clearances_.end()) continue;
+    if (clearance->second.decision == decision) drivers_->GiveAltitude(clearance->second);
+  }
+}
+
+TimeUs AgentProcess::HoldOf(std::int32_t id, TimeUs t) const {
+  const auto clearance = clearances_.find(id);
+  if (!NeedsClearances() || clearance == clearances_.end()) return 0;
+  return std::max<TimeUs>(0, clearance->second.begin_us - t);
 }
 
 void AgentProcess::Publish(std::vector<agent_t> wires, bool whole, const Now& now) {

@@ -56,6 +56,7 @@ class AgentProcess : public Follower {
   void Take(const world_state_t& world);
   void Take(const rulings_t& rulings);
   void Take(const schedule_t& schedule);
+  void Take(const clearances_t& clearances, const Packet& packet);
   void Take(const answer_t& answer);
   void TakeGoals(const schedule_t& schedule);
   void GoOn();
@@ -64,7 +65,11 @@ class AgentProcess : public Follower {
   void Answer(const request_t& request, const Now& now);
   bool CanAdvance() const;
   void Advance(const Now& now);
+  /// Whether it needs the altitudes of a decision to carry it out.
+  bool NeedsClearances() const;
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
+  /// How much later than at t an agent of ours sets out on what it is sent to do.
+  TimeUs HoldOf(std::int32_t id, TimeUs t) const;
   /// Whether whole states have to be sent at tick_.
   bool SpeaksWhole() const;
   void Publish(std::vector<agent_t> wires, bool whole, const Now& now);
@@ -122,6 +127,10 @@ class AgentProcess : public Follower {
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
   std::optional<std::vector<Action>> schedule_;      ///< of the decision made at tick_
   std::int32_t schedule_decision_ = -1;
+  std::map<std::int32_t, Clearance> clearances_;  ///< by UAV, the newest
+  std::int32_t clearances_decision_ = -1;         ///< whose they are
+  /// The same as it came, and the one before, for a scheduler that starts again.
+  std::map<std::int32_t, Packet> clearances_packets_;
 };
 
 }  // namespace muster::agents

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/clearance.h"
 #include "model/measured.h"
 
 namespace muster::agents {
@@ -17,6 +18,8 @@ class DriverPort {
   /// this object.
   virtual void Begin(const Scenario& scenario, const AgentState& agent, TimeUs at) = 0;
   virtual bool drives(std::int32_t id) const = 0;
+  /// The altitude that a decision gives a UAV; what it is sent to do is told after it.
+  virtual void GiveAltitude(const Clearance& /*clearance*/) {}
   /// Tells the driver what the agent's state was at `before`, the last tick, and that it is now
   /// `at`.
   virtual void Tell(const AgentState& agent, TimeUs before, TimeUs at) = 0;

@@ -44,6 +44,11 @@ void DriverPrograms::Begin(const Scenario& scenario, const AgentState& agent, Ti
       std::make_unique<DriverProgram>(command->argv, scenario, agent, at, rules_)};
 }
 
+void DriverPrograms::GiveAltitude(const Clearance& clearance) {
+  const auto found = drivers_.find(clearance.uav);
+  if (found != drivers_.end()) found->second.program->session().GiveAltitude(clearance);
+}
+
 void DriverPrograms::Tell(const AgentState& agent, TimeUs before, TimeUs at) {
   const auto found = drivers_.find(agent.id);
   if (found == drivers_.end() || !found->second.problem.empty()) return;

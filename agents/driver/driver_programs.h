@@ -26,6 +26,7 @@ class DriverPrograms : public DriverPort {
 
   void Begin(const Scenario& scenario, const AgentState& agent, TimeUs at) override;
   bool drives(std::int32_t id) const override { return CommandOf(id) != nullptr; }
+  void GiveAltitude(const Clearance& clearance) override;
   void Tell(const AgentState& agent, TimeUs before, TimeUs at) override;
   bool Listen() override;
   std::vector<MeasuredReport> TakeReports(TimeUs at) override;

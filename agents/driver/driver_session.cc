@@ -49,6 +49,11 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
     hello["origin"] = {{"latitude_deg", scenario.origin->latitude_deg},
                        {"longitude_deg", scenario.origin->longitude_deg}};
   }
+  if (agent.kind == AgentKind::kUav && scenario.separation() != nullptr) {
+    hello["altitudes"] = {
+        {"lowest_m", scenario.separation()->lowest_m},
+        {"highest_m", scenario.separation()->AltitudeOf(scenario.separation()->layers() - 1)}};
+  }
   hello["rate"] = rules.rate > 0 ? Json(rules.rate) : Json(nullptr);
   hello["mission_s"] = ToSeconds(at);
   hello["online_from_s"] = ToSeconds(agent.online_from_us);
@@ -63,14 +68,25 @@ void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
   if (agent_.action == ActionKind::kNone) {
     if (open_) Cancel(at, why);
     activity_told_ = false;
-    return;
+    return TellAltitude(at);
   }
   // A leg that begins anew for the same command goes round what was closed.
   const bool is_new =
       agent_.decision != sent_ || (agent_.measured && agent_.measured->set_out_us > set_out_us_);
   if (is_new && !agent_.activity) GoTo(at);
   if (agent_.activity && agent_.activity->start_us <= at && !activity_told_) BeginActivity();
+  TellAltitude(at);
   if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
+}
+
+void DriverSession::GiveAltitude(const Clearance& clearance) {
+  clearance_ = clearance;
+  altitude_told_ = false;
+}
+
+void DriverSession::TellAltitude(TimeUs at) {
+  if (std::exchange(altitude_told_, true)) return;
+  Say({{"type", "altitude"}, {"mission_s", ToSeconds(at)}, {"altitude_m", clearance_->to_m}});
 }
 
 void DriverSession::Tick(TimeUs at, TimeUs wall_us) {
@@ -121,6 +137,13 @@ void DriverSession::GoTo(TimeUs at) {
                                                            : AgentKind::kVehicle;
     line["then"] = senses ? "sense" : "charge";
     line["partner"] = NameOf(other, agent_.partner);
+  }
+  if (clearance_) {
+    const TimeUs hold_us = std::max<TimeUs>(0, clearance_->begin_us - at);
+    line["altitude_m"] = clearance_->to_m;
+    if (hold_us > 0) line["set_out_s"] = ToSeconds(clearance_->begin_us);
+    line["expected_s"] = ToSeconds(agent_.arrive_us + hold_us);
+    altitude_told_ = true;
   }
   if (!agent_.own_ways().straight()) {
     line["via"] = Json::array();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "agents/driver/driver_line.h"
+#include "model/clearance.h"
 #include "model/measured.h"
 
 namespace muster::agents {
@@ -38,6 +39,9 @@ class DriverSession {
   /// that has changed. `why`: the reason of a cancel.
   void Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
               std::string_view why = "its partner or its task is gone");
+  /// The altitude that it is to fly at from now on. It is told with where it is sent, or, by the
+  /// next Follow(), alone.
+  void GiveAltitude(const Clearance& clearance);
   /// Tells the driver the time.
   void Tick(TimeUs at, TimeUs wall_us);
   /// Tells the driver that the mission is over for it. No line of it counts any more.
@@ -77,6 +81,7 @@ class DriverSession {
   /// Says it with an id of its own.
   void Order(Command::Kind kind, const nlohmann::ordered_json& line);
   void GoTo(TimeUs at);
+  void TellAltitude(TimeUs at);
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
   TimeUs MissionUs(TimeUs wall_us) const;
@@ -99,6 +104,8 @@ class DriverSession {
   bool asked_ = false;                   ///< the last of them is not answered
   bool open_ = false;                    ///< what it began is neither finished nor cancelled
   bool activity_told_ = false;
+  std::optional<Clearance> clearance_;
+  bool altitude_told_ = true;
   std::int32_t sent_ = -1;  ///< decision that the last goto is about
   TimeUs set_out_us_ = 0;   ///< when the leg began that it is about
   bool greeted_ = false, answered_ = true, over_ = false;

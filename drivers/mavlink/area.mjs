@@ -9,15 +9,15 @@ const OUTSIDE_M = 5;
 const FENCE_M = 20;
 /** The autopilot draws straight lines between degrees: with corners so near they are those of the map to 1 m. */
 const CORNERS_M = 4000;
-/** The fence above the altitude that it flies at. */
+/** The fence above the highest altitude that it flies at. */
 export const CEILING_M = 20;
 
 export class Area {
-  constructor(map, { width_m, height_m }, altitude_m) {
+  constructor(map, { width_m, height_m }, highest_m) {
     this.map = map;
     this.width_m = width_m;
     this.height_m = height_m;
-    this.ceiling_m = altitude_m + CEILING_M;
+    this.ceiling_m = highest_m + CEILING_M;
   }
 
   #holds({ x_m, y_m }, margin_m) {

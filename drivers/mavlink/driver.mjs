@@ -92,7 +92,7 @@ export class Driver {
       return this.edge.note("a line of the mission is no JSON");
     }
     const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason) };
-    for (const type of ["goto", "sense", "charge", "cancel"]) take[type] = () => this.#take(line);
+    for (const type of ["goto", "sense", "charge", "cancel", "altitude"]) take[type] = () => this.#take(line);
     if (line && Object.hasOwn(take, line.type)) take[line.type]();
   }
 
@@ -164,11 +164,13 @@ export class Driver {
       throw new Trouble(`the mission runs at ${line.rate === null ? "full speed" : `rate ${line.rate}`}, and the vehicle's time at ${speedup} (--speedup)`, "off");
     }
     const number = Number(String(line.agent).split(":")[1]) || 0;
-    const altitude_m = this.options.altitude + number * this.options.altitudeStep;
-    if (altitude_m > ceiling) throw new Trouble(`${line.agent} would fly at ${altitude_m} m, above ${ceiling} m: see --altitude, --altitude-step, --ceiling`, "off");
+    // A mission that keeps UAVs apart says with each command how high it is to fly.
+    const altitude_m = line.altitudes?.lowest_m ?? this.options.altitude + number * this.options.altitudeStep;
+    const highest_m = line.altitudes?.highest_m ?? altitude_m;
+    if (highest_m > ceiling) throw new Trouble(`${line.agent} would fly at ${highest_m} m, above ${ceiling} m: see --altitude, --altitude-step, --ceiling`, "off");
     const map = new MissionMap(line.origin);
     return {
-      map, altitude_m, area: new Area(map, line.area, altitude_m), launch: line.at, near_m: Math.max(5, line.speed_m_s),
+      map, altitude_m, area: new Area(map, line.area, highest_m), launch: line.at, near_m: Math.max(5, line.speed_m_s),
       speed_m_s: line.speed_m_s, silence_s: this.silence_s, reserve_percent: reserve, camera, speedup, ownSystem, cells,
     };
   }
@@ -183,6 +185,7 @@ export class Driver {
     this.reporter?.tell(line.mission_s, false);
     if (!this.isEnding) this.order = line;
     if (line.type === "goto") this.#task = line.task ?? null;
+    if (this.plan && Number.isFinite(line.altitude_m)) this.plan.altitude_m = line.altitude_m;
     this.step();
   }
 
@@ -236,6 +239,8 @@ export class Driver {
       }
       if (this.isHandled && !(yield* this.#battery(isReplaced))) return;
       safety.isServiced = false;
+      while (reporter.mission_s < (order.set_out_s ?? 0) - ROUNDING_S && !isReplaced()) yield;
+      if (isReplaced()) return;
       if (!flight.isFlying) yield* flight.takeOff();
       reporter.goal = { order, to, corners: (order.via ?? []).map(metres) };
       const isThere = !isReplaced() && (yield* flight.follow(reporter.goal.corners, to, isReplaced));

@@ -182,7 +182,7 @@ const TypeRow* FindType(std::string_view name) {
       RowOf<request_t>(),      RowOf<restore_t>(),    RowOf<rulings_t>(),
       RowOf<roads_t>(),        RowOf<scenario_t>(),   RowOf<schedule_t>(),
       RowOf<world_state_t>(),  RowOf<answer_t>(),     RowOf<agent_changes_t>(),
-      RowOf<order_t>(),        RowOf<orders_t>(),
+      RowOf<order_t>(),        RowOf<orders_t>(),     RowOf<clearances_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -318,6 +318,19 @@ bool Valid(const agent_changes_t& m) {
          (m.agents.empty() ||
           (m.agents.front().id >= m.first_id && m.agents.back().id <= m.last_id));
 }
+bool Valid(const clearances_t& m) {
+  const auto can_be = [&](const clearance_t& c) {
+    return c.uav_id >= 0 && In(c.decision, 0, m.decision) && c.begin_us >= 0 && c.from_m >= 0 &&
+           c.from_m <= kHighest_m && c.to_m >= 0 && c.to_m <= kHighest_m;
+  };
+  const auto in_order = [](const clearance_t& a, const clearance_t& b) {
+    return a.uav_id >= b.uav_id;
+  };
+  return Valid(m.header) && NotNegative(m.decision, m.tick) &&
+         std::all_of(m.clearances.begin(), m.clearances.end(), can_be) &&
+         std::adjacent_find(m.clearances.begin(), m.clearances.end(), in_order) ==
+             m.clearances.end();
+}
 bool Valid(const clock_t& m) {
   return Valid(m.header) && NotNegative(m.tick, m.tick_us, m.limit_us) && m.decision >= -1 &&
          m.required_decision >= -1 && IsWord<ClockPhase>(m.phase) &&
@@ -432,6 +445,7 @@ std::optional<std::uint64_t> Fingerprint(std::string_view type) noexcept {
 MUSTER_CODEC(agent_changes_t);
 MUSTER_CODEC(agent_states_t);
 MUSTER_CODEC(answer_t);
+MUSTER_CODEC(clearances_t);
 MUSTER_CODEC(clock_t);
 MUSTER_CODEC(event_t);
 MUSTER_CODEC(fault_t);

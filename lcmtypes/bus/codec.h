@@ -10,6 +10,7 @@
 #include "muster/agent_changes_t.hpp"
 #include "muster/agent_states_t.hpp"
 #include "muster/answer_t.hpp"
+#include "muster/clearances_t.hpp"
 #include "muster/clock_t.hpp"
 #include "muster/event_t.hpp"
 #include "muster/fault_t.hpp"
@@ -48,6 +49,7 @@ std::optional<T> Decode(std::span<const std::uint8_t> bytes) noexcept;
 bool Valid(const header_t& header);
 bool Valid(const agent_changes_t& message);
 bool Valid(const agent_states_t& message);
+bool Valid(const clearances_t& message);
 bool Valid(const clock_t& message);
 bool Valid(const event_t& message);
 bool Valid(const fault_t& message);

@@ -1,9 +1,13 @@
 #include "scheduler/process/scheduler_process.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "scheduler/policies/directives/directing.h"
+#include "scheduler/separation/keep_apart.h"
 
 namespace muster::scheduler {
 namespace {
@@ -11,6 +15,9 @@ namespace {
 /// So many clocks of an earlier start of the world, and none of the later one: its number was
 /// damaged on the way, and nobody has that number.
 constexpr int kMostOutdated = 20;
+/// Of altitudes that are kept: the decision in force is one of the last two, or older where some
+/// were not made in time; those are asked for.
+constexpr std::size_t kMostClearances = 4;
 
 }  // namespace
 
@@ -39,9 +46,28 @@ void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, c
   };
   Handle(
       message, [&](const clock_t& clock) { Take(clock); },
+      [&](const clearances_t& clearances) { Take(clearances); },
+      [&](const answer_t& answer) {
+        if (answer.channel != channel::kClearances || !Answers(answer)) return;
+        const auto clearances = DecodeValid<clearances_t>(answer.data);
+        if (!clearances || clearances->header.run_id != identity().run_id) return inbox().Reject();
+        Take(*clearances);
+      },
       [&](const agent_states_t& states) { take(states); },
       [&](const world_state_t& world) { take(world); },
       [&](const rulings_t& rulings) { take(rulings); });
+}
+
+void SchedulerProcess::Take(const clearances_t& clearances) {
+  if (!Possible(clearances, scenario()->rules) || !FromWire(clearances, WireLimits(*scenario()))) {
+    return inbox().Reject();
+  }
+  clearances_.insert_or_assign(clearances.decision, clearances);
+  if (clearances_.size() > kMostClearances) clearances_.erase(clearances_.begin());
+}
+
+bool SchedulerProcess::HasClearances() const {
+  return scenario()->separation() == nullptr || in_force_ < 0 || clearances_.contains(in_force_);
 }
 
 void SchedulerProcess::Take(const clock_t& clock) {
@@ -57,6 +83,7 @@ void SchedulerProcess::Take(const clock_t& clock) {
   world_boot_ = clock.header.boot_id;
   tick_ = clock.tick;
   tick_us_ = clock.tick_us;
+  in_force_ = clock.required_decision;
   due_ = clock.tick == schedule_tick_ ? -1 : clock.decision;
   set_sim_us(tick_us_);
   if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
@@ -64,6 +91,7 @@ void SchedulerProcess::Take(const clock_t& clock) {
 
 void SchedulerProcess::OnMissionStep(const Now& now) {
   if (due_ >= 0 && !HasOrders(tick_, world_boot_, now)) return;
+  if (due_ >= 0 && !HasClearances()) return Ask(channel::kClearances, tick_us_, now);
   if (due_ >= 0 && fusion_->complete()) {
     StopAsking();
     Decide(now);
@@ -72,6 +100,7 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
   }
   StopAsking();
   if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
+    if (clearances_packet_) sender().Resend(clearances_packet_);
     sender().Resend(schedule_packet_);
   }
   repeat_tick_ = -1;
@@ -86,9 +115,26 @@ void SchedulerProcess::Tell(EventKind kind, const std::string& detail, const Now
   Announce(std::move(event), now);
 }
 
+void SchedulerProcess::TellWithheld(const Action& action, const Now& now) {
+  event_t event{};
+  event.kind = NumberOf(EventKind::kActionWithheld);
+  event.at_us = tick_us_;
+  event.uav_id = action.uav.value;
+  event.worker_id = action.worker.value;
+  event.vehicle_id = action.vehicle.value;
+  event.task_id = action.task.value;
+  event.charge_id = action.charge.value;
+  event.detail = fmt::format("no altitude is free within {} min", kMostHoldUs / kMinuteUs);
+  Announce(std::move(event), now);
+}
+
 void SchedulerProcess::Decide(const Now& now) {
   const TimeUs begin = stopwatch_();
-  const Decision decision = DecideWithDirectives(fusion_->Fuse(orders()), policy_.get());
+  Situation situation = fusion_->Fuse(orders());
+  if (const auto known = clearances_.find(in_force_); known != clearances_.end()) {
+    situation.clearances = *FromWire(known->second, WireLimits(*scenario()));
+  }
+  const Decision decision = KeepApart(situation, DecideWithDirectives(situation, policy_.get()));
   schedule_t schedule{};
   schedule.decision = due_;
   schedule.tick = tick_;
@@ -106,6 +152,14 @@ void SchedulerProcess::Decide(const Now& now) {
     if (!told) Tell(EventKind::kDirectiveUnkept, unkept, now);
   }
   unkept_ = decision.unkept;
+  for (const Action& withheld : decision.withheld) TellWithheld(withheld, now);
+  if (situation.site->separation) {
+    clearances_t clearances = ToWire(decision.clearances);
+    clearances.decision = due_;
+    clearances.tick = tick_;
+    clearances_packet_ = sender().Send(channel::kClearances, std::move(clearances), tick_us_, now);
+    Take(*DecodeValid<clearances_t>(clearances_packet_->bytes));
+  }
   schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
   schedule_tick_ = tick_;
   due_ = -1;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +18,7 @@ using Stopwatch = TimeUs (*)();
 
 /// The scheduler in lockstep (docs/reference/mission.md): on a decision tick it fuses what it
 /// heard, decides and publishes; when the clock is repeated it publishes the same again. It keeps
-/// nothing that it could not make again.
+/// nothing that it could not make again or ask for.
 class SchedulerProcess : public Follower {
  public:
   /// `policy_name` is what its decisions bear.
@@ -36,7 +37,11 @@ class SchedulerProcess : public Follower {
 
  private:
   void Take(const clock_t& clock);
+  void Take(const clearances_t& clearances);
+  /// Whether it knows the altitudes that the decision rests on, if UAVs are kept apart.
+  bool HasClearances() const;
   void Decide(const Now& now);
+  void TellWithheld(const Action& action, const Now& now);
   void Tell(EventKind kind, const std::string& detail, const Now& now);
 
   const std::string policy_name_;
@@ -47,9 +52,12 @@ class SchedulerProcess : public Follower {
   int outdated_ = 0;             ///< clocks in a row of earlier starts of the world
   std::int64_t tick_ = -1;       ///< of its newest clock
   TimeUs tick_us_ = 0;
+  std::int32_t in_force_ = -1;     ///< decision in force at tick_
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
   SentPacket schedule_packet_;     ///< the newest
+  SentPacket clearances_packet_;   ///< that goes with it; null: UAVs are not kept apart
+  std::map<std::int32_t, clearances_t> clearances_;  ///< the newest, by decision
   std::int64_t schedule_tick_ = -1;
   std::vector<std::string> unkept_;  ///< directives, as the last decision says
 };

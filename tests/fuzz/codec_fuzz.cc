@@ -37,6 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Check<agent_changes_t>(bytes, "MUSTER_UAV_CHANGES");
   Check<agent_states_t>(bytes, "MUSTER_UAVS");
   Check<muster::clock_t>(bytes, "MUSTER_CLOCK");
+  Check<clearances_t>(bytes, "MUSTER_CLEARANCES");
   Check<event_t>(bytes, "MUSTER_EVENT");
   Check<fault_t>(bytes, "MUSTER_FAULT");
   Check<log_status_t>(bytes, "MUSTER_LOG");

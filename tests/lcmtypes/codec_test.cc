@@ -162,6 +162,7 @@ TEST(Codec, RefusesCountsThatTheBytesDoNotJustify) {
   // The array of each ends the message: its count stands 4 bytes before it.
   constexpr std::size_t kAgentBytes = 4 + 9 * 8 + 5 * 8 + 2 + 3 * 4;
   constexpr std::size_t kActionBytes = 1 + 5 * 4 + 3 * 8;
+  constexpr std::size_t kClearanceBytes = 2 * 4 + 2 * 8 + 8;
   constexpr std::size_t kRulingBytes = 1 + 4 + 1 + 8;
   constexpr std::size_t kActivityBytes = 1 + 3 * 4 + 2 * 8;
   const auto check = [](const auto& message, std::size_t array_bytes, std::int32_t count) {
@@ -180,6 +181,7 @@ TEST(Codec, RefusesCountsThatTheBytesDoNotJustify) {
   check(Sample<agent_changes_t>(), 2 * kAgentBytes, 2);
   check(Sample<agent_states_t>(), 2 * kAgentBytes, 2);
   check(Sample<schedule_t>(), 10 * kActionBytes, 10);
+  check(Sample<clearances_t>(), 2 * kClearanceBytes, 2);
   check(Sample<rulings_t>(), 3 * kRulingBytes, 3);
   check(Sample<world_state_t>(), 2 * kActivityBytes, 2);
   check(Sample<world_state_t>(), 2 * kActivityBytes + 4 + 4, 4);  // task_status
@@ -316,7 +318,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 27; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 28; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));

@@ -193,6 +193,16 @@ rulings_t SampleRulings() {
   return rulings;
 }
 
+clearances_t SampleClearances() {
+  clearances_t clearances{};
+  clearances.header = Header(10);
+  clearances.decision = 2;
+  clearances.tick = 40;
+  clearances.clearances = {{0, 2, 0, 30, 1'200'000'000}, {3, 1, 30, 120, 605'000'000}};
+  clearances.n = 2;
+  return clearances;
+}
+
 roads_t SampleRoads() {
   roads_t roads{};
   roads.header = Header(9);
@@ -253,11 +263,11 @@ world_state_t SampleWorldState() {
 }  // namespace
 
 AllMessages SampleMessages() {
-  return {SampleAgentChanges(), SampleAgentStates(),   SampleAnswer(),    SampleClock(),
-          SampleEvent(),        SampleFault(),         SampleLogStatus(), SampleOrder(),
-          SampleOrders(),       SampleProcessStatus(), SampleRequest(),   SampleRestore(),
-          SampleRoads(),        SampleRulings(),       SampleScenario(),  SampleSchedule(),
-          SampleWorldState()};
+  return {SampleAgentChanges(), SampleAgentStates(), SampleAnswer(),        SampleClearances(),
+          SampleClock(),        SampleEvent(),       SampleFault(),         SampleLogStatus(),
+          SampleOrder(),        SampleOrders(),      SampleProcessStatus(), SampleRequest(),
+          SampleRestore(),      SampleRoads(),       SampleRulings(),       SampleScenario(),
+          SampleSchedule(),     SampleWorldState()};
 }
 
 }  // namespace muster

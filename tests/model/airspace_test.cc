@@ -210,7 +210,7 @@ TEST(AirOrders, AddAndLiftZonesAtTheirTick) {
   constexpr const char* kAdd =
       R"({"order": "zone_add", "area_km": [[1, 1], [2, 1], [2, 2], [1, 2]], "name": "field"})";
   EXPECT_EQ(take(kAdd, 0, "a"), "the scenario has no key air");
-  UseAir({10, {}, nullptr}, &scenario);
+  UseAir({10, Separation(), {}, nullptr}, &scenario);
   const auto length = [&](TimeUs t) {
     return scenario.WaysAt(t).Length(kUav, {500, 1500}, {2500, 1500});
   };
@@ -240,7 +240,7 @@ TEST(AirOrders, AUavUnderWayFliesAroundFromWhereItIs) {
   spec.at = {500, 1500};
   spec.speed_m_s = 10;
   spec.range_full_m = spec.range_m = 5000;
-  UseAir({10, {}, nullptr}, &scenario);
+  UseAir({10, Separation(), {}, nullptr}, &scenario);
   AgentState uav = StartOf(kUav, 0, spec, *scenario.ways);
   uav.to = {2500, 1500};
   uav.arrive_us = 200 * kSecondUs;

@@ -9,12 +9,17 @@ namespace muster::tools::audit {
 
 std::string AgentModel::name() const { return fmt::format("{}:{}", ToString<AgentKind>(kind), id); }
 
+double AgentModel::PartAt(std::int64_t t) const {
+  const std::int64_t begin_us = depart_us + hold_us;
+  if (t >= arrive_us) return 1;
+  if (t <= begin_us) return 0;
+  return static_cast<double>(t - begin_us) / static_cast<double>(arrive_us - begin_us);
+}
+
 Place AgentModel::At(std::int64_t t) const {
   if (t >= arrive_us) return to;
-  if (t <= depart_us) return from;
-  const double part =
-      static_cast<double>(t - depart_us) / static_cast<double>(arrive_us - depart_us);
-  return leg_ways->After(kind, from, to, part);
+  if (t <= depart_us + hold_us) return from;
+  return leg_ways->After(kind, from, to, PartAt(t));
 }
 
 double AgentModel::RangeAt(std::int64_t t) const {
@@ -47,6 +52,7 @@ void AgentModel::StopAt(std::int64_t t) {
   if (says_arrived) Anchor(At(t), t, range);
   from = to = At(t);
   depart_us = arrive_us = busy_until_us = t;
+  hold_us = 0;
   range_at_departure_m = range;
   range_per_m = 1;
   way_seen = true;
@@ -61,6 +67,7 @@ void AgentModel::StopAt(std::int64_t t) {
 void AgentModel::GoRound(const Ways& now, Place here, std::int64_t t) {
   ways = leg_ways = &now;
   from = here;
+  hold_us = std::max<std::int64_t>(0, depart_us + hold_us - t);
   depart_us = t;
   const double way_m = WayM(here, to);
   if (std::isinf(way_m)) {
@@ -68,7 +75,7 @@ void AgentModel::GoRound(const Ways& now, Place here, std::int64_t t) {
     arrive_us = t;
     return StopAt(t);
   }
-  arrive_us = planned_us = t + DurationUs(way_m, spec->speed_m_s);
+  arrive_us = planned_us = t + hold_us + DurationUs(way_m, spec->speed_m_s);
   set_out_us = t;
   busy_until_us = pair() ? kForever : arrive_us;
 }

@@ -36,6 +36,7 @@ struct AgentModel {
 
   Place from, to;
   std::int64_t depart_us = 0, arrive_us = 0;
+  std::int64_t hold_us = 0;  ///< that it waits at `from` before it sets out
   double range_at_departure_m = 0;
   double range_per_m = 1;  ///< more in wind, as seen in the reports
   bool way_seen = true;    ///< range_per_m of this leg is known
@@ -66,6 +67,8 @@ struct AgentModel {
   std::string name() const;
   bool pair() const { return action == ActionKind::kSense || action == ActionKind::kCharge; }
   Place At(std::int64_t t) const;
+  /// Part of its leg that is behind it at t, 0 to 1.
+  double PartAt(std::int64_t t) const;
   /// Metres; below 0 when the agent flew further than it could.
   double RangeAt(std::int64_t t) const;
   double RangeOnArrival() const {

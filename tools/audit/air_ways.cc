@@ -143,6 +143,17 @@ class AroundZones : public Ways {
     }
     return to;
   }
+  std::vector<double> TurnsOf(int kind, Place from, Place to) const override {
+    if (kind != kUav) return ground_->TurnsOf(kind, from, to);
+    const auto [places, length_m] = RouteOf(from, to);
+    std::vector<double> parts;
+    double gone_m = 0;
+    for (std::size_t i = 1; i + 1 < places.size() && length_m > 0; ++i) {
+      gone_m += Apart(places[i - 1], places[i]);
+      parts.push_back(gone_m / length_m);
+    }
+    return parts;
+  }
   double rounding_m(int kind) const override {
     return kind == kUav ? 0.01 : ground_->rounding_m(kind);
   }

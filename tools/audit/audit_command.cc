@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -59,6 +60,20 @@ nlohmann::ordered_json ToJson(const audit::Auditor& auditor,
           {"activities", auditor.activities()},
           {"report_checked", report_checked},
           {"violations", std::move(list)}};
+}
+
+void PrintSeparation(const audit::Auditor& auditor) {
+  const audit::View::Closest* const closest = auditor.closest();
+  if (closest == nullptr) return;
+  fmt::print("UAVs are kept apart: {}",
+             std::isinf(closest->share)
+                 ? "no two come near each other"
+                 : fmt::format("the closest come within {:.0f} m across and {:.0f} m up",
+                               closest->across_m, closest->above_m));
+  if (closest->leftover > 0) {
+    fmt::print("; pairs too close by what no decision planned: {}", closest->leftover);
+  }
+  fmt::print("\n");
 }
 
 }  // namespace
@@ -126,6 +141,7 @@ int AuditCommand(int argc, const char* const* argv) {
                  proof->first_refused());
     }
   }
+  PrintSeparation(auditor);
   if (violations.empty()) {
     fmt::print("passed: every rule holds{}\n", has_report
                                                    ? ", and report.json says what the log shows"

@@ -199,6 +199,13 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
   }
   if (top.contains("air")) {
     s.margin_m = top.at("air").value("margin_km", 0.03) * kKm;
+    const json said = top.at("air").value("separation", json::object());
+    if (said.is_object()) {
+      const Scenario::Separation usual;
+      s.separation = {
+          said.value("horizontal_m", usual.across_m), said.value("vertical_m", usual.above_m),
+          said.value("lowest_m", usual.lowest_m), said.value("ceiling_m", usual.ceiling_m)};
+    }
     for (const json& zone : top.at("air").value("zones", json::array())) {
       s.zones.push_back({MinutesOr(zone, "from_min", 0)});
     }

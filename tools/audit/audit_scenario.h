@@ -74,7 +74,12 @@ struct Scenario {
     std::set<int> roads;
     Rings zone = {};  ///< empty: it is about roads
   };
-  std::vector<Closed> closed;      ///< by orders, in force
+  std::vector<Closed> closed;  ///< by orders, in force
+  /// UAVs are kept apart by that much, in layers that begin at the lowest altitude.
+  struct Separation {
+    double across_m = 50, above_m = 10, lowest_m = 30, ceiling_m = 120;
+  };
+  std::optional<Separation> separation;
   std::optional<double> margin_m;  ///< from zones; none: zones cannot be added
   /// When ways have changed, and what held from then on; first what held before.
   std::vector<std::pair<std::int64_t, std::shared_ptr<const Ways>>> changes;

@@ -53,6 +53,7 @@ void Auditor::Begin(const TickFacts& tick) {
   if (view.due >= 0 && view.schedule != nullptr) view.in_force = view.due;
   view.due = view.scenario.DecisionAt(view.tick);
   view.schedule = intake_.ScheduleOfNext();
+  view.clearances = intake_.ClearancesOfNext();
   view.said = &tick;
   view.found_before = findings_.count();
 }
@@ -77,6 +78,12 @@ void Auditor::CheckTick() {
   if (view.due >= 0 && view.schedule == nullptr) skipped_.insert(view.due);
   if (view.Holds() && view.schedule != nullptr) {
     CheckDecision(view);
+    if (view.clearances != nullptr) CheckSeparation(view);
+    view.withheld.clear();
+    for (const event_t& event : intake_.heard().events) {
+      const bool is_now = event.at_us == view.now_us && event.kind == EventKind::kActionWithheld;
+      if (is_now) view.withheld.insert(event.task_id);
+    }
     CheckDirectives(view);
   }
 }

@@ -50,6 +50,10 @@ class Auditor {
   std::int64_t decisions() const {
     return static_cast<std::int64_t>(intake_.heard().schedules.size());
   }
+  /// Of UAVs that are kept apart; null: they are not.
+  const View::Closest* closest() const {
+    return view_ && view_->scenario.separation ? &view_->closest : nullptr;
+  }
   std::int64_t activities() const { return view_ ? view_->n_activities : 0; }
 
  private:

@@ -120,7 +120,7 @@ class Check {
       all_idle = all_idle && IsIdle(model);
     }
     const bool both = one.agents[kUav] >= 0 && one.agents[kWorker] >= 0;
-    const bool possible = both && all_idle && CanSense(one);
+    const bool possible = both && all_idle && CanSense(one) && !view_.withheld.contains(one.task);
     const action_t* sent = nullptr;
     for (const action_t& a : view_.schedule->actions) {
       if (a.task_id == one.task) sent = &a;

@@ -86,7 +86,11 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->to = goal;
   model->leg_ways = model->ways;
   model->depart_us = command.at_us;
-  model->arrive_us = command.at_us + DurationUs(way_m, model->spec->speed_m_s);
+  // A measured agent says itself when it arrives.
+  const auto cleared = view.cleared.find(model->id);
+  const bool holds = model->kind == kUav && !model->spec->measured && cleared != view.cleared.end();
+  model->hold_us = holds ? std::max<std::int64_t>(0, cleared->second.begin_us - command.at_us) : 0;
+  model->arrive_us = command.at_us + model->hold_us + DurationUs(way_m, model->spec->speed_m_s);
   TakeRoundedArrival(model, a);
   model->range_at_departure_m = range_m;
   model->range_per_m = 1;
@@ -120,18 +124,16 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   const bool has_arrived =
       model->spec->measured ? model->says_arrived : model->arrive_us <= *view.ways_since_us;
   if (!under_way || has_arrived || model->arrive_us <= model->depart_us) return;
-  const auto duration = static_cast<double>(model->arrive_us - model->depart_us);
-  const auto gone = static_cast<double>(*view.ways_since_us - model->depart_us);
+  const std::int64_t begin_us = model->depart_us + model->hold_us;
+  const auto duration = static_cast<double>(model->arrive_us - begin_us);
   const auto part =
-      before.MeetsAt(model->kind, model->from, model->to, std::max(0.0, gone) / duration,
+      before.MeetsAt(model->kind, model->from, model->to, model->PartAt(*view.ways_since_us),
                      view.scenario.ClosedRoads(), now);
   if (!part) return;
   const bool stands_before =
       !model->spec->measured &&
-      static_cast<double>(model->depart_us) + *part * duration < static_cast<double>(view.now_us);
-  const double here_part =
-      stands_before ? *part
-                    : std::min(1.0, static_cast<double>(view.now_us - model->depart_us) / duration);
+      static_cast<double>(begin_us) + *part * duration < static_cast<double>(view.now_us);
+  const double here_part = stands_before ? *part : model->PartAt(view.now_us);
   Place here = before.After(model->kind, model->from, model->to, here_part);
   // Of two roundings the reported one.
   if (report != nullptr && Apart(here, {report->x_m, report->y_m}) <= now.rounding_m(model->kind)) {

@@ -62,6 +62,8 @@ void CheckTasks(View& view);
 void ExpectEvents(View& view);
 /// The decision due, where it came into force.
 void CheckDecision(View& view);
+/// The altitudes that go with it: whether UAVs are kept apart, as far as is planned.
+void CheckSeparation(View& view);
 
 // Once, at the end.
 

@@ -29,6 +29,12 @@ int ClassOf(std::string_view channel) {
                                                                               : kVehicle;
 }
 
+bool SameAltitudes(const clearances_t& a, const clearances_t& b) {
+  clearances_t x = a, y = b;
+  x.header = y.header = header_t{};
+  return Encode(x) == Encode(y);
+}
+
 bool SameActions(const schedule_t& a, const schedule_t& b) {
   schedule_t x = a, y = b;
   for (schedule_t* s : {&x, &y}) {
@@ -105,6 +111,8 @@ void Intake::Take(const Packet& packet) {
     if (const auto m = Admit<agent_changes_t>(packet)) TakeChanges(*m, ClassOf(name));
   } else if (name == channel::kSchedule) {
     if (const auto m = Admit<schedule_t>(packet)) TakeSchedule(*m);
+  } else if (name == channel::kClearances) {
+    if (const auto m = Admit<clearances_t>(packet)) TakeClearances(*m);
   } else if (name == channel::kEvent) {
     if (auto m = Admit<event_t>(packet)) heard_.events.push_back(std::move(*m));
   }
@@ -264,6 +272,23 @@ void Intake::TakeSchedule(const schedule_t& message) {
   }
 }
 
+void Intake::TakeClearances(const clearances_t& message) {
+  const std::int64_t t =
+      heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
+  const bool is_due = message.tick >= 0 && message.tick <= heard_.scenario->last_tick() &&
+                      heard_.scenario->DecisionAt(message.tick) == message.decision;
+  if (!heard_.scenario->separation || !is_due) {
+    findings_->Add(t, "separation", "altitudes of decision {} at tick {}, where none are due",
+                   message.decision, message.tick);
+    return;
+  }
+  const auto [known, is_new] = heard_.clearances.try_emplace(message.decision, message);
+  if (!is_new && !SameAltitudes(known->second, message)) {
+    findings_->Add(t, "separation", "decision {} gave altitudes twice and differently",
+                   message.decision);
+  }
+}
+
 bool Intake::Complete(const TickFacts& facts) const {
   if (!facts.clock || !facts.world || !facts.rulings) return false;
   if (heard_.scenario->takes_orders() &&
@@ -273,6 +298,7 @@ bool Intake::Complete(const TickFacts& facts) const {
   if (const std::int32_t due = heard_.scenario->DecisionAt(next_tick_); due >= 0) {
     const std::optional<bool> in_force = InForce();
     if (!in_force || (*in_force && !heard_.schedules.contains(due))) return false;
+    if (*in_force && heard_.scenario->separation && !heard_.clearances.contains(due)) return false;
   }
   for (const int kind : kClasses) {
     for (std::size_t id = 0; id < facts.reports[kind].size(); ++id) {
@@ -309,6 +335,8 @@ std::string Intake::WhatIsMissing() const {
   const std::int32_t due = heard_.scenario->DecisionAt(next_tick_);
   if (due >= 0 && !heard_.schedules.contains(due))
     add(fmt::format("schedule_t of decision {}", due));
+  if (due >= 0 && heard_.scenario->separation && !heard_.clearances.contains(due))
+    add(fmt::format("clearances_t of decision {}", due));
   if (due >= 0 && !InForce()) add(fmt::format("clock_t of tick {}", next_tick_ + 1));
   for (const int kind : kClasses) {
     for (std::size_t id = 0; id < heard_.scenario->agents[kind].size(); ++id) {
@@ -337,6 +365,12 @@ const TickFacts* Intake::Next() {
 const schedule_t* Intake::ScheduleOfNext() const {
   const std::int32_t due = heard_.scenario->DecisionAt(next_tick_);
   return due >= 0 && *InForce() ? &heard_.schedules.at(due) : nullptr;
+}
+
+const clearances_t* Intake::ClearancesOfNext() const {
+  const std::int32_t due = heard_.scenario->DecisionAt(next_tick_);
+  const bool keeps_apart = heard_.scenario->separation.has_value();
+  return due >= 0 && keeps_apart && *InForce() ? &heard_.clearances.at(due) : nullptr;
 }
 
 void Intake::Drop() { pending_.erase(next_tick_++); }

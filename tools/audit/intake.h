@@ -45,6 +45,7 @@ struct Heard {
   std::int64_t messages = 0, duplicates = 0;
   std::int64_t undecodable = 0;  ///< packets on our channels that are no valid message
   std::map<std::int32_t, schedule_t> schedules;
+  std::map<std::int32_t, clearances_t> clearances;
   std::vector<event_t> events;  ///< after Intake::Finish() sorted and without repeats
   std::string clock_sender;     ///< which process sends the clock
 };
@@ -63,6 +64,8 @@ class Intake {
   /// The schedule of the decision due at the next tick; null: none is, or the world went on without
   /// it, as the scheduler was lost.
   const schedule_t* ScheduleOfNext() const;
+  /// The altitudes that go with it; null: UAVs are not kept apart.
+  const clearances_t* ClearancesOfNext() const;
   /// The next tick has been checked.
   void Drop();
   /// No further tick is wanted.
@@ -94,6 +97,7 @@ class Intake {
   void TakeReport(const Report& report, TickFacts* facts);
   /// Whether a report of that class and tick is possible on the channel of class `kind`.
   bool CanReport(int said, int kind, std::int64_t tick, TickFacts** facts);
+  void TakeClearances(const clearances_t& message);
   void TakeSchedule(const schedule_t& message);
   /// Null if the tick is impossible or has been checked.
   TickFacts* FactsOf(std::int64_t tick);

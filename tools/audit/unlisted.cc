@@ -89,6 +89,12 @@ agent_t Unlisted(const agent_t& told, int kind, std::int64_t told_us, std::int64
   if (told_us < told.arrive_us) {
     const double moved = model.ways->Gone(kind, {told.from_x_m, told.from_y_m}, model.from);
     model.to = EndOfWay(told, kind, told_us, scenario);
+    if (kind == kUav && scenario.separation && !model.spec->measured) {
+      const double rest_m = model.ways->Length(kind, model.from, model.to);
+      const std::int64_t rest_us = DurationUs(rest_m, model.spec->speed_m_s);
+      model.hold_us =
+          std::max<std::int64_t>(0, told.arrive_us - told_us - std::min(rest_us, told.arrive_us));
+    }
     if (scenario.wind.high > 0 && moved > 0) {
       model.range_per_m = (told.range_at_departure_m - told.range_left_m) / moved;
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -65,7 +66,8 @@ struct View {
   std::int32_t due = -1;        ///< decision at this tick
   std::int32_t in_force = -1;   ///< last decision before it
   const TickFacts* said = nullptr;
-  const schedule_t* schedule = nullptr;  ///< of the decision due, if it came into force
+  const schedule_t* schedule = nullptr;      ///< of the decision due, if it came into force
+  const clearances_t* clearances = nullptr;  ///< that go with it, if UAVs are kept apart
 
   // The mission.
   Scenario scenario;  ///< with the tasks and agents that orders have added
@@ -82,7 +84,17 @@ struct View {
   /// Roads that the tick's orders close or open: since when the closed ones have been so, in the
   /// last tick. None: they change no road.
   std::optional<std::int64_t> ways_since_us;
-  std::vector<Flown> flown;     ///< [n_uavs]
+  std::vector<Flown> flown;  ///< [n_uavs]
+  std::set<int>
+      withheld;  ///< tasks for which somebody stays at this decision, for want of an altitude
+  std::map<int, clearance_t> cleared;  ///< altitudes in force, by UAV
+  /// How close two UAVs come as planned, in shares of the minima, and how far apart they are then.
+  struct Closest {
+    double share = std::numeric_limits<double>::infinity();
+    double across_m = 0, above_m = 0;
+    std::int64_t leftover = 0;  ///< pairs in conflict that no decision has planned
+  };
+  Closest closest;
   std::set<EventKey> expected;  ///< outcomes that must be said
   std::vector<std::tuple<AgentKey, std::int64_t, std::int64_t>> expected_back;  ///< after, until
 

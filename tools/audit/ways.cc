@@ -21,6 +21,8 @@ Place Ways::After(int, Place from, Place to, double part) const {
   return {from.x_m + part * (to.x_m - from.x_m), from.y_m + part * (to.y_m - from.y_m)};
 }
 
+std::vector<double> Ways::TurnsOf(int, Place, Place) const { return {}; }
+
 double Ways::rounding_m(int) const { return 0; }
 
 std::pair<Place, int> Ways::StopNear(int, Place wanted) const { return {wanted, -1}; }

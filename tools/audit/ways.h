@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace muster::tools::audit {
 
@@ -27,6 +28,8 @@ class Ways {
   double Gone(int kind, Place from, Place to) const;
   /// The place after that part (0 to 1) of the way.
   virtual Place After(int kind, Place from, Place to, double part) const;
+  /// The parts of the way after which it turns.
+  virtual std::vector<double> TurnsOf(int kind, Place from, Place to) const;
   /// Metres by which two right answers may differ, because ways are put together of rounded parts.
   virtual double rounding_m(int kind) const;
   /// Where a move to no site ends that was sent to that place, and the number of that stop; -1:

@@ -72,6 +72,10 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
           LoggedDecision* decision = decision_at(schedule.tick);
           if (decision != nullptr) decision->schedules.push_back(schedule);
         },
+        [&](const clearances_t& clearances) {
+          LoggedDecision* decision = decision_at(clearances.tick);
+          if (decision != nullptr) decision->clearances = packet;
+        },
         [&](const event_t& event) { log.events.push_back(event); });
   };
   while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
@@ -86,6 +90,14 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
                   [](const event_t& a, const event_t& b) { return KeyOf(a) == KeyOf(b); }),
       log.events.end());
   return log;
+}
+
+const Packet* ClearancesBefore(const LoggedDecision& decision, const DecisionLog& log) {
+  if (!decision.clock || log.scenario.separation() == nullptr) return nullptr;
+  const auto clock = DecodeValid<clock_t>(decision.clock->bytes);
+  const auto before = clock ? log.decisions.find(clock->required_decision) : log.decisions.end();
+  if (before == log.decisions.end() || !before->second.clearances) return nullptr;
+  return &*before->second.clearances;
 }
 
 std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log) {

@@ -30,6 +30,8 @@ struct LoggedDecision {
   /// Whether the next tick's clock requires it. A decision that a lost scheduler did not make in
   /// time is not required, and no agent follows it.
   bool in_force = true;
+  /// The altitudes that go with it; none: UAVs are not kept apart, or the log lacks them.
+  std::optional<Packet> clearances;
   /// As published. More than one where a scheduler that was started again made it again.
   std::vector<schedule_t> schedules;
 };
@@ -56,6 +58,10 @@ DecisionLog ReadDecisionLog(MessageSource* source);
 /// What a decision's messages lack, in words: "clock_t, states of worker:3 and 2 more workers";
 /// empty when they are whole.
 std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log);
+
+/// The altitudes that are in force before the decision; null: there are none, or the log lacks
+/// them.
+const Packet* ClearancesBefore(const LoggedDecision& decision, const DecisionLog& log);
 
 /// The situation that the decision rests on, as the scheduler fuses it; none when its messages are
 /// not whole.

@@ -24,6 +24,7 @@ class Scheduler {
  public:
   Scheduler(const DecisionLog& log, const std::string& policy)
       : process_({log.run_id, "muster-redecide", 0}, 0, policy, [] { return TimeUs{0}; }),
+        log_(log),
         orders_(*log.orders),
         next_orders_(orders_.said().begin()) {
     Feed(log.scenario_packets);
@@ -31,21 +32,27 @@ class Scheduler {
 
   /// None when it does not decide.
   std::optional<schedule_t> Decide(const LoggedDecision& decision) {
+    clearances_.reset();
     if (!decision.clock) return {};
     const std::int64_t tick = orders_.scenario()->rules.TickOf(decision.at_us);
     std::vector<Packet> arrived;
     for (; next_orders_ != orders_.said().end() && next_orders_->first <= tick; ++next_orders_) {
       arrived.push_back({std::string(channel::kOrders), Encode(next_orders_->second)});
     }
+    if (const Packet* in_force = ClearancesBefore(decision, log_)) arrived.push_back(*in_force);
     arrived.push_back(*decision.clock);
     arrived.insert(arrived.end(), decision.told.begin(), decision.told.end());
     for (const Packet& packet : Feed(arrived)) {
+      if (packet.channel == channel::kClearances) clearances_ = Decode<clearances_t>(packet.bytes);
       if (packet.channel != channel::kSchedule) continue;
       auto schedule = Decode<schedule_t>(packet.bytes);
       if (schedule && schedule->decision == decision.decision) return schedule;
     }
     return {};
   }
+
+  /// That go with the last decision; none: UAVs are not kept apart.
+  const std::optional<clearances_t>& clearances() const { return clearances_; }
 
  private:
   /// One packet a step, as the process decides at the end of a step.
@@ -56,6 +63,8 @@ class Scheduler {
   }
 
   scheduler::SchedulerProcess process_;
+  const DecisionLog& log_;
+  std::optional<clearances_t> clearances_;
   const OrderBook& orders_;
   std::map<std::int64_t, orders_t>::const_iterator next_orders_;
 };
@@ -93,6 +102,25 @@ class Comparison {
 
 using ActionKey = std::tuple<int, int, int, int, int, int, double, double>;
 
+std::string AltitudeDifference(const std::optional<clearances_t>& again,
+                               const std::optional<Packet>& logged_packet) {
+  std::optional<clearances_t> logged;
+  if (logged_packet) logged = Decode<clearances_t>(logged_packet->bytes);
+  if (!again || !logged) {
+    return again.has_value() == logged.has_value()
+               ? ""
+               : fmt::format("{} has no clearances_t", again ? "the log" : "the decision");
+  }
+  Comparison compare;
+  for (std::size_t i = 0; i < again->clearances.size() && i < logged->clearances.size(); ++i) {
+    compare.within = fmt::format("clearances[{}].", i);
+    VisitFields(compare, again->clearances[i], logged->clearances[i]);
+  }
+  compare.within = "clearances ";
+  compare("n", again->n, logged->n);
+  return compare.result();
+}
+
 std::set<ActionKey> MovesOf(const schedule_t& schedule) {
   std::set<ActionKey> moves;
   for (const action_t& a : schedule.actions) {
@@ -128,6 +156,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
     if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);
     if (auto again = scheduler->Decide(logged)) {
       result.again = std::move(*again);
+      result.altitudes = AltitudeDifference(scheduler->clearances(), logged.clearances);
     } else {
       result.missing = missing.empty() ? "a message that can be" : missing;
     }
@@ -171,7 +200,8 @@ std::vector<Divergence> DivergencesOf(const std::vector<Redecided>& decisions) {
       continue;
     }
     for (const schedule_t& logged : d.logged) {
-      const std::string difference = FirstDifference(d.again, logged);
+      std::string difference = FirstDifference(d.again, logged);
+      if (difference.empty()) difference = d.altitudes;
       if (difference.empty()) continue;
       divergences.push_back(
           {d.decision, d.at_us,

@@ -17,6 +17,8 @@ struct Redecided {
   std::string missing;
   std::vector<schedule_t> logged;  ///< as LoggedDecision::schedules
   schedule_t again = {};           ///< when nothing is missing
+  /// The first altitude that differs, or a list that one of both lacks; empty: none.
+  std::string altitudes = {};
 };
 
 /// Gives the log's messages to the scheduler's process once more, decision by decision: the same

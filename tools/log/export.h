@@ -22,6 +22,12 @@ void ExportCsv(LogSource* source, const std::string& out);
 /// InputError.
 void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Origin> origin);
 
+/// Writes each flight of the UAVs as volumes in space and time (Volume4D of ASTM F3548-21) into one
+/// JSON file, for missions that keep UAVs apart. Altitudes are WGS84: those of the mission and
+/// `ground_m`, the height of the ground. The origin as above.
+void ExportVolumes(LogSource* source, const std::string& out, std::optional<Origin> origin,
+                   double ground_m);
+
 /// Writes one MCAP file: every message of the mission as JSON with a JSON schema, log time is the
 /// mission's, and on topic /scene agents and tasks as foxglove.SceneUpdate for the 3D panel.
 void ExportMcap(LogSource* source, const std::string& out);

@@ -97,12 +97,16 @@ std::optional<Origin> OriginFlag(const Arguments& arguments) {
 
 int Export(int argc, const char* const* argv) {
   Options options = MakeOptions(argv[0], "Turns a run's log into tables, maps or an MCAP file.");
-  options.Add("format", "NAME", "csv, geojson or mcap")
-      .OneOf({"csv", "geojson", "mcap"})
-      .Required("csv, geojson or mcap");
-  options.Out("PATH", "New folder (csv, geojson) or file (mcap)").Required("a new path");
+  options.Add("format", "NAME", "csv, geojson, mcap or volumes")
+      .OneOf({"csv", "geojson", "mcap", "volumes"})
+      .Required("csv, geojson, mcap or volumes");
+  options.Out("PATH", "New folder (csv, geojson) or file (mcap, volumes)").Required("a new path");
   options.Add("origin", "LAT,LON",
-              "South-west corner in WGS84 degrees, for geojson of a scenario without an origin");
+              "South-west corner in WGS84 degrees, for geojson and volumes of a scenario without "
+              "an origin");
+  options.Add("ground", "M", "Height of the ground above the WGS84 ellipsoid, for volumes")
+      .Number({-500, 9000})
+      .Default(0);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string format = arguments->Get("format");
@@ -113,6 +117,7 @@ int Export(int argc, const char* const* argv) {
   if (format == "csv") ExportCsv(&source, out);
   if (format == "geojson") ExportGeoJson(&source, out, origin);
   if (format == "mcap") ExportMcap(&source, out);
+  if (format == "volumes") ExportVolumes(&source, out, origin, arguments->Get<double>("ground"));
   return kExitOk;
 }
 

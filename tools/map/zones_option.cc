@@ -180,6 +180,8 @@ void AddZonesOptions(Options* options) {
       .Default(30);
   options->Add("authorised", "ID,ID,...",
                "Zones of the file that the mission is authorised to fly in");
+  options->Flag("keep-apart",
+                "UAVs are kept apart from each other; orders may add zones. --zones does so, too");
   options->Group("");
 }
 
@@ -188,6 +190,7 @@ std::vector<std::string> TakeZones(const Arguments& arguments, Scenario* scenari
     if (arguments.Has("authorised")) {
       throw InputError("command line", "--zones", "none", "one with --authorised");
     }
+    if (arguments.Has("keep-apart")) UseAir({}, scenario);
     return {};
   }
   const std::string file = arguments.Get("zones");

@@ -8,10 +8,11 @@
 
 namespace muster::tools {
 
-/// Adds --zones, --zone-margin and --authorised.
+/// Adds --zones, --zone-margin, --authorised and --keep-apart.
 void AddZonesOptions(Options* options);
 
-/// Puts the zones of --zones, if given, into the scenario, after its roads. Returns what came of
+/// Puts the zones of --zones, if given, into the scenario, after its roads; with --keep-apart alone
+/// an airspace without zones. Returns what came of
 /// it, in lines. Throws InputError.
 std::vector<std::string> TakeZones(const Arguments& arguments, Scenario* scenario);
 

@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "protocol/fault_switch.h"
+#include "tools/log/air_record.h"
 #include "tools/record/digest.h"
 #include "tools/record/service.h"
 
@@ -75,6 +76,24 @@ ordered_json RefusedAnswers(const RunRecord& record) {
     list.push_back({{"sim_s", ToSeconds(event.at_us)}, {"why", event.detail}});
   }
   return list;
+}
+
+ordered_json SeparationOf(const RunRecord& record) {
+  const Scenario& scenario = *record.scenario();
+  const Separation& minima = *scenario.separation();
+  const AirSummary air = SummaryOf(record.air(), scenario, record.skipped_decisions());
+  ordered_json closest;
+  if (air.closest) {
+    closest = {{"horizontal_m", air.closest->approach.horizontal_m},
+               {"vertical_m", air.closest->approach.vertical_m},
+               {"decision", air.closest->decision},
+               {"at_s", ToSeconds(air.closest->at_us)},
+               {"uavs", {air.closest->uavs.first, air.closest->uavs.second}}};
+  }
+  return {{"horizontal_m", minima.horizontal_m}, {"vertical_m", minima.vertical_m},
+          {"altitudes_m", air.altitudes_m},      {"held", air.held},
+          {"held_s", ToSeconds(air.held_us)},    {"conflicts", air.conflicts},
+          {"closest", std::move(closest)}};
 }
 
 ordered_json Tasks(const RunRecord& record) {
@@ -276,6 +295,7 @@ nlohmann::ordered_json Report(const RunRecord& record) {
   if (const auto legs = record.measured_legs(); !legs.empty())
     report["measured_agents"] = ToJson(legs);
   report["decisions"] = Decisions(record);
+  if (scenario.separation() != nullptr) report["separation"] = SeparationOf(record);
   report["skipped_decisions"] = record.skipped_decisions();
   report["failed_agents"] = FailedAgents(record);
   report["refused_answers"] = RefusedAnswers(record);

@@ -77,6 +77,9 @@ void RunRecord::Take(const Message& message) {
       [&](const clock_t& m) { TakeClock(m); }, [&](const world_state_t& m) { TakeWorld(m); },
       [&](const rulings_t& m) { TakeRulings(m); }, [&](const agent_states_t& m) { TakeAgents(m); },
       [&](const schedule_t& m) { TakeSchedule(m); },
+      [&](const clearances_t& m) {
+        if (scenario()) air_.Take(m, *scenario());
+      },
       [&](const event_t& m) {
         events_.push_back(m);
         events_sorted_ = false;
@@ -185,6 +188,7 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
     reader_.Reject();
     return;
   }
+  air_.Take(message, *scenario());
   TickCover* cover = Cover(message.tick);
   if (cover != nullptr) cover->agents.resize(said_.size());
   for (const agent_t& agent : message.agents) {

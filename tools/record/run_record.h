@@ -21,6 +21,7 @@
 #include "muster/schedule_t.hpp"
 #include "muster/world_state_t.hpp"
 #include "protocol/mission_reader.h"
+#include "tools/log/air_record.h"
 #include "tools/record/measured_legs.h"
 
 namespace muster::tools {
@@ -101,6 +102,8 @@ class RunRecord {
   std::vector<MeasuredLeg> measured_legs() const {
     return scenario() ? measured_legs_.List(*scenario(), schedules()) : std::vector<MeasuredLeg>();
   }
+  /// Of a mission that keeps UAVs apart.
+  const AirRecord& air() const { return air_; }
   /// Newest status per (name, boot).
   const std::map<std::pair<std::string, std::int64_t>, process_status_t>& processes() const {
     return processes_;
@@ -187,6 +190,7 @@ class RunRecord {
   std::optional<world_state_t> final_world_;
   std::vector<Track> tracks_;
   MeasuredLegs measured_legs_;
+  AirRecord air_;
   std::map<std::pair<std::string, std::int64_t>, process_status_t> processes_;
   std::optional<std::pair<std::int64_t, std::int64_t>> first_clock_, last_clock_;  // tick, wall_us
   bool end_announced_ = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "tools/log/air_record.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
 #include "tools/record/service.h"
@@ -104,6 +105,20 @@ std::string LostLine(const RunRecord& record) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+std::string SeparationLine(const RunRecord& record) {
+  const AirSummary air = SummaryOf(record.air(), *record.scenario(), record.skipped_decisions());
+  std::string text = fmt::format("{} conflicts", air.conflicts);
+  if (air.closest) {
+    text += fmt::format(", closest {:.0f} m across and {:.0f} m up",
+                        air.closest->approach.horizontal_m, air.closest->approach.vertical_m);
+  }
+  if (air.held > 0) {
+    text += fmt::format("; {} UAVs waited {:.0f} s in all for their altitude", air.held,
+                        ToSeconds(air.held_us));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string Summary(const RunRecord& record) {
@@ -150,6 +165,7 @@ std::string Summary(const RunRecord& record) {
   row("decisions", fmt::format("{} of {}, total weight {:.6g}{}", record.schedules().size(),
                                scenario.decisions(), weight,
                                std::isnan(bound) ? "" : fmt::format(" (bound {:.6g})", bound)));
+  if (scenario.separation() != nullptr) row("separation", SeparationLine(record));
   std::size_t refused = 0;
   std::string first_refused;
   for (const event_t& event : record.events()) {

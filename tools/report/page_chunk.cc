@@ -203,6 +203,10 @@ ordered_json Places(const Scenario& scenario) {
                         {"range_full_m", std::move(range)}};
   if (scenario.roads) place["roads"] = RoadLines(*scenario.roads);
   if (scenario.air) place["air"] = {{"margin_m", scenario.air->margin_m}};
+  if (const Separation* minima = scenario.separation()) {
+    place["air"]["separation"] = {{"horizontal_m", minima->horizontal_m},
+                                  {"vertical_m", minima->vertical_m}};
+  }
   if (scenario.IsOpen()) place["vacant"] = VacantAgents(scenario);
   if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);
   if (scenario.origin) {
@@ -331,6 +335,14 @@ ordered_json PageChunk(const MissionFeed& feed, const std::string& name, PageCur
        [](const event_t& e, ordered_json* list) {
          list->push_back({ToString<EventKind>(e.kind), Ms(e.at_us), e.uav_id, e.worker_id,
                           e.vehicle_id, e.task_id, e.charge_id, e.fault_id, e.detail});
+       });
+  Flat("altitudes", timeline.heights(), &cursor->heights, &chunk,
+       [](const Timeline::Height& h, ordered_json* list) {
+         ordered_json row = {h.uav};
+         for (const auto& [t_ms, up_m] : h.knots) {
+           row.insert(row.end(), {t_ms, std::round(up_m * 10) / 10});
+         }
+         list->push_back(std::move(row));
        });
   WriteProcesses(timeline, cursor, &chunk);
   WriteFaultsAndRoads(timeline, cursor, &chunk);

@@ -19,7 +19,7 @@ struct PageCursor {
   };
   bool begun = false;
   std::vector<Place> stops, spans, tasks;  ///< by agent or task
-  Place done, schedules, activities, events;
+  Place done, schedules, activities, events, heights;
   std::map<std::string, Place> processes;
   std::size_t faults = 0, road_changes = 0;
   std::int64_t orders = 0;

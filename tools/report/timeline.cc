@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "model/separation.h"
 #include "protocol/convert.h"
 #include "protocol/process.h"
 
@@ -99,6 +100,14 @@ void Timeline::Add(const Message& message) {
           events_.Push(m);
         }
       },
+      [&](const clearances_t& m) {
+        const auto list = FromWire(m, WireLimits(scenario_));
+        if (!list || scenario_.separation() == nullptr) return;
+        auto& of_decision = clearances_[m.decision];
+        for (const Clearance& clearance : *list) {
+          if (clearance.decision == m.decision) of_decision[clearance.uav] = clearance;
+        }
+      },
       [&](const fault_t& m) { faults_.try_emplace(m.fault_id, m); },
       [&](const process_status_t& m) { TakeProcess(m); },
       [&](const clock_t& m) {
@@ -123,6 +132,7 @@ void Timeline::Finish() {
 void Timeline::TakeAgents(const agent_states_t& message) {
   if (message.tick > scenario_.rules.last_tick()) return;
   const auto kind = static_cast<AgentKind>(message.kind);
+  if (kind == AgentKind::kUav) TakeHeights(message);
   for (const agent_t& agent : message.agents) {
     const auto i = row_.Find(kind, agent.id);
     if (!i) continue;
@@ -130,6 +140,28 @@ void Timeline::TakeAgents(const agent_states_t& message) {
                          [&](std::int64_t tick, const agent_t& state) {
                            TakeAgent(kind, *i, state, scenario_.rules.TimeOf(tick));
                          });
+  }
+}
+
+void Timeline::TakeHeights(const agent_states_t& message) {
+  if (message.tick < 1) return;
+  const auto planned = clearances_.find(scenario_.rules.DecisionAt(message.tick - 1));
+  if (planned == clearances_.end()) return;
+  const LandingPlaces landing(scenario_.charging_points);
+  const TimeUs at_us = scenario_.rules.TimeOf(message.tick - 1);
+  for (const agent_t& report : message.agents) {
+    const auto clearance = planned->second.find(report.id);
+    if (clearance == planned->second.end()) continue;
+    const auto uav = FromWire(report, AgentKind::kUav, scenario_.rules.TimeOf(message.tick),
+                              WireLimits(scenario_));
+    if (!uav || uav->failed) continue;
+    Height height{report.id, {}};
+    for (const Trajectory::Knot& knot :
+         TrajectoryOf(*uav, clearance->second, at_us, landing).knots) {
+      height.knots.emplace_back(Ms(at_us + ToUs(knot.t_s)), knot.up_m);
+    }
+    if (!height.knots.empty()) heights_.Push(std::move(height));
+    planned->second.erase(clearance);
   }
 }
 
@@ -157,9 +189,10 @@ void Timeline::PassCorners(AgentKind kind, const Agent& agent, std::int64_t unti
   if (scenario_.ways->straight(kind) || agent.last->arrive_us <= agent.last_us) return;
   const auto leg = FromWire(*agent.last, kind, agent.last_us, WireLimits(scenario_));
   if (!leg) return;
-  const auto duration_us = static_cast<double>(leg->arrive_us - leg->depart_us);
+  const TimeUs set_out_us = leg->depart_us + HoldUs(*leg);
+  const auto duration_us = static_cast<double>(leg->arrive_us - set_out_us);
   for (const Ways::Corner& corner : leg->leg_ways->Corners(kind, leg->from, leg->to)) {
-    const std::int64_t at_us = leg->depart_us + std::llround(corner.share * duration_us);
+    const std::int64_t at_us = set_out_us + std::llround(corner.share * duration_us);
     if (at_us > agent.last_us && at_us < until_us) {
       Append(stops, {Ms(at_us), corner.at.x_m, corner.at.y_m, 0});
     }

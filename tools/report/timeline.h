@@ -118,6 +118,11 @@ class Timeline {
     std::int64_t rss_bytes = 0;
     int state = 0;  ///< ProcessState
   };
+  /// How high a UAV flies from its first time on, until its next plan.
+  struct Height {
+    std::int32_t uav = -1;
+    std::vector<std::pair<std::int64_t, double>> knots;  ///< ms, metres above the ground
+  };
   struct Agent {
     Growing<Stop> stops;
     Growing<Span> spans;
@@ -148,6 +153,8 @@ class Timeline {
   /// In order of arrival, without repeats. An aborted one has an event that says so.
   const Growing<activity_t>& activities() const { return activities_; }
   const Growing<event_t>& events() const { return events_; }
+  /// Of UAVs that are kept apart, as decisions plan them.
+  const Growing<Height>& heights() const { return heights_; }
   /// By name. Kept at most kSamples of each: beyond that every second one goes.
   const std::map<std::string, Growing<ProcessSample>>& processes() const { return processes_; }
   const std::map<std::string, fault_t>& faults() const { return faults_; }
@@ -163,6 +170,7 @@ class Timeline {
 
  private:
   void TakeAgents(const agent_states_t& message);
+  void TakeHeights(const agent_states_t& message);
   void TakeAgent(AgentKind kind, std::size_t index, const agent_t& now, std::int64_t now_us);
   /// Its process is lost: it stands failed where it was last heard, until it is heard again.
   static void Lose(Agent* agent, std::int64_t at_us, std::int64_t now_us);
@@ -191,6 +199,8 @@ class Timeline {
   std::set<ActivityKey> known_activities_;
   std::map<std::pair<AgentKind, std::int32_t>, std::size_t> latest_activity_;  // by class and id
   Growing<event_t> events_;
+  Growing<Height> heights_;
+  std::map<std::int32_t, std::map<std::int32_t, Clearance>> clearances_;  ///< by decision and UAV
   using EventKey = std::tuple<std::int64_t, int, std::int32_t, std::int32_t, std::int32_t,
                               std::int32_t, std::int32_t, std::string, std::string>;
   std::set<EventKey> known_events_;

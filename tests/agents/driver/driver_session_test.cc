@@ -91,6 +91,10 @@ class Session {
     session_.Follow(agent_, at_s * kSecondUs, wall_us_, "worker:0 has failed");
     return *this;
   }
+  Session& At(double altitude_m, TimeUs begin_s) {
+    session_.GiveAltitude({0, 3, 0, altitude_m, begin_s * kSecondUs});
+    return *this;
+  }
   DriverSession& operator*() { return session_; }
   DriverSession* operator->() { return &session_; }
   TimeUs& wall_us() { return wall_us_; }
@@ -117,6 +121,40 @@ TEST(DriverSession, GreetsWithWhatTheDriverNeedsToKnow) {
   EXPECT_TRUE(hello["rate"].is_null());
   EXPECT_EQ(hello["online_until_s"], 3000.0);
   EXPECT_FALSE(json::parse(Session(2, AgentKind::kWorker)->TakeLines().at(0)).contains("range_m"));
+}
+
+TEST(DriverSession, TellsHowHighToFlyAndWhenToSetOut) {
+  Session session;
+  session.Told();
+  session.Greeted();
+  const json sent = session.At(70, 45).Sent(30).Told().at(0);
+  EXPECT_EQ(sent["type"], "goto");
+  EXPECT_EQ(sent["altitude_m"], 70.0);
+  EXPECT_EQ(sent["set_out_s"], 45.0);
+  EXPECT_EQ(sent["expected_s"], 545.0);  // 5000 m at 10 m/s, from 45 s on
+  // Of one that is sent nowhere by that decision.
+  const auto told = session.At(90, 60).Settled(Verdict(), 60).Told();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0], (json{{"type", "altitude"}, {"mission_s", 60.0}, {"altitude_m", 90.0}}));
+  EXPECT_TRUE(session.Settled(Verdict(), 90).Told().empty()) << "once";
+  Session without;
+  without.Told();
+  without.Greeted();
+  EXPECT_FALSE(without.Sent().Told().at(0).contains("altitude_m"));
+}
+
+TEST(DriverSession, GreetsWithTheAltitudesOfAMissionThatKeepsUavsApart) {
+  Scenario scenario = Small();
+  ScenarioAir air;
+  air.separation = Separation{50, 20, 40, 119};
+  UseAir(std::move(air), &scenario);
+  const auto hello = [&](AgentKind kind) {
+    DriverSession session(scenario, StartOf(kind, 0, scenario.agents(kind)[0], *scenario.ways), 0,
+                          0, {});
+    return json::parse(session.TakeLines().at(0));
+  };
+  EXPECT_EQ(hello(AgentKind::kUav)["altitudes"], (json{{"lowest_m", 40.0}, {"highest_m", 100.0}}));
+  EXPECT_FALSE(hello(AgentKind::kWorker).contains("altitudes"));
 }
 
 TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {

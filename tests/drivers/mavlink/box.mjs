@@ -75,8 +75,8 @@ export class Box {
     if (!this.isDead) this.driver.hearLine(JSON.stringify(line));
   }
 
-  goTo(x_m, y_m, then = "wait", via = undefined) {
-    this.tell({ type: "goto", id: ++this.#ids, mission_s: this.now, to: { x_m, y_m }, expected_s: this.now + 100, then, task: null, charging_point: null, partner: null, ...(via && { via }) });
+  goTo(x_m, y_m, then = "wait", via = undefined, more = {}) {
+    this.tell({ type: "goto", id: ++this.#ids, mission_s: this.now, to: { x_m, y_m }, expected_s: this.now + 100, then, task: null, charging_point: null, partner: null, ...(via && { via }), ...more });
     return this.#ids;
   }
 

@@ -64,6 +64,49 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.failure, null);
   });
 
+  test(`${kind}: flies as high as a mission that keeps UAVs apart says, and sets out when it says`, () => {
+    const box = new Box({ kind, hello: { agent: "uav:40", altitudes: { lowest_m: 30, highest_m: 120 } } }).ready();
+    assert.ok(box.copter.settings[kind === "px4" ? "GF_MAX_VER_DIST" : "FENCE_ALT_MAX"] >= 120, "its fence lets it");
+    const set_out_s = box.now + 90;
+    const first = box.goTo(1500, 400, "wait", undefined, { altitude_m: 110, set_out_s });
+    box.until(() => box.copter.at.up > 0.5, 200);
+    assert.ok(box.now > set_out_s - 2, `it rose ${set_out_s - box.now} s too early`);
+    box.until(() => box.said("arrived", first).length, 400);
+    assert.ok(Math.abs(box.copter.at.up - 110) < 2);
+    const second = box.goTo(900, 400, "wait", undefined, { altitude_m: 60 });
+    box.until(() => box.said("arrived", second).length, 400);
+    assert.ok(Math.abs(box.copter.at.up - 60) < 2);
+    box.tell({ type: "altitude", mission_s: box.now, altitude_m: 90 });
+    box.until(() => Math.abs(box.copter.at.up - 90) < 2, 60);
+    box.run(30);
+    assert.ok(Math.abs(box.copter.at.up - 90) < 2 && box.distanceTo({ x_m: 900, y_m: 400 }) < 3, "it stays there, higher");
+    assert.equal(box.failure, null);
+  });
+
+  test(`${kind}: does not fly in a mission whose highest altitude is above its ceiling`, () => {
+    const box = new Box({ kind, options: { ceiling: 100 }, hello: { altitudes: { lowest_m: 30, highest_m: 120 } } });
+    box.run(5);
+    assert.match(box.failure, /would fly at 120 m, above 100 m/);
+  });
+
+  test(`${kind}: two that would meet pass each other at the altitudes that they are given`, () => {
+    const [west, east] = [{ x_m: 600, y_m: 400 }, { x_m: 1800, y_m: 400 }];
+    const boxes = [west, east].map((at) => new Box({ kind, at, hello: { at, altitudes: { lowest_m: 30, highest_m: 120 } } }).ready());
+    const heights = [30, 40];
+    boxes.forEach((box, i) => box.goTo([east, west][i].x_m, 400, "wait", undefined, { altitude_m: heights[i] }));
+    let closest = Infinity, above = Infinity;
+    for (let s = 0; s < 400 && !boxes.every((box) => box.said("arrived").length); s += 0.1) {
+      boxes.forEach((box) => box.run(0.1));
+      const across = Math.hypot(boxes[0].place.x_m - boxes[1].place.x_m, boxes[0].place.y_m - boxes[1].place.y_m);
+      const up = Math.abs(boxes[0].copter.at.up - boxes[1].copter.at.up);
+      closest = Math.min(closest, across);
+      if (across < 50) above = Math.min(above, up);
+    }
+    assert.ok(boxes.every((box) => box.said("arrived").length && box.failure === null));
+    assert.ok(closest < 10, "they do meet across");
+    assert.ok(above > 8.5, `${above} m apart up and down`);
+  });
+
   test(`${kind}: stops when it is told to, goes elsewhere when it is told to`, () => {
     const box = new Box({ kind }).flying();
     box.tell({ type: "cancel", id: 1, mission_s: box.now, reason: "its partner is gone" });

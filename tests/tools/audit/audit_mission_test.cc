@@ -254,6 +254,62 @@ TEST(AuditMission, CatchesAMeetingThatLastsTooShort) {
   EXPECT_NE(violation.text.find("should take"), std::string::npos) << violation.text;
 }
 
+TEST(AuditMission, CatchesAltitudesThatDoNotKeepUavsApart) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 60 * kMinuteUs;
+  Scenario scenario = Generate(settings, 1);
+  UseAir({}, &scenario);
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), "certified",
+           [&](const Packet& packet) { packets.push_back(packet); });
+  ASSERT_EQ(FirstViolation(packets).text, "");
+  const auto found = [&](const std::function<bool(clearances_t&)>& edit) {
+    std::vector<Packet> edited = packets;
+    EXPECT_GT(EditAll<clearances_t>(&edited, channel::kClearances, edit), 0);
+    const audit::Violation violation = FirstViolation(edited);
+    return violation.invariant + ": " + violation.text;
+  };
+  // The altitudes that decision 2 gives; later ones would follow from them.
+  const auto new_ones = [&](const std::function<void(clearance_t&)>& edit) {
+    return found([&](clearances_t& message) {
+      if (message.decision != 2) return false;
+      for (clearance_t& c : message.clearances) {
+        if (c.decision == 2) edit(c);
+      }
+      return true;
+    });
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  std::string text = new_ones([](clearance_t& c) { c.to_m = 30; });
+  EXPECT_TRUE(has(text, "separation: ") && has(text, "come within")) << text;
+  text = new_ones([](clearance_t& c) { c.to_m += 5; });
+  EXPECT_TRUE(has(text, "which is no altitude of this mission")) << text;
+  text = new_ones([](clearance_t& c) { c.to_m = 130; });
+  EXPECT_TRUE(has(text, "which is no altitude of this mission")) << text;
+  text = new_ones([](clearance_t& c) { c.from_m += 1; });
+  EXPECT_TRUE(has(text, "above the ground, expected")) << text;
+  text = new_ones([](clearance_t& c) { c.begin_us += 121 * kSecondUs; });
+  EXPECT_TRUE(has(text, "waits 121000000 us for its altitude")) << text;
+  text = new_ones([](clearance_t& c) { c.decision = 1; });
+  EXPECT_TRUE(has(text, "has another altitude than decision")) << text;
+  text = found([](clearances_t& message) {
+    if (message.decision != 2) return false;
+    message.clearances.clear();
+    message.n = 0;
+    return true;
+  });
+  EXPECT_TRUE(has(text, "is sent off without an altitude")) << text;
+  // A UAV that waits 5 s sets out 5 s later.
+  text = new_ones([](clearance_t& c) { c.begin_us += 5 * kSecondUs; });
+  EXPECT_TRUE(has(text, "motion: ") || has(text, "speed: ") || has(text, "come within")) << text;
+  std::vector<Packet> without = packets;
+  std::erase_if(without, [](const Packet& p) { return p.channel == channel::kClearances; });
+  text = FirstViolation(without).text;
+  EXPECT_TRUE(has(text, "clearances_t of decision 0")) << text;
+}
+
 TEST(AuditMission, CatchesACommandToAFailedAgent) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 90 * kMinuteUs;

@@ -82,6 +82,7 @@ const std::map<std::string, const char*> kBrokenElsewhere = {
     {"meeting", "AuditMission.CatchesAMeetingThatLastsTooShort"},
     {"orders", "OrdersMission.TheAuditSeesWhatWasNotTaken"},
     {"report", "Audit.ComparesTheReportWithTheLog"},
+    {"separation", "AuditMission.CatchesAltitudesThatDoNotKeepUavsApart"},
     {"seal", "SealRunTest.TheFirstMessageThatWasChangedIsNamed"}};
 
 TEST(Audit, EveryRuleOfTheDocumentIsBrokenBySomeMutation) {

@@ -58,6 +58,23 @@ class ZonesOption : public ::testing::Test {
   Scenario scenario_;
 };
 
+TEST_F(ZonesOption, KeepApartMakesAnAirspaceWithoutZones) {
+  const auto take = [](std::vector<const char*> argv) {
+    Options options("test", "");
+    AddZonesOptions(&options);
+    Scenario scenario;
+    scenario.width_m = scenario.height_m = 10'000;
+    TakeZones(options.Parse(static_cast<int>(argv.size()), argv.data()).value(), &scenario);
+    return scenario;
+  };
+  EXPECT_EQ(take({"test"}).air, nullptr);
+  const Scenario apart = take({"test", "--keep-apart"});
+  ASSERT_NE(apart.air, nullptr);
+  EXPECT_TRUE(apart.air->zones.empty());
+  ASSERT_NE(apart.separation(), nullptr);
+  EXPECT_EQ(*apart.separation(), Separation());
+}
+
 TEST_F(ZonesOption, TakesPolygonsOfGeoJsonInTheAreaWithTheirNames) {
   const auto said = Take(fmt::format(
       R"({{"type": "FeatureCollection", "features": [

@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, AirMissions, ::testing::ValuesIn(AllPolicies(
 
 // LongSoak has a thousand.
 TEST(AirMissions, WithKillsAndLossAreAuditedAndDecidedAgain) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const VirtualMission mission = DrawAirMission(seed);
     for (const std::string& finding : FindingsOf(mission)) {
       ADD_FAILURE() << "seed " << seed << ", " << mission.policy << ": " << finding;
@@ -62,7 +62,10 @@ TEST(AirMissions, AZoneThatUavsDoNotKeepOutOfIsFound) {
       edited.taken[0].json = R"({"order": "zone_add", "circle_km": [7, 7, 4.5]})";
       changed.Add({packet.channel, Encode(edited)});
     });
-    EXPECT_TRUE(true_log.Finish().empty()) << "seed " << seed;
+    for (const audit::Violation& v : true_log.Finish()) {
+      ADD_FAILURE() << "seed " << seed << ": " << v.at_us << " us, " << v.invariant << ": "
+                    << v.text;
+    }
     found += changed.Finish().empty() ? 0 : 1;
   }
   EXPECT_EQ(zones, 6);

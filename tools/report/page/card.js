@@ -168,6 +168,8 @@ export class Card {
     if (next?.command) facts.push(["next", `${commandWords(next.command)} (decision ${next.command.decision.index}, ${clockText(next.command.decision.t)})`]);
     else if (next) facts.push(["next", `${next.activity.charging ? "charging" : "sensing"} at ${siteName(next.activity)}, ${timeText(run, next.activity.start)}`]);
     const place = now.status === OFFLINE ? null : placeAt(agent, t);
+    const up = agent.kind === UAV ? run.altitudes.at(agent.id, t) : null;
+    if (up !== null) facts.push(["altitude", up > 0 ? `${number(up)} m above the ground` : "on the ground"]);
     if (place && agent.kind === UAV) facts.push(["range", `${km(place.range)} of ${km(agent.fullRange)} (${number((100 * place.range) / agent.fullRange)} %)`]);
     if (place) facts.push(["place", placeWords(run, place)]);
     const range = place && agent.kind === UAV ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";

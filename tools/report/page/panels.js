@@ -1,3 +1,4 @@
+import { inTheAir, nearestPairs } from "./air.js";
 import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
 import { KIND_NAMES, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
@@ -9,6 +10,7 @@ import { OFFLINE } from "./words.js";
 
 const MOST_ROWS = 150;
 const MOST_EVENTS = 3000;
+const MOST_PAIRS = 20;
 
 function table(head, rows) {
   return element("table", {},
@@ -85,6 +87,7 @@ export class Panels {
   #onTime() {
     const decision = this.state.run && decisionAt(this.state.run, this.clock.t);
     if (this.tab === "decision" && decision !== this.shownDecision) this.draw();
+    if (this.tab === "air") this.draw();
     this.#markPast();
   }
 
@@ -100,14 +103,16 @@ export class Panels {
     const { run } = this.state;
     if (!run) return;
     const now = decisionAt(run, this.clock.t);
+    byId("tab-air").hidden = !run.scenario.air?.separation;
     // A live page learns something four times a second: what would look the same stays as it is.
     const shown = { run, tab: this.tab, now: this.tab === "decision" && now, events: this.tab === "events" && run.events.length,
       orders: this.tab === "orders" && JSON.stringify(this.control.orders.list),
+      air: this.tab === "air" && Math.floor(this.clock.t / 1000),
       news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
     if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
     const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run),
-      processes: () => this.#processes(run), orders: () => this.control.table() };
+      processes: () => this.#processes(run), air: () => this.#air(run), orders: () => this.control.table() };
     if (this.tab !== "tasks" || !this.tasks.visible) this.body.replaceChildren(...draw[this.tab]());
     if (this.tab === "tasks") this.tasks.draw();
   }
@@ -156,6 +161,27 @@ export class Panels {
     this.eventRows = { rows, times: shown.map((e) => e.t), past: -1 };
     requestAnimationFrame(() => this.#markPast());
     return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, `${notable.length - shown.length} later ones`)] : [])];
+  }
+
+  /** Who is in the air, how high, and which two are nearest to each other. */
+  #air(run) {
+    const { t } = this.clock;
+    const minima = run.scenario.air?.separation;
+    const flying = minima ? inTheAir(run, t) : [];
+    if (flying.length === 0) return [element("p", { class: "empty" }, "No UAV is in the air.")];
+    const head = ["UAVs", "#across", "#up", "near by"];
+    const go = (index) => this.state.flyTo({ type: "agent", index });
+    const rows = nearestPairs(flying, minima, MOST_PAIRS).map(({ a, b, across, up, share }) =>
+      element("tr", { class: share < 1 ? "bad" : null, tabindex: 0, onclick: () => go(a.index), onkeydown: (e) => e.key === "Enter" && go(a.index) },
+        ...cells([`${a.label}, ${b.label}`, `${number(across)} m`, `${number(up)} m`, share < 1 ? "too close" : across < minima.horizontal_m ? "above each other" : ""], head)));
+    const heights = flying.map(({ up }) => up);
+    const closest = run.report?.separation?.closest;
+    return [
+      element("p", { class: "lead" }, element("b", {}, `${flying.length} UAVs in the air`), ` at ${clockText(t)}, ${number(Math.min(...heights))} to ${number(Math.max(...heights))} m above the ground. Kept apart: ${minima.horizontal_m} m across or ${minima.vertical_m} m up.`),
+      ...(closest ? [element("p", {}, `Closest of the mission as planned: uav:${closest.uavs[0]} and uav:${closest.uavs[1]}, ${number(closest.horizontal_m)} m across and ${number(closest.vertical_m)} m up, at `,
+        element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) }, clockText(closest.at_s * 1000)), ".")] : []),
+      table(head, rows),
+    ];
   }
 
   #processes(run) {

@@ -1,3 +1,4 @@
+import { Altitudes } from "./air.js";
 import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
 import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
@@ -32,6 +33,7 @@ export class Run {
     this.events = [];
     this.processes = new Map(); // name -> rows of SAMPLE
     this.faults = [];
+    this.altitudes = new Altitudes();
     this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads, rings of a zone]]
     this.directives = []; // what the commander has decided: directives.js
     this.coast = null; // where land is: coast.js
@@ -74,6 +76,7 @@ export class Run {
       if (!this.processes.has(name)) this.processes.set(name, []);
       splice(this.processes.get(name), from * SAMPLE, rows);
     }
+    for (const row of chunk.altitudes?.[1] ?? []) this.altitudes.take(row);
     if (chunk.road_changes) this.roadChanges = chunk.road_changes;
     if (chunk.directives) this.directives = readDirectives(chunk.directives);
     if (chunk.coast) this.coast = chunk.coast;

@@ -46,6 +46,18 @@ for (const [width, height, colorScheme] of LOOKS) {
   });
 }
 
+test("the tab Air says who is in the air, how high, and which two are nearest", async (t) => {
+  const page = await open(t, "zoned.html", { viewport: { width: 1440, height: 900 }, reducedMotion: "reduce" });
+  await scrub(page, 13);
+  await page.locator("#tab-air").click();
+  assert.match(await page.locator("#panel-body .lead").innerText(), /^\d+ UAVs in the air at 0:13:00, \d+ to \d+ m above the ground/);
+  assert.ok(await page.locator("#panel-body tbody tr").count() > 5);
+  assert.equal(await page.locator("#panel-body tr.bad").count(), 0, "no two are too close");
+  await accessible(page, "the tab Air");
+  await page.locator("#panel-body tbody tr").first().click();
+  assert.match(await page.locator("#card-facts").innerText(), /altitude\s+\d+ m above the ground/);
+});
+
 test("a zone is added and lifted on the page of a mission that runs, and the log passes the audit", async (t) => {
   const { run, url, ended, said } = await startMission(t, file("free.json"), "--policy", "horizon", "--rate", "180", "--out", file("flown"));
   const page = await (await browser().newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce" })).newPage();
