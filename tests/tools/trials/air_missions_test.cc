@@ -19,10 +19,10 @@ namespace {
 class AirMissions : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(AirMissions, AreAuditedAndDecidedAgain) {
-  for (const std::uint64_t seed : {3, 4}) {
-    for (const std::string& finding : FindingsOf(AirMission(GetParam(), seed))) {
-      ADD_FAILURE() << "seed " << seed << ": " << finding;
-    }
+  // One in two policies on streets.
+  const std::uint64_t seed = 3 + GetParam().size() % 2;
+  for (const std::string& finding : FindingsOf(AirMission(GetParam(), seed))) {
+    ADD_FAILURE() << "seed " << seed << ": " << finding;
   }
 }
 

@@ -19,10 +19,9 @@ namespace {
 class DirectedMissions : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(DirectedMissions, AreAuditedAndDecidedAgain) {
-  for (const std::uint64_t seed : {5, 6}) {
-    for (const std::string& finding : FindingsOf(DirectedMission(GetParam(), seed))) {
-      ADD_FAILURE() << "seed " << seed << ": " << finding;
-    }
+  const std::uint64_t seed = 5 + GetParam().size() % 2;
+  for (const std::string& finding : FindingsOf(DirectedMission(GetParam(), seed))) {
+    ADD_FAILURE() << "seed " << seed << ": " << finding;
   }
 }
 

@@ -21,10 +21,9 @@ namespace {
 class RoadMissions : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(RoadMissions, AreAuditedAndDecidedAgain) {
-  for (const std::uint64_t seed : {1, 2}) {
-    for (const std::string& finding : FindingsOf(RoadMission(GetParam(), seed))) {
-      ADD_FAILURE() << "seed " << seed << ": " << finding;
-    }
+  const std::uint64_t seed = 1 + GetParam().size() % 2;
+  for (const std::string& finding : FindingsOf(RoadMission(GetParam(), seed))) {
+    ADD_FAILURE() << "seed " << seed << ": " << finding;
   }
 }
 
@@ -32,12 +31,11 @@ INSTANTIATE_TEST_SUITE_P(Policies, RoadMissions, ::testing::ValuesIn(AllPolicies
                          PolicyAsTestName);
 
 TEST_P(RoadMissions, WithClosedRoadsAreAuditedAndDecidedAgain) {
-  for (const std::uint64_t seed : {3, 4}) {
-    VirtualMission mission = RoadMission(GetParam(), seed);
-    DrawClosures(seed, &mission);
-    for (const std::string& finding : FindingsOf(mission)) {
-      ADD_FAILURE() << "seed " << seed << ": " << finding;
-    }
+  const std::uint64_t seed = 3 + GetParam().size() % 2;
+  VirtualMission mission = RoadMission(GetParam(), seed);
+  DrawClosures(seed, &mission);
+  for (const std::string& finding : FindingsOf(mission)) {
+    ADD_FAILURE() << "seed " << seed << ": " << finding;
   }
 }
 
