@@ -1,9 +1,7 @@
 #include "scheduler/separation/keep_apart.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
-#include <optional>
 
 #include "model/feasibility.h"
 #include "model/separation.h"

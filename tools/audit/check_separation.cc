@@ -196,7 +196,7 @@ class SeparationCheck {
     for (const Plan::Turn& turn : a.turns) turns.push_back(turn.at_us);
     for (const Plan::Turn& turn : b.turns) turns.push_back(turn.at_us);
     std::sort(turns.begin(), turns.end());
-    double share = 2;
+    double share = std::numeric_limits<double>::infinity();
     std::int64_t at_us = -1;
     for (std::size_t i = 0; i < turns.size(); ++i) {
       const std::int64_t next = i + 1 < turns.size() ? turns[i + 1] : turns[i];

@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
 #include "model/scenario_json.h"
 #include "protocol/mission_reader.h"
 #include "simulation/simulator.h"
@@ -287,6 +288,38 @@ TEST_F(LogTest, CsvHasTheWaysThatAgentsWentAndTheRoadsThatWereClosed) {
     EXPECT_NE(closed[i].find(times), std::string::npos) << closed[i];
     EXPECT_EQ((first ? north : west).erase(std::stoi(closed[i])), 1u) << closed[i];
   }
+}
+
+TEST_F(LogTest, VolumesFollowEachOtherInTimeAndStayBelowTheCeiling) {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  scenario.rules.limit_us = 60 * kMinuteUs;
+  UseAir({}, &scenario);
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), "horizon",
+           [&](const Packet& packet) { packets.push_back(packet); });
+  WriteLog("mission.lcm", packets);
+  LogSource source(folder_.path().string());
+  EXPECT_THROW(ExportVolumes(&source, Path("none.json"), {}, 0), InputError);  // no origin
+  EXPECT_FALSE(fs::exists(Path("none.json")));
+  ExportVolumes(&source, Path("volumes.json"), Origin{18.5, -72.3}, 100);
+  const auto flights = nlohmann::json::parse(Text("volumes.json"))["flights"];
+  EXPECT_GT(flights.size(), 20u);
+  for (const auto& flight : flights) {
+    std::string end;
+    for (const auto& volume : flight["volumes"]) {
+      const std::string start = volume["time_start"]["value"];
+      EXPECT_TRUE(end.empty() || start == end) << flight["uav"] << " " << start << " " << end;
+      end = volume["time_end"]["value"];
+      EXPECT_LE(start, end);
+      const auto& space = volume["volume"];
+      EXPECT_GE(space["altitude_lower"]["value"], 100.0);
+      EXPECT_LE(space["altitude_upper"]["value"], 225.0);  // 120 m and half of 10 m
+      EXPECT_NE(space.contains("outline_polygon"), space.contains("outline_circle"));
+    }
+  }
+  WriteLog("plain.lcm", packets_);  // of a mission that does not keep UAVs apart
+  LogSource other(Path("plain.lcm"));
+  EXPECT_THROW(ExportVolumes(&other, Path("none.json"), Origin{18.5, -72.3}, 0), InputError);
 }
 
 TEST_F(LogTest, GeoJsonHasTheWaysThatAgentsWentAndTheRoads) {
