@@ -70,10 +70,10 @@ function(muster_program name)
   target_precompile_headers(${name} REUSE_FROM muster_precompiled)
 endfunction()
 
-# muster_test(NAME LABEL label SOURCES ... LINK ...): GoogleTest program NAME, every case a CTest
-# test with that label.
+# muster_test(NAME LABEL label [HAS_LONG] SOURCES ... LINK ...): GoogleTest program NAME, every case a
+# CTest test with that label. With HAS_LONG the cases of suites named Long... have the label slow.
 function(muster_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "HAS_LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE muster_options ${ARG_LINK} GTest::gtest GTest::gtest_main)
   target_compile_options(${name} PRIVATE -O1)
@@ -86,7 +86,13 @@ function(muster_test name)
   if(MUSTER_SANITIZE)
     math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
   endif()
+  set(short)
+  if(ARG_HAS_LONG)
+    set(short TEST_FILTER "-Long*:*/Long*")
+    gtest_discover_tests(${name} TEST_FILTER "Long*:*/Long*" DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
+                         PROPERTIES LABELS slow TIMEOUT 14400)
+  endif()
   # Names alone: the value of a parameter may be an address.
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
+  gtest_discover_tests(${name} ${short} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
                        PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
 endfunction()

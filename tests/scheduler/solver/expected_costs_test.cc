@@ -70,10 +70,10 @@ void ExpectWeightsWithinTolerance(bool towns) {
   EXPECT_GT(worst, 0);
 }
 
-TEST(ExpectedCosts, WeightsOfAnEvenSpreadAreWithinTolerance) {
+TEST(LongExpectedCosts, WeightsOfAnEvenSpreadAreWithinTolerance) {
   ExpectWeightsWithinTolerance(false);
 }
-TEST(ExpectedCosts, WeightsOfTownsAreWithinTolerance) { ExpectWeightsWithinTolerance(true); }
+TEST(LongExpectedCosts, WeightsOfTownsAreWithinTolerance) { ExpectWeightsWithinTolerance(true); }
 
 }  // namespace
 }  // namespace muster::scheduler

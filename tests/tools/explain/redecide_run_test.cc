@@ -43,8 +43,10 @@ class RedecideRun : public testing::Test {
 };
 
 TEST_F(RedecideRun, Random1UnderFaults) { Check(Generated("Random_1")); }
-TEST_F(RedecideRun, Random29UnderFaults) { Check(Generated("Random_29")); }
 TEST_F(RedecideRun, HaitiUnderFaults) { Check(MUSTER_SCENARIOS "/haiti.json"); }
+
+using LongRedecideRun = RedecideRun;
+TEST_F(LongRedecideRun, Random29UnderFaults) { Check(Generated("Random_29")); }
 
 }  // namespace
 }  // namespace muster::tools

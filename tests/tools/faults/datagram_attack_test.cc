@@ -163,21 +163,22 @@ void DatagramAttackTest::AttackAtRandom(std::uint64_t seed, std::int64_t datagra
   ExpectUnharmed(&muster, longest);
 }
 
-#ifdef MUSTER_LONG_ATTACK
+class LongDatagramAttackTest : public DatagramAttackTest {};
 
-TEST_P(DatagramAttackTest, TenMillionDamagedAtRandomHarmNobody) {
+TEST_P(LongDatagramAttackTest, TenMillionDamagedAtRandomHarmNobody) {
   const char* text = std::getenv("MUSTER_DATAGRAMS");
   const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
   AttackAtRandom(2, datagrams, false, "15", std::chrono::minutes(60));
 }
 
-TEST_P(DatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
+TEST_P(LongDatagramAttackTest, TenMillionDamagedOfItsOwnHarmNoSealedMission) {
   const char* text = std::getenv("MUSTER_DATAGRAMS");
   const std::int64_t datagrams = text == nullptr ? 10'000'000 : std::atoll(text);
   AttackAtRandom(3, datagrams, true, "15", std::chrono::minutes(60));
 }
 
-#else
+INSTANTIATE_TEST_SUITE_P(Loggers, LongDatagramAttackTest, ::testing::Values("lcm", "muster"),
+                         [](const auto& logger) { return std::string(logger.param); });
 
 TEST_P(DatagramAttackTest, WhatEndsLcmEndsNobody) {
   Muster muster = Start("1800");
@@ -243,8 +244,6 @@ TEST_P(DatagramAttackTest, ANumberThatIsTooHighHoldsTheMissionUpNoLonger) {
   EXPECT_NE(said.find("NOT COMPLETE"), std::string::npos) << said;
   EXPECT_NE(said.find("first: uav (start 0) seq"), std::string::npos) << said;
 }
-
-#endif
 
 }  // namespace
 }  // namespace muster::tools

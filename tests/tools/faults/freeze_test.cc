@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class FreezeTest : public ::testing::Test {
+class LongFreezeTest : public ::testing::Test {
  protected:
   void SetUp() override { MUSTER_NEEDS_MULTICAST(); }
   Json Report(const std::string& name) const {
@@ -37,7 +37,7 @@ class FreezeTest : public ::testing::Test {
   std::string scenario_ = folder_.File("scenario.json");
 };
 
-TEST_F(FreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
+TEST_F(LongFreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
   // Where lcm-logger writes, the launcher is the mission's recorder, too.
   constexpr std::array kVictims = {"world",     "uav",      "worker", "vehicle",
                                    "scheduler", "launcher", "logger"};

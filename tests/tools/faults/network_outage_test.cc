@@ -61,16 +61,11 @@ struct Case {
   int lasts_s;
 };
 
-std::vector<Case> Cases() {
-#ifdef MUSTER_LONG_OUTAGES
-  constexpr int kSeconds[] = {5, 30};
-#else
-  constexpr int kSeconds[] = {1};
-#endif
+std::vector<Case> CasesThatLast(std::initializer_list<int> lengths_s) {
   std::vector<Case> cases;
   for (const Outage& outage : kOutages) {
     for (const char* on_loss : {"wait", "continue"}) {
-      for (const int lasts_s : kSeconds) cases.push_back({&outage, on_loss, lasts_s});
+      for (const int lasts_s : lengths_s) cases.push_back({&outage, on_loss, lasts_s});
     }
   }
   return cases;
@@ -78,6 +73,7 @@ std::vector<Case> Cases() {
 
 class NetworkOutageTest : public ::testing::TestWithParam<Case> {
  protected:
+  void ExpectNothingChanges();
   void SetUp() override {
     if (TestNetwork().kind != Network::Kind::kPrivate) GTEST_SKIP() << "no network of its own";
     if (std::system("ip route >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ip(8)";
@@ -107,7 +103,7 @@ int Count(const std::string& text, std::string_view part) {
   return n;
 }
 
-TEST_P(NetworkOutageTest, ChangesNothing) {
+void NetworkOutageTest::ExpectNothingChanges() {
   const auto [outage, on_loss, lasts_s] = GetParam();
   const bool other = outage == &kOutages[2];
   if (other) {
@@ -135,13 +131,21 @@ TEST_P(NetworkOutageTest, ChangesNothing) {
   EXPECT_EQ(Report("run")["digest"], Report("virtual")["digest"]) << muster.output();
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, NetworkOutageTest, ::testing::ValuesIn(Cases()),
-                         [](const auto& test) {
-                           return fmt::format("{}_{}_{}s", test.param.outage->name,
-                                              test.param.on_loss, test.param.lasts_s);
-                         });
+std::string NameOf(const ::testing::TestParamInfo<Case>& test) {
+  const auto [outage, on_loss, lasts_s] = test.param;
+  return fmt::format("{}_{}_{}s", outage->name, on_loss, lasts_s);
+}
 
-#ifndef MUSTER_LONG_OUTAGES
+TEST_P(NetworkOutageTest, ChangesNothing) { ExpectNothingChanges(); }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, NetworkOutageTest, ::testing::ValuesIn(CasesThatLast({1})), NameOf);
+
+class LongNetworkOutageTest : public NetworkOutageTest {};
+
+TEST_P(LongNetworkOutageTest, ChangesNothing) { ExpectNothingChanges(); }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, LongNetworkOutageTest, ::testing::ValuesIn(CasesThatLast({5, 30})),
+                         NameOf);
 
 class NetworkLossTest : public NetworkOutageTest {};
 
@@ -160,8 +164,6 @@ TEST_P(NetworkLossTest, EndsTheMissionWithAReport) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, NetworkLossTest, ::testing::Values(Case{&kOutages[0], "wait", 0}),
                          [](const auto& test) { return test.param.outage->name; });
-
-#endif
 
 }  // namespace
 }  // namespace muster::tools

@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// A mission of seconds may take minutes under a sanitizer on a busy machine.
-constexpr std::chrono::minutes kLongest{15};
+constexpr std::chrono::minutes kLongestMission{15};
 
 int Missions(int usual) {
   const char* text = std::getenv("MUSTER_MISSIONS");
@@ -33,7 +33,7 @@ int Missions(int usual) {
 /// Who writes the log of that mission: each in turn.
 const char* LoggerOf(int mission) { return mission % 2 == 0 ? "muster" : "lcm"; }
 
-class SweepTest : public ::testing::Test {
+class LongSweepTest : public ::testing::Test {
  protected:
   void SetUp() override { MUSTER_NEEDS_MULTICAST(); }
   void Write(const Scenario& scenario) { std::ofstream(scenario_) << ScenarioToJson(scenario); }
@@ -45,7 +45,7 @@ class SweepTest : public ::testing::Test {
   std::string scenario_ = folder_.File("scenario.json");
 };
 
-TEST_F(SweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
+TEST_F(LongSweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
   Write(Generate(PresetByName("Random_1"), 1));
   Muster simulate(
       folder_, "simulate",
@@ -68,7 +68,7 @@ TEST_F(SweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
     }
     SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
     Muster muster(folder_, "run", arguments);
-    ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
+    ASSERT_EQ(muster.Wait(kLongestMission), 0) << muster.output();
     const Json report = Report("run");
     ASSERT_EQ(report["digest"], expected);
     ASSERT_TRUE(report["log"]["complete"].get<bool>()) << report["log"];
@@ -77,7 +77,7 @@ TEST_F(SweepTest, AnyOneProcessKilledAtAnyTickChangesNothing) {
   }
 }
 
-TEST_F(SweepTest, RandomPlansBreakNoInvariant) {
+TEST_F(LongSweepTest, RandomPlansBreakNoInvariant) {
   for (int seed = 1; seed <= Missions(200); ++seed) {
     SCOPED_TRACE(seed);
     GeneratorSettings settings = PresetByName("Random_10");
@@ -95,7 +95,7 @@ TEST_F(SweepTest, RandomPlansBreakNoInvariant) {
         folder_, "run",
         {"run", scenario_, "--quiet", "--policy", "mpq", "--out", folder_.File("run"), "--faults",
          plan, "--on-loss", on_loss, "--lost-after", "0.5", "--logger", LoggerOf(seed / 2)});
-    ASSERT_EQ(run.Wait(kLongest), 0) << run.output() << draw.output();
+    ASSERT_EQ(run.Wait(kLongestMission), 0) << run.output() << draw.output();
     std::filesystem::remove_all(folder_.File("run"));
   }
 }
