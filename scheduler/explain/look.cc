@@ -54,8 +54,9 @@ void ForEachPair(const Instance& instance, std::int32_t site, Visit visit) {
 
 std::string_view ToString(Obstacle obstacle) {
   constexpr std::string_view kNames[] = {
-      "none",       "no idle uav", "no idle partner", "no free place", "range", "online window",
-      "time limit", "expiry",      "no road",         "closed road",   "zone",  "no use"};
+      "none",          "no idle uav", "no idle partner", "no free place", "range",
+      "online window", "time limit",  "expiry",          "no road",       "closed road",
+      "zone",          "forbidden",   "no use"};
   return kNames[static_cast<int>(obstacle)];
 }
 
@@ -174,7 +175,11 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
   } else if (IsFull(look)) {
     look.obstacle = Obstacle::kNoPlace;
   } else if (look.uavs_in_range == 0) {
-    look.obstacle = look.nearest_range ? Obstacle::kRange : Obstacle::kNoUse;
+    look.obstacle = look.nearest_range        ? Obstacle::kRange
+                    : IsForbiddenToSome(look) ? Obstacle::kForbidden
+                                              : Obstacle::kNoUse;
+  } else if (look.pairs == 0) {
+    LookForWay(partner, &look);
   }
   if (look.nearest_time) LookAtRoad(&look);
   LookAtZones(&look);
@@ -197,6 +202,29 @@ void Look::LookAtRoad(PlaceLook* look) const {
     look->closure = ClosureOnTheWay(kind, from, to);
     look->obstacle = look->closure ? Obstacle::kClosed : Obstacle::kNoRoad;
   }
+}
+
+bool Look::IsForbiddenToSome(const PlaceLook& look) const {
+  const auto& forbidden = situation_.site->forbidden;
+  return !look.charging && std::any_of(forbidden.begin(), forbidden.end(),
+                                       [&](const auto& pair) { return pair.task == look.site; });
+}
+
+void Look::LookForWay(std::int32_t partner, PlaceLook* look) const {
+  const AgentKind kind = look->partner_kind();
+  const Ways& ways = *situation_.site->ways;
+  look->obstacle = IsForbiddenToSome(*look) ? Obstacle::kForbidden : Obstacle::kNoPartner;
+  const Point to = look->charging ? situation_.site->charging_points[At(look->site)].at
+                                  : situation_.site->tasks[At(look->site)].at;
+  const Participant* nearest = nullptr;
+  for (const Participant& p : participants_[kind]) {
+    if (partner >= 0 && p.agent->id != partner) continue;
+    if (std::isfinite(ways.Length(kind, p.at, to))) return;
+    if (nearest == nullptr || Distance(p.at, to) < Distance(nearest->at, to)) nearest = &p;
+  }
+  if (nearest == nullptr) return;
+  look->closure = ClosureOnTheWay(kind, nearest->at, to);
+  look->obstacle = look->closure ? Obstacle::kClosed : Obstacle::kNoRoad;
 }
 
 void Look::LookAtZones(PlaceLook* look) const {
@@ -230,8 +258,11 @@ PaperLook::PaperLook(const Situation& situation)
     : Look(situation, IdleOnly()), weights_(situation) {}
 
 void PaperLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look) const {
+  const auto forbids = [&](const Participant& p) {
+    return !look->charging && situation_.site->Forbids(*p.agent, look->site);
+  };
   for (const Participant& of_uav : participants_.uavs) {
-    if (uav >= 0 && of_uav.agent->id != uav) continue;
+    if ((uav >= 0 && of_uav.agent->id != uav) || forbids(of_uav)) continue;
     const RangeNeed need = NeedOf(of_uav, *look);
     if (need.needs_m() > need.range_m) {
       look->OfferShort(need);
@@ -239,7 +270,7 @@ void PaperLook::AddPairs(std::int32_t uav, std::int32_t partner, PlaceLook* look
     }
     ++look->uavs_in_range;
     for (const Participant& of_partner : participants_[look->partner_kind()]) {
-      if (partner >= 0 && of_partner.agent->id != partner) continue;
+      if ((partner >= 0 && of_partner.agent->id != partner) || forbids(of_partner)) continue;
       AddPair(need, *of_uav.agent, *of_partner.agent, look);
     }
   }
@@ -366,6 +397,7 @@ void HorizonLook::AddImpossible(std::int32_t uav, std::int32_t partner, PlaceLoo
   for (std::size_t u = 0; u < some.uavs.size(); ++u) {
     if (in_range[u]) continue;
     const Participant& p = some.uavs[u];
+    if (!look->charging && situation_.site->Forbids(*p.agent, look->site)) continue;
     const RangeNeed need = NeedOf(p, *look);
     if (!look->charging || need.needs_m() > p.range_m) look->OfferShort(need);
   }

@@ -24,10 +24,11 @@ enum class Obstacle {
   kNoRoad,     ///< no way by road leads there for any partner
   kClosed,     ///< none does since roads were closed
   kZone,       ///< the place is in a zone that UAVs keep out of, or cut off by zones
+  kForbidden,  ///< the commander forbids the task to everybody who could do it
   kNoUse,      ///< charging would enable no further task; only in horizon's terms
 };
 /// "none", "no idle uav", "no idle partner", "no free place", "range", "online window",
-/// "time limit", "expiry", "no road", "closed road", "zone", "no use"
+/// "time limit", "expiry", "no road", "closed road", "zone", "forbidden", "no use"
 std::string_view ToString(Obstacle obstacle);
 
 /// A UAV's range against what a place asks of it, metres.
@@ -130,6 +131,10 @@ class Look {
 
   /// Says how the partner would get there, or that no road leads there.
   void LookAtRoad(PlaceLook* look) const;
+  /// Whether the commander forbids the task to somebody.
+  bool IsForbiddenToSome(const PlaceLook& look) const;
+  /// Says why UAVs are in range of the place, and no partner could ever be there.
+  void LookForWay(std::int32_t partner, PlaceLook* look) const;
   /// Whether UAVs cannot get there because of zones, and then which.
   void LookAtZones(PlaceLook* look) const;
   /// The first closure that bars the way which led there while all roads were open.

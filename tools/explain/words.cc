@@ -154,6 +154,8 @@ std::string ObstacleWords(const PlaceLook& look) {
                        look.closure->name.empty() ? look.closure->order : look.closure->name,
                        ClockText(look.closure->since_us))
                  : std::string("zones keep every UAV from it, or from charging after it");
+    case Obstacle::kForbidden:
+      return "the commander forbids it to all who could do it";
     case Obstacle::kNoUse:
       return "charging would enable no further task";
     case Obstacle::kExpiry:

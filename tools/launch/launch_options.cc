@@ -116,6 +116,7 @@ void AddLaunchOptions(Options* options) {
             "until Ctrl-C. PORT 0: any free port")
       .Integer(0, 65535)
       .Implied(fmt::to_string(kDefaultLivePort));
+  options->Add("tiles", "FILE", "With --live: base map, an MBTiles or PMTiles file");
   options->Flag("control",
                 "With --live: everyone who opens the printed address may also give orders there");
 }
@@ -243,6 +244,11 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   if (options.takes_orders) options.room = ReadRoom(arguments->All("room"));
   arguments->Read("live", &options.live_port);
   if (options.live_port) RequirePage();
+  arguments->Read("tiles", &options.tiles);
+  if (!options.tiles.empty() && !options.live_port) {
+    throw InputError(kCommandLine, "--tiles", options.tiles,
+                     "--live with it: the page that has it");
+  }
   for (const DriverPlan& driver : options.drivers) {
     if (options.processes.at(driver.kind) > 0) continue;
     throw InputError(kCommandLine, "--driver",

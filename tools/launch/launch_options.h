@@ -35,6 +35,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   bool takes_orders = false;     ///< while it goes on
   bool control = false;          ///< the live page may give them
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
+  std::string tiles;             ///< the file of its base map; "": it has none
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port
   std::string hosts_file;
   HostList hosts;  ///< empty: all processes run here

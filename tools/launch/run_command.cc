@@ -38,6 +38,7 @@
 #include "tools/record/report_json.h"
 #include "tools/record/summary.h"
 #include "tools/scenario/order_text.h"
+#include "tools/tiles/base_map.h"
 
 namespace muster::tools {
 namespace {
@@ -191,6 +192,15 @@ std::unique_ptr<LossyBus> OpenBusOf(const LaunchOptions& options, const MissionI
   return OpenBus(flags);
 }
 
+/// The base map of the live page; null: it has none. Throws InputError where it is one of another
+/// place.
+std::unique_ptr<const TileFile> TilesOf(const LaunchOptions& options, const Scenario& scenario) {
+  if (options.tiles.empty()) return nullptr;
+  std::unique_ptr<const TileFile> tiles = OpenTiles(options.tiles);
+  BaseMapOf(*tiles, scenario);
+  return tiles;
+}
+
 /// The run directory with what is known before the mission: scenario, key, orders, manifest.
 RunDirectory MakeDirectory(const LaunchOptions& options, const Scenario& scenario,
                            const std::vector<world::PlannedOrder>& orders, ManifestInput manifest,
@@ -255,6 +265,7 @@ int RunCommand(int argc, const char* const* argv) {
   const Scenario scenario = std::move(resolved);
   const std::string lcm_logger = options->logger == Logger::kLcm ? FindLogger() : "";
   CheckMembers(scenario, &*options);
+  std::unique_ptr<const TileFile> tiles = TilesOf(*options, scenario);
   const StopSignals stop;
   ManifestInput manifest;
   manifest.command_line = {argv, argv + argc};
@@ -283,7 +294,7 @@ int RunCommand(int argc, const char* const* argv) {
   }
   std::optional<LiveFeed> feed;
   if (server) {
-    feed.emplace(fs::path(directory.path()).filename().string());
+    feed.emplace(fs::path(directory.path()).filename().string(), std::move(tiles));
     plan.on_logged = [&feed](const Packet& packet) { feed->Add({packet}); };
     server->AnswerAbout(directory.path());
     server->Start(&*feed, options->control ? &*gate : nullptr);

@@ -29,13 +29,15 @@ int LiveCommand(int argc, const char* const* argv) {
   options.Add("port", "N", "Port on 127.0.0.1; 0: any free one")
       .Integer(0, 65535)
       .Default(kDefaultLivePort);
+  options.Add("tiles", "FILE", "Base map: an MBTiles or PMTiles file");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   RequirePage();
   const int port = arguments->Get<int>("port");
   const auto source = OpenPacketSource(arguments->Get("run"));
   const StopSignals stop;
-  LiveFeed feed(source->name());
+  LiveFeed feed(source->name(),
+                arguments->Has("tiles") ? OpenTiles(arguments->Get("tiles")) : nullptr);
   LiveServer server(port);
   if (source->is_log()) server.AnswerAbout(arguments->Get("run"));
   server.Start(&feed);

@@ -1,14 +1,18 @@
 #include "tools/live/live_feed.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <csignal>
 #include <utility>
 
+#include "base/check.h"
 #include "lcmtypes/channels.h"
 #include "tools/host/quiet_thread.h"
 #include "tools/live/mission_cap.h"
 #include "tools/live/mission_geojson.h"
 #include "tools/report/gshhg.h"
+#include "tools/tiles/base_map.h"
 
 namespace muster::tools {
 namespace {
@@ -18,7 +22,8 @@ constexpr std::size_t kBatch = 200;
 
 }  // namespace
 
-LiveFeed::LiveFeed(std::string name) : name_(std::move(name)), feed_(std::in_place) {
+LiveFeed::LiveFeed(std::string name, std::unique_ptr<const TileFile> tiles)
+    : name_(std::move(name)), tiles_(std::move(tiles)), feed_(std::in_place) {
   worker_ = StartQuietThread([this] { Work(); });
 }
 
@@ -97,6 +102,13 @@ std::optional<std::string> LiveFeed::Next(Reader* reader, std::chrono::milliseco
     std::string missing;  // a live page has no place for that
     if (auto coast = CoastOf("auto", scenario, &missing); !coast.is_null()) {
       chunk["coast"] = std::move(coast);
+    }
+    if (tiles_ != nullptr) {
+      try {
+        chunk["basemap"] = BaseMapOf(*tiles_, scenario);
+      } catch (const InputError& error) {  // the mission is worth seeing without it
+        fmt::print(stderr, "no base map: {}\n", error.what());
+      }
     }
   }
   return chunk.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

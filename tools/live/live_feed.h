@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "lcmtypes/bus/bus.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page_chunk.h"
+#include "tools/tiles/tile_file.h"
 
 namespace muster::tools {
 
@@ -28,8 +30,9 @@ class LiveFeed {
     std::int64_t version = -1;
   };
 
-  /// `name` of the run; "": the scenario's.
-  explicit LiveFeed(std::string name);
+  /// `name` of the run; "": the scenario's. `tiles`: the base map that readers are told of, if it
+  /// is one of the mission's area; null: none.
+  explicit LiveFeed(std::string name, std::unique_ptr<const TileFile> tiles = nullptr);
   ~LiveFeed();
   LiveFeed(const LiveFeed&) = delete;
   LiveFeed& operator=(const LiveFeed&) = delete;
@@ -47,6 +50,8 @@ class LiveFeed {
   std::optional<std::string> GeoJson() const;
   /// The same for dispatch systems (MissionCap).
   std::optional<std::string> Cap() const;
+  /// Null: there is none.
+  const TileFile* tiles() const { return tiles_.get(); }
   /// It is closed, and all that it was given can be read.
   bool worked_off() const;
 
@@ -55,6 +60,7 @@ class LiveFeed {
   void Take(const Packet& packet);
 
   const std::string name_;
+  const std::unique_ptr<const TileFile> tiles_;
   mutable std::mutex pending_mutex_;
   std::condition_variable pending_changed_;
   std::vector<Packet> pending_;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "base/text.h"
 #include "tools/report/page.h"
 #include "tools/scenario/order_text.h"
+#include "tools/tiles/base_map.h"
 
 namespace muster::tools {
 namespace {
@@ -158,6 +160,32 @@ void LiveServer::Serve(Client* one, Time now, bool ending) {
   if (client->ended || (ending && client->asks())) client->until = now;
 }
 
+void LiveServer::AnswerTile(Browser* client, const std::string& path) {
+  const TileFile& file = *feed_->tiles();
+  TileId id;
+  int end = 0;
+  const bool is_tile =
+      std::sscanf(path.c_str(), "/tiles/%2d/%8d/%8d%n", &id.zoom, &id.column, &id.row, &end) == 3 &&
+      static_cast<std::size_t>(end) == path.size() && id.zoom >= 0 && id.zoom <= kMostZoom &&
+      id.column >= 0 && id.row >= 0;
+  try {
+    const auto bytes = is_tile ? file.Read(id) : std::nullopt;
+    if (!bytes) {
+      client->out = Head("404 Not Found", "", 0);
+    } else if (file.info().vector) {
+      const std::string text =
+          TileForPage(file, *bytes, kLiveTileUnits)
+              .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+      client->out = Head("200 OK", "application/json", text.size()) + text;
+    } else {
+      client->out = Head("200 OK", file.info().type, bytes->size()) + *bytes;
+    }
+  } catch (const InputError& error) {  // a damaged tile is none
+    fmt::print(stderr, "{}\n", error.what());
+    client->out = Head("404 Not Found", "", 0);
+  }
+}
+
 void LiveServer::TakeOrder(Browser* client, const std::string& path, const std::string& body,
                            Time now) {
   try {
@@ -266,6 +294,8 @@ void LiveServer::Answer(Browser* client, Time now) {
     client->out =
         Head(text ? "200 OK" : "404 Not Found", text ? type : "", text ? text->size() : 0) +
         text.value_or("");
+  } else if (request->path.starts_with("/tiles/") && feed_->tiles() != nullptr) {
+    AnswerTile(client, std::string(request->path));
   } else if (request->path == "/events") {
     client->out = Head("200 OK", "text/event-stream", {});
     client->last = false;

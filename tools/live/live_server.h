@@ -56,6 +56,8 @@ class LiveServer final : public SocketServer {
   void Serve(Client* client, Time now, bool ending) override;
   /// Answers the request when all of it is there.
   void Answer(Browser* client, Time now);
+  /// GET /tiles/ZOOM/COLUMN/ROW: of the feed's base map.
+  void AnswerTile(Browser* client, const std::string& path);
   /// POST /orders, GET /orders/ID.
   void TakeOrder(Browser* client, const std::string& path, const std::string& body, Time now);
   void AnswerOrder(Browser* client, Time now);

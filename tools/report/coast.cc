@@ -16,7 +16,6 @@ using nlohmann::ordered_json;
 using Place = ShoreGrid::Place;
 using Ring = std::vector<Place>;
 
-constexpr double kMetresPerLatitude = 111'000;  ///< roughly
 constexpr double kAround = 0.6;  ///< of the area's longer side: what a map shows more
 constexpr double kUnits = 1e5;   ///< of the page's degrees: a metre
 
@@ -238,19 +237,14 @@ std::vector<std::vector<double>> LandWithin(const ShoreGrid& grid, const DegreeB
 }
 
 ordered_json Coast(const ShoreGrid& grid, const Scenario& scenario) {
-  const double south = scenario.origin->latitude_deg, west = scenario.origin->longitude_deg;
-  const double around_m = kAround * std::max(scenario.width_m, scenario.height_m);
-  const double squeeze = std::max(0.01, std::cos(south * std::numbers::pi / 180));
-  const auto up = [](double metres) { return metres / kMetresPerLatitude; };
-  const auto right = [&](double metres) { return up(metres) / squeeze; };
+  const DegreeBox around =
+      BoxAround(scenario, kAround * std::max(scenario.width_m, scenario.height_m));
   const auto whole = [](double degrees) {
     return static_cast<std::int64_t>(std::llround(degrees * kUnits));
   };
   const auto round = [&](double degrees) { return static_cast<double>(whole(degrees)) / kUnits; };
-  const DegreeBox box = {round(std::max(-90.0, south - up(around_m))),
-                         round(west - right(around_m)),
-                         round(std::min(90.0, south + up(scenario.height_m + around_m))),
-                         round(west + right(scenario.width_m + around_m))};
+  const DegreeBox box = {round(around.south), round(around.west), round(around.north),
+                         round(around.east)};
   ordered_json rings = ordered_json::array();
   for (const std::vector<double>& ring : LandWithin(grid, box)) {
     ordered_json flat = ordered_json::array();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/scenario.h"
+#include "tools/tiles/degree_box.h"
 
 namespace muster::tools {
 
@@ -28,11 +29,6 @@ struct ShoreGrid {
   int columns = 0, rows = 0;  ///< from 0 degrees east; from the south pole
   std::string source;         ///< "GSHHG 2.3.7, full resolution"
   std::function<Bin(int column, int row)> read;
-};
-
-/// A part of the earth, in degrees.
-struct DegreeBox {
-  double south = 0, west = 0, north = 0, east = 0;
 };
 
 /// The land within a box as rings, [latitude, longitude, ...] in degrees, of which what lies within

@@ -25,6 +25,7 @@
 #include "tools/report/page_chunk.h"
 #include "tools/report/reasons.h"
 #include "tools/report/scene_film.h"
+#include "tools/tiles/base_map.h"
 
 namespace muster::tools {
 namespace {
@@ -62,6 +63,7 @@ struct Shown {
   std::size_t reasons = 0;
   std::string background;  ///< a file; "": none
   std::string coast;       ///< as CoastOf takes it
+  std::string tiles;       ///< a file; "": none
 };
 
 std::string ReadRun(const std::string& run, const Shown& shown) {
@@ -98,6 +100,11 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
     chunk["coast"] = std::move(coast);
   }
   if (!missing.empty()) fmt::print(stderr, "{}\n", missing);
+  if (!shown.tiles.empty()) {
+    std::string told;
+    chunk["basemap"] = EmbeddedBaseMap(*OpenTiles(shown.tiles), scenario, kBaseMapBytes, &told);
+    fmt::print("{}: {}\n", shown.tiles, told);
+  }
   if (shown.reasons > 0) {
     ProgressPrinter printer(stderr, StyleFor(stderr, false));
     const auto telling = [&](std::size_t told, std::size_t of) {
@@ -151,6 +158,9 @@ int ReportCommand(int argc, const char* const* argv) {
            "Coast and water below a map with an origin: auto (what Debian's gmt-gshhg-full, -high "
            "or -low has), none, or a binned file of GSHHG")
       .Default("auto");
+  options.Add("tiles", "FILE",
+              "Base map: an MBTiles or PMTiles file; the page holds the tiles of the area, 1 MB at "
+              "most");
   options.Out("FILE.html", "Page to write (default, of one run: report.html in its directory)");
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",
@@ -173,7 +183,8 @@ int ReportCommand(int argc, const char* const* argv) {
   const SceneKind kind = scene.empty() ? SceneKind::kPicture : SceneKindOf(scene);
   const Shown shown = {
       static_cast<std::size_t>(out.empty() ? 0 : arguments->Get<std::int64_t>("reasons")),
-      arguments->Has("background") ? arguments->Get("background") : "", arguments->Get("coast")};
+      arguments->Has("background") ? arguments->Get("background") : "", arguments->Get("coast"),
+      arguments->Has("tiles") ? arguments->Get("tiles") : ""};
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {

@@ -6,11 +6,13 @@
 #include <map>
 #include <tuple>
 
+#include "model/road_ways.h"
 #include "scheduler/explain/explain.h"
 #include "scheduler/explain/fate.h"
 #include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/policies/rollout/rollout.h"
+#include "tests/model/street_grid.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -141,6 +143,60 @@ TEST(ExplainerOfHorizon, CostOfForcingIsThatOfAllMatchings) {
   EXPECT_GT(costly, 50);
   EXPECT_GT(impossible, 50);
   EXPECT_GT(agents, 300);
+}
+
+/// By road some tasks are out of reach, and the commander forbids some pairs: what is not possible
+/// has a reason, and a task that no worker has a way to has that one.
+TEST(ExplainerOfHorizon, WhatNobodyHasAWayToHasAReason) {
+  int no_road = 0, others = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed, Stream::kTest);
+    const auto place = [&] { return Point{6000 * random.Uniform(), 6000 * random.Uniform()}; };
+    SituationBuilder builder;
+    Scenario& scenario = builder.scenario();
+    scenario.width_m = scenario.height_m = 6000;
+    const auto roads = std::make_shared<const RoadWays>(
+        std::make_shared<const Roads>(muster::testing::StreetGrid(5, 1000, seed)),
+        PerKind<OpenGround>{{}, {50, 250}, {25, 250}}, std::vector<Point>{});
+    scenario.ways = roads;
+    for (int i = 0; i < 3; ++i) builder.Uav(place()).Worker(place()).Vehicle(place());
+    for (int i = 0; i < 5; ++i) builder.Task(place(), 500).Charge(place());
+    Situation situation = builder.Build();
+    if (seed % 3 == 0) {
+      auto site = std::make_shared<Site>(*situation.site);
+      for (std::int32_t worker = 0; worker < 3; ++worker) {
+        site->forbidden.push_back({AgentKind::kWorker, worker, 0});
+      }
+      situation.site = site;
+    }
+    HorizonPolicy policy{HorizonSettings()};
+    const auto decision = Made(situation, &policy);
+    const Explainer explainer(*decision);
+    for (int x = 0; x < 5; ++x) {
+      const TaskAnswer answer = explainer.AboutTask(TaskId(x));
+      EXPECT_EQ(answer.look.obstacle == Obstacle::kNone, answer.look.pairs_feasible > 0);
+      const Point to = situation.site->tasks[static_cast<std::size_t>(x)].at;
+      const bool reached = std::any_of(
+          situation.workers.begin(), situation.workers.end(), [&](const AgentState& worker) {
+            return std::isfinite(roads->Length(AgentKind::kWorker, worker.to, to));
+          });
+      if (!reached && answer.look.uavs_in_range > 0) {
+        EXPECT_EQ(answer.look.obstacle, Obstacle::kNoRoad);
+        ++no_road;
+      } else if (answer.look.obstacle != Obstacle::kNone) {
+        EXPECT_NE(answer.look.obstacle, Obstacle::kNoRoad);
+        const bool forbidden = x == 0 && seed % 3 == 0 && answer.look.uavs_in_range > 0;
+        EXPECT_EQ(answer.look.obstacle == Obstacle::kForbidden, forbidden);
+        ++others;
+      }
+    }
+    for (const AgentKind kind : kAgentKinds) {
+      for (std::int32_t id = 0; id < 3; ++id) explainer.AboutAgent(kind, id, {});
+    }
+  }
+  EXPECT_GT(no_road, 50);
+  EXPECT_GT(others, 20);
 }
 
 /// What stands against a pair, from distances and times alone.

@@ -23,6 +23,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/tools/fake_mission.h"
 #include "tests/tools/launch/process_test_util.h"
+#include "tests/tools/tiles/made_tiles.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
 #include "tools/orders/alert_feed.h"
@@ -148,6 +149,59 @@ TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
   // At (6, 1) km: a degree is 111.2 km to the north and 76.2 km to the east there.
   EXPECT_NEAR(uav["geometry"]["coordinates"][0], 7.3 + 6 / 76.2, 0.001);
   EXPECT_NEAR(uav["geometry"]["coordinates"][1], 46.85 + 1 / 111.2, 0.001);
+}
+
+/// The middle of an MBTiles file of one tile.
+class ServedTiles : public testing::Test {
+ protected:
+  ServedTiles() {
+    WriteMbtiles(file_, {{"format", "png"}, {"bounds", "7,46,8,47"}, {"attribution", "us"}},
+                 {{{9, 266, 180}, "\x89PNG picture"}});
+    feed_.emplace("run", OpenTiles(file_));
+    server_.emplace(0);
+    server_->Start(&*feed_);
+  }
+  TemporaryFolder folder_;
+  const std::string file_ = folder_.File("tiles.mbtiles");
+  std::optional<LiveFeed> feed_;
+  std::optional<LiveServer> server_;
+};
+
+TEST_F(ServedTiles, ThePageIsToldOfItsBaseMapAndGetsItsTiles) {
+  FakeLog log = MakeFakeMission();
+  ForEach<scenario_t>(&log, [](scenario_t& scenario) {
+    scenario.json.insert(scenario.json.find("\"seed\""),
+                         R"("origin": {"latitude_deg": 46.85, "longitude_deg": 7.3}, )");
+    scenario.sha256 = Sha256(scenario.json);
+  });
+  feed_->Add(Encoded(log));
+  LiveFeed::Reader reader;
+  const auto chunk = feed_->Next(&reader, kLong);
+  ASSERT_TRUE(chunk);
+  const auto map = nlohmann::json::parse(*chunk)["basemap"];
+  EXPECT_EQ(map["source"], "us");
+  EXPECT_EQ(map["zooms"], (nlohmann::json{9, 9}));
+  EXPECT_FALSE(map.contains("tiles"));
+  httplib::Client client(server_->url().substr(0, server_->url().size() - 1));
+  client.set_read_timeout(60);
+  const auto tile = client.Get("/tiles/9/266/180");
+  ASSERT_TRUE(tile);
+  EXPECT_EQ(tile->status, 200);
+  EXPECT_EQ(tile->body, "\x89PNG picture");
+  EXPECT_EQ(tile->get_header_value("Content-Type"), "image/png");
+  for (const char* path :
+       {"/tiles/9/266/181", "/tiles/9/266/180/1", "/tiles/9/-1/180", "/tiles/99/0/0",
+        "/tiles/9/266", "/tiles/../../etc/passwd", "/tiles/9/999999999/0"}) {
+    EXPECT_EQ(client.Get(path)->status, 404) << path;
+  }
+}
+
+TEST_F(ServedTiles, OfAMissionElsewhereThereIsNone) {
+  feed_->Add(Mission());  // it has no origin
+  LiveFeed::Reader reader;
+  const auto chunk = feed_->Next(&reader, kLong);
+  ASSERT_TRUE(chunk);
+  EXPECT_FALSE(nlohmann::json::parse(*chunk).contains("basemap"));
 }
 
 TEST_F(Served, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {

@@ -12,6 +12,7 @@ import { bindKeys } from "./keys.js";
 import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
 import { tellingMoment } from "./moment.js";
+import { LayersMenu, layerIds } from "./layers_menu.js";
 import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
 import { State } from "./state.js";
@@ -56,6 +57,7 @@ function build() {
   const transport = new Transport(state, clock);
   const map = new MapView(state, clock);
   const scene = new SceneTab(state, clock);
+  new LayersMenu(state);
   new Charts(state, clock);
   const gantt = new Gantt(state, clock);
   const control = new Control(state, clock, map);
@@ -78,9 +80,10 @@ function tellMoment({ t, why }) {
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run, look }) {
+function show({ tMs, sel, run, look, off }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
   state.look(look ?? "map");
+  if (off !== null) state.setOff(layerIds(off));
   const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;
   if (moment) {
     clock.seek(moment.t);

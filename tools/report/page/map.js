@@ -13,6 +13,7 @@ import { WHOLE, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
+const SOURCE_PX = 16; // of the line that says whose map it is
 const FLY_SCALE = 2;
 const FLY_MS = 350;
 
@@ -38,12 +39,21 @@ export class MapView {
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
-    state.on("run data selection classes theme trails differ", this.draw);
+    state.on("run data selection classes theme trails differ layers", this.draw);
+    state.on("run data", () => this.#showSource());
+    document.addEventListener("basemap", this.draw);
     new ResizeObserver(this.draw).observe(this.canvas);
   }
 
   reset() {
     this.#look(WHOLE);
+  }
+
+  /** Says on the map whose map it is: licences want that. */
+  #showSource() {
+    const source = this.state.run.baseMap?.info.source ?? "";
+    byId("map-source").hidden = !source;
+    byId("map-source").textContent = source;
   }
 
   #look(view) {
@@ -116,13 +126,16 @@ export class MapView {
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
-    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: this.view.k, frame: frameOf({ x, y, width, height }, run.scenario),
+    const room = run.baseMap?.info.source ? height - SOURCE_PX : height;
+    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: this.view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, inView: (px, py) => this.#inView(px, py) };
     this.#gather(x, y, t);
     const { near, drawn, sites, cells } = this;
     // A city's ways are drawn of those in view alone.
     Object.assign(this.shown, { near, sites, cells, ways: drawn.length > MOST_SYMBOLS ? near : drawn });
-    for (const layer of LAYERS) if (!layer.shows || layer.shows(this.shown)) layer.draw(c, this.shown);
+    for (const layer of LAYERS) {
+      if (!this.state.off.has(layer.id) && (!layer.shows || layer.shows(this.shown))) layer.draw(c, this.shown);
+    }
   }
 
   /** Finds who and what is in view, in `drawn` and `sites`; where they are too many for symbols of their own, `cells`. */
@@ -145,7 +158,7 @@ export class MapView {
       const px = x(task.x);
       const py = y(task.y);
       const status = taskStatusAt(task, t);
-      if (status !== UNREPORTED && this.#inView(px, py)) this.sites.push({ task, status, px, py });
+      if (status !== UNREPORTED && !this.state.off.has("tasks") && this.#inView(px, py)) this.sites.push({ task, status, px, py });
     }
     const crowd = this.near.length + this.sites.length > MOST_SYMBOLS;
     this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;

@@ -1,4 +1,5 @@
 import { Altitudes } from "./air.js";
+import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
 import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
@@ -37,6 +38,7 @@ export class Run {
     this.roadChanges = []; // [t_ms, closures in force from then on: [order, name, since_ms, roads, rings of a zone]]
     this.directives = []; // what the commander has decided: directives.js
     this.coast = null; // where land is: coast.js
+    this.baseMap = null; // tiles below all else: base_map.js
     this.background = null; // shapes in degrees, drawn below the map
     this.reasons = null; // task -> why it was not done; reports only
     this.derived = new Map();
@@ -80,6 +82,7 @@ export class Run {
     if (chunk.road_changes) this.roadChanges = chunk.road_changes;
     if (chunk.directives) this.directives = readDirectives(chunk.directives);
     if (chunk.coast) this.coast = chunk.coast;
+    if (chunk.basemap) this.baseMap = new BaseMap(this, chunk.basemap);
     if (chunk.background) this.background = chunk.background;
     if (chunk.reasons) this.reasons = new Map(chunk.reasons.tasks);
     if (chunk.faults) {

@@ -85,6 +85,11 @@ export class SceneTab {
     });
     this.view.followChanged = () => this.#showFollow();
     this.view.setMode(this.state.looks);
+    if (this.state.run.baseMap) { // no made-up buildings where the place is known
+      byId("scene-blocks").checked = false;
+      this.view.setScenery(false);
+    }
+    document.addEventListener("basemap", () => this.view.draw());
     Object.assign(window.muster, { scene: this.view, film: new window.musterScene.Film(this.view) });
     this.#showFollow();
   }

@@ -11,6 +11,7 @@ export class State {
     this.live = false;
     this.other = null; // the run whose decisions the map shows as well
     this.trailMs = 20 * 60000;
+    this.off = new Set(); // ids of the map's layers that are not shown
     this.looks = "map"; // "scene": in 3D; "time": space and time
     this.listeners = new Map();
   }
@@ -19,7 +20,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "look", "differ", "theme", "orders" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "theme", "orders" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -72,6 +73,16 @@ export class State {
   setTrails(ms) {
     this.trailMs = ms;
     this.emit("trails");
+  }
+
+  setOff(ids) {
+    this.off = new Set(ids);
+    this.emit("layers");
+  }
+
+  toggleLayer(id) {
+    if (!this.off.delete(id)) this.off.add(id);
+    this.emit("layers");
   }
 
   /** Shows what run `i` decided otherwise; null: nothing. */

@@ -1,6 +1,6 @@
 /** Colours of the style sheet, for the canvases. Okabe and Ito's palette: told apart by all eyes. */
 const NAMES = ["bg", "page", "panel", "line", "grid", "text", "muted", "accent", "uav", "worker", "vehicle", "idle",
-  "moving", "waiting", "sensing", "charging", "failed", "task", "done", "band", "cursor", "water", "shore", "road"];
+  "moving", "waiting", "sensing", "charging", "failed", "task", "done", "band", "cursor", "water", "shore", "road", "green", "built", "building", "street"];
 
 export const theme = {};
 

@@ -51,6 +51,20 @@ try {
     (tab) => tab.locator("#comparison").evaluate((part) => part.scrollIntoView({ block: "end" })));
   await take(browser, "report-coast.webp", "haiti.html", { width: 1440, height: 900, hash: "#t=3600&sel=uav:11" });
   await take(browser, "report-roads.webp", "haiti_2010.html", { width: 1440, height: 900, hash: "#t=4200" });
+  if (process.env.MUSTER_OSM) { // an extract of Liechtenstein, for the page of base maps
+    const examples = "/usr/share/doc/tilemaker/examples";
+    execFileSync("tilemaker", ["--input", process.env.MUSTER_OSM, "--output", at("li.mbtiles"), "--config", `${examples}/config-openmaptiles.json`,
+      "--process", `${examples}/process-openmaptiles.lua`], { stdio: "ignore" });
+    execFileSync("sqlite3", [at("li.mbtiles"), "insert into metadata values ('attribution', '© OpenStreetMap contributors')"]);
+    muster("scenario", "--origin", "47.05,9.47", "--area", "18x25", "--roads", process.env.MUSTER_OSM, "--out", at("li.json"));
+    muster("simulate", at("li.json"), "--limit", "120", "--log", "--out", at("li"));
+    muster("report", at("li"), "--reasons", "0", "--coast", "none", "--tiles", at("li.mbtiles"), "--out", at("li.html"));
+    await take(browser, "base-map.webp", "li.html", { width: 1440, height: 900, hash: "#t=5400&sel=uav:4" }, (tab) => tab.evaluate(() => {
+      const { map } = window.muster.parts;
+      Object.assign(map, { view: { k: 3.2, left: -900, top: -650 } }).draw();
+      return new Promise((resolve) => { setTimeout(resolve, 1000); });
+    }));
+  }
   const drawn = (tab) => tab.waitForFunction(() => document.getElementById("scene").dataset.drawn);
   await take(browser, "report-scene.webp", "mpq.html", { width: 1440, height: 900, hash: "#t=4860&sel=uav:25&look=scene" }, drawn);
   await take(browser, "report-space-time.webp", "mpq.html", { width: 1440, height: 900, scheme: "dark", hash: "#t=6000&sel=uav:25&look=time" }, drawn);

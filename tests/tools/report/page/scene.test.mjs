@@ -87,6 +87,7 @@ test("the scene follows the time, and shows what the run knows", async (t) => {
   assert.equal((await scene(page)).done, report.tasks_done);
   await scrub(page, 80);
   assert.ok((await scene(page)).trails > 0);
+  await page.locator("#layers summary").click();
   await page.locator("#trail").selectOption("0");
   await soon(async () => assert.equal((await scene(page)).trails, 0));
   const { agents } = await scene(page);

@@ -14,6 +14,8 @@ function mark(c, r) {
 
 /** Charging points. */
 export const charging = {
+  id: "charging",
+  title: "Charging points",
   legend: [{ mark: '<path d="M1.5 1.5h9v9h-9ZM6 4v4M4 6h4" class="l-charging"/>', words: "charging point" }],
   shows: ({ cells }) => !cells,
   draw(c, { run, x, y, r, sprites, inView }) {

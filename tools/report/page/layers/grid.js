@@ -43,4 +43,4 @@ function draw(c, { run, x, y, width, height }) {
   c.restore();
 }
 
-export const grid = { draw };
+export const grid = { id: "grid", title: "Grid", draw };

@@ -1,4 +1,5 @@
 import { agents } from "./agents.js";
+import { baseMap } from "./base_map.js";
 import { BELOW } from "./below.js";
 import { charging } from "./charging.js";
 import { crowd } from "./crowd.js";
@@ -21,7 +22,7 @@ import { zones } from "./zones.js";
 export const LAYERS = [...BELOW, closed, zones, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
 
 /** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
-const TOLD = [tasks, charging, agents, water, roads, closed, zones, trails, ways];
+const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {

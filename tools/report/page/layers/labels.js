@@ -2,6 +2,7 @@ import { nameOf } from "../link.js";
 import { drawLabels } from "../map_labels.js";
 import { theme } from "../theme.js";
 import { CANCELLED, DONE } from "../words.js";
+import { baseMapNames } from "./base_map.js";
 import { scaleBoxes } from "./scale_bar.js";
 import { placeOf } from "./selected.js";
 
@@ -9,6 +10,8 @@ const LABEL_PX = 6000; // of the map for each name
 
 /** Names: of what is selected first; of agents, then tasks to do, while few enough are in view. */
 export const labels = {
+  id: "names",
+  title: "Names",
   draw(c, map) {
     const { run, state: { selected }, t, x, y, r, k } = map;
     const found = [];
@@ -25,6 +28,7 @@ export const labels = {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
     }
+    for (const { text, x: px, y: py } of baseMapNames(map)) put(text, x(px), y(py), theme.muted);
     drawLabels(c, found, map, theme.bg, scaleBoxes(map.perMetre, map.frame));
   },
 };

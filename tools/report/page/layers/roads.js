@@ -38,6 +38,8 @@ function closedPath(run, closures) {
 
 /** The roads that are closed, as broken lines over their own. */
 export const closed = {
+  id: "closed",
+  title: "Closed roads",
   legend: [{ id: "closed", mark: '<path d="M1 8 12 4 23 7" class="l-closed"/>', long: true, words: "closed road",
     shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , closedRoads]) => closedRoads.length > 0)) }],
   shows: ({ run }) => run.roadChanges.length > 0,
@@ -57,6 +59,8 @@ export const closed = {
 
 /** The roads that workers and vehicles travel by. */
 export const roads = {
+  id: "roads",
+  title: "Roads",
   legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => `road (${run.scenario.roads?.source})`,
     shows: (run) => run.scenario.roads !== undefined }],
   draw(c, { run, x, y }) {

@@ -41,6 +41,8 @@ function mark(c, status, r) {
 
 /** Tasks. */
 export const tasks = {
+  id: "tasks",
+  title: "Tasks",
   legend: [
     { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/>', words: "open" },
     { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/><path d="M5 5h2v2H5Z" class="l-dot"/>', words: "reserved" },

@@ -11,6 +11,8 @@ function traceAhead(c, { x, y, t }, agent) {
 
 /** Where those who move are going. */
 export const ways = {
+  id: "ways",
+  title: "Ways ahead",
   legend: [{ mark: '<path d="M1 6H23" class="l-dash"/>', long: true, words: "on the way to" }],
   shows: ({ cells }) => !cells,
   draw(c, map) {

@@ -8,6 +8,9 @@ const SIDE = 900; // pixels that the map's lines and letters are made for
 const SHARP = 2.5;
 const MARGIN = 30;
 
+/** What a picture of the ground shows at that time: the same for the same. */
+const keyOf = (run, t) => `${closuresKey(closuresAt(run, t))} ${run.baseMap?.version}`;
+
 /** The map's ground, grid, degrees, background and roads as a picture, with what is closed at that time. */
 function paint(run, plane, t) {
   const long = Math.max(plane.width, plane.height);
@@ -42,7 +45,7 @@ export class Ground {
       mesh.material.dispose();
     }
     const { canvas, wide, high } = paint(run, plane, t);
-    this.painted = closuresKey(closuresAt(run, t));
+    this.painted = keyOf(run, t);
     const texture = new CanvasTexture(canvas);
     texture.minFilter = LinearFilter;
     texture.generateMipmaps = false;
@@ -56,7 +59,7 @@ export class Ground {
 
   /** Paints it again if other roads are closed, or other zones in force, than when it was painted. */
   show(run, plane, t) {
-    const key = closuresKey(closuresAt(run, t));
+    const key = keyOf(run, t);
     if (key === this.painted) return;
     this.painted = key;
     const texture = this.mesh.material.map;

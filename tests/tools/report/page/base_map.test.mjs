@@ -1,0 +1,125 @@
+// Base maps from files of tiles, in Chromium, of made-up ones; and the map's layers. Run by browser_tests.mjs.
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { before, test } from "node:test";
+import { planeOf } from "../../../../tools/report/page/place.js";
+import { layer, png, pmtiles } from "./made_tiles.mjs";
+import { LOOKS, MUSTER_SCENARIOS, accessible, browser, file, muster, open, picture, soon, startMission } from "./support.mjs";
+
+const ORIGIN = [18.411458, -72.466874];
+const ZOOM = 11; // haiti's area is columns 611 to 613, rows 915 to 917
+const AREA = { zoom: ZOOM, columns: [609, 615], rows: [914, 920] };
+const SQUARE = [[0, 0], [4096, 0], [4096, 4096], [0, 4096]];
+
+before(() => {
+  muster("simulate", join(MUSTER_SCENARIOS, "haiti.json"), "--policy", "greedy-nearest", "--log", "--out", file("haiti"));
+  writeFileSync(file("red.pmtiles"), pmtiles({ ...AREA, type: 2, tile: () => png([255, 0, 0]), attribution: "<b>somebody</b>" }));
+  // Water in every other column, with a town on its western shore.
+  const sea = layer("water", [{ type: 3, places: SQUARE }]);
+  const town = layer("place", [{ type: 1, tags: { class: "city", name: "Town" }, places: [[2048, 2048]] }]);
+  writeFileSync(file("shapes.pmtiles"), pmtiles({ ...AREA, type: 1, tile: (column) => (column % 2 ? sea : town), attribution: "somebody else" }));
+  for (const name of ["red", "shapes"]) muster("report", file("haiti"), "--coast", "none", "--reasons", "0", "--tiles", file(`${name}.pmtiles`), "--out", file(`${name}.html`));
+  muster("report", file("haiti"), "--coast", "none", "--reasons", "0", "--out", file("bare.html"));
+});
+
+/** Of the map at degrees, [red, green, blue]. */
+const coloursAt = (page, places) => page.evaluate(async (wanted) => {
+  await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+  const canvas = document.getElementById("map");
+  const scale = canvas.width / canvas.clientWidth;
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d", { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const { shown } = window.muster.parts.map;
+  return wanted.map((place) => [...copy.getImageData(shown.x(place.x) * scale, shown.y(place.y) * scale, 1, 1).data].slice(0, 3));
+}, places.map((degrees) => planeOf({ scenario: { origin: ORIGIN } }, ...degrees)));
+
+const isRed = ([r, g, b]) => r > g + 60 && r > b + 60;
+/** Degrees in the middle of a tile. */
+const inTile = (column, row) => {
+  const n = 2 ** ZOOM;
+  return [(Math.atan(Math.sinh(Math.PI * (1 - (2 * (row + 0.53)) / n))) * 180) / Math.PI, ((column + 0.53) / n) * 360 - 180];
+};
+
+for (const [width, height, colorScheme] of LOOKS) {
+  test(`pictures lie below the mission, at ${width} x ${height}, ${colorScheme}`, async (t) => {
+    const page = await open(t, "red.html", { viewport: { width, height }, colorScheme }, "#t=0&off=tasks,grid");
+    await soon(async () => assert.ok((await coloursAt(page, [inTile(612, 916)])).every(isRed)));
+    assert.equal(await page.locator("#map-source").innerText(), "somebody");
+    assert.equal(await page.locator("#legend-basemap").innerText(), "map: somebody");
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+    await page.locator("#layers summary").click();
+    await accessible(page, "with the list of layers");
+  });
+}
+
+test("shapes are drawn where they are, and places are named", async (t) => {
+  const page = await open(t, "shapes.html", {}, "#t=0&off=tasks,grid");
+  const water = await page.evaluate(() => {
+    const c = document.createElement("canvas").getContext("2d");
+    c.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--water").trim();
+    c.fillRect(0, 0, 1, 1);
+    return [...c.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  });
+  await soon(async () => assert.deepEqual(await coloursAt(page, [inTile(611, 916), inTile(613, 916)]), [water, water]));
+  assert.notDeepEqual(await coloursAt(page, [inTile(612, 916)]), [water]);
+  const named = await picture(page, "map");
+  await page.locator("#layers summary").click();
+  await page.locator("[data-layer=names]").uncheck();
+  assert.notEqual(await picture(page, "map"), named, "a town is named");
+});
+
+test("layers are switched off, which the browser and a link remember", async (t) => {
+  const context = await browser().newContext({ viewport: { width: 1400, height: 900 } });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  await page.goto(`file://${file("red.html")}#t=0`);
+  await soon(async () => assert.ok((await coloursAt(page, [inTile(612, 916)])).every(isRed)));
+  await page.locator("#layers summary").click();
+  await page.locator("[data-layer=map]").uncheck();
+  await soon(async () => assert.ok(!(await coloursAt(page, [inTile(612, 916)])).some(isRed)));
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#layers").getAttribute("open"), null);
+  await soon(async () => assert.match(page.url(), /off=map/));
+  await page.goto(page.url().replace(/#.*/, ""));
+  await page.waitForFunction(() => document.documentElement.dataset.ready);
+  assert.deepEqual(await page.evaluate(() => [...window.muster.state.off]), ["map"], "the browser remembers");
+  await page.goto(`${page.url().replace(/#.*/, "")}#t=0&off=tasks,nothing`);
+  await soon(async () => assert.deepEqual(await page.evaluate(() => [...window.muster.state.off]), ["tasks"]));
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.ready);
+  assert.deepEqual(await page.evaluate(() => [...window.muster.state.off]), ["tasks"], "a link goes first");
+  assert.equal(await page.evaluate(() => window.muster.parts.map.sites.length), 0, "what is not shown is not chosen");
+});
+
+test("the scene stands on the base map, without made-up buildings", async (t) => {
+  const page = await open(t, "red.html", {}, "#t=0&look=scene");
+  await page.waitForFunction(() => document.getElementById("scene").dataset.drawn);
+  assert.equal(await page.locator("#scene-blocks").isChecked(), false);
+});
+
+test("without tiles there is no base map, and what cannot be is refused", async (t) => {
+  const page = await open(t, "bare.html", {}, "#t=0");
+  assert.ok(!(await page.locator("#map-source").isVisible()));
+  assert.ok(!(await page.locator("#legend-basemap").isVisible()));
+  await page.locator("#layers summary").click();
+  assert.equal(await page.locator("[data-layer=map]").count(), 0);
+  assert.throws(() => muster("report", file("haiti"), "--tiles", file("none.mbtiles"), "--out", file("no.html")), /none\.mbtiles: cannot read map tiles/);
+  assert.throws(() => muster("report", file("haiti"), "--tiles", join(MUSTER_SCENARIOS, "haiti.json"), "--out", file("no.html")), /expected map tiles: an MBTiles or a PMTiles file/);
+});
+
+test("a live page asks for the tiles that it shows", async (t) => {
+  const { url } = await startMission(t, join(MUSTER_SCENARIOS, "haiti.json"), "--policy", "greedy-nearest", "--rate", "60", "--tiles", file("red.pmtiles"), "--out", file("live"));
+  const context = await browser().newContext({ viewport: { width: 1400, height: 900 } });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  const asked = [];
+  page.on("request", (request) => asked.push(request.url()));
+  await page.goto(url);
+  await soon(async () => assert.ok((await coloursAt(page, [inTile(612, 916)])).every(isRed)));
+  const tiles = asked.filter((one) => one.includes("/tiles/"));
+  assert.ok(tiles.length >= 4 && tiles.every((one) => one.includes(`/tiles/${ZOOM}/`)), tiles.join());
+  assert.equal(new Set(tiles).size, tiles.length, "each once");
+  assert.throws(() => muster("run", join(MUSTER_SCENARIOS, "random_1.json"), "--live=0", "--tiles", file("red.pmtiles"), "--out", file("nowhere")), /has no origin/);
+  assert.throws(() => muster("run", join(MUSTER_SCENARIOS, "haiti.json"), "--tiles", file("red.pmtiles"), "--out", file("nowhere")), /--tiles: found .*red\.pmtiles, expected --live/);
+});

@@ -1,0 +1,126 @@
+#include "tools/tiles/base_map.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/check.h"
+#include "model/generator.h"
+#include "tests/temporary_folder.h"
+#include "tests/tools/tiles/made_tiles.h"
+
+namespace muster::tools {
+namespace {
+
+/// 10 km at the equator, 0 degrees east: the south-west corner of the earth's four quarters'
+/// middle.
+Scenario Equator() {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  scenario.width_m = scenario.height_m = 10e3;
+  scenario.origin = Origin{0, 0};
+  return scenario;
+}
+
+/// All tiles from zoom 8 to 12 that the area and some more touch, each of so many bytes.
+Tiles Around(std::size_t bytes) {
+  Tiles tiles;
+  for (int zoom = 8; zoom <= 12; ++zoom) {
+    const int middle = 1 << (zoom - 1);
+    for (int column = middle - 2; column <= middle + 2; ++column) {
+      for (int row = middle - 3; row <= middle + 1; ++row) {
+        tiles[{zoom, column, row}] = "\x89PNG" + std::string(bytes - 4, '.');
+      }
+    }
+  }
+  return tiles;
+}
+
+class BaseMapTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<TileFile> Made(const Tiles& tiles, const std::string& format = "png",
+                                 const std::string& bounds = "-1,-1,1,1") {
+    WriteMbtiles(file_, {{"format", format}, {"bounds", bounds}, {"attribution", "us"}}, tiles);
+    return OpenTiles(file_);
+  }
+  TemporaryFolder folder_;
+  const std::string file_ = folder_.File("tiles.mbtiles");
+};
+
+TEST_F(BaseMapTest, TheHighestZoomThatFitsIsEmbedded) {
+  const auto tiles = Made(Around(600));
+  std::string told;
+  // A tile at zoom 12 is 9.8 km wide: with a tenth of the area around it 4 columns and 4 rows at
+  // most are touched; in base64 each is some 800 bytes.
+  const auto all = EmbeddedBaseMap(*tiles, Equator(), 100'000, &told);
+  EXPECT_EQ(all["zooms"], (nlohmann::json{12, 12}));
+  EXPECT_EQ(all["tiles"].size(), 9U) << told;  // from 1 km west to 11 km east: 3 columns
+  EXPECT_TRUE(all["tiles"].contains("12/2048/2047"));
+  EXPECT_EQ(all["source"], "us");
+  EXPECT_EQ(told, "9 tiles of zoom 12, 7 kB");
+  const auto few = EmbeddedBaseMap(*tiles, Equator(), 5'000, &told);
+  EXPECT_EQ(few["zooms"], (nlohmann::json{11, 11}));
+  EXPECT_EQ(few["tiles"].size(), 4U);
+}
+
+TEST_F(BaseMapTest, WhereEvenTheLowestTakesMoreTheMiddleIsThere) {
+  const auto tiles = Made(Around(3000));
+  std::string told;
+  const auto map = EmbeddedBaseMap(*tiles, Equator(), 9'000, &told);
+  EXPECT_EQ(map["zooms"], (nlohmann::json{8, 8}));
+  EXPECT_EQ(map["tiles"].size(), 2U);
+  EXPECT_NE(told.find("the middle of the area"), std::string::npos) << told;
+}
+
+TEST_F(BaseMapTest, AFileThatEndsAtALowerZoomThereIsShownAtThat) {
+  Tiles made = Around(600);
+  // At zoom 12 the file has one tile of nine.
+  std::erase_if(
+      made, [](const auto& tile) { return tile.first.zoom == 12 && tile.first.column != 2048; });
+  std::erase_if(made,
+                [](const auto& tile) { return tile.first.zoom == 12 && tile.first.row != 2047; });
+  std::string told;
+  const auto map = EmbeddedBaseMap(*Made(made), Equator(), 100'000, &told);
+  EXPECT_EQ(map["zooms"], (nlohmann::json{11, 11})) << told;
+}
+
+TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
+  const auto tiles =
+      Made({{{12, 2048, 2047},
+             LayerBytes("transportation",
+                        {{2, {{"class", "primary"}}, {{{0, 0}, {1, 1}, {400, 800}}}}}) +
+                 LayerBytes("place", {{1, {{"class", "town"}, {"name", "Null"}}, {{{2048, 0}}}}})}},
+           "pbf");
+  std::string told;
+  const auto map = EmbeddedBaseMap(*tiles, Equator(), 100'000, &told);
+  const auto& tile = map["tiles"]["12/2048/2047"];
+  EXPECT_EQ(map["units"], 1024);
+  EXPECT_EQ(tile["shapes"].size(), 10U);
+  EXPECT_EQ(tile["shapes"][8], (nlohmann::json{{0, 0, 100, 200}}));  // (1, 1) is rounded away
+  EXPECT_EQ(tile["names"], (nlohmann::json{{512, 0, 1, "Null"}}));
+  EXPECT_TRUE(BaseMapOf(*tiles, Equator())["vector"]);
+}
+
+TEST_F(BaseMapTest, AnotherPlaceOrNoneIsRefused) {
+  const auto tiles = Made(Around(600), "png", "8,46,10,48");
+  std::string told;
+  const auto error = [&](const Scenario& scenario) {
+    try {
+      EmbeddedBaseMap(*tiles, scenario, 1000, &told);
+    } catch (const InputError& refused) {
+      return std::string(refused.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(
+      error(Equator()).find("its tiles: found 46.000 to 48.000 N, 8.000 to 10.000 E, expected "
+                            "tiles of the area of scenario"),
+      std::string::npos)
+      << error(Equator());
+  EXPECT_THROW(BaseMapOf(*tiles, Equator()), InputError);
+  Scenario nowhere = Equator();
+  nowhere.origin.reset();
+  EXPECT_NE(error(nowhere).find("has no origin"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace muster::tools

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace muster::tools {
+
+/// Whether bytes begin as a gzip stream does.
+bool IsGzip(const std::string& bytes);
+
+/// What was packed by gzip; none: it is damaged, or more than `most_bytes` came of it.
+std::optional<std::string> Gunzip(const std::string& bytes, std::size_t most_bytes);
+
+}  // namespace muster::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace muster::tools {
+
+/// What a base map shows, in the order in which it is drawn.
+enum class GroundClass {
+  kGreen,
+  kBuiltUp,
+  kWater,
+  kWaterway,
+  kBuilding,
+  kPath,
+  kRail,
+  kStreet,
+  kMainRoad,
+  kMotorway,
+};
+inline constexpr int kGroundClasses = 10;
+constexpr bool IsArea(GroundClass its_class) {
+  return its_class <= GroundClass::kWater || its_class == GroundClass::kBuilding;
+}
+
+/// Side of a tile in units of the shapes below; their y grows to the south.
+inline constexpr int kTileUnits = 4096;
+
+struct GroundShapes {
+  struct Name {
+    std::int32_t x = 0, y = 0;
+    int rank = 0;  ///< 0: a city, to 5: a part of a village
+    std::string text;
+  };
+  /// [kGroundClasses] Lines, and rings of which what lies within an odd number is covered:
+  /// {x, y, x, y, ...}.
+  std::vector<std::vector<std::vector<std::int32_t>>> shapes;
+  std::vector<Name> names;
+};
+
+/// Of a Mapbox Vector Tile (specification 2.1), what a base map shows. Known are the layers of
+/// OpenMapTiles, Protomaps and Shortbread; others are passed over. None: it is no such tile, or
+/// contradicts itself.
+std::optional<GroundShapes> ReadVectorTile(const std::string& bytes);
+
+}  // namespace muster::tools
