@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "model/road_ways.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -175,6 +176,22 @@ TEST(Checker, Availability) {
   SituationBuilder late = Base();
   late.scenario().rules.limit_us = 900 * kSecondUs - 1;
   EXPECT_EQ(Broken(late.Build(), {Sense()}), Rules_{Rule::kAvailability});
+}
+
+TEST(Checker, NobodyIsSentWhereNoWayLeads) {
+  Roads roads;  // two streets that do not meet
+  roads.classes = {{"street", {0, 100, 100}, false}};
+  roads.points = {{0, 0}, {400'000, 0}, {5'000'000, 0}, {5'400'000, 0}};
+  roads.roads = {{1, 0, {0, 1}}, {2, 0, {2, 3}}};
+  SituationBuilder builder;
+  builder.scenario().ways = std::make_shared<const RoadWays>(
+      std::make_shared<const Roads>(roads), PerKind<OpenGround>{{}, {50, 200}, {50, 200}},
+      std::vector<Point>{});
+  const Situation situation = builder.Worker({0, 0}).Task({5200, 0}).Build();
+  EXPECT_EQ(Broken(situation, {GoTo(-1, 0, {350, 0})}), Rules_{});
+  EXPECT_EQ(Broken(situation, {GoTo(-1, 0, {5200, 0})}), Rules_{Rule::kAvailability});
+  const Action to_task = Make(ActionKind::kWorkerToTask, {5200, 0}, -1, 0, -1, 0, -1);
+  EXPECT_EQ(Broken(situation, {to_task}), (Rules_{Rule::kExpiry, Rule::kAvailability}));
 }
 
 TEST(Checker, Destination) {

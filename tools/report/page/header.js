@@ -5,8 +5,8 @@ import { theme } from "./theme.js";
 import { localTime } from "./time.js";
 
 /** A figure of the header; `raw` is the number as report.json has it. */
-function tile(key, label, text, raw, note) {
-  return element("div", { class: "tile" },
+function tile(key, label, text, raw, note, title) {
+  return element("div", { class: "tile", title },
     element("dt", {}, label),
     element("dd", { "data-key": key, "data-raw": raw === undefined ? null : String(raw) }, text),
     note ? element("dd", { class: "note" }, note) : null);
@@ -65,7 +65,7 @@ export class Header {
       tile("charges", "Charges", number(n.charges), n.charges, inTheEnd(number(n.end.charges))),
       tile("flown_m", "Flown", `${number(n.flownM / 1000, 1)} km`, n.flownM),
       tile("weight", "Total weight", number(n.weight, 1), n.weight, `${number(n.decisions)} decision${n.decisions === 1 ? "" : "s"}`),
-      tile("solve_s", "Decision time", duration(n.solveS), n.solveS, `median ${duration(n.medianS)}, at most ${duration(n.maxS)}`),
+      tile("solve_s", "Decision time", duration(n.solveS), n.solveS, `at most ${duration(n.maxS)}`, `median ${duration(n.medianS)}, at most ${duration(n.maxS)}`),
       tile("lost", "Bus losses", number(n.lost), n.lost, `${number(n.resent)} sent again`),
       tile("log", "Log", n.live ? "recording" : n.complete ? "complete" : "incomplete",
         n.complete, n.messages === undefined ? null : `${number(n.messages)} messages`));

@@ -1,6 +1,7 @@
 import { fit, oncePerFrame } from "./canvas.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
+import { homeView } from "./home_view.js";
 import { MOST_SYMBOLS, cellWords, countCells } from "./layers/crowd.js";
 import { LAYERS, makeLegend } from "./layers/index.js";
 import { placeOf } from "./layers/selected.js";
@@ -9,7 +10,7 @@ import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { frameOf, linear } from "./scale.js";
 import { Sprites } from "./sprites.js";
 import { OFFLINE, UNREPORTED } from "./words.js";
-import { WHOLE, bindZoom } from "./zoom.js";
+import { bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
@@ -24,7 +25,7 @@ export class MapView {
     this.clock = clock;
     this.canvas = byId("map");
     this.tip = byId("map-tip");
-    this.view = WHOLE;
+    this.chosen = null; // what the user looks at; null: what is there
     this.sprites = new Sprites();
     this.fitLegend = makeLegend(byId("map-legend"));
     this.draw = oncePerFrame(() => this.#draw());
@@ -46,7 +47,17 @@ export class MapView {
   }
 
   reset() {
-    this.#look(WHOLE);
+    this.#look(null);
+  }
+
+  /** What is at scale 1, with the whole area in view, at x is at left + k x; y alike with top. */
+  get view() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    return this.chosen ?? homeView(this.state.run, { ...this.#whole(width, height), width, height, margin: MARGIN });
+  }
+
+  set view(view) {
+    this.chosen = view;
   }
 
   /** Says on the map whose map it is: licences want that. */
@@ -68,8 +79,8 @@ export class MapView {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const place = selected && placeOf(run, selected, this.clock.t);
     if (!place || width === 0) return;
-    const { x, y } = this.#scales(width, height);
     const { view } = this;
+    const { x, y } = this.#scales(width, height, view);
     const k = Math.max(view.k, FLY_SCALE);
     const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
     const { width_m: w, height_m: h } = run.scenario;
@@ -99,16 +110,21 @@ export class MapView {
     requestAnimationFrame(step);
   }
 
-  /** Metres to pixels, with the whole area in view at scale 1. */
-  #scales(width, height) {
+  /** Metres to pixels, with the whole area in view. */
+  #whole(width, height) {
     const { width_m: w, height_m: h } = this.state.run.scenario;
     const perMetre = Math.min((width - 2 * MARGIN) / w, (height - 2 * MARGIN) / h);
     const left = (width - w * perMetre) / 2;
     const bottom = (height + h * perMetre) / 2;
-    const { k, left: viewLeft, top: viewTop } = this.view;
-    const x = linear([0, w], [viewLeft + k * left, viewLeft + k * (left + w * perMetre)]);
-    const y = linear([0, h], [viewTop + k * bottom, viewTop + k * (bottom - h * perMetre)]);
-    return { x, y, perMetre: perMetre * k };
+    return { x: linear([0, w], [left, left + w * perMetre]), y: linear([0, h], [bottom, bottom - h * perMetre]), perMetre };
+  }
+
+  /** The same in `view`. */
+  #scales(width, height, view) {
+    const { width_m: w, height_m: h } = this.state.run.scenario;
+    const { x, y, perMetre } = this.#whole(width, height);
+    const within = (scale, ends, offset) => linear(ends, ends.map((m) => offset + view.k * scale(m)));
+    return { x: within(x, [0, w], view.left), y: within(y, [0, h], view.top), perMetre: perMetre * view.k };
   }
 
   #visible(agent) {
@@ -120,14 +136,15 @@ export class MapView {
     const { context: c, width, height } = fit(this.canvas);
     if (!run || width === 0) return;
     const t = this.clock.t;
-    const { x, y, perMetre } = this.#scales(width, height);
+    const { view } = this;
+    const { x, y, perMetre } = this.#scales(width, height, view);
     const crowd = run.agents.filter(({ vacant }) => !vacant).length + run.tasks.filter(({ vacant }) => !vacant).length;
-    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, this.view.k ** 0.35));
+    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, view.k ** 0.35));
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
     const room = run.baseMap?.info.source ? height - SOURCE_PX : height;
-    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: this.view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
+    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, inView: (px, py) => this.#inView(px, py) };
     this.#gather(x, y, t);
     const { near, drawn, sites, cells } = this;
