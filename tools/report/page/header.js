@@ -66,7 +66,7 @@ export class Header {
       tile("flown_m", "Flown", `${number(n.flownM / 1000, 1)} km`, n.flownM),
       tile("weight", "Total weight", number(n.weight, 1), n.weight, `${number(n.decisions)} decision${n.decisions === 1 ? "" : "s"}`),
       tile("solve_s", "Decision time", duration(n.solveS), n.solveS, `at most ${duration(n.maxS)}`, `median ${duration(n.medianS)}, at most ${duration(n.maxS)}`),
-      tile("lost", "Bus losses", number(n.lost), n.lost, `${number(n.resent)} sent again`),
+      tile("lost", "Bus losses", number(n.lost), n.lost, n.resent > 0 ? `${number(n.resent)} sent again` : null),
       tile("log", "Log", n.live ? "recording" : n.complete ? "complete" : "incomplete",
         n.complete, n.messages === undefined ? null : `${number(n.messages)} messages`));
   }
