@@ -4,6 +4,20 @@ const MOST_TILES = 512; // in view
 const MOST_KEPT = 1024;
 const STRIP_M = 5000; // a picture is drawn in strips no higher than this: the earth is round
 
+export const MOST_NAMES_RANK = 5; // tools/tiles/ground_class.h: a part of a village
+
+/** The names of places that a base map has so far, each once: { text, rank, x, y } in metres. */
+export function namesOf(baseMap) {
+  const found = new Map();
+  for (const tile of baseMap?.tiles.values() ?? []) {
+    for (const name of tile?.names ?? []) {
+      const known = found.get(name.text);
+      if (!known || known.rank > name.rank) found.set(name.text, name);
+    }
+  }
+  return [...found.values()];
+}
+
 /**
  * The base map of a run (docs/guide/report.md): tiles that the page holds, or asks the live server for. `info` is what
  * Muster says of it: { source, vector, type, zooms, units, tiles? }. Tells the document "basemap" when a tile has come.

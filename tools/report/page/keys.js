@@ -1,7 +1,7 @@
 import { byId } from "./dom.js";
 
 /** What the keyboard does; `?` shows it. */
-export function bindKeys({ state, clock, transport, map, scene, panels, control }) {
+export function bindKeys({ state, clock, transport, map, scene, panels, control, search }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
   const actions = {
@@ -18,6 +18,7 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control 
     1: () => state.toggleClass(0),
     2: () => state.toggleClass(1),
     3: () => state.toggleClass(2),
+    "/": () => search.focus(),
     f: () => (state.looks === "map" ? map : scene).reset(),
     m: () => state.look("map"),
     s: () => state.look("scene"),

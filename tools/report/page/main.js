@@ -13,8 +13,10 @@ import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
 import { tellingMoment } from "./moment.js";
 import { LayersMenu, layerIds } from "./layers_menu.js";
+import { News } from "./news.js";
 import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
+import { Search } from "./search.js";
 import { State } from "./state.js";
 import { watchTheme } from "./theme.js";
 import { timeText } from "./time.js";
@@ -58,6 +60,7 @@ function build() {
   const map = new MapView(state, clock);
   const scene = new SceneTab(state, clock);
   new LayersMenu(state);
+  new News(state);
   new Charts(state, clock);
   const gantt = new Gantt(state, clock);
   const control = new Control(state, clock, map);
@@ -68,7 +71,7 @@ function build() {
   new Attention(state, clock, (filter) => panels.showTasks(filter));
   Object.assign(parts, { map, control });
   bindChoices(map, scene, gantt);
-  bindKeys({ state, clock, transport, map, scene, panels, control });
+  bindKeys({ state, clock, transport, map, scene, panels, control, search: new Search(state, map) });
 }
 
 /** Says why the page opens where it does, until the time moves on. */

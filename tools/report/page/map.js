@@ -76,8 +76,13 @@ export class MapView {
   /** Takes what is selected to the middle, near enough to tell it from its neighbours. */
   #fly() {
     const { run, selected } = this.state;
+    this.goTo(selected && placeOf(run, selected, this.clock.t));
+  }
+
+  /** The same with a place in metres. */
+  goTo(place) {
+    const { run } = this.state;
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const place = selected && placeOf(run, selected, this.clock.t);
     if (!place || width === 0) return;
     const { view } = this;
     const { x, y } = this.#scales(width, height, view);

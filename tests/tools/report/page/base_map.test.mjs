@@ -69,6 +69,27 @@ test("shapes are drawn where they are, and places are named", async (t) => {
   assert.notEqual(await picture(page, "map"), named, "a town is named");
 });
 
+test("the box above the map finds by name, with the keyboard alone", async (t) => {
+  const page = await open(t, "shapes.html", { reducedMotion: "reduce" }, "#t=0");
+  await page.keyboard.press("/");
+  await page.keyboard.type("worker:7");
+  await soon(async () => assert.equal(await page.locator("#search-list li").first().innerText(), "worker:7"));
+  await accessible(page, "with what was found");
+  await page.keyboard.press("Enter");
+  await soon(async () => assert.match(page.url(), /sel=worker:7/));
+  await page.keyboard.press("/");
+  await page.keyboard.type("town");
+  await soon(async () => assert.equal(await page.locator("#search-list li").first().innerText(), "Town"));
+  const before = await page.evaluate(() => window.muster.parts.map.view.left);
+  await page.keyboard.press("Enter");
+  await soon(async () => assert.notEqual(await page.evaluate(() => window.muster.parts.map.view.left), before));
+  await page.keyboard.press("/");
+  await page.keyboard.type("nobody");
+  await soon(async () => assert.equal(await page.locator("#search-list").innerText(), "Nothing of that name"));
+  await page.keyboard.press("Escape");
+  assert.ok(!(await page.locator("#search-list").isVisible()));
+});
+
 test("layers are switched off, which the browser and a link remember", async (t) => {
   const context = await browser().newContext({ viewport: { width: 1400, height: 900 } });
   t.after(() => context.close());
