@@ -1,44 +1,15 @@
 #include "tools/report/page.h"
 
 #include <fmt/format.h>
-#include <gio/gio.h>
+#include <glib.h>
 
 #include <memory>
 
 #include "base/check.h"
+#include "tools/files/packing.h"
 
 namespace muster::tools {
 namespace {
-
-struct Unref {
-  void operator()(gpointer object) const { g_object_unref(object); }
-};
-
-/// In zlib's format, which browsers call "deflate".
-std::string Deflate(const std::string& text) {
-  const std::unique_ptr<GZlibCompressor, Unref> zlib(
-      g_zlib_compressor_new(G_ZLIB_COMPRESSOR_FORMAT_ZLIB, 6));
-  std::string packed;
-  std::string buffer(1 << 16, '\0');
-  std::size_t read = 0;
-  while (true) {
-    gsize in = 0, out = 0;
-    GError* error = nullptr;
-    const GConverterResult result = g_converter_convert(
-        G_CONVERTER(zlib.get()), text.data() + read, text.size() - read, buffer.data(),
-        buffer.size(), G_CONVERTER_INPUT_AT_END, &in, &out, &error);
-    MUSTER_CHECK(result != G_CONVERTER_ERROR, "{}", error == nullptr ? "" : error->message);
-    read += in;
-    packed.append(buffer, 0, out);
-    if (result == G_CONVERTER_FINISHED) return packed;
-  }
-}
-
-std::string Base64(const std::string& bytes) {
-  const std::unique_ptr<gchar, decltype(&g_free)> text(
-      g_base64_encode(reinterpret_cast<const guchar*>(bytes.data()), bytes.size()), g_free);
-  return text.get();
-}
 
 std::string Escaped(const std::string& text) {
   const std::unique_ptr<gchar, decltype(&g_free)> markup(

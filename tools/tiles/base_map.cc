@@ -1,17 +1,16 @@
 #include "tools/tiles/base_map.h"
 
 #include <fmt/format.h>
-#include <glib.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/check.h"
+#include "tools/files/packing.h"
 #include "tools/tiles/vector_tile.h"
 
 namespace muster::tools {
@@ -26,12 +25,6 @@ constexpr int kPageUnits = 1024;
 constexpr double kPacked = 0.45;
 constexpr double kMostLatitude = 85.0511;  ///< of the web's map
 constexpr int kMostSide = 256;  ///< columns and rows that are looked at, around the middle
-
-std::string Base64(const std::string& bytes) {
-  const std::unique_ptr<gchar, decltype(&g_free)> text(
-      g_base64_encode(reinterpret_cast<const guchar*>(bytes.data()), bytes.size()), g_free);
-  return text.get();
-}
 
 /// Tiles from the first to the last column and row, both included.
 struct Range {
@@ -165,7 +158,7 @@ ordered_json TileForPage(const TileFile& file, const std::string& bytes, int uni
   if (!file.info().vector) return Base64(bytes);
   const auto ground = ReadVectorTile(bytes);
   if (!ground) {
-    throw InputError(file.name(), "a tile", fmt::format("{} bytes that are none", bytes.size()),
+    throw InputError(file.name(), "a tile", fmt::format("{} damaged bytes", bytes.size()),
                      "a Mapbox Vector Tile");
   }
   ordered_json shapes = ordered_json::array();

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "tools/tiles/unpack.h"
+#include "tools/files/packing.h"
 
 namespace muster::tools {
 namespace {

@@ -34,8 +34,8 @@ struct GroundShapes {
     int rank = 0;  ///< 0: a city, to 5: a part of a village
     std::string text;
   };
-  /// [kGroundClasses] Lines, and rings of which what lies within an odd number is covered:
-  /// {x, y, x, y, ...}.
+  /// [kGroundClasses] Lines, and rings that are wound as the specification says (holes the other
+  /// way round): {x, y, x, y, ...}.
   std::vector<std::vector<std::vector<std::int32_t>>> shapes;
   std::vector<Name> names;
 };

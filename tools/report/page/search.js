@@ -31,13 +31,18 @@ export function find(run, text, most = SHOWN) {
     if (task.vacant) continue;
     const name = task.name ?? "";
     const own = [`task:${task.id}`, `task ${task.id}`, `${task.id}`];
-    look(isNumber ? [`${task.id}`] : name ? [...own, name] : own, { words: name ? `task ${task.id}, ${name}` : `task ${task.id}`, item: { type: "task", id: task.id } });
+    const words = name ? `task ${task.id}, ${name}` : `task ${task.id}`;
+    look(isNumber ? [`${task.id}`] : name ? [...own, name] : own, { words, item: { type: "task", id: task.id } });
   }
-  for (const agent of run.agents) if (!agent.vacant) look(isNumber ? [`${agent.id}`] : [agent.label, agent.label.replace(":", " ")], { words: agent.label, item: { type: "agent", index: agent.index } });
+  for (const { vacant, id, label, index } of run.agents) {
+    if (!vacant) look(isNumber ? [`${id}`] : [label, label.replace(":", " ")], { words: label, item: { type: "agent", index } });
+  }
   for (const point of run.charging) {
     look(isNumber ? [`${point.id}`] : [`charge:${point.id}`, `charging point ${point.id}`], { words: `charging point ${point.id}`, item: { type: "charge", id: point.id } });
   }
-  if (!isNumber) for (const { text: name, rank, x, y } of namesOf(run.baseMap)) look([name], { words: name, place: { x, y }, less: rank / (MOST_NAMES_RANK + 1) });
+  for (const { text: name, rank, x, y } of isNumber ? [] : namesOf(run.baseMap)) {
+    look([name], { words: name, place: { x, y }, less: rank / (MOST_NAMES_RANK + 1) });
+  }
   // What stands first stays first among equals.
   return found.map((one, i) => ({ one, i })).sort((a, b) => a.one.rank + (a.one.less ?? 0) - b.one.rank - (b.one.less ?? 0) || a.i - b.i)
     .slice(0, most).map(({ one: { words, item, place } }) => (item ? { words, item } : { words, place }));

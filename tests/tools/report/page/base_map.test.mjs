@@ -136,7 +136,7 @@ test("a live page asks for the tiles that it shows", async (t) => {
   const page = await context.newPage();
   const asked = [];
   page.on("request", (request) => asked.push(request.url()));
-  await page.goto(url);
+  await page.goto(`${url}&off=tasks,charging,names,ways,grid`);
   await soon(async () => assert.ok((await coloursAt(page, [inTile(612, 916)])).every(isRed)));
   const tiles = asked.filter((one) => one.includes("/tiles/"));
   assert.ok(tiles.length >= 4 && tiles.every((one) => one.includes(`/tiles/${ZOOM}/`)), tiles.join());
