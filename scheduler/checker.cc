@@ -206,9 +206,7 @@ class Checker {
 
   void CheckAvailability(const Action& a, const std::vector<const AgentState*>& agents) {
     for (const AgentState* agent : agents) {
-      const Point to =
-          a.kind == ActionKind::kGoTo ? agent->ways->StopNear(agent->kind, a.to).at : a.to;
-      if (std::isfinite(agent->WayM(agent->to, to))) continue;
+      if (std::isfinite(agent->WayM(agent->to, a.to))) continue;
       Broken(Rule::kAvailability,
              fmt::format("no way leads {}:{} there", ToString(agent->kind), agent->id));
       return;

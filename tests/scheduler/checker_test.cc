@@ -190,6 +190,8 @@ TEST(Checker, NobodyIsSentWhereNoWayLeads) {
   const Situation situation = builder.Worker({0, 0}).Task({5200, 0}).Build();
   EXPECT_EQ(Broken(situation, {GoTo(-1, 0, {350, 0})}), Rules_{});
   EXPECT_EQ(Broken(situation, {GoTo(-1, 0, {5200, 0})}), Rules_{Rule::kAvailability});
+  // Too far from any road, though a stop that can be reached is nearest.
+  EXPECT_EQ(Broken(situation, {GoTo(-1, 0, {350, 900})}), Rules_{Rule::kAvailability});
   const Action to_task = Make(ActionKind::kWorkerToTask, {5200, 0}, -1, 0, -1, 0, -1);
   EXPECT_EQ(Broken(situation, {to_task}), (Rules_{Rule::kExpiry, Rule::kAvailability}));
 }

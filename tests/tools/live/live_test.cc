@@ -151,7 +151,7 @@ TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
   EXPECT_NEAR(uav["geometry"]["coordinates"][1], 46.85 + 1 / 111.2, 0.001);
 }
 
-/// The middle of an MBTiles file of one tile.
+/// A live page with a base map of one tile.
 class ServedTiles : public testing::Test {
  protected:
   ServedTiles() {

@@ -18,7 +18,7 @@ namespace muster::tools {
 
 using Tiles = std::map<TileId, std::string>;
 
-/// Writes an MBTiles file; `index`: tiles can be found without reading all of them.
+/// Writes an MBTiles file.
 inline void WriteMbtiles(const std::string& file,
                          const std::map<std::string, std::string>& metadata, const Tiles& tiles) {
   sqlite3* database = nullptr;
@@ -129,7 +129,7 @@ inline void WriteBytes(const std::string& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// A vector tile's layer.
+/// A feature of a vector tile's layer.
 struct MadeFeature {
   int type = 2;  ///< 1 point, 2 line, 3 polygon
   std::vector<std::pair<std::string, std::string>> tags;
