@@ -10,6 +10,9 @@ namespace muster {
 /// The part of a process, as its bus knows it. A channel is heard by a set of parts.
 enum class Hearer : unsigned { kWorld = 1, kAgents = 2, kScheduler = 4 };
 
+/// The publisher of proposals.
+inline constexpr std::string_view kSeveralSchedulers = "each of several schedulers";
+
 /// The channel table: name, type, publisher, how often, largest encoded message that is accepted,
 /// and the parts that use it.
 struct Channel {
@@ -28,7 +31,10 @@ struct Channel {
   constexpr bool AcceptsFrom(std::string_view sender) const {
     const bool one = publisher == process_name::kWorld || publisher == process_name::kScheduler ||
                      publisher == process_name::kRecorder;
-    return !one || sender == publisher;
+    if (publisher == kSeveralSchedulers) return process_name::IsOneOfSchedulers(sender);
+    // The world publishes what it takes of the proposals of several schedulers.
+    const bool relays = publisher == process_name::kScheduler && sender == process_name::kWorld;
+    return !one || relays || sender == publisher;
   }
 };
 
@@ -46,6 +52,7 @@ inline constexpr std::string_view kWorkerChanges = "MUSTER_WORKER_CHANGES";
 inline constexpr std::string_view kVehicleChanges = "MUSTER_VEHICLE_CHANGES";
 inline constexpr std::string_view kSchedule = "MUSTER_SCHEDULE";
 inline constexpr std::string_view kClearances = "MUSTER_CLEARANCES";
+inline constexpr std::string_view kProposal = "MUSTER_PROPOSAL";
 inline constexpr std::string_view kEvent = "MUSTER_EVENT";
 inline constexpr std::string_view kDriver = "MUSTER_DRIVER";
 inline constexpr std::string_view kFault = "MUSTER_FAULT";
@@ -86,7 +93,9 @@ inline constexpr Channel kChannels[] = {
     {channel::kSchedule, "schedule_t", process_name::kScheduler, "every decision", 16 * kMiB,
      kWorldAndAgents},
     {channel::kClearances, "clearances_t", process_name::kScheduler,
-     "before the schedule, in a mission that keeps UAVs apart", 16 * kMiB, kWorldAndAgents},
+     "before the schedule, in a mission that keeps UAVs apart", 16 * kMiB},
+    {channel::kProposal, "proposal_t", kSeveralSchedulers,
+     "every decision of a mission with several schedulers", 32 * kMiB, kWorldAlone},
     {channel::kEvent, "event_t", "world, launcher, scheduler", "when it happens", 4096, kNobody},
     {channel::kDriver, "event_t", "processes with drivers", "until the world rules", 4096,
      kWorldAlone},

@@ -107,6 +107,7 @@ enum class EventKind : std::int8_t {
   kStateUnknown = 25,     ///< after a restart of the world: a lost process's last state is lost
   kDirectiveUnkept = 26,  ///< the commander's word that a decision could not keep, and why
   kActionWithheld = 27,   ///< a UAV stays, as no altitude is free for what it was to do
+  kDecisionsDiffer = 28,  ///< schedulers of a mission do not agree on a decision
 };
 
 /// fault_t.kind. Each has a row in protocol/fault_kinds.cc.
@@ -133,6 +134,7 @@ enum class ProcessState : std::int8_t {
   kRunning = 2,
   kDegraded = 3,
   kEnded = 4,
+  kDeciding = 5,  ///< it runs, and a decision takes it long: alive, though it does not answer
 };
 
 /// Whether it happened to agents and tasks, rather than to processes and faults. Outcomes make a
@@ -146,13 +148,19 @@ constexpr bool IsOutcome(EventKind kind) {
 constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
 
 /// Names of the processes of which a mission has one. Those of agents are named by their class,
-/// "uav", or several "uav-1", "uav-2", ...
+/// "uav", or several "uav-1", "uav-2", ... Several schedulers are named in the same way.
 namespace process_name {
 inline constexpr const char* kWorld = "world";
 inline constexpr const char* kScheduler = "scheduler";
 inline constexpr const char* kRecorder = "recorder";
 inline constexpr const char* kLauncher = "launcher";  ///< a sender with --logger muster
 inline constexpr const char* kLogger = "lcm-logger";  ///< in a fault's target; no sender
+
+/// Whether it is the name of one of several schedulers.
+constexpr bool IsOneOfSchedulers(std::string_view name) { return name.starts_with("scheduler-"); }
+constexpr bool IsScheduler(std::string_view name) {
+  return name == kScheduler || IsOneOfSchedulers(name);
+}
 }  // namespace process_name
 
 /// A word's names, in the order of its numbers, which begin at 0.
@@ -177,21 +185,21 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 28> kNames<EventKind> = {
-    "agent_online",  "agent_offline",    "agent_failed",     "agent_back",     "sensing_started",
-    "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",  "charging_aborted",
-    "match_failed",  "process_lost",     "process_back",     "fault_applied",  "fault_ended",
-    "task_reported", "task_expired",     "answer_refused",   "task_cancelled", "task_held",
-    "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",   "driver_failed",
-    "state_unknown", "directive_unkept", "action_withheld"};
+inline constexpr std::array<std::string_view, 29> kNames<EventKind> = {
+    "agent_online",  "agent_offline",    "agent_failed",     "agent_back",      "sensing_started",
+    "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",   "charging_aborted",
+    "match_failed",  "process_lost",     "process_back",     "fault_applied",   "fault_ended",
+    "task_reported", "task_expired",     "answer_refused",   "task_cancelled",  "task_held",
+    "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",    "driver_failed",
+    "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ"};
 template <>
 inline constexpr std::array<std::string_view, 13> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",
     "loss",        "duplication",  "delay",          "reordering",      "corruption",
     "disk_full",   "foreign",      "road_closed"};
 template <>
-inline constexpr std::array<std::string_view, 5> kNames<ProcessState> = {
-    "starting", "ready", "running", "degraded", "ended"};
+inline constexpr std::array<std::string_view, 6> kNames<ProcessState> = {
+    "starting", "ready", "running", "degraded", "ended", "deciding"};
 
 template <class T>
 concept WireWord = std::is_enum_v<T> && !kNames<T>.empty();

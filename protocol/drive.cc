@@ -48,7 +48,9 @@ bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
   process_->NoteDropped(bus_->counters().lost);
   process_->Step(arrived, now, &out_);
   const bool changed = process_->state() != reported_;
-  const bool beats = now.monotonic_us >= heartbeat_us_ && process_->state() != ProcessState::kEnded;
+  const bool beats =
+      (now.monotonic_us >= heartbeat_us_ || beaten_) && process_->state() != ProcessState::kEnded;
+  beaten_ = false;
   if (changed || beats) {
     reported_ = process_->state();
     heartbeat_us_ = now.monotonic_us + kHeartbeatUs;
@@ -58,6 +60,13 @@ bool Drive::Turn(const std::vector<Packet>& arrived, const Now& now,
   Publish(now);
   if (!refused_.empty()) throw SystemError(refused_);  // and everybody has heard who it was
   return changed;
+}
+
+void Drive::Beat(std::vector<Packet>* arrived, const Now& now,
+                 const std::function<Usage()>& usage) {
+  process_->Beat(arrived, usage(), now, &out_);
+  beaten_ = true;  // the turn's end says how it is then
+  Publish(now);
 }
 
 void Drive::LookForMission(const Packet& packet, const Now& now) {

@@ -25,6 +25,9 @@ class Drive {
   bool Turn(const std::vector<Packet>& arrived, const Now& now,
             const std::function<Usage()>& usage);
 
+  /// During a long computation of the process's step: see Process::Beat.
+  void Beat(std::vector<Packet>* arrived, const Now& now, const std::function<Usage()>& usage);
+
   /// Latest monotonic time of the next turn even if nothing arrives, after one at `now_us`.
   TimeUs wake_us(TimeUs now_us) const;
 
@@ -41,6 +44,7 @@ class Drive {
   std::vector<Packet> out_;
   ProcessState reported_ = ProcessState::kStarting;
   TimeUs heartbeat_us_ = kNever;           ///< unknown before the first turn
+  bool beaten_ = false;                    ///< in this turn
   TimeUs begun_us_ = kNever;               ///< likewise
   TimeUs met_us_ = kNever;                 ///< answered a namesake at last
   std::optional<process_status_t> older_;  ///< what a namesake that is older has said

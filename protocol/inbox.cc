@@ -34,6 +34,7 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (IsReports(name)) return DecodeAs<agent_changes_t>(packet);
   if (name == channel::kSchedule) return DecodeAs<schedule_t>(packet);
   if (name == channel::kClearances) return DecodeAs<clearances_t>(packet);
+  if (name == channel::kProposal) return DecodeAs<proposal_t>(packet);
   if (name == channel::kEvent || name == channel::kDriver) return DecodeAs<event_t>(packet);
   if (name == channel::kProcess) return DecodeAs<process_status_t>(packet);
   if (name == channel::kLog) return DecodeAs<log_status_t>(packet);

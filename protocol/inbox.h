@@ -13,6 +13,7 @@
 #include <muster/order_t.hpp>
 #include <muster/orders_t.hpp>
 #include <muster/process_status_t.hpp>
+#include <muster/proposal_t.hpp>
 #include <muster/request_t.hpp>
 #include <muster/restore_t.hpp>
 #include <muster/roads_t.hpp>
@@ -37,7 +38,7 @@ std::int64_t GapsIn(const IntervalSet& seqs);
 using Message =
     std::variant<scenario_t, clock_t, world_state_t, rulings_t, agent_states_t, agent_changes_t,
                  schedule_t, event_t, fault_t, process_status_t, log_status_t, request_t, restore_t,
-                 answer_t, order_t, orders_t, roads_t, clearances_t>;
+                 answer_t, order_t, orders_t, roads_t, clearances_t, proposal_t>;
 const header_t& HeaderOf(const Message& message);
 
 /// The message that the packet is; none where it is not a valid one of its channel's type.

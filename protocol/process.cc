@@ -1,6 +1,7 @@
 #include "protocol/process.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lcmtypes/channels.h"
 
@@ -22,6 +23,25 @@ void Process::Step(const Packet& packet, const std::optional<Message>& message, 
                    std::vector<Packet>* out) {
   if (inbox_.Admit(packet, message)) Take(*message, packet, now);
   OnStep(now);
+  sender_.Flush(now, out);
+}
+
+void Process::Compute(const std::function<void()>& computation) {
+  if (!run_long_) return computation();
+  const ProcessState before = std::exchange(state_, ProcessState::kDeciding);
+  run_long_(computation);
+  state_ = before;
+}
+
+void Process::Beat(std::vector<Packet>* arrived, const Usage& usage, const Now& now,
+                   std::vector<Packet>* out) {
+  std::erase_if(*arrived, [&](const Packet& packet) {
+    if (packet.channel != channel::kLog) return false;
+    const std::optional<Message> message = inbox_.Open(packet);
+    if (message) sender_.Acknowledge(std::get<log_status_t>(*message));
+    return true;
+  });
+  ReportStatus(usage, now);
   sender_.Flush(now, out);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <muster/answer_t.hpp>
@@ -54,6 +55,15 @@ class Process {
   /// second.
   void ReportStatus(const Usage& usage, const Now& now);
 
+  /// How the process runs a computation that may take long: to its end, and meanwhile the edge may
+  /// call Beat, nothing else. Without it Step just takes as long.
+  using RunLong = std::function<void(const std::function<void()>& computation)>;
+  void set_run_long(RunLong run_long) { run_long_ = std::move(run_long); }
+  /// During a long computation: reports that the process lives, and appends to `out` what may be
+  /// sent. Of what has arrived it takes, and removes, only what the log says that it holds.
+  void Beat(std::vector<Packet>* arrived, const Usage& usage, const Now& now,
+            std::vector<Packet>* out);
+
   /// Publishes an event that the edge has seen; the header is filled here.
   void Announce(event_t event, const Now& now);
 
@@ -77,6 +87,9 @@ class Process {
   /// Messages of others that exist but did not arrive. A process that does not hear every channel
   /// can count only those that its bus has lost.
   virtual std::int64_t lost() const { return dropped_; }
+
+  /// Runs a computation that may take long (see RunLong). It may touch nothing that Beat does.
+  void Compute(const std::function<void()>& computation);
 
   /// Asks for the newest message of a channel.
   void Request(std::string_view channel, TimeUs sim_us, const Now& now);
@@ -103,6 +116,7 @@ class Process {
   ProcessState state_ = ProcessState::kStarting;
   TimeUs sim_us_ = 0;
   std::int64_t refused_ = 0, dropped_ = 0;
+  RunLong run_long_;
   std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
 };
 

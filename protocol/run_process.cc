@@ -10,6 +10,9 @@
 #include <climits>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -18,12 +21,20 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "lcmtypes/bus/lcm_bus.h"
+#include "protocol/beside.h"
 #include "protocol/drive.h"
 #include "protocol/outage_watch.h"
 #include "protocol/refusal_watch.h"
 
 namespace muster {
 namespace {
+
+/// A process that computes says so often: --lost-after may be half a second.
+constexpr TimeUs kBeatUs = 150'000;
+/// How long it then waits for packets before it looks whether the computation has ended.
+constexpr TimeUs kLookUs = 5'000;
+/// Packets that are kept for the end of a computation; the rest waits in the socket.
+constexpr std::size_t kMostKept = 10'000;
 
 std::atomic<bool> stop_requested = false;
 
@@ -34,6 +45,46 @@ void CatchStopSignals() {
   action.sa_handler = RequestStop;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
+
+/// Runs a computation beside, and lets the process beat until it has ended. What arrives meanwhile
+/// is appended to `kept`. A stop ends the program at once: nobody wants the result any more.
+class LongRun {
+ public:
+  LongRun(Drive* drive, Bus* bus, std::function<Now()> clock)
+      : drive_(drive), bus_(bus), clock_(std::move(clock)) {}
+
+  void Run(const std::function<void()>& computation) {
+    beside_.Start(computation);
+    if (beside_.EndsWithin(kBeatUs)) return;
+    do {
+      drive_->Beat(&kept_, clock_(), HostUsage);
+    } while (!EndsBeforeBeat());
+  }
+
+  std::vector<Packet> TakeKept() { return std::exchange(kept_, {}); }
+
+ private:
+  bool EndsBeforeBeat() {
+    const TimeUs until_us = MonotonicUs() + kBeatUs;
+    while (MonotonicUs() < until_us) {
+      if (stop_requested) std::_Exit(kExitOk);
+      if (kept_.size() < kMostKept) {
+        std::vector<Packet> arrived = bus_->Receive(kLookUs);
+        std::move(arrived.begin(), arrived.end(), std::back_inserter(kept_));
+        if (beside_.EndsWithin(0)) return true;
+      } else if (beside_.EndsWithin(kLookUs)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  Drive* drive_;
+  Bus* bus_;
+  std::function<Now()> clock_;
+  std::vector<Packet> kept_;
+  Beside beside_;
+};
 
 }  // namespace
 
@@ -149,6 +200,9 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
     now.monotonic_us -= bus->outage_us();
     return now;
   };
+  LongRun long_run(&drive, bus, clock);
+  process->set_run_long(
+      [&long_run](const std::function<void()>& computation) { long_run.Run(computation); });
   std::vector<Packet> arrived;
   while (!stop_requested) {
     const Now now = clock();
@@ -156,10 +210,13 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
       Say("{}: {}\n", process->identity().name, ToString(process->state()));
     }
     look_at_network();
+    arrived = long_run.TakeKept();
+    if (!arrived.empty()) continue;
     const TimeUs wait_us = drive.wake_us(now.monotonic_us) - clock().monotonic_us;
     arrived = bus->Receive(std::max<TimeUs>(wait_us, 0));
     look_at_network();
   }
+  process->set_run_long({});
   return kExitOk;
 }
 

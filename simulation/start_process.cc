@@ -5,9 +5,10 @@
 
 namespace muster::simulation {
 
-const std::vector<std::string>& ProcessNames() {
-  static const std::vector<std::string> names = {process_name::kWorld, "uav", "worker", "vehicle",
-                                                 process_name::kScheduler};
+std::vector<std::string> ProcessNames(int schedulers) {
+  std::vector<std::string> names = {process_name::kWorld};
+  for (const AgentKind kind : kAgentKinds) names.emplace_back(ToString(kind));
+  for (const std::string& name : world::SchedulerNames(schedulers)) names.push_back(name);
   return names;
 }
 
@@ -16,7 +17,7 @@ std::unique_ptr<Process> StartProcess(const Identity& identity, const ProcessSet
     return std::make_unique<world::WorldProcess>(identity, settings.world_window, settings.scenario,
                                                  settings.world);
   }
-  if (identity.name == process_name::kScheduler) {
+  if (process_name::IsScheduler(identity.name)) {
     return std::make_unique<scheduler::SchedulerProcess>(identity, settings.window, settings.policy,
                                                          settings.stopwatch);
   }

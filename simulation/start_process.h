@@ -13,9 +13,9 @@
 
 namespace muster::simulation {
 
-/// The processes of a mission with one process per agent class: world, uav, worker, vehicle,
-/// scheduler.
-const std::vector<std::string>& ProcessNames();
+/// The processes of a mission with one process per agent class: world, uav, worker, vehicle, and
+/// the schedulers.
+std::vector<std::string> ProcessNames(int schedulers = 1);
 
 /// Makes the drivers of the measured agents of that class; null: they move as computed.
 using DriversOf = std::function<std::unique_ptr<agents::DriverPort>(AgentKind)>;

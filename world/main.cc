@@ -63,6 +63,12 @@ int Main(int argc, char** argv) {
       .Number({0.5, 3600})
       .Default(5);
   options
+      .Add("schedulers", "N",
+           "How many schedulers decide; several are named scheduler-1 to scheduler-N "
+           "(docs/reference/schedulers.md)")
+      .Integer(1, kMostSchedulers)
+      .Default(1);
+  options
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
            "The fault of that name lets an agent fail in [FROM, UNTIL)")
       .Repeated();
@@ -85,6 +91,7 @@ int Main(int argc, char** argv) {
   WorldOptions world;
   world.rate = arguments->Get("rate") == "max" ? 0 : arguments->Get<double>("rate");
   world.recorded = arguments->Has("recorder");
+  world.schedulers = arguments->Get<int>("schedulers");
   world.goes_on = arguments->Get("on-loss") == "continue";
   world.lost_after_us = ToUs(arguments->Get<double>("lost-after"));
   for (const std::string& text : arguments->All("outage")) {

@@ -26,6 +26,7 @@ bool Peers::Overdue(const std::string& name, TimeUs now_us) const {
   const TimeUs awaited_us = AwaitedUs(now_us);
   // A process that was not asked had no need to answer.
   const bool silent = peer == peers_.end() || now_us - peer->second.heard_us >= lost_after_us_;
+  if (!silent && peer->second.deciding) return false;
   return awaited_us >= (silent ? 1 : kDeaf) * lost_after_us_;
 }
 

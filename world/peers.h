@@ -24,6 +24,8 @@ class Peers {
   Peers(TimeUs lost_after_us, bool is_first) : lost_after_us_(lost_after_us), is_first_(is_first) {}
 
   void Hear(const std::string& name, TimeUs now_us);
+  /// Whether it last said that it is at work on its answer.
+  void SetDeciding(const std::string& name, bool deciding) { peers_[name].deciding = deciding; }
   /// The process has named itself twice in one message.
   void Introduce(const std::string& name) { introduced_.insert(name); }
   bool introduced(const std::string& name) const { return introduced_.contains(name); }
@@ -41,7 +43,7 @@ class Peers {
     return now_us - std::max(due_since_us_, awake_since_us_);
   }
   /// Lost already; or it owes an answer for the limit and is silent for as long; or owes it for
-  /// three times the limit, though heard.
+  /// three times the limit, though heard, and does not say that it is at work on it.
   bool Overdue(const std::string& name, TimeUs now_us) const;
 
   Presence presence(const std::string& name) const;
@@ -54,6 +56,7 @@ class Peers {
   struct Peer {
     Presence presence = Presence::kThere;
     TimeUs heard_us = 0;
+    bool deciding = false;
   };
   const TimeUs lost_after_us_;
   const bool is_first_;

@@ -40,6 +40,15 @@ PerKind<ToldAgents> ToldOf(const std::shared_ptr<const Scenario>& shared) {
 
 }  // namespace
 
+std::set<std::string> SchedulerNames(int schedulers) {
+  if (schedulers == 1) return {process_name::kScheduler};
+  std::set<std::string> names;
+  for (int i = 1; i <= schedulers; ++i) {
+    names.insert(fmt::format("{}-{}", process_name::kScheduler, i));
+  }
+  return names;
+}
+
 WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText text,
                            const WorldOptions& options)
     : Process(identity, window),
@@ -55,7 +64,9 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText
       recorder_ready_(!options.recorded),
       told_(ToldOf(desk_.book().scenario())),
       driver_failures_(scenario_),
-      repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs) {
+      repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs),
+      schedulers_(SchedulerNames(options.schedulers)),
+      ballot_(schedulers_) {
   for (const AgentKind kind : kAgentKinds) {
     for (const AgentSpec& spec : scenario_.agents(kind)) {
       const auto id = static_cast<std::int32_t>(agents_[kind].size());
@@ -86,6 +97,7 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const agent_changes_t& changes) { Take(changes, packet); },
       [&](const schedule_t& schedule) { Take(schedule, packet, now); },
       [&](const clearances_t& clearances) { Take(clearances, packet); },
+      [&](const proposal_t& proposal) { Take(proposal, now); },
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
       [&](const event_t& event) {
@@ -102,6 +114,8 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       },
       [&](const process_status_t& status) {
         if (status.name == status.header.sender) attendance_.peers().Introduce(status.name);
+        attendance_.peers().SetDeciding(status.header.sender,
+                                        status.state == ProcessState::kDeciding);
         if (status.state != ProcessState::kEnded) {
           if (ended()) sender().Resend(clock_packet_);  // it has not heard
           return;
@@ -194,46 +208,6 @@ void WorldProcess::TakeIn(AgentState agent) {
                   {FailureReason::Cause::kSaid, driver_failures_.Why(agent)}});
   }
   agents_.at(agent.kind, agent.id) = agent;
-}
-
-void WorldProcess::Take(const clearances_t& clearances, const Packet& packet) {
-  if (scenario_.separation() == nullptr || wait_ != Wait::kSchedule ||
-      clearances.decision != clock_.decision() || clearances.tick != clock_.tick()) {
-    return;
-  }
-  if (!FromWire(clearances, limits_)) return inbox().Reject();
-  next_clearances_packet_ = std::make_shared<const Packet>(packet);
-  next_clearances_decision_ = clearances.decision;
-}
-
-void WorldProcess::Take(const schedule_t& schedule, const Packet& packet, const Now& now) {
-  if (wait_ != Wait::kSchedule || schedule.decision != clock_.decision() ||
-      schedule.tick != clock_.tick()) {
-    return;
-  }
-  // Altitudes that were lost on the way come again with the schedule, when it is asked for again.
-  if (scenario_.separation() != nullptr && next_clearances_decision_ != schedule.decision) return;
-  std::vector<Action> actions;
-  for (const action_t& wire : schedule.actions) {
-    const std::optional<Action> action = FromWire(wire, limits_);
-    if (!action) return inbox().Reject();
-    actions.push_back(*action);
-  }
-  referee_.Take(schedule.decision, actions);
-  commanded_ = std::move(actions);
-  scheduler_name_ = schedule.header.sender;
-  attendance_.Join(scheduler_name_);
-  if (attendance_.peers().presence(scheduler_name_) != Presence::kThere) {
-    attendance_.peers().set_presence(scheduler_name_, Presence::kThere);
-    SayOfProcess(Event::Kind::kProcessBack, scheduler_name_, now);
-  }
-  schedule_packet_ = std::make_shared<const Packet>(packet);
-  clearances_packet_ = next_clearances_packet_;
-  clearances_decision_ = next_clearances_decision_;
-  schedule_tick_ = clock_.tick();
-  schedule_time_.Note(now.monotonic_us - asked_us_);
-  clock_.Require(schedule.decision);
-  StopWaiting();
 }
 
 void WorldProcess::Answer(const request_t& request, const Now& now) {
@@ -367,6 +341,7 @@ void WorldProcess::WaitFor(Wait wait, const Now& now) {
   repeat_ = BackOff(first_us, kLongestRepeatUs, kSecondUs);
   repeat_.Start(now.monotonic_us);
   attendance_.peers().AwaitFrom(now.monotonic_us);
+  if (wait == Wait::kSchedule) ballot_.Open(now.monotonic_us);
   look_us_ = now.monotonic_us;
 }
 
@@ -398,8 +373,12 @@ void WorldProcess::FindLost(const Now& now) {
       if (peers.Overdue(name, now.monotonic_us)) Lose(name, now);
     }
   }
-  if (wait_ == Wait::kSchedule && peers.Overdue(scheduler_name_, now.monotonic_us)) {
-    Lose(scheduler_name_, now);
+  const auto is_overdue = [&](const std::string& name) {
+    return peers.Overdue(name, now.monotonic_us);
+  };
+  if (wait_ == Wait::kSchedule && ballot_.empty() &&
+      std::all_of(schedulers_.begin(), schedulers_.end(), is_overdue)) {
+    for (const std::string& name : schedulers_) Lose(name, now);
     StopWaiting();  // This decision will not be in force: no clock names it.
   }
 }
@@ -476,6 +455,7 @@ void WorldProcess::GoOn(const Now& now) {
     if (clock_.awaits_decision()) return WaitFor(Wait::kSchedule, now);
     StopWaiting();
   }
+  if (wait_ == Wait::kSchedule) CloseBallot(now);
   if (wait_ == Wait::kClock) {
     PublishEvents(now);  // of the decision just taken
     if (!clock_.is_last()) {
@@ -533,7 +513,8 @@ TimeUs WorldProcess::OwnWakeUs() const {
   if (wait_ == Wait::kClock) return clock_.NextTickUs();
   // If it slept until something arrives, it would take itself for held up and never miss a process.
   const bool misses = options_.goes_on && wait_ != Wait::kNothing;
-  return std::min(repeat_.due_us(), misses ? attendance_.peers().AwakeUntilUs() : kNever);
+  return std::min({repeat_.due_us(), misses ? attendance_.peers().AwakeUntilUs() : kNever,
+                   wait_ == Wait::kSchedule ? ballot_.due_us() : kNever});
 }
 
 }  // namespace muster::world

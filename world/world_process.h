@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "protocol/process.h"
 #include "world/answer_time.h"
 #include "world/attendance.h"
+#include "world/ballot.h"
 #include "world/driver_failures.h"
 #include "world/handover.h"
 #include "world/hidden_closures.h"
@@ -21,9 +24,18 @@
 
 namespace muster::world {
 
+/// With more, each decision would be much the same proposal many times over.
+inline constexpr int kMostSchedulers = 9;
+
+/// "scheduler", or the names of several.
+std::set<std::string> SchedulerNames(int schedulers);
+
 struct WorldOptions {
   double rate = 0;        ///< mission seconds per wall second; 0: as fast as it goes
   bool recorded = false;  ///< a recorder takes part: start only when it is there
+  /// How many decide. Several are named scheduler-1, scheduler-2, ..., and the world takes one of
+  /// their proposals for each decision.
+  int schedulers = 1;
   /// true: the mission goes on without an agent process or scheduler that is silent for
   /// lost_after_us, or does not answer for three times as long. Until it is back, its agents count
   /// as failed, or no decision is in force. false: the mission waits for every process.
@@ -65,6 +77,14 @@ class WorldProcess : public Process {
   bool IsForTick(std::int64_t tick) const;
   void Take(const schedule_t& schedule, const Packet& packet, const Now& now);
   void Take(const clearances_t& clearances, const Packet& packet);
+  void Take(const proposal_t& proposal, const Now& now);
+  bool IsSound(const proposal_t& proposal, const Now& now) const;
+  /// Takes one of the proposals, if it is time, and publishes it as the decision.
+  void CloseBallot(const Now& now);
+  void SayOfDispute(const std::string& dispute, const Now& now);
+  /// What the schedule commands; none: it is impossible.
+  std::optional<std::vector<Action>> ActionsOf(const schedule_t& schedule) const;
+  void PutInForce(std::int32_t decision, std::vector<Action> actions, const Now& now);
   void Answer(const request_t& request, const Now& now);
   void AskForState(const Now& now);
   bool RestoreState(const Now& now);
@@ -130,7 +150,8 @@ class WorldProcess : public Process {
   AnswerTime states_time_, schedule_time_;
   TimeUs asked_us_ = 0;              ///< since when it waits for the present answer
   std::int64_t schedule_tick_ = -1;  ///< of schedule_packet_
-  std::string scheduler_name_{process_name::kScheduler};
+  const std::set<std::string> schedulers_;
+  Ballot ballot_;  ///< of several schedulers
   TimeUs look_us_ = 0;
   std::vector<Action> commanded_;  ///< by schedule_packet_
 };

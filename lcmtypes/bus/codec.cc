@@ -183,6 +183,7 @@ const TypeRow* FindType(std::string_view name) {
       RowOf<roads_t>(),        RowOf<scenario_t>(),   RowOf<schedule_t>(),
       RowOf<world_state_t>(),  RowOf<answer_t>(),     RowOf<agent_changes_t>(),
       RowOf<order_t>(),        RowOf<orders_t>(),     RowOf<clearances_t>(),
+      RowOf<proposal_t>(),
   };
   for (const TypeRow& row : rows) {
     if (row.name == name) return &row;
@@ -403,6 +404,16 @@ bool Valid(const schedule_t& m) {
          IsName(m.policy) && Finite(m.weight) && !std::isinf(m.bound) &&
          std::all_of(m.actions.begin(), m.actions.end(), ValidAction);
 }
+bool Valid(const proposal_t& m) {
+  const auto of_its_decision = [&](const clearances_t& clearances) {
+    return Valid(clearances) && clearances.decision == m.schedule.decision &&
+           clearances.tick == m.schedule.tick;
+  };
+  return Valid(m.header) && Valid(m.schedule) && m.clearances.size() <= 1 &&
+         std::all_of(m.clearances.begin(), m.clearances.end(), of_its_decision) &&
+         std::all_of(m.events.begin(), m.events.end(),
+                     [](const event_t& event) { return Valid(event); });
+}
 bool Valid(const world_state_t& m) {
   return Valid(m.header) && m.tick >= 0 && In(m.done, 0, m.n_tasks) &&
          std::all_of(m.task_status.begin(), m.task_status.end(), IsWord<TaskStatus>) &&
@@ -454,6 +465,7 @@ MUSTER_CODEC(order_book_t);
 MUSTER_CODEC(order_t);
 MUSTER_CODEC(orders_t);
 MUSTER_CODEC(process_status_t);
+MUSTER_CODEC(proposal_t);
 MUSTER_CODEC(request_t);
 MUSTER_CODEC(restore_t);
 MUSTER_CODEC(roads_t);

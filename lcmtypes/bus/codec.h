@@ -19,6 +19,7 @@
 #include "muster/order_t.hpp"
 #include "muster/orders_t.hpp"
 #include "muster/process_status_t.hpp"
+#include "muster/proposal_t.hpp"
 #include "muster/request_t.hpp"
 #include "muster/restore_t.hpp"
 #include "muster/roads_t.hpp"
@@ -58,6 +59,7 @@ bool Valid(const order_book_t& message);
 bool Valid(const order_t& message);
 bool Valid(const orders_t& message);
 bool Valid(const process_status_t& message);
+bool Valid(const proposal_t& message);
 bool Valid(const request_t& message);
 bool Valid(const restore_t& message);
 bool Valid(const answer_t& message);

@@ -1,9 +1,12 @@
 #include "scheduler/process/scheduler_main.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <optional>
 
+#include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "protocol/run_process.h"
@@ -34,7 +37,11 @@ int Run(const std::string& program, int argc, char** argv, const std::vector<Own
   AddProcessOptions(&options, process_name::kScheduler);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  const ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kScheduler);
+  const ProcessFlags flags = ReadProcessFlags(*arguments);
+  if (!process_name::IsScheduler(flags.identity.name)) {
+    throw InputError("command line", "--name", fmt::format("'{}'", flags.identity.name),
+                     "scheduler, or scheduler-1, scheduler-2, ... where there are several");
+  }
   std::optional<double> deadline_ms;
   arguments->Read("deadline", &deadline_ms);
   const std::string policy = PolicyFrom(*arguments);

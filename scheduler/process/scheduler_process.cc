@@ -106,26 +106,39 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
   repeat_tick_ = -1;
 }
 
-void SchedulerProcess::Tell(EventKind kind, const std::string& detail, const Now& now) {
+event_t SchedulerProcess::MakeEvent(EventKind kind) const {
   event_t event{};
   event.kind = NumberOf(kind);
   event.at_us = tick_us_;
   event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
-  event.detail = detail;
-  Announce(std::move(event), now);
+  return event;
 }
 
-void SchedulerProcess::TellWithheld(const Action& action, const Now& now) {
-  event_t event{};
-  event.kind = NumberOf(EventKind::kActionWithheld);
-  event.at_us = tick_us_;
-  event.uav_id = action.uav.value;
-  event.worker_id = action.worker.value;
-  event.vehicle_id = action.vehicle.value;
-  event.task_id = action.task.value;
-  event.charge_id = action.charge.value;
-  event.detail = fmt::format("no altitude is free within {} min", kMostHoldUs / kMinuteUs);
-  Announce(std::move(event), now);
+std::vector<event_t> SchedulerProcess::EventsOf(const Decision& decision) {
+  std::vector<event_t> events;
+  const auto tell = [&](EventKind kind, const std::string& detail) -> event_t& {
+    events.push_back(MakeEvent(kind));
+    events.back().detail = detail;
+    return events.back();
+  };
+  if (!decision.refused.empty()) tell(EventKind::kAnswerRefused, decision.refused);
+  for (const std::string& unkept : decision.unkept) {
+    // Once, as long as the reason stays the same.
+    const bool told = std::find(unkept_.begin(), unkept_.end(), unkept) != unkept_.end();
+    if (!told) tell(EventKind::kDirectiveUnkept, unkept);
+  }
+  unkept_ = decision.unkept;
+  for (const Action& action : decision.withheld) {
+    event_t& event =
+        tell(EventKind::kActionWithheld,
+             fmt::format("no altitude is free within {} min", kMostHoldUs / kMinuteUs));
+    event.uav_id = action.uav.value;
+    event.worker_id = action.worker.value;
+    event.vehicle_id = action.vehicle.value;
+    event.task_id = action.task.value;
+    event.charge_id = action.charge.value;
+  }
+  return events;
 }
 
 void SchedulerProcess::Decide(const Now& now) {
@@ -134,7 +147,8 @@ void SchedulerProcess::Decide(const Now& now) {
   if (const auto known = clearances_.find(in_force_); known != clearances_.end()) {
     situation.clearances = *FromWire(known->second, WireLimits(*scenario()));
   }
-  const Decision decision = KeepApart(situation, DecideWithDirectives(situation, policy_.get()));
+  Decision decision;
+  Compute([&] { decision = KeepApart(situation, DecideWithDirectives(situation, policy_.get())); });
   schedule_t schedule{};
   schedule.decision = due_;
   schedule.tick = tick_;
@@ -145,24 +159,44 @@ void SchedulerProcess::Decide(const Now& now) {
   for (const Action& action : decision.actions) schedule.actions.push_back(ToWire(action));
   schedule.n = static_cast<std::int32_t>(schedule.actions.size());
   schedule.solve_us = stopwatch_() - begin;
-  if (!decision.refused.empty()) Tell(EventKind::kAnswerRefused, decision.refused, now);
-  for (const std::string& unkept : decision.unkept) {
-    // Once, as long as the reason stays the same.
-    const bool told = std::find(unkept_.begin(), unkept_.end(), unkept) != unkept_.end();
-    if (!told) Tell(EventKind::kDirectiveUnkept, unkept, now);
-  }
-  unkept_ = decision.unkept;
-  for (const Action& withheld : decision.withheld) TellWithheld(withheld, now);
+  std::optional<clearances_t> clearances;
   if (situation.site->separation) {
-    clearances_t clearances = ToWire(decision.clearances);
-    clearances.decision = due_;
-    clearances.tick = tick_;
-    clearances_packet_ = sender().Send(channel::kClearances, std::move(clearances), tick_us_, now);
-    Take(*DecodeValid<clearances_t>(clearances_packet_->bytes));
+    clearances = ToWire(decision.clearances);
+    clearances->decision = due_;
+    clearances->tick = tick_;
   }
-  schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
+  Publish(std::move(schedule), std::move(clearances), EventsOf(decision), now);
   schedule_tick_ = tick_;
   due_ = -1;
+}
+
+void SchedulerProcess::Publish(schedule_t schedule, std::optional<clearances_t> clearances,
+                               std::vector<event_t> events, const Now& now) {
+  if (!process_name::IsOneOfSchedulers(identity().name)) {
+    for (event_t& event : events) Announce(std::move(event), now);
+    if (clearances) {
+      clearances_packet_ =
+          sender().Send(channel::kClearances, std::move(*clearances), tick_us_, now);
+      Take(*DecodeValid<clearances_t>(clearances_packet_->bytes));
+    }
+    schedule_packet_ = sender().Send(channel::kSchedule, std::move(schedule), tick_us_, now);
+    return;
+  }
+  proposal_t proposal{};
+  header_t inside{};
+  inside.run_id = identity().run_id;
+  inside.sender = identity().name;
+  proposal.schedule = std::move(schedule);
+  proposal.schedule.header = inside;
+  if (clearances) {
+    clearances->header = inside;
+    proposal.clearances.push_back(std::move(*clearances));
+  }
+  proposal.n_clearances = static_cast<std::int32_t>(proposal.clearances.size());
+  for (event_t& event : events) event.header = inside;
+  proposal.events = std::move(events);
+  proposal.n_events = static_cast<std::int32_t>(proposal.events.size());
+  schedule_packet_ = sender().Send(channel::kProposal, std::move(proposal), tick_us_, now);
 }
 
 }  // namespace muster::scheduler

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "protocol/follower.h"
+#include "scheduler/fusion.h"
 #include "scheduler/policies/registry.h"
-#include "scheduler/process/fusion.h"
 
 namespace muster::scheduler {
 
@@ -18,7 +18,8 @@ using Stopwatch = TimeUs (*)();
 
 /// The scheduler in lockstep (docs/reference/mission.md): on a decision tick it fuses what it
 /// heard, decides and publishes; when the clock is repeated it publishes the same again. It keeps
-/// nothing that it could not make again or ask for.
+/// nothing that it could not make again or ask for. One of several, as its name says, publishes
+/// proposals (docs/reference/schedulers.md).
 class SchedulerProcess : public Follower {
  public:
   /// `policy_name` is what its decisions bear.
@@ -41,8 +42,11 @@ class SchedulerProcess : public Follower {
   /// Whether it knows the altitudes that the decision rests on, if UAVs are kept apart.
   bool HasClearances() const;
   void Decide(const Now& now);
-  void TellWithheld(const Action& action, const Now& now);
-  void Tell(EventKind kind, const std::string& detail, const Now& now);
+  /// What is to be told of a decision.
+  std::vector<event_t> EventsOf(const Decision& decision);
+  event_t MakeEvent(EventKind kind) const;
+  void Publish(schedule_t schedule, std::optional<clearances_t> clearances,
+               std::vector<event_t> events, const Now& now);
 
   const std::string policy_name_;
   const std::unique_ptr<Policy> policy_;
@@ -55,8 +59,8 @@ class SchedulerProcess : public Follower {
   std::int32_t in_force_ = -1;     ///< decision in force at tick_
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
-  SentPacket schedule_packet_;     ///< the newest
-  SentPacket clearances_packet_;   ///< that goes with it; null: UAVs are not kept apart
+  SentPacket schedule_packet_;     ///< the newest, or the newest proposal
+  SentPacket clearances_packet_;   ///< that goes with it; null: none does, or it is in the proposal
   std::map<std::int32_t, clearances_t> clearances_;  ///< the newest, by decision
   std::int64_t schedule_tick_ = -1;
   std::vector<std::string> unkept_;  ///< directives, as the last decision says

@@ -38,6 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Check<agent_states_t>(bytes, "MUSTER_UAVS");
   Check<muster::clock_t>(bytes, "MUSTER_CLOCK");
   Check<clearances_t>(bytes, "MUSTER_CLEARANCES");
+  Check<proposal_t>(bytes, "MUSTER_PROPOSAL");
   Check<event_t>(bytes, "MUSTER_EVENT");
   Check<fault_t>(bytes, "MUSTER_FAULT");
   Check<log_status_t>(bytes, "MUSTER_LOG");

@@ -318,7 +318,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 28; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 29; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));
@@ -332,7 +332,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.for_us = -1; }));
   EXPECT_FALSE(ValidAfter<log_status_t>([](log_status_t& m) { m.marks[1].next_seq = -1; }));
   EXPECT_FALSE(ValidAfter<log_status_t>([](log_status_t& m) { m.marks[1].sender.clear(); }));
-  EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.state = 5; }));
+  EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.state = 6; }));
   EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.tick = -2; }));
   EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.cpu_s = kInfinity; }));
   EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.lost = -1; }));

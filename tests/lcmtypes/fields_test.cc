@@ -71,6 +71,7 @@ TEST(VisitFields, NamesEveryFieldOfEveryFile) {
   Add<action_t>(&visited), Add<activity_t>(&visited), Add<agent_changes_t>(&visited);
   Add<agent_states_t>(&visited), Add<agent_t>(&visited), Add<answer_t>(&visited);
   Add<clearance_t>(&visited), Add<clearances_t>(&visited);
+  Add<proposal_t>(&visited);
   Add<clock_t>(&visited), Add<event_t>(&visited), Add<fault_t>(&visited);
   Add<header_t>(&visited), Add<log_mark_t>(&visited), Add<log_status_t>(&visited);
   Add<order_book_t>(&visited), Add<order_t>(&visited), Add<orders_t>(&visited);

@@ -260,14 +260,25 @@ world_state_t SampleWorldState() {
   return world;
 }
 
+proposal_t SampleProposal() {
+  proposal_t proposal{};
+  proposal.header = Header(12);
+  proposal.schedule = SampleSchedule();
+  proposal.clearances = {SampleClearances()};
+  proposal.n_clearances = 1;
+  proposal.events = {SampleEvent(), SampleEvent()};
+  proposal.n_events = 2;
+  return proposal;
+}
+
 }  // namespace
 
 AllMessages SampleMessages() {
   return {SampleAgentChanges(), SampleAgentStates(), SampleAnswer(),        SampleClearances(),
           SampleClock(),        SampleEvent(),       SampleFault(),         SampleLogStatus(),
-          SampleOrder(),        SampleOrders(),      SampleProcessStatus(), SampleRequest(),
-          SampleRestore(),      SampleRoads(),       SampleRulings(),       SampleScenario(),
-          SampleSchedule(),     SampleWorldState()};
+          SampleOrder(),        SampleOrders(),      SampleProcessStatus(), SampleProposal(),
+          SampleRequest(),      SampleRestore(),     SampleRoads(),         SampleRulings(),
+          SampleScenario(),     SampleSchedule(),    SampleWorldState()};
 }
 
 }  // namespace muster

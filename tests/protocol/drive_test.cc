@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <utility>
+#include <vector>
+
 #include "base/check.h"
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tests/lcmtypes/queue_bus.h"
 
@@ -14,10 +19,14 @@ class Told : public Process {
  public:
   Told() : Process({1, "uav", 0}, 0) {}
   using Process::set_state;
+  /// What its next step computes.
+  std::function<void()> computation;
 
  private:
   void OnMessage(const Message&, const Packet&, const Now&) override {}
-  void OnStep(const Now&) override {}
+  void OnStep(const Now&) override {
+    if (computation) Compute(std::exchange(computation, {}));
+  }
   TimeUs OwnWakeUs() const override { return kNever; }
   std::int64_t tick() const override { return 0; }
 };
@@ -50,6 +59,39 @@ TEST_F(DriveTest, SaysItsStateWhenItChangesAndOnceASecond) {
   EXPECT_EQ(Turn(1'100'000), 1u);
   EXPECT_EQ(Turn(2'000'000), 0u);
   EXPECT_EQ(Turn(2'100'000), 1u);
+}
+
+TEST_F(DriveTest, WhileItComputesItSaysThatItIsDecidingAndTakesOnlyWhatTheLogHolds) {
+  process_.set_state(ProcessState::kRunning);
+  Turn(0);
+  std::vector<int> states;
+  const auto note = [&] {
+    for (const Packet& packet : queue_->sent) {
+      states.push_back(DecodeValid<process_status_t>(packet.bytes)->state);
+    }
+    queue_->sent.clear();
+  };
+  log_status_t log{};
+  log.header.run_id = 1;
+  log.header.sender = "recorder";
+  std::vector<Packet> arrived = {{std::string(channel::kLog), Encode(log)}, {"OTHER", {1}}};
+  process_.set_run_long([&](const std::function<void()>& computation) {
+    for (const TimeUs t : {100, 200}) {
+      drive_.Beat(&arrived, {t, 0}, [] { return Usage(); });
+      note();
+    }
+    computation();
+  });
+  bool computed = false;
+  process_.computation = [&] { computed = true; };
+  Turn(10);
+  note();
+  EXPECT_TRUE(computed);
+  // Twice that it decides, then that it runs again.
+  EXPECT_EQ(states, (std::vector<int>{5, 5, 2}));
+  ASSERT_EQ(arrived.size(), 1U);
+  EXPECT_EQ(arrived[0].channel, "OTHER");
+  EXPECT_EQ(Turn(500'000), 0U);
 }
 
 TEST_F(DriveTest, OneThatHasEndedWaitsForOthers) {

@@ -49,6 +49,22 @@ TEST_F(PeersTest, WhoSpeaksButDoesNotAnswerHasThreeTimesAsLong) {
   EXPECT_TRUE(peers_.Overdue("uav", now_us_));
 }
 
+TEST_F(PeersTest, WhoSaysThatItIsDecidingHasTimeAsLongAsItSaysSo) {
+  peers_.AwaitFrom(0);
+  for (int second = 0; second < 100; ++second) {
+    RunTo(second * kSecondUs);
+    peers_.Hear("scheduler", now_us_ - 1);
+    peers_.SetDeciding("scheduler", true);
+    EXPECT_FALSE(peers_.Overdue("scheduler", now_us_)) << second;
+  }
+  RunTo(100 * kSecondUs);
+  EXPECT_TRUE(peers_.Overdue("scheduler", now_us_)) << "it has died of it";
+  peers_.Hear("scheduler", now_us_);
+  EXPECT_FALSE(peers_.Overdue("scheduler", now_us_));
+  peers_.SetDeciding("scheduler", false);
+  EXPECT_TRUE(peers_.Overdue("scheduler", now_us_)) << "it has decided, and is deaf";
+}
+
 TEST_F(PeersTest, TimeInWhichTheWorldWasHeldUpDoesNotCount) {
   peers_.Hear("uav", 0);
   peers_.AwaitFrom(0);

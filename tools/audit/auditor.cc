@@ -118,6 +118,7 @@ const std::vector<Violation>& Auditor::Finish() {
   CheckEvents(*view_, intake_.heard().events,
               intake_.stopped() ? view_->before_us : view_->scenario.limit_us);
   CheckSkipped();
+  CheckProposals(*view_, intake_.heard());
   if (!intake_.stopped()) GatherFacts();
   return findings_.Sorted();
 }

@@ -70,6 +70,10 @@ void CheckSeparation(View& view);
 /// Whether the log's events up to that time are those that must be said.
 void CheckEvents(const View& view, const std::vector<event_t>& events, std::int64_t until_us);
 
+/// Whether each decision of several schedulers is one of their proposals, and is said to be
+/// disputed where it is.
+void CheckProposals(const View& view, const Heard& heard);
+
 // Parts of the above about measured agents (check_measured.cc).
 
 /// Takes what its report tells into the model, if it can be. The report as its motion is to be

@@ -17,10 +17,8 @@ constexpr std::size_t kMaxPending = 256;
 /// A resend is looked for among this many messages.
 constexpr std::size_t kRecent = 4096;
 
-std::size_t HashOf(const Packet& packet) {
-  const std::string_view bytes(reinterpret_cast<const char*>(packet.bytes.data()),
-                               packet.bytes.size());
-  return std::hash<std::string_view>()(bytes);
+std::size_t HashOf(const std::vector<std::uint8_t>& bytes) {
+  return std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 int ClassOf(std::string_view channel) {
@@ -46,6 +44,19 @@ bool SameActions(const schedule_t& a, const schedule_t& b) {
 
 }  // namespace
 
+std::size_t DecisionHash(schedule_t schedule, const clearances_t* clearances) {
+  schedule.header = header_t{};
+  schedule.solve_us = 0;
+  std::vector<std::uint8_t> bytes = Encode(schedule);
+  if (clearances != nullptr) {
+    clearances_t altitudes = *clearances;
+    altitudes.header = header_t{};
+    const std::vector<std::uint8_t> more = Encode(altitudes);
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  }
+  return HashOf(bytes);
+}
+
 template <class Message>
 std::optional<Message> Intake::Admit(const Packet& packet) {
   std::optional<Message> message = DecodeValid<Message>(packet.bytes);
@@ -58,7 +69,7 @@ std::optional<Message> Intake::Admit(const Packet& packet) {
   if (header.run_id != *run_id_) return {};
   Sender& sender = senders_[{header.sender, header.boot_id}];
   const std::tuple key(header.sender, header.boot_id, header.seq);
-  const std::size_t hash = HashOf(packet);
+  const std::size_t hash = HashOf(packet.bytes);
   if (!sender.seqs.Add(header.seq)) {
     ++heard_.duplicates;
     const auto known = recent_.find(key);
@@ -113,6 +124,11 @@ void Intake::Take(const Packet& packet) {
     if (const auto m = Admit<schedule_t>(packet)) TakeSchedule(*m);
   } else if (name == channel::kClearances) {
     if (const auto m = Admit<clearances_t>(packet)) TakeClearances(*m);
+  } else if (name == channel::kProposal) {
+    if (const auto m = Admit<proposal_t>(packet)) {
+      heard_.proposals[m->schedule.decision][m->header.sender].insert(
+          DecisionHash(m->schedule, m->clearances.empty() ? nullptr : &m->clearances.front()));
+    }
   } else if (name == channel::kEvent) {
     if (auto m = Admit<event_t>(packet)) heard_.events.push_back(std::move(*m));
   }

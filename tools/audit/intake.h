@@ -46,9 +46,15 @@ struct Heard {
   std::int64_t undecodable = 0;  ///< packets on our channels that are no valid message
   std::map<std::int32_t, schedule_t> schedules;
   std::map<std::int32_t, clearances_t> clearances;
+  /// What several schedulers proposed: digests, by decision and scheduler.
+  std::map<std::int32_t, std::map<std::string, std::set<std::size_t>>> proposals;
   std::vector<event_t> events;  ///< after Intake::Finish() sorted and without repeats
   std::string clock_sender;     ///< which process sends the clock
 };
+
+/// Hash of a decision without headers and the time that it took; `clearances`: null where UAVs are
+/// not kept apart.
+std::size_t DecisionHash(schedule_t schedule, const clearances_t* clearances);
 
 /// Takes the messages of a log, each once, and puts together what they say of each tick. A tick is
 /// dropped when it has been checked.

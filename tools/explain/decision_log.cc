@@ -11,7 +11,7 @@
 #include "lcmtypes/channels.h"
 #include "protocol/mission_reader.h"
 #include "protocol/process.h"
-#include "scheduler/process/fusion.h"
+#include "scheduler/fusion.h"
 
 namespace muster::tools {
 namespace {

@@ -37,8 +37,13 @@ struct Draws {
 
 /// Gives the fault a target and a duration. False where it has no target: there is no such agent,
 /// or it is down already.
-bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Random* random,
-                std::set<std::string>* felled, PlannedFault* fault) {
+bool DrawTarget(const Draws& draws, const Scenario& scenario, int schedulers, bool is_held,
+                Random* random, std::set<std::string>* felled, PlannedFault* fault) {
+  const auto member = [&](std::uint32_t i) {
+    std::string name(kMembers[i]);
+    if (schedulers == 1 || name != process_name::kScheduler) return name;
+    return fmt::format("{}-{}", name, 1 + random->Below(static_cast<std::uint32_t>(schedulers)));
+  };
   const auto hold = [&] {
     (draws.in_mission_time ? fault->for_us : fault->for_real_us) =
         draws.in_mission_time ? draws.minutes : draws.real_us;
@@ -65,12 +70,12 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Rand
       return true;
     }
     case FaultTarget::kProcess:
-      fault->target = kMembers[draws.member];
+      fault->target = member(draws.member);
       hold();
       return true;
     case FaultTarget::kSides:
       fault->target =
-          fmt::format("{}|{}", kMembers[random->Below(kReplaceable)], process_name::kWorld);
+          fmt::format("{}|{}", member(random->Below(kReplaceable)), process_name::kWorld);
       hold();
       return true;
     case FaultTarget::kLog:
@@ -83,7 +88,7 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, bool is_held, Rand
       return true;
     case FaultTarget::kReceivers:
       // A process that is held may hear nothing that could be hit.
-      fault->target = random->Below(2) == 0 || is_held ? "*" : kMembers[random->Below(5)];
+      fault->target = random->Below(2) == 0 || is_held ? "*" : member(random->Below(5));
       fault->for_us = draws.minutes;
       fault->probability = draws.share * row.value_drawn;
       return true;
@@ -130,8 +135,10 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
       if (fault.at_us < hold_over_us) continue;
       hold_over_us = fault.at_us + (draws.in_mission_time ? draws.minutes : 0) + kBetweenHoldsUs;
     }
-    if (!DrawTarget(draws, scenario, fault.at_us < hold_over_us, &random, &felled, &fault))
+    if (!DrawTarget(draws, scenario, settings.schedulers, fault.at_us < hold_over_us, &random,
+                    &felled, &fault)) {
       continue;
+    }
     // A process that is held just when its packets begin to suffer cannot confirm it.
     const bool has_just_begun =
         std::any_of(plan.begin(), plan.end(), [&](const PlannedFault& other) {
@@ -139,6 +146,17 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
                  fault.target.find(other.target) != std::string::npos;
         });
     if (row.holds_clock && has_just_begun) continue;
+    // The mission does not wait for one of several schedulers: a fault of its packets may be over
+    // before it is back.
+    const bool may_be_away =
+        row.of_packets() && std::any_of(plan.begin(), plan.end(), [&](const PlannedFault& other) {
+          const auto first = [](const PlannedFault& of) {
+            return of.target.substr(0, of.target.find('|'));
+          };
+          return RowOf(other.kind).holds_clock && first(other) == first(fault) &&
+                 process_name::IsOneOfSchedulers(fault.target);
+        });
+    if (may_be_away) continue;
     // A mission waits for the scheduler only at decisions: a hold in real time lasts till the next.
     if (row.holds_clock && fault.for_us == 0 &&
         fault.target.starts_with(process_name::kScheduler)) {

@@ -12,7 +12,8 @@ struct RandomPlanSettings {
   std::uint64_t seed = 1;
   double rate_per_hour = 4;      ///< faults per mission hour, on average
   std::vector<FaultKind> kinds;  ///< to draw from, not empty
-  bool goes_on = false;          ///< some kills, stops and partitions last in mission time
+  int schedulers = 1;
+  bool goes_on = false;  ///< some kills, stops and partitions last in mission time
 };
 
 /// Every kind but corruption, which may truly change decisions.

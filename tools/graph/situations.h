@@ -7,7 +7,7 @@
 
 #include "lcmtypes/bus/bus.h"
 #include "protocol/mission_reader.h"
-#include "scheduler/process/fusion.h"
+#include "scheduler/fusion.h"
 #include "scheduler/situation.h"
 
 namespace muster::tools {

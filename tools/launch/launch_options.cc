@@ -21,6 +21,7 @@
 #include "scheduler/policies/registry.h"
 #include "tools/live/live_server.h"
 #include "tools/report/page.h"
+#include "world/world_process.h"
 
 namespace muster::tools {
 namespace {
@@ -28,25 +29,22 @@ namespace {
 constexpr std::string_view kCommandLine = "command line";
 constexpr int kMostProcesses = 64;
 
-std::map<AgentKind, int> ReadProcesses(const std::vector<std::string>& entries) {
-  std::map<AgentKind, int> processes;
-  for (const AgentKind kind : kAgentKinds) processes[kind] = 1;
+void ReadProcesses(const std::vector<std::string>& entries, LaunchOptions* options) {
+  for (const AgentKind kind : kAgentKinds) options->processes[kind] = 1;
   for (const std::string& entry : entries) {
     const std::vector<std::string> parts = Split(entry, '=');
-    const auto count = ToInteger(parts.back(), 0, kMostProcesses);
-    bool known = false;
-    for (const AgentKind kind : kAgentKinds) {
-      if (!count || parts.size() != 2 || parts[0] != ToString(kind)) continue;
-      processes[kind] = static_cast<int>(*count);
-      known = true;
-    }
-    if (!known) {
+    const bool decides = parts[0] == process_name::kScheduler;
+    const auto kind = FromString<AgentKind>(parts[0]);
+    const auto count = decides ? ToInteger(parts.back(), 1, world::kMostSchedulers)
+                               : ToInteger(parts.back(), 0, kMostProcesses);
+    if (parts.size() != 2 || !count || (!decides && !kind)) {
       throw InputError(
           kCommandLine, "--processes", entry,
-          fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}", kMostProcesses));
+          fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}, scheduler=N from 1 to {}",
+                      kMostProcesses, world::kMostSchedulers));
     }
+    (decides ? options->schedulers : options->processes[*kind]) = static_cast<int>(*count);
   }
-  return processes;
 }
 
 std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& entries) {
@@ -59,8 +57,9 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
     const std::size_t equals = std::min(entry.find('='), entry.size());
     const std::string role = entry.substr(0, equals);
     const std::string file = entry.substr(std::min(equals + 1, entry.size()));
-    if (std::find(std::begin(kRoles), std::end(kRoles), role) == std::end(kRoles) ||
-        !fs::is_regular_file(file) || access(file.c_str(), X_OK) != 0) {
+    const bool is_known = process_name::IsOneOfSchedulers(role) ||
+                          std::find(std::begin(kRoles), std::end(kRoles), role) != std::end(kRoles);
+    if (!is_known || !fs::is_regular_file(file) || access(file.c_str(), X_OK) != 0) {
       throw InputError(kCommandLine, "--program", entry,
                        "ROLE=FILE: world, uav, worker, vehicle or scheduler, and a program");
     }
@@ -75,7 +74,9 @@ void AddLaunchOptions(Options* options) {
   AddRateOption(options);
   options
       ->Add("processes", "CLASS=N,...",
-            "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them")
+            "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them. "
+            "scheduler=3: three decide, and one that dies is not missed "
+            "(docs/reference/schedulers.md)")
       .List();
   options
       ->Add("program", "ROLE=FILE,...",
@@ -119,6 +120,29 @@ void AddLaunchOptions(Options* options) {
   options->Add("tiles", "FILE", "With --live: base map, an MBTiles or PMTiles file");
   options->Flag("control",
                 "With --live: everyone who opens the printed address may also give orders there");
+}
+
+/// Several schedulers must decide alike.
+void CheckSchedulers(const LaunchOptions& options) {
+  for (const auto& [name, program] : options.programs) {
+    if (!process_name::IsOneOfSchedulers(name)) continue;
+    if (!world::SchedulerNames(options.schedulers).contains(name)) {
+      throw InputError(kCommandLine, "--program", name,
+                       "a process of the mission (--processes scheduler=N)");
+    }
+  }
+  if (options.schedulers == 1) return;
+  const std::string several = fmt::format("scheduler={}", options.schedulers);
+  if (options.deadline_ms) {
+    throw InputError(kCommandLine, "--processes", several,
+                     "no --deadline with it: what is decided by the clock differs from one "
+                     "scheduler to the other");
+  }
+  if (options.policy.starts_with("external:")) {
+    throw InputError(kCommandLine, "--processes", several,
+                     "no external policy with it: its answer may come too late at one scheduler "
+                     "and in time at the other");
+  }
 }
 
 std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {
@@ -210,7 +234,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   arguments->Read("deadline", &options.deadline_ms);
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);
-  options.processes = ReadProcesses(arguments->All("processes"));
+  ReadProcesses(arguments->All("processes"), &options);
+  CheckSchedulers(options);
   if (arguments->Has("lcm-url")) {
     options.lcm_url = arguments->Get("lcm-url");
     ParseMulticastUrl(options.lcm_url);
@@ -284,7 +309,8 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   std::vector<ProcessPlan> plans;
   const auto add = [&](const std::string& name, const std::string& role,
                        std::vector<std::string> arguments) {
-    const auto own = options.programs.find(role);
+    const auto named = options.programs.find(name);
+    const auto own = named == options.programs.end() ? options.programs.find(role) : named;
     const std::string program = own == options.programs.end() ? "muster-" + role : own->second;
     arguments.insert(arguments.end(), {"--name", name, "--lcm-url", mission.lcm_url, "--run-id",
                                        fmt::to_string(mission.run_id)});
@@ -306,6 +332,9 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   if (options.on_loss != "wait") {
     world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",
                                fmt::to_string(options.lost_after_s)});
+  }
+  if (options.schedulers > 1) {
+    world.insert(world.end(), {"--schedulers", fmt::to_string(options.schedulers)});
   }
   for (std::string& option : WorldOptionsOf(options.faults)) world.push_back(std::move(option));
   if (!mission.orders_file.empty()) {
@@ -334,7 +363,9 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
   if (options.deadline_ms) {
     scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
   }
-  add(process_name::kScheduler, process_name::kScheduler, std::move(scheduler));
+  for (const std::string& name : world::SchedulerNames(options.schedulers)) {
+    add(name, process_name::kScheduler, scheduler);
+  }
   return plans;
 }
 

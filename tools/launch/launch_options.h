@@ -27,7 +27,9 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::string rate;                   ///< as muster-world takes it
   std::optional<double> deadline_ms;  ///< of each decision
   std::map<AgentKind, int> processes;
-  /// Your own in place of muster-ROLE, absolute; by role: world, uav, worker, vehicle, scheduler.
+  int schedulers = 1;
+  /// Your own in place of muster-ROLE, absolute; by role (world, uav, worker, vehicle, scheduler)
+  /// or by name, such as scheduler-2.
   std::map<std::string, std::string> programs;
   std::vector<DriverPlan> drivers;
   Logger logger = Logger::kMuster;

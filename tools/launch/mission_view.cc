@@ -34,7 +34,8 @@ void MissionView::Add(const Packet& packet) {
     const auto status = DecodeValid<process_status_t>(packet.bytes);
     if (!status) return;
     ProcessState& state = states_[status->header.sender];
-    state = std::max(state, static_cast<ProcessState>(status->state));
+    const auto said = static_cast<ProcessState>(status->state);
+    state = std::max(state, said == ProcessState::kDeciding ? ProcessState::kRunning : said);
   }
 }
 

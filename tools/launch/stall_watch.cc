@@ -49,7 +49,13 @@ void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
   if (IsReports(name)) {
     peer.role = Role::kAgents;
     peer.answered_us = std::max(peer.answered_us, header->sim_us);
-  } else if (name == channel::kSchedule) {
+  } else if (name == channel::kProcess) {
+    const auto status = DecodeValid<process_status_t>(packet.bytes);
+    const bool decides = status && status->state == ProcessState::kDeciding;
+    if (!decides) peer.decides_us = -1;
+    if (decides && peer.decides_us < 0) peer.decides_us = now_us;
+  } else if (process_name::IsScheduler(header->sender) &&
+             (name == channel::kSchedule || name == channel::kProposal)) {
     peer.role = Role::kScheduler;
     peer.answered_us = std::max(peer.answered_us, header->sim_us);
   } else if (name == channel::kClock) {
@@ -105,10 +111,14 @@ std::optional<std::string> StallWatch::Line(TimeUs now_us) {
   std::string whom;
   for (const std::string& name : Missing()) {
     const auto peer = peers_.find(name);
-    whom += (whom.empty() ? "" : ", ") + name;
-    whom += peer == peers_.end()
-                ? " (never heard)"
-                : fmt::format(" (silent for {:.0f} s)", ToSeconds(now_us - peer->second.heard_us));
+    const auto how = [&]() -> std::string {
+      if (peer == peers_.end()) return "never heard";
+      const Peer& known = peer->second;
+      const bool decides = known.decides_us >= 0;
+      return fmt::format("{} for {:.0f} s", decides ? "deciding" : "silent",
+                         ToSeconds(now_us - (decides ? known.decides_us : known.heard_us)));
+    };
+    whom += fmt::format("{}{} ({})", whom.empty() ? "" : ", ", name, how());
   }
   return fmt::format("the mission has stood at {:.1f} min for {:.0f} s: it waits for {}",
                      ToMinutes(clock_us_), ToSeconds(stands_us),

@@ -53,6 +53,7 @@ class StallWatch {
     Role role = Role::kUnknown;
     TimeUs answered_us = -1;  ///< mission time of its newest states or schedule
     TimeUs heard_us = -1;     ///< monotonic
+    TimeUs decides_us = -1;   ///< monotonic, since when it says that it is deciding; -1: it is not
   };
 
   std::vector<std::string> processes_;

@@ -28,6 +28,15 @@ std::string Range(const char* what, std::int64_t first, std::int64_t last) {
                        : fmt::format("{} {} to {}", what, first, last);
 }
 
+/// How often that happened, and the detail of the first time.
+std::pair<std::size_t, std::string> TimesOf(const RunRecord& record, EventKind kind) {
+  std::pair<std::size_t, std::string> times;
+  for (const event_t& event : record.events()) {
+    if (event.kind == kind && ++times.first == 1) times.second = Printable(event.detail);
+  }
+  return times;
+}
+
 std::string LogLine(const RunRecord& record) {
   const RunRecord::Completeness log = record.CheckComplete();
   if (log.complete) return fmt::format("complete, {} messages", record.counts().messages);
@@ -166,16 +175,14 @@ std::string Summary(const RunRecord& record) {
                                scenario.decisions(), weight,
                                std::isnan(bound) ? "" : fmt::format(" (bound {:.6g})", bound)));
   if (scenario.separation() != nullptr) row("separation", SeparationLine(record));
-  std::size_t refused = 0;
-  std::string first_refused;
-  for (const event_t& event : record.events()) {
-    if (event.kind == EventKind::kAnswerRefused && ++refused == 1) {
-      first_refused = Printable(event.detail);
-    }
-  }
+  const auto [refused, first_refused] = TimesOf(record, EventKind::kAnswerRefused);
   if (refused > 0) {
     row("refused",
         fmt::format("{} answers of the outside scheduler, first: {}", refused, first_refused));
+  }
+  const auto [disputes, first_dispute] = TimesOf(record, EventKind::kDecisionsDiffer);
+  if (disputes > 0) {
+    row("disputes", fmt::format("{} among the schedulers, first: {}", disputes, first_dispute));
   }
   if (const std::string lost = LostLine(record); !lost.empty()) row("lost", lost);
   row("decision time", fmt::format("median {}, max {}", Times(time.median_s), Times(time.max_s)));

@@ -223,7 +223,8 @@ ordered_json Words() {
   return {{"agents", kNames<AgentKind>},
           {"statuses", kNames<AgentStatus>},
           {"tasks", kNames<TaskStatus>},
-          {"actions", kNames<ActionKind>}};
+          {"actions", kNames<ActionKind>},
+          {"processes", kNames<ProcessState>}};
 }
 
 ordered_json Numbers(const RunRecord& record) {

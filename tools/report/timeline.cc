@@ -305,20 +305,24 @@ void Timeline::TakeWorld(const world_state_t& world, std::int64_t now_us) {
 
 void Timeline::TakeProcess(const process_status_t& status) {
   Growing<ProcessSample>& samples = processes_[status.name];
-  const ProcessSample sample{Ms(status.header.sim_us),
-                             status.header.wall_us,
-                             status.header.boot_id,
-                             status.received,
-                             status.lost,
-                             status.rejected,
-                             status.resent,
-                             status.cpu_s,
-                             status.rss_bytes,
-                             status.state};
+  ProcessSample sample{Ms(status.header.sim_us),
+                       status.header.wall_us,
+                       status.header.boot_id,
+                       status.received,
+                       status.lost,
+                       status.rejected,
+                       status.resent,
+                       status.cpu_s,
+                       status.rss_bytes,
+                       status.state,
+                       status.header.wall_us};
   auto& rows = samples.rows;
   if (!rows.empty() && std::tie(sample.boot_id, sample.wall_us, sample.t_ms) <
                            std::tie(rows.back().boot_id, rows.back().wall_us, rows.back().t_ms)) {
     return;  // said again, late
+  }
+  if (!rows.empty() && rows.back().boot_id == sample.boot_id && rows.back().state == sample.state) {
+    sample.since_wall_us = rows.back().since_wall_us;
   }
   // The newest always stays; of the rest, every so many-th.
   std::size_t& every = sample_every_.try_emplace(status.name, 1).first->second;

@@ -116,7 +116,8 @@ class Timeline {
     std::int64_t received = 0, lost = 0, rejected = 0, resent = 0;
     double cpu_s = 0;
     std::int64_t rss_bytes = 0;
-    int state = 0;  ///< ProcessState
+    int state = 0;                   ///< ProcessState
+    std::int64_t since_wall_us = 0;  ///< since when it is in that state
   };
   /// How high a UAV flies from its first time on, until its next plan.
   struct Height {

@@ -68,12 +68,14 @@ MissionResult SimulateFast(const Scenario& scenario, const std::string& policy,
 /// In virtual time.
 MissionResult SimulateFaults(const Scenario& scenario, const std::string& policy,
                              const std::vector<world::PlannedOrder>& orders,
-                             const FaultOptions& faults, std::uint64_t fault_seed, LogFiles* log) {
+                             const FaultOptions& faults, int schedulers, std::uint64_t fault_seed,
+                             LogFiles* log) {
   const StopSignals stop;
   VirtualMission mission;
   mission.scenario = scenario;
   mission.policy = policy;
   mission.orders = orders;
+  mission.schedulers = schedulers;
   mission.faults = faults.faults;
   mission.goes_on = faults.goes_on();
   mission.lost_after_us = ToUs(faults.lost_after_s);
@@ -105,6 +107,11 @@ int SimulateCommand(int argc, const char* const* argv) {
       .Add("fault-seed", "N",
            "Seed of what becomes of packets, and of how long they travel (default: the scenario's)")
       .Seed();
+  parser
+      .Add("schedulers", "N",
+           "How many schedulers decide, in virtual time (docs/reference/schedulers.md)")
+      .Integer(1, world::kMostSchedulers)
+      .Default(1);
   const auto arguments = parser.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const MissionOptions options = ReadMissionOptions(*arguments);
@@ -115,7 +122,8 @@ int SimulateCommand(int argc, const char* const* argv) {
   std::vector<world::PlannedOrder> orders;
   const Scenario scenario = ResolveScenario(options, &orders);
   std::vector<std::string> names = {process_name::kRecorder};
-  for (const std::string& name : simulation::ProcessNames()) names.push_back(name);
+  const int schedulers = arguments->Get<int>("schedulers");
+  for (const std::string& name : simulation::ProcessNames(schedulers)) names.push_back(name);
   CheckFaultPlan(&faults.faults, names, scenario, faults.goes_on());
   std::optional<RunDirectory> directory;
   if (!options.out.empty()) directory = RunDirectory::Take(options.out);
@@ -126,10 +134,11 @@ int SimulateCommand(int argc, const char* const* argv) {
   std::optional<std::uint64_t> fault_seed;
   arguments->Read("fault-seed", &fault_seed);
   const bool is_virtual =
-      fault_seed || faults.drop > 0 || !faults.faults.empty() || faults.goes_on();
-  const MissionResult result = is_virtual ? SimulateFaults(scenario, options.policy, orders, faults,
-                                                           fault_seed.value_or(scenario.seed), to)
-                                          : SimulateFast(scenario, options.policy, orders, to);
+      fault_seed || faults.drop > 0 || !faults.faults.empty() || faults.goes_on() || schedulers > 1;
+  const MissionResult result =
+      is_virtual ? SimulateFaults(scenario, options.policy, orders, faults, schedulers,
+                                  fault_seed.value_or(scenario.seed), to)
+                 : SimulateFast(scenario, options.policy, orders, to);
   if (log) log->Flush();
   PrintProblems(result);
   if (directory) {

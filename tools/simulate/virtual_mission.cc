@@ -114,6 +114,7 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.policy = mission.policy;
   settings_.world.recorded = true;
   settings_.world.goes_on = mission.goes_on;
+  settings_.world.schedulers = mission.schedulers;
   settings_.world.lost_after_us = mission.lost_after_us;
   settings_.world.faults = WorldFaultsIn(mission.faults);
   settings_.world.orders = mission.orders;
@@ -131,7 +132,7 @@ int VirtualHost::stops_asked() const {
 }
 
 std::uint64_t VirtualHost::SeedOf(const std::string& name) const {
-  const auto& names = ProcessNames();
+  const std::vector<std::string> names = ProcessNames(mission_.schedulers);
   const auto place = std::find(names.begin(), names.end(), name) - names.begin();
   return mission_.fault_seed + static_cast<std::uint64_t>(place);
 }
@@ -232,7 +233,7 @@ MissionResult RunVirtualMission(const VirtualMission& mission) {
   // What it has not written when it dies is lost: the harder of the two for everybody else.
   plan.logger = Logger::kLcm;
   plan.scenario = mission.scenario;
-  plan.processes = ProcessNames();
+  plan.processes = ProcessNames(mission.schedulers);
   plan.restarts = mission.restarts;
   plan.faults = mission.faults;
   plan.goes_on = mission.goes_on;

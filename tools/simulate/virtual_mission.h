@@ -16,6 +16,7 @@ struct VirtualMission {
   std::string policy;
   FaultPlan faults = {};  ///< checked
   std::vector<world::PlannedOrder> orders = {};
+  int schedulers = 1;
   bool goes_on = false;  ///< without agent processes and scheduler when they are lost
   TimeUs lost_after_us = 5 * kSecondUs;
   RestartPolicy restarts = {};

@@ -61,6 +61,19 @@ std::map<std::string, std::int64_t> InForce(const Timeline& timeline) {
   return since;
 }
 
+/// What schedulers of the mission do not agree on.
+void AddDisputes(const Timeline& timeline, Kind* differ) {
+  std::size_t n = 0;
+  const event_t* newest = nullptr;
+  for (const event_t& event : timeline.events().rows) {
+    if (event.kind != EventKind::kDecisionsDiffer) continue;
+    ++n;
+    newest = &event;
+  }
+  if (newest != nullptr)
+    differ->Add(n == 1 ? "once" : fmt::format("{} times", n), newest->detail, 0);
+}
+
 /// The newest sensing of each task, by task.
 std::map<std::int32_t, const activity_t*> LatestSensing(const Timeline& timeline) {
   std::map<std::int32_t, const activity_t*> latest;
@@ -166,12 +179,13 @@ std::optional<AgentTrouble> TroubleOf(AgentKind kind, AgentStatus status, TimeUs
 std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::string>& silent) {
   const Scenario& scenario = timeline.scenario();
   const std::int64_t now_ms = timeline.now_ms();
-  Kind processes("processes silent", true), faults("faults in force", true),
-      failed("agents failed", true), stranded("cannot reach a charging point", true),
-      at_risk("tasks at risk", true),
+  Kind processes("processes silent", true), differ("schedulers disagree", true),
+      faults("faults in force", true), failed("agents failed", true),
+      stranded("cannot reach a charging point", true), at_risk("tasks at risk", true),
       tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
       waiting("waiting for a partner", false), low("low range", false);
   for (const std::string& name : silent) processes.Add(name, "", 0);
+  AddDisputes(timeline, &differ);
   for (const auto& [id, since_ms] : InForce(timeline)) {
     if (timeline.ended()) break;
     const auto fault = timeline.faults().find(id);
@@ -201,7 +215,8 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
   }
   AddTasks(timeline, &at_risk, &tasks);
   std::vector<Concern> all;
-  for (Kind* kind : {&processes, &faults, &failed, &stranded, &at_risk, &tasks, &waiting, &low}) {
+  for (Kind* kind :
+       {&processes, &differ, &faults, &failed, &stranded, &at_risk, &tasks, &waiting, &low}) {
     kind->MoveTo(&all);
   }
   return all;

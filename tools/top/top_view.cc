@@ -165,6 +165,9 @@ std::vector<TopView::ProcessRow> TopView::Processes(std::int64_t now_us) const {
     row.rate = RateOf(traffic, now_us);
     row.late = row.age_s > kLateS && row.last->state != ProcessState::kEnded;
     row.state = row.late ? "silent" : ToString<ProcessState>(row.last->state);
+    if (!row.late && row.last->state == ProcessState::kDeciding) {
+      row.decides_s = std::max(0.0, ToSeconds(now_us - row.last->since_wall_us));
+    }
     processes.push_back(std::move(row));
   }
   return processes;
@@ -198,22 +201,24 @@ void TopView::AddAttention(std::int64_t now_us, std::vector<Line>* lines) const 
 }
 
 void TopView::AddProcesses(std::int64_t now_us, std::vector<Line>* lines) const {
-  constexpr const char* kRow = "{:<14}{:<10}{:>6}{:>7}{:>8}{:>9}{:>7}{:>9}{:>8}{:>7}{:>6}{:>9}";
+  constexpr const char* kRow = "{:<14}{:<16}{:>6}{:>7}{:>8}{:>9}{:>7}{:>9}{:>8}{:>7}{:>6}{:>9}";
   lines->push_back({fmt::format(kRow, "PROCESS", "state", "age", "msg/s", "kB/s", "received",
                                 "lost", "rejected", "resent", "starts", "CPU %", "memory"),
                     Look::kHead});
   for (const ProcessRow& row : Processes(now_us)) {
     const Timeline::ProcessSample& now = *row.last;
+    const std::string state = row.decides_s < 0
+                                  ? std::string(row.state)
+                                  : fmt::format("{} {:.1f} s", row.state, row.decides_s);
     const std::string cpu = row.cpu_frac < 0 ? "-" : fmt::format("{:.0f}", 100 * row.cpu_frac);
     const std::string memory =
         now.rss_bytes <= 0 ? "-"
                            : fmt::format("{:.1f} MB", static_cast<double>(now.rss_bytes) / 1e6);
     lines->push_back(
-        {fmt::format(kRow, Ascii(row.name), row.state, Age(row.age_s),
-                     fmt::format("{:.0f}", row.rate.messages),
-                     fmt::format("{:.1f}", row.rate.bytes / 1000), Amount(now.received),
-                     Amount(now.lost), Amount(now.rejected), Amount(now.resent), now.boot_id + 1,
-                     cpu, memory),
+        {fmt::format(
+             kRow, Ascii(row.name), state, Age(row.age_s), fmt::format("{:.0f}", row.rate.messages),
+             fmt::format("{:.1f}", row.rate.bytes / 1000), Amount(now.received), Amount(now.lost),
+             Amount(now.rejected), Amount(now.resent), now.boot_id + 1, cpu, memory),
          row.late || now.state == ProcessState::kDegraded ? Look::kBad : Look::kPlain});
   }
 }

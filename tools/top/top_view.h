@@ -54,7 +54,8 @@ class TopView {
   struct ProcessRow {
     std::string name;
     std::string_view state;
-    double age_s = -1;  // of its newest message; -1: none
+    double decides_s = -1;  // for how long it says that it is deciding; -1: it is not
+    double age_s = -1;      // of its newest message; -1: none
     bool late = false;
     Rate rate;
     double cpu_frac = -1;  // of one core since its last status; -1: not known

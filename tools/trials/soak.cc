@@ -86,8 +86,12 @@ VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
   mission.lost_after_us = kLostAfterUs;
   mission.drop = settings.drop;
   mission.fault_seed = seed;
+  // A draw of its own: with more to draw, the missions stay what they were.
+  mission.schedulers =
+      settings.schedulers.value_or(1 + static_cast<int>(Random(seed, Stream::kSoak, 1).Below(3)));
   RandomPlanSettings plan;
   plan.seed = seed;
+  plan.schedulers = mission.schedulers;
   plan.rate_per_hour = settings.rate_per_hour;
   plan.kinds = AllSurvivableKinds();
   // An agent that has failed by chance, or whose range has ended, cannot fail by a fault.

@@ -18,6 +18,7 @@ struct SoakSettings {
   std::string policy;                       ///< "": drawn among quick ones
   double rate_per_hour = 6;                 ///< faults per mission hour, on average
   double drop = 0;                          ///< share of received packets that each process drops
+  std::optional<int> schedulers;            ///< none: drawn, one to three
   std::optional<bool> goes_on;              ///< none: every other mission
 };
 

@@ -45,6 +45,8 @@ void AddSoakOptions(Options* options) {
             "When a process is lost: wait for it, continue without it, or both in turn")
       .OneOf({"wait", "continue", "both"})
       .Default("both");
+  options->Add("schedulers", "N", "How many decide (default: drawn, one to three)")
+      .Integer(1, world::kMostSchedulers);
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);
   options->Out("DIR", "Where scenario and plan of the first that fails go, new or empty");
@@ -79,7 +81,9 @@ std::optional<SoakOptions> ParseSoakOptions(int argc, const char* const* argv) {
   const std::string on_loss = arguments->Get("on-loss");
   if (on_loss != "both") settings.goes_on = on_loss == "continue";
   settings.drop = arguments->Get<double>("drop");
-  for (const char* name : {"scenario", "preset", "policy", "rate", "on-loss", "drop"}) {
+  if (arguments->Has("schedulers")) settings.schedulers = arguments->Get<int>("schedulers");
+  for (const char* name :
+       {"scenario", "preset", "policy", "rate", "on-loss", "schedulers", "drop"}) {
     if (arguments->Has(name)) {
       options.as_given += fmt::format(" --{} {}", name, arguments->Get(name));
     }
@@ -97,9 +101,9 @@ std::string WriteMission(const VirtualMission& mission, const RunDirectory& dire
   directory.Write("plan.json", ToJson(mission.faults));
   return fmt::format(
       "muster simulate {0}/scenario.json --faults {0}/plan.json --policy {1} --fault-seed {2} "
-      "--on-loss {3} --lost-after {4}{5} --out {0}/run --log",
+      "--on-loss {3} --lost-after {4} --schedulers {5}{6} --out {0}/run --log",
       directory.path(), mission.policy, mission.fault_seed, mission.goes_on ? "continue" : "wait",
-      ToSeconds(mission.lost_after_us),
+      ToSeconds(mission.lost_after_us), mission.schedulers,
       mission.drop > 0 ? fmt::format(" --drop {}", mission.drop) : "");
 }
 

@@ -190,6 +190,39 @@ TEST(PlanProcesses, TheSchedulerIsToldItsDeadline) {
   EXPECT_EQ(ValueOf(scheduler(Parse({"a.json"})), "--deadline"), "");
 }
 
+TEST(PlanProcesses, SeveralSchedulersAreNumberedAndTheWorldIsTold) {
+  const std::vector<ProcessPlan> plans = PlanProcesses(
+      Parse({"a.json", "--processes", "scheduler=3,uav=2", "--program", "scheduler-2=/bin/true"}),
+      ScenarioWith(3, 3, 1), {"run/scenario.json", "udpm://239.255.76.67:7000", 42});
+  ASSERT_EQ(plans.size(), 8U);
+  EXPECT_EQ(ValueOf(plans[0], "--schedulers"), "3");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const ProcessPlan& plan = plans[5 + i];
+    EXPECT_EQ(plan.name, "scheduler-" + std::to_string(i + 1));
+    EXPECT_EQ(plan.program, i == 1 ? "/bin/true" : "muster-scheduler");
+    EXPECT_EQ(ValueOf(plan, "--policy"), "rollout-steps");
+  }
+}
+
+TEST(LaunchOptions, SeveralSchedulersMustDecideAlike) {
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  for (const char* bad : {"scheduler=0", "scheduler=10", "scheduler=", "scheduler", "world=2"}) {
+    EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", bad}), "scheduler=N from 1 to 9")) << bad;
+  }
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=2", "--deadline", "50"}),
+                  "found scheduler=2, expected no --deadline with it"));
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=2", "--policy", "external:true"}),
+                  "expected no external policy with it"));
+  for (const char* name : {"scheduler-1=/bin/true", "scheduler-4=/bin/true"}) {
+    const char* n = name[10] == '1' ? "scheduler=1" : "scheduler=3";
+    EXPECT_TRUE(
+        has(ErrorOf({"s.json", "--processes", n, "--program", name}), "a process of the mission"))
+        << name;
+  }
+}
+
 TEST(PlanProcesses, OneProcessAClassByDefault) {
   const std::vector<ProcessPlan> plans =
       PlanProcesses(Parse({"a.json", "--policy", "ils", "--rate", "60"}), ScenarioWith(3, 3, 1),

@@ -63,7 +63,7 @@ TEST(Manifest, NamesScenarioHashAndTypes) {
   EXPECT_EQ(manifest["scenario"]["sha256"],
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(manifest["start"], "2023-11-14T22:13:20.123Z");
-  EXPECT_EQ(manifest["type_hashes"].size(), 18u);  // distinct types of the channel table
+  EXPECT_EQ(manifest["type_hashes"].size(), 19u);  // distinct types of the channel table
   EXPECT_FALSE(manifest["commit"].get<std::string>().empty());
 }
 

@@ -63,6 +63,34 @@ TEST(StallWatch, NamesWhoIsMissingAndSaysWhenItGoesOn) {
   EXPECT_FALSE(watch.Line(now_us + 7 * kSecondUs));
 }
 
+Packet InState(const char* name, ProcessState state) {
+  process_status_t status{};
+  status.header.sender = status.name = name;
+  status.state = static_cast<std::int8_t>(state);
+  return {std::string(channel::kProcess), Encode(status)};
+}
+
+TEST(StallWatch, SaysWhoIsDecidingAndForHowLong) {
+  StallWatch watch({"world", "uav", "scheduler-1", "scheduler-2"}, kMinuteUs, 0);
+  watch.OnHeard(Clock(0, 0), 0);
+  watch.OnHeard(States("uav", 0), 0);
+  for (const char* name : {"scheduler-1", "scheduler-2"}) {
+    proposal_t proposal{};
+    proposal.header.sender = name;
+    watch.OnHeard({std::string(channel::kProposal), Encode(proposal)}, 0);
+  }
+  watch.OnHeard(Clock(kMinuteUs, 1), kSecondUs);
+  watch.OnHeard(States("uav", kMinuteUs), kSecondUs);
+  for (TimeUs t = 2 * kSecondUs; t < 5 * kSecondUs; t += kSecondUs) {
+    watch.OnHeard(InState("scheduler-2", ProcessState::kDeciding), t);
+  }
+  EXPECT_EQ(watch.Line(6 * kSecondUs),
+            "the mission has stood at 1.0 min for 5 s: it waits for scheduler-1 (silent for 6 s), "
+            "scheduler-2 (deciding for 4 s)");
+  watch.OnHeard(InState("scheduler-2", ProcessState::kRunning), 6 * kSecondUs);
+  EXPECT_NE(watch.Line(12 * kSecondUs)->find("scheduler-2 (silent for 6 s)"), std::string::npos);
+}
+
 TEST(StallWatch, GivesAPacedMissionItsTicks) {
   StallWatch watch({"world", "uav"}, 30 * kSecondUs, 1);
   watch.OnHeard(Clock(0, -1), 0);

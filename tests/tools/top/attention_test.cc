@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/sha256.h"
+#include "lcmtypes/channels.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/report/mission_feed.h"
 #include "tools/top/top_view.h"
@@ -159,6 +160,20 @@ TEST(Attention, TroublesAreThoseOfTheCasesThatThePageHasToo) {
     ++troubles;
   }
   EXPECT_GT(troubles, 7u);
+}
+
+TEST(Attention, TellsOfSchedulersThatDisagree) {
+  FakeLog log = MakeFakeMission();
+  event_t event{};
+  event.header.run_id = 7;
+  event.header.sender = "world";
+  event.kind = NumberOf(EventKind::kDecisionsDiffer);
+  event.uav_id = event.worker_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+  event.detail = "decision 0: scheduler-1 ...";
+  log.push_back({std::string(channel::kEvent), event});
+  Renumber(&log);
+  EXPECT_EQ(Told(log),
+            std::vector<std::string>{"schedulers disagree: once decision 0: scheduler-1 ..."});
 }
 
 TEST(Attention, AHeldTaskOfAMissionThatEndedIsNotDone) {

@@ -15,6 +15,7 @@ const SILENT_MS = 5000;
 export const KINDS = [
   { id: "process", title: "Processes lost", mark: "!" },
   { id: "log", title: "Log behind", mark: "!" },
+  { id: "differ", title: "Schedulers disagree", mark: "!" },
   { id: "fault", title: "Faults in force", mark: "!" },
   { id: "failed", title: "Agents failed", mark: "×" },
   { id: "stranded", title: "Cannot reach a charging point", mark: "×" },
@@ -143,6 +144,10 @@ export function attentionAt(run, t, silentMs = 0) {
     if (band.kind === "agent" || band.from > t || !lasts) continue;
     const kind = band.kind === "process" ? "process" : "fault";
     found.push({ kind, item: null, t: band.from, harm: -band.from, text: band.label.replace(/^lost: /, ""), note: `since ${clockText(band.from)}` });
+  }
+  const disputes = run.events.filter((event) => event.kind === "decisions_differ" && event.t <= t);
+  if (disputes.length > 0) {
+    found.push({ kind: "differ", item: null, harm: 0, t: disputes.at(-1).t, text: disputes.length === 1 ? "once" : `${number(disputes.length)} times`, note: disputes.at(-1).detail });
   }
   if (silentMs > SILENT_MS && !run.ended) {
     found.push({ kind: "log", item: null, harm: 0, text: `nothing heard for ${number(silentMs / 1000)} s`, note: "" });

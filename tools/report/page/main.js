@@ -5,7 +5,7 @@ import { Clock } from "./clock.js";
 import { Control } from "./control.js";
 import { embeddedRuns, follow, liveAddress } from "./data.js";
 import { Differences } from "./differences.js";
-import { byId } from "./dom.js";
+import { byId, number } from "./dom.js";
 import { Gantt } from "./gantt.js";
 import { Header } from "./header.js";
 import { bindKeys } from "./keys.js";
@@ -18,6 +18,7 @@ import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
 import { Search } from "./search.js";
 import { State } from "./state.js";
+import { decidingMs } from "./run.js";
 import { watchTheme } from "./theme.js";
 import { timeText } from "./time.js";
 import { Transport } from "./transport.js";
@@ -97,10 +98,16 @@ function show({ tMs, sel, run, look, off }) {
   else state.select(null);
 }
 
-function showLive(text) {
+function showLive(how, text = "") {
   byId("live-state").hidden = false;
-  byId("live-state").textContent = text;
-  byId("live-state").dataset.state = text;
+  byId("live-state").textContent = text || how;
+  byId("live-state").dataset.state = how;
+}
+
+/** "deciding for 3.2 s", where a scheduler says so; else "". */
+function decidingText(run) {
+  const ms = run.ended ? 0 : Math.max(0, ...[...run.processes.values()].map(decidingMs));
+  return ms > 0 ? `deciding for ${number(ms / 1000, 1)} s` : "";
 }
 
 /** The style sheet asks how high the bars above and below are: texts in them may need a line more. */
@@ -130,7 +137,7 @@ async function start() {
       document.title = `${run.name} – Muster`;
       state.emit(isNew ? "run" : "data");
       if (!link) (link = new Link(state, clock, show)).start();
-      showLive(run.ended ? "ended" : "live");
+      showLive(run.ended ? "ended" : "live", decidingText(run));
     }, showLive);
   }
   // Once the bars have their texts and everything its size.

@@ -1,7 +1,7 @@
 import { inTheAir, nearestPairs } from "./air.js";
 import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
-import { KIND_NAMES, actionsOf, decisionAt, doneAt, statusAt, who } from "./run.js";
+import { KIND_NAMES, actionsOf, decidingMs, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { flownAt, waitedMs } from "./story.js";
 import { TaskTable } from "./tasks.js";
 import { clockText, rowAt } from "./time.js";
@@ -185,9 +185,9 @@ export class Panels {
   }
 
   #processes(run) {
-    const head = ["process", "#received", "#lost", "#rejected", "#sent again", "#restarts", "#CPU", "#memory"];
+    const head = ["process", "state", "#received", "#lost", "#rejected", "#sent again", "#restarts", "#CPU", "#memory"];
     const list = run.report && (run.ended || !this.state.live) ? run.report.processes : latestProcesses(run);
-    return [table(head, list.map((p) => element("tr", {}, ...cells([p.name, number(p.received), number(p.lost), number(p.rejected),
+    return [table(head, list.map((p) => element("tr", {}, ...cells([p.name, p.state ?? (p.ended ? "ended" : "–"), number(p.received), number(p.lost), number(p.rejected),
       number(p.resent), p.restarts, p.cpu_s > 0 ? duration(p.cpu_s) : "–", p.rss_bytes > 0 ? bytes(p.rss_bytes) : "–"], head))))];
   }
 
@@ -225,8 +225,10 @@ export class Panels {
 /** The newest counters of each process of a live run. */
 function latestProcesses(run) {
   return [...run.processes].map(([name, rows]) => {
-    const [, , start, received, lost, rejected, resent, cpu, rss] = rows.slice(-10);
-    return { name, received, lost, rejected, resent, restarts: start, cpu_s: cpu, rss_bytes: rss };
+    const [, , start, received, lost, rejected, resent, cpu, rss, state] = rows.slice(-10);
+    const ms = decidingMs(rows);
+    const word = run.words.processes[state];
+    return { name, state: ms > 0 ? `${word} for ${number(ms / 1000, 1)} s` : word, received, lost, rejected, resent, restarts: start, cpu_s: cpu, rss_bytes: rss };
   });
 }
 

@@ -2,7 +2,7 @@ import { Altitudes } from "./air.js";
 import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
-import { CANCELLED, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
+import { CANCELLED, DECIDING, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
 
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
 
@@ -20,7 +20,7 @@ export class Run {
   constructor() {
     this.name = "";
     this.scenario = null;
-    this.words = null; // names of the wire's numbers: agents, statuses, tasks, actions
+    this.words = null; // names of the wire's numbers: agents, statuses, tasks, actions, processes
     this.report = null;
     this.nowMs = 0;
     this.epochMs = 0;
@@ -260,6 +260,15 @@ function sumBus(run) {
     for (const what of ["lost", "rejected", "resent"]) out[what][out.t.length - 1] = total[what];
   }
   return out;
+}
+
+/** For how long a process has said that it is deciding; 0: it does not. */
+export function decidingMs(rows) {
+  const state = (i) => rows[i + SAMPLE - 1];
+  const last = rows.length - SAMPLE;
+  let first = last;
+  while (first >= 0 && state(first) === DECIDING) first -= SAMPLE;
+  return first === last ? 0 : rows[last + 1] - rows[first + SAMPLE + 1];
 }
 
 /**

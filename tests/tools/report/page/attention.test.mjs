@@ -2,14 +2,15 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
-import { Run, faultBands } from "../../../../tools/report/page/run.js";
+import { attentionAt, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
+import { Run, decidingMs, faultBands } from "../../../../tools/report/page/run.js";
 import { readWords } from "../../../../tools/report/page/words.js";
 
 const CLASSES = ["uav", "worker", "vehicle"];
 const STATUSES = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
 const TASKS = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
-readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [] });
+readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [],
+  processes: ["starting", "ready", "running", "degraded", "ended", "deciding"] });
 
 test("the trouble of an agent is that of the terminal", () => {
   const ms = (minutes) => minutes * 60_000;
@@ -45,4 +46,22 @@ test("the risk of a task is that of the terminal", () => {
     assert.equal(risk?.note, one.note, JSON.stringify(one));
     if (risk) assert.ok(Math.abs(risk.harm - one.harm) < 1e-9, JSON.stringify(one));
   }
+});
+
+test("a process that decides says for how long, until it has decided", () => {
+  const row = (wallMs, state) => [0, wallMs, 0, 0, 0, 0, 0, 0, 0, state];
+  assert.equal(decidingMs([]), 0);
+  assert.equal(decidingMs([...row(1000, 2), ...row(2000, 2)]), 0);
+  assert.equal(decidingMs([...row(1000, 5), ...row(2000, 2), ...row(3000, 5), ...row(3150, 5), ...row(6200, 5)]), 3200);
+  assert.equal(decidingMs([...row(3000, 5), ...row(6200, 5), ...row(6300, 2)]), 0);
+});
+
+test("schedulers that disagree need attention from then on, with their newest words", () => {
+  const run = new Run({});
+  Object.assign(run, { nowMs: 60000, tickMs: 30000, faults: [], agents: [], tasks: [] });
+  const event = (t, detail) => ({ t, kind: "decisions_differ", fault: "", detail, uav: -1, worker: -1, vehicle: -1 });
+  run.events = [event(0, "decision 0: one"), event(30000, "decision 1: two")];
+  const found = (t) => attentionAt(run, t).map(({ kind, text, note }) => [kind, text, note]);
+  assert.deepEqual(found(0), [["differ", "once", "decision 0: one"]]);
+  assert.deepEqual(found(45000), [["differ", "2 times", "decision 1: two"]]);
 });

@@ -1,4 +1,4 @@
-#include "scheduler/process/fusion.h"
+#include "scheduler/fusion.h"
 
 #include <gtest/gtest.h>
 
