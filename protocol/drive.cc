@@ -100,6 +100,16 @@ void Drive::Publish(const Now& now) {
 void Drive::MeetNamesake(const process_status_t& status, const Usage& own, const Now& now) {
   const header_t& header = status.header;
   const Identity& identity = process_->identity();
+  // Its host was cut off and taken for gone: another start has its place. Only the mission's key
+  // can say so, and two messages.
+  if (bus_->sealed() && header.run_id == identity.run_id && header.boot_id > identity.boot_id) {
+    if (later_seq_ >= 0 && later_seq_ != header.seq) {
+      refused_ = fmt::format("{} has been started again, pid {} on {}: this one, pid {}, ends",
+                             identity.name, status.pid, status.host, own.pid);
+    }
+    later_seq_ = header.seq;
+    return;
+  }
   if (header.run_id != identity.run_id || header.boot_id != identity.boot_id ||
       (status.pid == own.pid && status.host == own.host)) {
     return;

@@ -49,6 +49,7 @@ class Drive {
   TimeUs met_us_ = kNever;                 ///< answered a namesake at last
   std::optional<process_status_t> older_;  ///< what a namesake that is older has said
   std::string refused_;                    ///< why it is to end
+  std::int64_t later_seq_ = -1;            ///< a number of a later start of this process
   bool has_joined_ = false;                ///< has heard a clock
   TimeUs listens_until_us_ = 0;
   std::vector<Packet> held_;  ///< until then

@@ -50,12 +50,12 @@ void CatchStopSignals() {
 /// is appended to `kept`. A stop ends the program at once: nobody wants the result any more.
 class LongRun {
  public:
-  LongRun(Drive* drive, Bus* bus, std::function<Now()> clock)
-      : drive_(drive), bus_(bus), clock_(std::move(clock)) {}
+  LongRun(Drive* drive, Bus* bus, std::function<Now()> clock, Beside* beside)
+      : drive_(drive), bus_(bus), clock_(std::move(clock)), beside_(beside) {}
 
   void Run(const std::function<void()>& computation) {
-    beside_.Start(computation);
-    if (beside_.EndsWithin(kBeatUs)) return;
+    beside_->Start(computation);
+    if (beside_->EndsWithin(kBeatUs)) return;
     do {
       drive_->Beat(&kept_, clock_(), HostUsage);
     } while (!EndsBeforeBeat());
@@ -71,8 +71,8 @@ class LongRun {
       if (kept_.size() < kMostKept) {
         std::vector<Packet> arrived = bus_->Receive(kLookUs);
         std::move(arrived.begin(), arrived.end(), std::back_inserter(kept_));
-        if (beside_.EndsWithin(0)) return true;
-      } else if (beside_.EndsWithin(kLookUs)) {
+        if (beside_->EndsWithin(0)) return true;
+      } else if (beside_->EndsWithin(kLookUs)) {
         return true;
       }
     }
@@ -83,7 +83,7 @@ class LongRun {
   Bus* bus_;
   std::function<Now()> clock_;
   std::vector<Packet> kept_;
-  Beside beside_;
+  Beside* beside_;
 };
 
 }  // namespace
@@ -200,7 +200,10 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
     now.monotonic_us -= bus->outage_us();
     return now;
   };
-  LongRun long_run(&drive, bus, clock);
+  // To the end of the program: what a computation has started dies with its thread
+  // (PR_SET_PDEATHSIG).
+  static Beside beside;
+  LongRun long_run(&drive, bus, clock, &beside);
   process->set_run_long(
       [&long_run](const std::function<void()>& computation) { long_run.Run(computation); });
   std::vector<Packet> arrived;

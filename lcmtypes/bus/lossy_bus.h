@@ -53,6 +53,7 @@ class LossyBus : public Bus {
   /// From now on what is sent has a tag, and of what arrives only that comes through which has the
   /// right one. A network's faults come before: what they damage is refused.
   void SetSeal(Seal seal) { seal_ = seal; }
+  bool sealed() const { return seal_.has_value(); }
   /// Packets that came without the right tag.
   std::int64_t refused() const { return refused_; }
   /// The newest of them.

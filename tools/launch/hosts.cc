@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "base/check.h"
 #include "base/object_reader.h"
@@ -34,13 +35,14 @@ const std::vector<JsonValue>& List(const ObjectReader& object, std::string_view 
 }
 
 Host ReadHost(const ObjectReader& object) {
-  object.AllowOnly({"name", "ssh", "netns", "folder", "processes", "mbit_s"});
+  object.AllowOnly({"name", "ssh", "netns", "folder", "processes", "mbit_s", "standby"});
   Host host;
   static_cast<void>(object.Required("name", "a text"));
   host.name = Text(object, "name");
   host.ssh = Text(object, "ssh");
   host.netns = Text(object, "netns");
   host.folder = Text(object, "folder");
+  host.standby = Text(object, "standby");
   for (const JsonValue& process : List(object, "processes")) {
     if (process.type != JsonValue::Type::kString) {
       object.Fail("processes", process, "names of processes, such as uav or scheduler");
@@ -80,6 +82,19 @@ const Host* HostList::Of(std::string_view process) const {
     }
   }
   return nullptr;
+}
+
+void HostList::MoveToStandby(const std::string& name) {
+  const auto named = [this](const std::string& of) {
+    return std::find_if(hosts.begin(), hosts.end(),
+                        [&](const Host& host) { return host.name == of; });
+  };
+  const auto gone = named(name);
+  MUSTER_CHECK(gone != hosts.end(), "{}", name);
+  const auto standby = named(std::exchange(gone->standby, ""));
+  std::vector<std::string> processes = std::exchange(gone->processes, {});
+  if (standby == hosts.end()) return;  // here
+  std::move(processes.begin(), processes.end(), std::back_inserter(standby->processes));
 }
 
 HostList ParseHosts(std::string_view json, const std::string& file) {
@@ -122,6 +137,17 @@ void CheckHosts(const HostList& list, const std::string& file,
       }
     }
   }
+  for (const Host& host : list.hosts) {
+    const auto is_standby = [&](const Host& other) {
+      return other.name == host.standby && &other != &host;
+    };
+    if (host.standby.empty() || host.standby == kHere ||
+        std::any_of(list.hosts.begin(), list.hosts.end(), is_standby)) {
+      continue;
+    }
+    throw InputError(file, fmt::format("host {}: standby", host.name), host.standby,
+                     fmt::format("the name of another host, or {}", kHere));
+  }
   for (const PlannedFault& fault : faults) {
     const Host* host = list.Of(fault.target);
     if (RowOf(fault.kind).begin_signal == SIGSTOP && host != nullptr && !host->ssh.empty()) {
@@ -156,6 +182,7 @@ ChildSpec OnHost(const Host& host, ChildSpec spec) {
   spec.argv = {"/usr/bin/env", "ssh",
                "-o",           "BatchMode=yes",
                "-o",           "ServerAliveInterval=5",
+               "-o",           "ConnectTimeout=10",
                host.ssh,       "sh -c " + Quoted(remote)};
   spec.hold_stdin = true;
   return spec;

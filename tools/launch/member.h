@@ -17,6 +17,7 @@ struct Member {
   std::int64_t forgiven = 0;   ///< ends that the fault plan caused
   bool back_due = false;       ///< started again, but nothing has been heard from that start yet
   bool gone = false;           ///< ended for good, and the mission goes on
+  bool moved = false;          ///< ended by the launcher, to start on its host's standby
 };
 
 }  // namespace muster::tools

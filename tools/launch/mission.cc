@@ -33,7 +33,7 @@ class RealHost : public MissionHost {
  public:
   RealHost(const MissionPrograms& programs, LossyBus* bus, const StopSignals& stop,
            ProgressPrinter* progress)
-      : programs_(programs), bus_(bus), stop_(stop), progress_(progress) {}
+      : programs_(programs), hosts_(programs.hosts), bus_(bus), stop_(stop), progress_(progress) {}
 
   Now now() const override { return HostNow(); }
   Usage usage() const override { return HostUsage(); }
@@ -47,6 +47,8 @@ class RealHost : public MissionHost {
   void AskToEnd(const std::string& name) override { Find(name).AskToEnd(); }
   void Kill(const std::string& name) override { children_.erase(name); }
   bool IsStopped(const std::string& name) const override;
+  std::vector<std::string> OnHostWithStandby(const std::string& name) const override;
+  std::string MoveToStandby(const std::string& name) override;
   std::string LastWords(const std::string& name) const override;
 
   std::string NoRoom() const override;
@@ -70,6 +72,7 @@ class RealHost : public MissionHost {
   const ChildSpec& SpecOf(const std::string& name) const;
 
   const MissionPrograms& programs_;
+  HostList hosts_;  ///< as they stand: processes of hosts that are gone are on their standbys
   LossyBus* bus_;
   const StopSignals& stop_;
   ProgressPrinter* progress_;
@@ -109,7 +112,7 @@ void RealHost::Start(const std::string& name, std::int64_t starts) {
   if (name != process_name::kLogger) {
     spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(starts)});
     if (programs_.key) spec.input = programs_.key->Text();
-    if (const Host* host = programs_.hosts.Of(name)) spec = OnHost(*host, std::move(spec));
+    if (const Host* host = hosts_.Of(name)) spec = OnHost(*host, std::move(spec));
   }
   children_.erase(name);
   children_.emplace(name, std::move(spec));
@@ -144,6 +147,19 @@ void RealHost::OnNetworkBack() {
   } catch (const SystemError& error) {
     Say(fmt::format("lcm-logger may hear nothing: {}", error.what()));
   }
+}
+
+std::vector<std::string> RealHost::OnHostWithStandby(const std::string& name) const {
+  const Host* host = hosts_.Of(name);
+  return host == nullptr || host->standby.empty() ? std::vector<std::string>() : host->processes;
+}
+
+std::string RealHost::MoveToStandby(const std::string& name) {
+  const Host host = *hosts_.Of(name);
+  hosts_.MoveToStandby(host.name);
+  return fmt::format("host {} is gone: {} {} on {} from now on", host.name,
+                     fmt::join(host.processes, ", "), host.processes.size() == 1 ? "runs" : "run",
+                     host.standby);
 }
 
 bool RealHost::IsStopped(const std::string& name) const {

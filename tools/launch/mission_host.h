@@ -38,6 +38,10 @@ class MissionHost {
   /// Kills it if it still runs.
   virtual void Kill(const std::string& name) = 0;
   virtual bool IsStopped(const std::string& name) const = 0;
+  /// The processes of that process's host, itself among them, if the host has a standby; else none.
+  virtual std::vector<std::string> OnHostWithStandby(const std::string&) const { return {}; }
+  /// From now on they start on the standby. What to say of it.
+  virtual std::string MoveToStandby(const std::string&) { return ""; }
   /// The last lines that it wrote, and where they are.
   virtual std::string LastWords(const std::string& name) const = 0;
 

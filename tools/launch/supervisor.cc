@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/check.h"
 #include "base/program.h"
@@ -319,7 +320,7 @@ std::string Supervisor::Obituary(const Member& member, const ChildEnd& end) cons
 bool Supervisor::OnEnd(Member* member, const Now& now) {
   const ChildEnd end = *host_->EndOf(member->name);
   const std::string& name = member->name;
-  const bool planned = injector_.OnDeath(name, this);
+  const bool planned = injector_.OnDeath(name, this) || std::exchange(member->moved, false);
   const std::string no_room = is_logger(*member) && !planned ? host_->NoRoom() : "";
   member->forgiven += planned || !no_room.empty();
   const std::int64_t unplanned = member->starts - member->forgiven;
@@ -328,8 +329,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
     if (member->starts > 1) {
       text += fmt::format("\nit was started again {} times", member->starts - 1);
     }
-    if (plan_.goes_on && !end.usage_error() && !is_logger(*member) &&
-        name != process_name::kWorld) {
+    if (CanDoWithout(*member) && !end.usage_error()) {
       member->gone = true;
       Say(fmt::format("{}\nthe mission goes on without it", text));
       Announce(EventKind::kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
@@ -339,6 +339,8 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
     problems_.push_back(std::move(text));
     return false;
   }
+  // It has not even spoken since it was started again: there is no host to start on.
+  if (!planned && member->back_due && !host_->OnHostWithStandby(name).empty()) MoveToStandby(name);
   const std::int64_t doublings = std::clamp<std::int64_t>(unplanned - 1, 0, 20);
   const TimeUs wait_us =
       planned ? plan_.restarts.first_us
@@ -354,6 +356,16 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
   Announce(EventKind::kProcessLost, fmt::format("{} {}", name, end.Text()), now);
   if (name != process_name::kLogger) recorder_.OnEnd(name, member->starts - 1, now);
   return true;
+}
+
+bool Supervisor::CanDoWithout(const Member& member) const {
+  if (is_logger(member) || member.name == process_name::kWorld) return false;
+  if (plan_.goes_on) return true;
+  // Of several schedulers one is enough.
+  return process_name::IsOneOfSchedulers(member.name) &&
+         std::any_of(members_.begin(), members_.end(), [&](const Member& other) {
+           return &other != &member && process_name::IsOneOfSchedulers(other.name) && !other.gone;
+         });
 }
 
 bool Supervisor::KeepAlive() {
@@ -406,6 +418,7 @@ MissionResult Supervisor::Run() {
       break;
     }
     LeaveBehind(host_->now());
+    SeeToHosts(host_->now());
     if (!KeepAlive() || NetworkIsGone()) break;
     if (!ready && host_->now().monotonic_us >= ready_by_us) {
       for (auto member = members_.begin() + 1; member != members_.end(); ++member) {

@@ -48,6 +48,11 @@ class Supervisor : private FaultActions {
   std::string Open() const;
   /// Goes on without the processes that are silent after the mission's end.
   void LeaveBehind(const Now& now);
+  /// Moves the processes of hosts from which nothing is heard any more to their standbys.
+  void SeeToHosts(const Now& now);
+  void MoveToStandby(const std::string& name);
+  /// Whether the mission may go on when that member has ended for good, or never ends.
+  bool CanDoWithout(const Member& member) const;
   /// Gives up, after the end, messages that no process can send again.
   void SeeToEnd(const Now& now);
   void LookAtNetwork();
@@ -115,6 +120,7 @@ class Supervisor : private FaultActions {
   std::string stopping_whom_;  ///< the processes that shall end now
   TimeUs end_heard_us_ = kNever;
   TimeUs turned_us_ = 0;
+  TimeUs looked_at_hosts_us_ = 0, awake_since_us_ = 0;
   TimeUs read_us_ = 0;  ///< when to read the log again
   TimeUs heartbeat_us_ = 0;
   TimeUs foreign_us_ = 0;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <optional>
 
 #include "tools/launch/supervisor_state.h"
@@ -11,6 +12,9 @@ namespace {
 
 constexpr TimeUs kStopUs = 5 * kSecondUs;
 constexpr TimeUs kHeartbeatsUs = 3 * kSecondUs;  // three of a process that lives
+constexpr TimeUs kLookAtHostsUs = kSecondUs;
+/// Ten heartbeats of each of its processes have not come.
+constexpr TimeUs kHostGoneUs = 10 * kSecondUs;
 
 }  // namespace
 
@@ -64,13 +68,48 @@ void Supervisor::SayWait(const Now& now) {
   }
 }
 
+void Supervisor::MoveToStandby(const std::string& name) {
+  const std::vector<std::string> moved = host_->OnHostWithStandby(name);
+  Say(host_->MoveToStandby(name));
+  for (const std::string& process : moved) {
+    Member* member = Find(process);
+    if (process == name || member->down || member->gone || has_ended(*member)) continue;
+    member->moved = true;
+    host_->Signal(process, SIGKILL);
+  }
+}
+
+void Supervisor::SeeToHosts(const Now& now) {
+  if (now.monotonic_us < looked_at_hosts_us_ + kLookAtHostsUs) return;
+  // A launcher that was held up, or has no network, has heard nobody meanwhile.
+  const bool is_deaf =
+      now.monotonic_us > looked_at_hosts_us_ + 2 * kLookAtHostsUs || !network_.reason().empty();
+  looked_at_hosts_us_ = now.monotonic_us;
+  if (is_deaf) awake_since_us_ = now.monotonic_us;
+  for (const Member& member : members_) {
+    const std::vector<std::string> on_host = host_->OnHostWithStandby(member.name);
+    const auto is_silent = [&](const std::string& name) {
+      return !host_->IsStopped(name) && heard_.StateOf(name) != ProcessState::kStarting &&
+             heard_.StateOf(name) != ProcessState::kEnded &&
+             stall_watch_.SilentUs(name, now.monotonic_us) >= kHostGoneUs;
+    };
+    if (on_host.empty() || now.monotonic_us < awake_since_us_ + kHostGoneUs ||
+        !std::all_of(on_host.begin(), on_host.end(), is_silent)) {
+      continue;
+    }
+    MoveToStandby(member.name);
+    Member* first = Find(member.name);
+    if (first->down || has_ended(*first)) continue;
+    first->moved = true;
+    host_->Signal(first->name, SIGKILL);
+  }
+}
+
 void Supervisor::LeaveBehind(const Now& now) {
   const TimeUs silent_us = std::max(plan_.lost_after_us, kHeartbeatsUs);
-  if (!plan_.goes_on || end_heard_us_ == kNever || now.monotonic_us < end_heard_us_ + silent_us) {
-    return;
-  }
+  if (end_heard_us_ == kNever || now.monotonic_us < end_heard_us_ + silent_us) return;
   for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-    if (member->gone || member->name == process_name::kWorld ||
+    if (member->gone || !CanDoWithout(*member) ||
         logged_.StateOf(member->name) == ProcessState::kEnded ||
         stall_watch_.SilentUs(member->name, now.monotonic_us) < silent_us) {
       continue;

@@ -267,6 +267,7 @@ std::string TopView::Json(std::int64_t now_us) const {
   for (const ProcessRow& row : Processes(now_us)) {
     json["processes"].push_back({{"name", row.name},
                                  {"state", row.state},
+                                 {"deciding_s", or_null(row.decides_s)},
                                  {"age_s", or_null(row.age_s)},
                                  {"messages_per_s", row.rate.messages},
                                  {"bytes_per_s", row.rate.bytes},

@@ -25,7 +25,7 @@
 #include "tools/host/stop_signals.h"
 #include "tools/log/log_source.h"
 #include "tools/record/digest.h"
-#include "tools/trials/soak_command.h"
+#include "tools/trials/campaign_command.h"
 
 namespace muster::tools {
 namespace {
@@ -176,7 +176,8 @@ int FaultsCommand(int argc, const char* const* argv) {
       {"run", "runs a mission under fault plans and scores what they expect", Run},
       {"random", "draws a fault plan", Draw},
       {"drop", "writes a plan by which a share of all agents fails", Drop},
-      {"soak", "audits missions under random plans, by the thousand", SoakCommand},
+      {"campaign", "audits missions under random plans, and finds the smallest plan that fails",
+       CampaignCommand},
   };
   return RunCommandOf(argv[0], "Faults on purpose (docs/guide/faults.md)", commands, argc, argv);
 }

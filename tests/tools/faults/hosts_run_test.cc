@@ -57,6 +57,10 @@ class Lan {
     Tc("-n {} qdisc add dev eth0 {}", Name(host), queue);
   }
   void Pull(const std::string& host) { Ip("-n {} link set {} down", hub_, host); }
+  /// With all its processes: nothing can be started there any more.
+  void Destroy(const std::string& host) {
+    Run(fmt::format("ip netns pids {0} | xargs -r kill -9; ip netns del {0}", Name(host)));
+  }
   void PutBack(const std::string& host) { Ip("-n {} link set {} up", hub_, host); }
 
  private:
@@ -195,6 +199,48 @@ TEST_F(HostsRunTest, ACableMayBePulledAndPutBack) {
   EXPECT_FALSE(muster.Poll());
   lan_.PutBack("field");
   ExpectTheUndisturbedMission(&muster);
+}
+
+/// The world and two of three schedulers are on `room`, whose place `field` takes.
+class StandbyRunTest : public HostsRunTest {
+ protected:
+  void SetUp() override {
+    HostsRunTest::SetUp();
+    std::ofstream(folder_.File("hosts.json")) << Json{
+        {"version", 1},
+        {"hosts",
+         {{{"name", "field"}, {"netns", lan_.Name("field")}, {"processes", {"uav", "worker"}}},
+          {{"name", "road"},
+           {"netns", lan_.Name("road")},
+           {"processes", {"vehicle", "scheduler-3"}}},
+          {{"name", "room"},
+           {"netns", lan_.Name("room")},
+           {"standby", "field"},
+           {"processes", {"world", "scheduler-1", "scheduler-2"}}}}}};
+  }
+  void ExpectTheMoveAndTheMission(Child* muster) {
+    ExpectTheUndisturbedMission(muster);
+    const std::string said = TextOf(folder_.File("output"));
+    EXPECT_NE(said.find("host room is gone: world, scheduler-1, scheduler-2 run on field from now"),
+              std::string::npos)
+        << said;
+  }
+};
+
+TEST_F(StandbyRunTest, AHostThatIsCutOffForGoodIsReplaced) {
+  Child muster = Start({"--processes", "scheduler=3", "--rate", "1800"});
+  const std::string log = folder_.File("run/mission.lcm");
+  ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
+  lan_.Pull("room");
+  ExpectTheMoveAndTheMission(&muster);
+}
+
+TEST_F(StandbyRunTest, AHostThatStartsNothingAnyMoreIsReplaced) {
+  Child muster = Start({"--processes", "scheduler=3", "--rate", "1800"});
+  const std::string log = folder_.File("run/mission.lcm");
+  ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
+  lan_.Destroy("room");
+  ExpectTheMoveAndTheMission(&muster);
 }
 
 }  // namespace

@@ -440,11 +440,33 @@ TEST(TopView, CountsAgentsTasksAndProcesses) {
   EXPECT_NE(text.find("uavs            2      1       0        0        1"), std::string::npos)
       << text;
   // One message a second, half a second old, a quarter of a processor, started twice.
-  EXPECT_NE(text.find("uav           running     0.5s      1"), std::string::npos) << text;
+  EXPECT_NE(text.find("uav           running           0.5s      1"), std::string::npos) << text;
   EXPECT_NE(text.find("123k     42        0       0      2    25   6.5 MB"), std::string::npos)
       << text;
   EXPECT_NE(TextOf(view, kWall + 60'000'000).find("uav           silent"), std::string::npos);
   for (const TopView::Line& line : view.Lines(kWall, 30)) EXPECT_LE(line.text.size(), 30U);
+}
+
+TEST(TopView, SaysForHowLongASchedulerHasBeenDeciding) {
+  TopView view;
+  for (FakeMessage message : MakeFakeMission()) {
+    if (message.header().sim_us <= 8 * 60'000'000) view.Add(message.Encoded());
+  }
+  constexpr std::int64_t kWall = 1'000'000'000'000;
+  const auto say = [&](std::int64_t seq, std::int64_t wall_us, ProcessState state) {
+    process_status_t status = StatusOf("scheduler-2", wall_us, 0);
+    status.header.seq = seq;
+    status.state = NumberOf(state);
+    view.Add({"MUSTER_PROCESS", Encode(status)});
+  };
+  say(0, kWall, ProcessState::kRunning);
+  for (int i = 0; i < 20; ++i) say(1 + i, kWall + 1'000'000 + i * 150'000, ProcessState::kDeciding);
+  std::string text = TextOf(view, kWall + 4'200'000);
+  EXPECT_NE(text.find("scheduler-2   deciding 3.2 s"), std::string::npos) << text;
+  EXPECT_NE(view.Json(kWall + 4'200'000).find("\"deciding_s\": 3."), std::string::npos);
+  say(21, kWall + 4'300'000, ProcessState::kRunning);
+  text = TextOf(view, kWall + 4'400'000);
+  EXPECT_NE(text.find("scheduler-2   running"), std::string::npos) << text;
 }
 
 TEST(TopView, PrintsNothingThatATerminalWouldObey) {

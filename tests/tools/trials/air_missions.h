@@ -13,7 +13,7 @@
 #include "model/order.h"
 #include "tests/model/drawn_zones.h"
 #include "tests/tools/trials/road_missions.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 
@@ -62,7 +62,7 @@ inline VirtualMission DrawAirMission(std::uint64_t seed) {
   constexpr const char* kPolicies[] = {"certified",     "mpq",           "horizon",   "rollout",
                                        "rollout-steps", "horizon-steps", "greedy-sum"};
   const VirtualMission with_air = AirMission("", seed);
-  SoakSettings settings;
+  CampaignSettings settings;
   settings.policy = kPolicies[seed % std::size(kPolicies)];
   settings.scenario = with_air.scenario;
   VirtualMission mission = DrawMission(settings, seed);

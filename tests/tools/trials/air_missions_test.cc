@@ -11,7 +11,7 @@
 #include "tests/tools/trials/air_missions.h"
 #include "tests/tools/trials/each_policy.h"
 #include "tools/audit/auditor.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 namespace {

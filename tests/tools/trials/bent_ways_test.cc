@@ -9,7 +9,7 @@
 #include "tests/model/manhattan_ways.h"
 #include "tests/tools/trials/each_policy.h"
 #include "tools/audit/ways.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 namespace {
@@ -70,7 +70,7 @@ TEST(BentWays, MissionsWithKillsAndLossAreAuditedAndDecidedAgain) {
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     // Not with free moves: a process that starts again finds the goal of one, but not where it
     // began, and so tells it anew from where it was last seen.
-    SoakSettings settings;
+    CampaignSettings settings;
     settings.policy = seed % 3 == 0 ? "certified" : seed % 3 == 1 ? "horizon" : "rollout";
     for (const std::string& finding : FindingsOf(DrawMission(settings, seed))) {
       ADD_FAILURE() << "seed " << seed << ": " << finding;

@@ -11,7 +11,7 @@
 #include "tests/tools/trials/directed_missions.h"
 #include "tests/tools/trials/road_missions.h"
 #include "tools/host/worker_pool.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 namespace {
@@ -32,7 +32,7 @@ void BreakNoPromise(std::size_t n, const std::function<VirtualMission(std::uint6
       failed, failed);
 }
 
-/// Each again: muster faults soak --missions 1 --seed SEED
+/// Each again: muster faults campaign --missions 1 --seed SEED
 TEST(LongSoak, RandomMissionsBreakNoPromise) {
   BreakNoPromise(5000, [](std::uint64_t seed) { return DrawMission({}, seed); });
 }

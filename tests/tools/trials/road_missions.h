@@ -11,7 +11,7 @@
 #include "model/generator.h"
 #include "model/order.h"
 #include "tests/model/street_grid.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 
@@ -108,7 +108,7 @@ inline VirtualMission RoadMission(const std::string& policy, std::uint64_t seed)
 inline VirtualMission DrawRoadMission(std::uint64_t seed) {
   constexpr const char* kPolicies[] = {"certified",     "mpq",           "horizon",   "rollout",
                                        "rollout-steps", "horizon-steps", "greedy-sum"};
-  SoakSettings settings;
+  CampaignSettings settings;
   settings.policy = kPolicies[seed % std::size(kPolicies)];
   settings.scenario = RoadMission("", seed).scenario;
   VirtualMission mission = DrawMission(settings, seed);

@@ -13,7 +13,7 @@
 #include "tests/tools/trials/each_policy.h"
 #include "tests/tools/trials/road_missions.h"
 #include "tools/audit/auditor.h"
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 namespace muster::tools {
 namespace {

@@ -3,6 +3,6 @@
 namespace muster::tools {
 
 /// muster faults soak.
-int SoakCommand(int argc, const char* const* argv);
+int CampaignCommand(int argc, const char* const* argv);
 
 }  // namespace muster::tools

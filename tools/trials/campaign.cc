@@ -1,4 +1,4 @@
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
 #include "tools/explain/redecide.h"
-#include "tools/faults/random_plan.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
 
@@ -71,7 +70,7 @@ class PacketSource : public MessageSource {
 
 }  // namespace
 
-VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
+VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed) {
   Random random(seed, Stream::kSoak);
   VirtualMission mission;
   mission.goes_on = settings.goes_on.value_or(seed % 2 == 0);
@@ -93,7 +92,7 @@ VirtualMission DrawMission(const SoakSettings& settings, std::uint64_t seed) {
   plan.seed = seed;
   plan.schedulers = mission.schedulers;
   plan.rate_per_hour = settings.rate_per_hour;
-  plan.kinds = AllSurvivableKinds();
+  plan.kinds = settings.kinds;
   // An agent that has failed by chance, or whose range has ended, cannot fail by a fault.
   const Disturbances& chances = mission.scenario.disturbances;
   if (chances.agent_failure.on() || chances.wind.on() || chances.communication_m.on()) {

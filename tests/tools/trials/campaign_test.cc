@@ -1,4 +1,4 @@
-#include "tools/trials/soak.h"
+#include "tools/trials/campaign.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace muster::tools {
 namespace {
 
-TEST(Soak, AMissionIsAFunctionOfItsSeed) {
+TEST(Campaign, AMissionIsAFunctionOfItsSeed) {
   const VirtualMission one = DrawMission({}, 7);
   const VirtualMission again = DrawMission({}, 7);
   EXPECT_EQ(ScenarioToJson(one.scenario), ScenarioToJson(again.scenario));
@@ -16,7 +16,7 @@ TEST(Soak, AMissionIsAFunctionOfItsSeed) {
   EXPECT_NE(ToJson(one.faults), ToJson(DrawMission({}, 8).faults));
 }
 
-TEST(Soak, RandomMissionsBreakNoPromise) {
+TEST(Campaign, RandomMissionsBreakNoPromise) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const std::string& finding : FindingsOf(DrawMission({}, seed))) {
       ADD_FAILURE() << "seed " << seed << ": " << finding;
@@ -24,7 +24,7 @@ TEST(Soak, RandomMissionsBreakNoPromise) {
   }
 }
 
-TEST(Soak, SeedsThatOnceBrokeAPromise) {
+TEST(Campaign, SeedsThatOnceBrokeAPromise) {
   // Killed on a free move: 155, 239, 267, 337, 453, 741. Lost while it reported: 712. Back and
   // failed by itself in one tick: 734.
   for (const std::uint64_t seed : {155, 239, 267, 337, 453, 712, 734, 741}) {
@@ -34,7 +34,7 @@ TEST(Soak, SeedsThatOnceBrokeAPromise) {
   }
 }
 
-TEST(Soak, WhatBreaksAPromiseIsFound) {
+TEST(Campaign, WhatBreaksAPromiseIsFound) {
   VirtualMission mission = DrawMission({}, 1);
   mission.goes_on = false;
   mission.faults = {ParseFaultFlag("corruption:*@1=0.2", 0)};
