@@ -53,6 +53,7 @@ void StallWatch::OnHeard(const Packet& packet, TimeUs now_us) {
     const auto status = DecodeValid<process_status_t>(packet.bytes);
     const bool decides = status && status->state == ProcessState::kDeciding;
     if (!decides) peer.decides_us = -1;
+    if (decides) peer.role = Role::kScheduler;  // at its first decision it has said nothing else
     if (decides && peer.decides_us < 0) peer.decides_us = now_us;
   } else if (process_name::IsScheduler(header->sender) &&
              (name == channel::kSchedule || name == channel::kProposal)) {

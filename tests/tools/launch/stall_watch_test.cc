@@ -91,6 +91,16 @@ TEST(StallWatch, SaysWhoIsDecidingAndForHowLong) {
   EXPECT_NE(watch.Line(12 * kSecondUs)->find("scheduler-2 (silent for 6 s)"), std::string::npos);
 }
 
+TEST(StallWatch, NamesASchedulerThatIsAtItsFirstDecision) {
+  StallWatch watch({"world", "uav", "scheduler"}, kMinuteUs, 0);
+  watch.OnHeard(InState("scheduler", ProcessState::kRunning), 0);
+  watch.OnHeard(Clock(0, 0), 0);
+  watch.OnHeard(States("uav", 0), 0);
+  watch.OnHeard(InState("scheduler", ProcessState::kDeciding), kSecondUs);
+  EXPECT_EQ(watch.Line(4 * kSecondUs),
+            "the mission has stood at 0.0 min for 4 s: it waits for scheduler (deciding for 3 s)");
+}
+
 TEST(StallWatch, GivesAPacedMissionItsTicks) {
   StallWatch watch({"world", "uav"}, 30 * kSecondUs, 1);
   watch.OnHeard(Clock(0, -1), 0);
