@@ -76,8 +76,25 @@ TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
             "or more: ttl=0 leaves no host");
   EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
             "hosts.json: hosts[0]: found the unknown key \"port\", expected only name, ssh, netns, "
-            "folder, "
-            "processes, mbit_s");
+            "folder, processes, mbit_s, standby");
+  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["uav"]})")),
+            "hosts.json: host a: standby: found b, expected the name of another host, or here");
+  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "standby": "a", "processes": ["uav"]})")),
+            "hosts.json: host a: standby: found a, expected the name of another host, or here");
+}
+
+TEST(Hosts, ThoseOfAHostThatIsGoneAreOnItsStandby) {
+  HostList list = ParseHosts(
+      Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["world", "uav"]},
+               {"name": "b", "netns": "b", "standby": "here", "processes": ["scheduler"]})"),
+      "hosts.json");
+  EXPECT_EQ(list.Of("world")->name, "a");
+  list.MoveToStandby("a");
+  EXPECT_EQ(list.Of("world")->name, "b");
+  EXPECT_EQ(list.Of("scheduler")->name, "b");
+  list.MoveToStandby("b");
+  EXPECT_EQ(list.Of("world"), nullptr) << "where muster run runs";
+  EXPECT_EQ(list.Of("uav"), nullptr);
 }
 
 /// A program named ssh that runs its last argument as sshd would, before the real one in PATH.
