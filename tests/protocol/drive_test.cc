@@ -94,6 +94,37 @@ TEST_F(DriveTest, WhileItComputesItSaysThatItIsDecidingAndTakesOnlyWhatTheLogHol
   EXPECT_EQ(Turn(500'000), 0U);
 }
 
+/// A process that was cut off, and whose later start has spoken twice.
+TEST_F(DriveTest, OnlyInASealedMissionALaterStartEndsAnEarlierOne) {
+  process_status_t status{};
+  status.header.run_id = 1;
+  status.header.sender = status.name = "uav";
+  status.header.boot_id = 1;
+  status.host = "field";
+  status.pid = 4711;
+  const auto hear = [&](std::int64_t seq) {
+    status.header.seq = seq;
+    drive_.Turn({{std::string(channel::kProcess), Encode(status)}}, {10'000'000 + seq, 0},
+                [] { return Usage(); });
+  };
+  Turn(0);
+  for (const std::int64_t seq : {1, 2, 3}) hear(seq);  // anybody may have forged them
+  bus_.SetSeal(Seal(SealKey::Fresh(1)));
+  hear(4);
+  hear(4);  // one message, said again
+  status.header.boot_id = 0;
+  hear(5);
+  status.header.boot_id = 1;
+  try {
+    hear(6);
+    FAIL() << "it goes on";
+  } catch (const SystemError& error) {
+    EXPECT_NE(std::string(error.what()).find("uav has been started again, pid 4711 on field"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(DriveTest, OneThatHasEndedWaitsForOthers) {
   process_.set_state(ProcessState::kEnded);
   EXPECT_EQ(Turn(0), 1u);

@@ -303,7 +303,7 @@ int RunCommand(int argc, const char* const* argv) {
 
   std::optional<LinkTraffic> traffic;
   if (!options->hosts.hosts.empty()) {
-    traffic.emplace(options->hosts, "here");
+    traffic.emplace(options->hosts, std::string(kHere));
     plan.on_logged = [&traffic, live = plan.on_logged](const Packet& packet) {
       traffic->Add(packet, MonotonicUs());
       if (live) live(packet);

@@ -46,8 +46,7 @@ void AddCampaignOptions(Options* options) {
       .Integer(1);
   options->Add("hours", "H", "Start no mission after that time").Number(Above0(1000));
   options->Add("seed", "N", "Seed of the first; the next one's is one more").Seed().Default(1);
-  options->Add("preset", "NAME",
-               "Scenarios of this preset, drawn (default: with SCENARIO that one)");
+  options->Add("preset", "NAME", "Scenarios of this preset, drawn; not with SCENARIO");
   options->Add("policy", "NAME", "How to decide (default: drawn among quick ones)");
   options->Add("rate", "R", "Faults per mission hour, on average").Number(Above0(1000)).Default(6);
   options
