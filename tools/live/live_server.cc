@@ -194,7 +194,7 @@ void LiveServer::TakeOrder(Browser* client, const std::string& path, const std::
     client->last = false;
     client->answer_by = now + kAnswer;
   } catch (const InputError& error) {
-    const std::string text = ErrorText(error);
+    const std::string text = ErrorText(error, body);
     client->out = Head("400 Bad Request", "application/json", text.size()) + text;
   }
 }

@@ -16,6 +16,7 @@ namespace muster::tools {
 /// reports it takes the place of. Without tasks it only takes those back.
 struct Report {
   std::string key;                    ///< what the system calls this report
+  std::string version;                ///< where it may change under its key: what is in it
   std::string sent;                   ///< orders the reports of one document; ISO 8601 or ""
   std::vector<std::string> replaces;  ///< keys
   std::vector<nlohmann::ordered_json> tasks;
@@ -42,5 +43,9 @@ Reports ReadCap(std::string_view xml, const std::string& file, std::string_view 
 Reports ReadKobo(std::string_view json, const std::string& file,
                  const std::vector<std::string>& columns,
                  const std::function<nlohmann::ordered_json(const Table&)>& task_of);
+
+/// The address of the next page of what Kobo's API answered; "" on the last one, and where this is
+/// no such answer.
+std::string NextPageOfKobo(std::string_view json);
 
 }  // namespace muster::tools

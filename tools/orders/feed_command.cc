@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <initializer_list>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,8 +27,10 @@
 #include "tools/files/pending_file.h"
 #include "tools/host/stop_signals.h"
 #include "tools/orders/alert_feed.h"
+#include "tools/orders/feed_rows.h"
 #include "tools/orders/order_socket.h"
 #include "tools/orders/report_feed.h"
+#include "tools/orders/web_client.h"
 #include "tools/scenario/fields.h"
 #include "tools/scenario/order_text.h"
 #include "tools/scenario/table.h"
@@ -35,91 +41,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using std::chrono::milliseconds;
 
-constexpr std::size_t kMostOpen = 1000;  ///< orders without an answer at a time
-constexpr int kMostShown = 20;           ///< refusals in words
-constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
-
-/// Which columns say what.
-struct Columns {
-  std::optional<std::string> latitude, longitude, time, priority, name, external_id, cost;
-  std::optional<TimeUs> start;    ///< time of day of the mission's beginning
-  std::optional<int> offset_min;  ///< of the clocks that it was read from, where they are known
-  std::string source;
-};
-
-std::optional<std::string> Find(const Table& table, const std::optional<std::string>& given,
-                                const std::vector<std::string>& usual) {
-  if (!given) return table.FirstOf(usual);
-  table.Column(*given);
-  return given;
-}
-
-/// Rows as orders that add tasks.
-class RowReader {
- public:
-  RowReader(const Table& head, Columns columns) : columns_(std::move(columns)) {
-    columns_.latitude = Find(head, columns_.latitude, {"latitude", "lat", "y"});
-    columns_.longitude = Find(head, columns_.longitude, {"longitude", "lon", "lng", "long", "x"});
-    if (!columns_.latitude || !columns_.longitude) {
-      throw InputError(head.file, "columns", fmt::format("{}", fmt::join(head.columns, ", ")),
-                       "a latitude and a longitude (--lat, --lon)");
-    }
-    for (auto* column : {&columns_.time, &columns_.priority, &columns_.name, &columns_.external_id,
-                         &columns_.cost}) {
-      if (*column) head.Column(**column);
-    }
-    if (columns_.time.has_value() != columns_.start.has_value()) {
-      throw InputError("command line", columns_.time ? "--time" : "--start", "alone",
-                       columns_.time ? "--start HH:MM, the mission's beginning, as its scenario "
-                                       "has no start"
-                                     : "--time COLUMN with --start HH:MM");
-    }
-  }
-
-  /// Throws InputError naming the row.
-  Json OrderOf(const Table& table, std::size_t row) const {
-    const auto field = [&](const std::optional<std::string>& column) {
-      return column ? std::string(Trim(table.rows[row][table.Column(*column)])) : std::string();
-    };
-    const auto refuse = [&](const std::string& column, const std::string& expected) {
-      throw InputError(fmt::format("{}: {}", table.file, table.RowName(row)), column,
-                       fmt::format("'{}'", field(column)), expected);
-    };
-    Json task;
-    const auto latitude = Degrees(field(columns_.latitude), 90);
-    const auto longitude = Degrees(field(columns_.longitude), 180);
-    if (!latitude) refuse(*columns_.latitude, "degrees in [-90, 90]");
-    if (!longitude) refuse(*columns_.longitude, "degrees in [-180, 180]");
-    task["latitude_deg"] = *latitude;
-    task["longitude_deg"] = *longitude;
-    if (columns_.time) {
-      auto time = ReadTime(field(columns_.time), DateOrder::kUnknown);
-      if (!time) refuse(*columns_.time, "a time of day");
-      if (columns_.offset_min) time = time->On(*columns_.offset_min);
-      // A mission may go over midnight.
-      task["reported_min"] = ToMinutes((time->of_day_us - *columns_.start + kDayUs) % kDayUs);
-    }
-    if (const std::string text = field(columns_.priority); !IsBlank(text)) {
-      const auto priority = PriorityOf(text);
-      if (!priority) refuse(*columns_.priority, "0 to 3, or low, normal, high or emergency");
-      task["priority"] = static_cast<int>(*priority);
-    }
-    if (const std::string text = field(columns_.cost); !IsBlank(text)) {
-      const auto cost = ToNumber(text);
-      if (!cost) refuse(*columns_.cost, "km");
-      task["cost_km"] = *cost;
-    }
-    if (const std::string text = field(columns_.name); !text.empty()) task["name"] = text;
-    if (const std::string text = field(columns_.external_id); !text.empty()) {
-      task["external_id"] = text;
-    }
-    if (!columns_.source.empty()) task["source"] = columns_.source;
-    return {{"id", FreshOrderId()}, {"issuer", "feed"}, {"order", "task_add"}, {"task", task}};
-  }
-
- private:
-  Columns columns_;
-};
+constexpr int kMostShown = 20;  ///< refusals in words
+constexpr const char* kStdin = "stdin";
 
 /// Where orders go.
 class Sink {
@@ -204,11 +127,16 @@ class FileSink : public Sink {
 
 bool IsOrder(const Json& object) { return object.is_object() && object.contains("order"); }
 
-/// One line of a stream: an order, a GeoJSON feature, an object of columns, or a CSV record.
+/// One line of a stream: an order, a GeoJSON feature, an object of columns, or a CSV record. An
+/// order that adds a line of a file has an id that follows from the line, so that the file may be
+/// given again; what stdin had before is not known.
 class LineReader {
  public:
   LineReader(std::string file, bool csv, Columns columns)
-      : file_(std::move(file)), csv_(csv), columns_(std::move(columns)) {}
+      : file_(std::move(file)),
+        csv_(csv),
+        columns_(std::move(columns)),
+        is_again_(file_ != kStdin) {}
 
   /// None: nothing to give. Throws InputError naming the line.
   std::optional<Json> Read(const std::string& line) {
@@ -245,12 +173,18 @@ class LineReader {
   std::optional<Json> Row(const Table& table) {
     if (table.rows.empty()) return {};
     if (!csv_) reader_.emplace(table, columns_);
-    return reader_->OrderOf(table, 0);
+    const Json task = reader_->TaskOf(table, 0);
+    if (!is_again_) return AddOrder(FreshOrderId(), task);
+    const std::string content = task.dump();
+    return AddOrder(
+        "line-" + Sha256(fmt::format("{} {}", content, n_seen_[content]++)).substr(0, 32), task);
   }
 
   const std::string file_;
   const bool csv_;
   const Columns columns_;
+  const bool is_again_;
+  std::map<std::string, int> n_seen_;  ///< by task
   std::string head_;
   std::optional<RowReader> reader_;
   int number_ = 0;
@@ -284,12 +218,7 @@ std::optional<Scenario> ScenarioOf(const std::string& run) {
 /// Without --start, times count from the scenario's own.
 void TakeStart(const std::optional<Scenario>& scenario, Columns* columns) {
   if (!columns->time || columns->start || !scenario || !scenario->start) return;
-  const Moment& start = *scenario->start;
-  FieldTime utc;
-  utc.of_day_us = (start.unix_us % kDayUs + kDayUs) % kDayUs;
-  utc.offset_min = 0;
-  columns->start = utc.On(start.offset_min).of_day_us;
-  columns->offset_min = start.offset_min;
+  columns->CountFrom(*scenario->start);
 }
 
 int Finish(int taken, int refused, const StopSignals& stop) {
@@ -309,47 +238,62 @@ std::string ReadToken(const Arguments& arguments) {
   return token;
 }
 
-int FeedAlertsOrForms(const Arguments& arguments, const std::optional<Scenario>& scenario,
-                      const Columns& columns) {
-  const std::string format = arguments.Get("format"), from = arguments.Get("file");
-  if (arguments.Has("out")) {
-    throw InputError(
-        "command line", "--out", arguments.Get("out"),
-        fmt::format("none with --format {}: what replaces a report needs a mission that runs",
-                    format));
+/// What kinds of documents there are, which files of a folder they are, and how each is read.
+struct DocumentFormat {
+  std::vector<std::string> endings;
+  std::function<Reports(const std::string& document, const std::string& file)> read;
+  std::function<std::string(const std::string& document)> next_page = {};
+};
+
+DocumentFormat FormatOf(const std::string& name, const Arguments& arguments,
+                        const std::optional<Scenario>& scenario, const Columns& columns) {
+  if (name == "csv") {
+    return {{".csv", ".tsv"}, [=](const std::string& text, const std::string& file) {
+              return ReadRows(ParseCsv(text, file), columns);
+            }};
   }
-  const bool is_cap = format == "cap";
+  if (name == "geojson") {
+    return {{".geojson", ".json"}, [=](const std::string& text, const std::string& file) {
+              return ReadRows(ParseGeoJson(text, file), columns);
+            }};
+  }
+  if (name == "cap") {
+    const std::string status = arguments.Has("exercise") ? "Exercise" : "Actual";
+    const std::optional<Moment> start = scenario ? scenario->start : std::nullopt;
+    return {{".xml", ".cap"}, [=](const std::string& text, const std::string& file) {
+              return ReadCap(text, file, status, start);
+            }};
+  }
+  std::vector<std::string> names;
+  for (const auto* column :
+       {&columns.latitude, &columns.longitude, &columns.time, &columns.priority, &columns.name,
+        &columns.external_id, &columns.cost}) {
+    if (*column) names.push_back(**column);
+  }
+  return {{".json"},
+          [=](const std::string& text, const std::string& file) {
+            return ReadKobo(text, file, names, [&](const Table& row) {
+              return RowReader(row, columns).TaskOf(row, 0);
+            });
+          },
+          NextPageOfKobo};
+}
+
+int FeedDocuments(const std::string& name, const Arguments& arguments,
+                  const std::optional<Scenario>& scenario, const Columns& columns) {
+  const std::string from = arguments.Get("file");
+  DocumentFormat format = FormatOf(name, arguments, scenario, columns);
   FeedSettings settings;
   settings.run = arguments.Get("run");
-  settings.format = format;
-  settings.memory = fmt::format("{}-{}.json", format, Sha256(from).substr(0, 8));
+  settings.format = name;
+  settings.memory = fmt::format("{}-{}.json", name, Sha256(from).substr(0, 8));
+  settings.read = std::move(format.read);
   arguments.Read("every", &settings.every_s);
   if (settings.every_s > 0 && from == "-") {
     throw InputError("command line", "FILE", "-", "a file, a folder or an address with --every");
   }
-  if (is_cap) {
-    const std::string status = arguments.Has("exercise") ? "Exercise" : "Actual";
-    const std::optional<Moment> start = scenario ? scenario->start : std::nullopt;
-    settings.read = [=](const std::string& text, const std::string& file) {
-      return ReadCap(text, file, status, start);
-    };
-  } else {
-    std::vector<std::string> names;
-    for (const auto* column :
-         {&columns.latitude, &columns.longitude, &columns.time, &columns.priority, &columns.name,
-          &columns.external_id, &columns.cost}) {
-      if (*column) names.push_back(**column);
-    }
-    settings.read = [=](const std::string& text, const std::string& file) {
-      return ReadKobo(text, file, names, [&](const Table& row) {
-        return RowReader(row, columns).OrderOf(row, 0)["task"];
-      });
-    };
-  }
   const StopSignals stop;
-  const DocumentSource source(
-      from, is_cap ? std::vector<std::string>{".xml", ".cap"} : std::vector<std::string>{".json"},
-      ReadToken(arguments));
+  const DocumentSource source(from, format.endings, ReadToken(arguments), format.next_page);
   const FeedCounts counts = FeedReports(source, settings, stop);
   return Finish(counts.taken, counts.refused, stop);
 }
@@ -382,16 +326,17 @@ Options FeedOptions() {
       "Alerts in CAP and forms of KoboToolbox become tasks too (docs/guide/feeds.md).");
   options.Positional("run", "RUN")
       .Required("the run directory of a mission, or with --out a scenario");
-  options.Positional("file", "FILE|-").Required("a file, or - for stdin");
+  options.Positional("file", "FILE|-")
+      .Required("a file, a folder, an address (http, https), or - for stdin");
   options
-      .Add(
-          "format", "NAME",
-          "csv, json (a line each), cap or kobo; default: by the file's name, json for -. With cap "
-          "and kobo FILE may be a folder or an address (http, https)")
-      .OneOf({"csv", "json", "cap", "kobo"});
-  options.Add("every", "S", "cap, kobo: look again every S seconds until the mission ends")
+      .Add("format", "NAME",
+           "csv, geojson, json (a line each), cap or kobo; default: by the file's name, json for -")
+      .OneOf({"csv", "geojson", "json", "cap", "kobo"});
+  options
+      .Add("every", "S",
+           "csv, geojson, cap, kobo: look again every S seconds until the mission ends")
       .Number(Above0(86400));
-  options.Add("token-file", "FILE", "cap, kobo: the server's token, sent as Authorization: Token");
+  options.Add("token-file", "FILE", "the server's token, sent as Authorization: Token");
   options.Flag("exercise", "cap: take alerts of status Exercise, and none of status Actual");
   options.Add("lat", "COLUMN", "Latitude (default: the usual names)");
   options.Add("lon", "COLUMN", "Longitude (default: the usual names)");
@@ -408,19 +353,36 @@ Options FeedOptions() {
   return options;
 }
 
-/// Rows and orders of a file, or of a stream.
-int FeedRows(const Arguments& arguments, const std::optional<Scenario>& scenario,
-             const Columns& columns) {
+/// What is in FILE, by --format or by its name.
+std::string FormatNameOf(const Arguments& arguments) {
+  if (arguments.Has("format")) return arguments.Get("format");
   const std::string file = arguments.Get("file");
-  const std::string format = arguments.Has("format") ? arguments.Get("format") : "";
+  if (file == "-") return "json";
+  const std::string path = IsWebAddress(file) ? file.substr(0, file.find('?')) : file;
+  const auto ends = [&](std::initializer_list<const char*> endings) {
+    return std::any_of(endings.begin(), endings.end(),
+                       [&](const char* ending) { return path.ends_with(ending); });
+  };
+  if (ends({".jsonl", ".ndjson", ".geojsonl"})) return "json";
+  if (ends({".geojson", ".json"})) return "geojson";
+  if (IsWebAddress(file) && !ends({".csv", ".tsv"})) {
+    throw InputError("command line", "FILE", file, "--format with this address");
+  }
+  if (std::filesystem::is_directory(file)) {
+    throw InputError("command line", "FILE", file, "--format with a folder");
+  }
+  return "csv";
+}
+
+/// Rows and orders of a stream, or of a file that becomes a file of orders.
+int FeedRows(const std::string& format, const Arguments& arguments,
+             const std::optional<Scenario>& scenario, const Columns& columns) {
+  const std::string file = arguments.Get("file");
   const bool from_stdin = file == "-";
-  const bool is_lines = from_stdin || file.ends_with(".jsonl") || file.ends_with(".ndjson") ||
-                        file.ends_with(".geojsonl") || format == "json";
-  const bool csv = format.empty() ? !is_lines : format == "csv";
   for (const char* option : {"every", "token-file", "exercise"}) {
     if (arguments.Has(option)) {
       throw InputError("command line", fmt::format("--{}", option), "given",
-                       "--format cap or kobo with it");
+                       "a document that is looked at whole, not a stream or --out");
     }
   }
   std::ifstream opened;
@@ -437,9 +399,9 @@ int FeedRows(const Arguments& arguments, const std::optional<Scenario>& scenario
   } else {
     sink = std::make_unique<MissionSink>(arguments.Get("run"), stop);
   }
-  if (is_lines) {
+  if (from_stdin || format == "json") {
     std::istream& in = from_stdin ? std::cin : opened;
-    LineReader reader(from_stdin ? "stdin" : file, csv, columns);
+    LineReader reader(from_stdin ? kStdin : file, format == "csv", columns);
     GiveAll(
         [&]() -> std::optional<Json> {
           std::string line;
@@ -454,7 +416,7 @@ int FeedRows(const Arguments& arguments, const std::optional<Scenario>& scenario
     GiveAll(
         [&]() -> std::optional<Json> {
           if (row == table.rows.size()) return {};
-          return reader.OrderOf(table, row++);
+          return AddOrder(FreshOrderId(), reader.TaskOf(table, row++));
         },
         sink.get(), stop);
   }
@@ -470,9 +432,17 @@ int FeedCommand(int argc, const char* const* argv) {
   const std::string run = arguments->Get("run");
   const auto scenario = arguments->Has("out") ? LoadScenario(run) : ScenarioOf(run);
   TakeStart(scenario, &columns);
-  const std::string format = arguments->Has("format") ? arguments->Get("format") : "";
-  return format == "cap" || format == "kobo" ? FeedAlertsOrForms(*arguments, scenario, columns)
-                                             : FeedRows(*arguments, scenario, columns);
+  const std::string format = FormatNameOf(*arguments);
+  if (arguments->Has("out") && (format == "cap" || format == "kobo")) {
+    throw InputError(
+        "command line", "--out", arguments->Get("out"),
+        fmt::format("none with --format {}: what replaces a report needs a mission that runs",
+                    format));
+  }
+  const bool is_stream = format == "json" || (format == "csv" && arguments->Get("file") == "-") ||
+                         arguments->Has("out");
+  return is_stream ? FeedRows(format, *arguments, scenario, columns)
+                   : FeedDocuments(format, *arguments, scenario, columns);
 }
 
 }  // namespace muster::tools

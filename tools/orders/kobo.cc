@@ -91,4 +91,12 @@ Reports ReadKobo(std::string_view json, const std::string& file,
   return reports;
 }
 
+std::string NextPageOfKobo(std::string_view json) {
+  try {
+    return Member(ParseJson(json, ""), "next");
+  } catch (const InputError&) {
+    return "";  // whoever reads the page itself says so
+  }
+}
+
 }  // namespace muster::tools

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_tree.h"
 #include "base/units.h"
 #include "lcmtypes/words.h"
 #include "tools/scenario/order_text.h"
@@ -18,8 +19,17 @@ constexpr const char* kEnded = "the mission has ended";
 
 }  // namespace
 
-std::string ErrorText(const InputError& error) {
-  return Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string ErrorText(const InputError& error, const std::string& order) {
+  Json json;
+  try {
+    const JsonValue given = ParseJson(order, "");
+    const JsonValue* id = given.Find("id");
+    if (id != nullptr && id->type == JsonValue::Type::kString) json["id"] = id->text;
+  } catch (const InputError&) {
+    // Its error is the one that is told.
+  }
+  json["error"] = error.what();
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string OrderGate::Give(const std::string& json, const std::string& issuer) {

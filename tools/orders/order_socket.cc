@@ -73,10 +73,11 @@ void OrderSocket::Serve(Client* one, Time now, bool ending) {
   auto* const client = static_cast<Issuer*>(one);
   std::size_t begin = 0, end = 0;
   for (; (end = client->in.find('\n', begin)) - begin <= kMostLine; begin = end + 1) {
+    const std::string order = client->in.substr(begin, end - begin);
     try {
-      client->waiting.push_back(gate_->Give(client->in.substr(begin, end - begin), "local"));
+      client->waiting.push_back(gate_->Give(order, "local"));
     } catch (const InputError& error) {
-      client->out += ErrorText(error) + "\n";
+      client->out += ErrorText(error, order) + "\n";
     }
   }
   client->in.erase(0, begin);

@@ -33,6 +33,9 @@ class OrderSocket final : public SocketServer {
   OrderGate* const gate_;
 };
 
+/// Orders without an answer that one who gives many has at a time.
+inline constexpr std::size_t kMostOpen = 1000;
+
 /// The other end.
 class OrderClient {
  public:

@@ -12,11 +12,13 @@
 #include <map>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "base/check.h"
 #include "base/say.h"
 #include "base/sha256.h"
 #include "tools/files/pending_file.h"
+#include "tools/orders/feed_rows.h"
 #include "tools/orders/order_socket.h"
 #include "tools/orders/web_client.h"
 
@@ -50,7 +52,14 @@ struct Given {
   double latitude = 0, longitude = 0;
 };
 
-/// What was given of each report. A report that was replaced, or refused, has nothing.
+/// What was given of a report. One that was replaced, or refused, has no tasks.
+struct Entry {
+  std::string version;
+  int n_changes = 0;
+  std::vector<Given> tasks;
+};
+
+/// The reports that were given.
 class Memory {
  public:
   explicit Memory(std::string file) : file_(std::move(file)) {
@@ -58,12 +67,14 @@ class Memory {
     if (text.empty()) return;
     try {
       const Json json = Json::parse(text);
-      for (const auto& [key, tasks] : json.items()) {
-        for (const Json& task : tasks) {
-          given[key].push_back(
+      for (const auto& [key, entry] : json.items()) {
+        Entry& known = given[key];
+        known.version = entry.value("version", "");
+        known.n_changes = entry.value("changes", 0);
+        for (const Json& task : entry.at("tasks")) {
+          known.tasks.push_back(
               {task.at(0).get<std::int64_t>(), task.at(1).get<double>(), task.at(2).get<double>()});
         }
-        given[key];
       }
     } catch (const Json::exception&) {
       throw InputError(fmt::format("{}: damaged; remove it to give everything again", file_));
@@ -71,15 +82,22 @@ class Memory {
   }
   void Save() const {
     Json json = Json::object();
-    for (const auto& [key, tasks] : given) {
-      json[key] = Json::array();
-      for (const Given& task : tasks)
-        json[key].push_back({task.task, task.latitude, task.longitude});
+    for (const auto& [key, entry] : given) {
+      Json& said = json[key] = Json::object();
+      if (!entry.version.empty()) said["version"] = entry.version;
+      if (entry.n_changes > 0) said["changes"] = entry.n_changes;
+      said["tasks"] = Json::array();
+      for (const Given& task : entry.tasks)
+        said["tasks"].push_back({task.task, task.latitude, task.longitude});
     }
     WriteFile(file_, json.dump(1) + "\n");
   }
+  bool Knows(const Report& report) const {
+    const auto entry = given.find(report.key);
+    return entry != given.end() && entry->second.version == report.version;
+  }
 
-  std::map<std::string, std::vector<Given>> given;
+  std::map<std::string, Entry> given;
 
  private:
   const std::string file_;
@@ -95,13 +113,15 @@ class Feeder {
 
   void Look(const DocumentSource& source) {
     std::vector<Report> reports;
-    for (const auto& [name, text] : source.Read()) {
+    const auto documents = source.Read();
+    for (const auto& [name, text] : documents) {
       if (!documents_.insert(Sha256(text)).second) continue;
       try {
         Reports read = settings_.read(text, name);
         for (const std::string& why : read.refused) RefuseOnce(why);
         std::move(read.reports.begin(), read.reports.end(), std::back_inserter(reports));
       } catch (const InputError& error) {
+        if (settings_.every_s == 0 && documents.size() == 1) throw;
         RefuseOnce(error.what());
       }
     }
@@ -109,16 +129,17 @@ class Feeder {
                      [](const Report& a, const Report& b) { return a.sent < b.sent; });
     bool is_new = false;
     for (const Report& report : reports) {
-      if (Ended() || memory_.given.contains(report.key)) continue;
+      if (Ended() || memory_.Knows(report)) continue;
       is_new = true;
       Give(report);
     }
-    if (is_new) memory_.Save();
+    HearAll();
+    // If it was interrupted, all of this look is given again: the orders are then the same ones.
+    if (is_new && open_.empty() && stop_.count() == 0) memory_.Save();
   }
 
   bool Ended() {
-    // Nothing is asked: what comes is the end.
-    if (!client_.gone()) client_.Receive(milliseconds(0));
+    if (!client_.gone()) HearOne(milliseconds(0));
     return client_.gone() || stop_.count() > 0;
   }
 
@@ -135,16 +156,23 @@ class Feeder {
   }
 
   void Give(const Report& report) {
-    std::vector<Given> before, now;
-    for (const std::string& key : report.replaces) {
-      std::vector<Given>& old = memory_.given[key];
+    std::vector<Given> before;
+    std::vector<std::string> replaced = report.replaces;
+    if (memory_.given.contains(report.key)) replaced.push_back(report.key);
+    if (!replaced.empty()) HearAll();
+    for (const std::string& key : replaced) {
+      std::vector<Given> old = std::exchange(memory_.given[key].tasks, {});
       before.insert(before.end(), old.begin(), old.end());
-      old.clear();
     }
+    Entry& entry = memory_.given[report.key];
+    if (!report.version.empty() && !entry.version.empty()) ++entry.n_changes;
+    entry.version = report.version;
+    std::string known_by = report.key;
+    if (!report.version.empty()) known_by += fmt::format(" {} {}", report.version, entry.n_changes);
     int n = 0;
     const auto id = [&] {
       return fmt::format("{}-{}", settings_.format,
-                         Sha256(fmt::format("{} {}", report.key, n++)).substr(0, 32));
+                         Sha256(fmt::format("{} {}", known_by, n++)).substr(0, 32));
     };
     for (const Json& task : report.tasks) {
       const double latitude = task.at("latitude_deg").get<double>();
@@ -160,50 +188,76 @@ class Feeder {
              {"priority", "name", "due_min", "due_in_min", "expires_min", "expires_in_min"}) {
           if (task.contains(key)) order[key] = task[key];
         }
-        Order(order);
-        now.push_back(*same);
+        Send(order, {report.key, *same});
         before.erase(same);
-      } else if (const auto number = Order(
-                     {{"id", id()}, {"issuer", "feed"}, {"order", "task_add"}, {"task", task}})) {
-        now.push_back({*number, latitude, longitude});
+      } else {
+        Send(AddOrder(id(), task), {report.key, {kNone, latitude, longitude}});
       }
     }
     for (const Given& old : before) {
-      Order({{"id", id()}, {"issuer", "feed"}, {"order", "task_cancel"}, {"task", old.task}});
+      Send({{"id", id()}, {"issuer", "feed"}, {"order", "task_cancel"}, {"task", old.task}},
+           {report.key, {kCancelled, 0, 0}});
     }
-    if (stop_.count() == 0) memory_.given[report.key] = std::move(now);
   }
 
-  /// The number of its task; none where it is refused.
-  std::optional<std::int64_t> Order(const Json& order) {
+  /// An order without an answer: the report it is of, and the task that it gives. A task that was
+  /// there before stays one of the report even if the change is refused.
+  struct Open {
+    std::string key;
+    Given task;
+  };
+  static constexpr std::int64_t kNone = -1, kCancelled = -2;
+
+  void Send(const Json& order, const Open& open) {
+    while (open_.size() >= kMostOpen && CanHear()) HearOne(kPause);
+    if (!CanHear()) return;
     client_.Send(order.dump());
-    std::string text;
-    while (text.empty() && !client_.gone() && stop_.count() == 0) text = client_.Receive(kPause);
-    if (stop_.count() > 0) return {};
-    if (text.empty()) throw SystemError("the mission has ended; an order had no answer");
-    const Json answer = Json::parse(text);
-    if (!answer.contains("taken")) {
-      Refuse(answer.contains("refused") ? answer["refused"].get<std::string>()
-                                        : answer["error"].get<std::string>());
-      return {};
+    open_.emplace(order.at("id").get<std::string>(), open);
+  }
+  bool CanHear() const { return !client_.gone() && stop_.count() == 0; }
+  void HearAll() {
+    while (!open_.empty() && CanHear()) HearOne(kPause);
+    if (!open_.empty() && stop_.count() == 0) {
+      throw SystemError(
+          fmt::format("the mission has ended; {} orders had no answer", open_.size()));
     }
-    ++counts.taken;
-    return answer["taken"].value("task", std::int64_t{0});
+  }
+  void HearOne(milliseconds wait) {
+    const std::string text = client_.Receive(wait);
+    if (text.empty()) return;
+    const Json answer = Json::parse(text);
+    const auto open = open_.find(answer.value("id", ""));
+    if (open == open_.end()) return;
+    auto [key, task] = open->second;
+    open_.erase(open);
+    const bool is_taken = answer.contains("taken");
+    if (is_taken) {
+      ++counts.taken;
+      if (task.task == kNone) task.task = answer["taken"].value("task", std::int64_t{0});
+    } else {
+      Refuse(answer.value(answer.contains("refused") ? "refused" : "error", ""));
+    }
+    if (task.task >= 0) memory_.given[key].tasks.push_back(task);
   }
 
   const FeedSettings& settings_;
   const StopSignals& stop_;
   OrderClient client_;
   Memory memory_;
-  std::set<std::string> documents_;  ///< SHA-256 of those that were read
+  std::map<std::string, Open> open_;  ///< by the order's id
+  std::set<std::string> documents_;   ///< SHA-256 of those that were read
   std::set<std::string> refused_;
 };
 
 }  // namespace
 
 DocumentSource::DocumentSource(std::string from, std::vector<std::string> endings,
-                               std::string token)
-    : from_(std::move(from)), endings_(std::move(endings)), token_(std::move(token)) {
+                               std::string token,
+                               std::function<std::string(const std::string&)> next_page)
+    : from_(std::move(from)),
+      endings_(std::move(endings)),
+      token_(std::move(token)),
+      next_page_(std::move(next_page)) {
   std::error_code ignored;
   if (from_ != "-" && !IsWebAddress(from_) && !fs::exists(from_, ignored)) {
     throw InputError(fmt::format("{}: no such file or folder", from_));
@@ -212,7 +266,7 @@ DocumentSource::DocumentSource(std::string from, std::vector<std::string> ending
 
 std::vector<std::pair<std::string, std::string>> DocumentSource::Read() const {
   if (from_ == "-") return {{"stdin", ReadOne(std::cin, "stdin")}};
-  if (IsWebAddress(from_)) return {{from_, Fetch(from_, token_, kMostBytes)}};
+  if (IsWebAddress(from_)) return ReadPages();
   std::vector<std::string> files;
   if (fs::is_directory(from_)) {
     std::error_code error;
@@ -236,6 +290,22 @@ std::vector<std::pair<std::string, std::string>> DocumentSource::Read() const {
     documents.emplace_back(file, ReadOne(in, file));
   }
   return documents;
+}
+
+std::vector<std::pair<std::string, std::string>> DocumentSource::ReadPages() const {
+  std::vector<std::pair<std::string, std::string>> pages;
+  std::set<std::string> read;
+  std::size_t n_bytes = 0;
+  for (std::string address = from_; !address.empty();) {
+    if (!read.insert(address).second)
+      throw SystemError(fmt::format("{}: its next page is one that was read", address));
+    std::string page = Fetch(address, token_, kMostBytes - n_bytes);
+    n_bytes += page.size();
+    const std::string next = next_page_ ? next_page_(page) : "";
+    pages.emplace_back(address, std::move(page));
+    address = next.empty() ? "" : OnTheSameServer(next, from_);
+  }
+  return pages;
 }
 
 FeedCounts FeedReports(const DocumentSource& source, const FeedSettings& settings,

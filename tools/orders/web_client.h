@@ -12,4 +12,8 @@ bool IsWebAddress(const std::string& text);
 /// no address, SystemError naming address and reason.
 std::string Fetch(const std::string& address, const std::string& token, std::size_t most_bytes);
 
+/// Where a link leads that the server of `address` gave: its path on that server, by the same
+/// protocol (a token goes nowhere else). Throws SystemError where it names another server.
+std::string OnTheSameServer(const std::string& link, const std::string& address);
+
 }  // namespace muster::tools

@@ -119,11 +119,95 @@ TEST_F(FeedsRunTest, AServerIsAskedAgainUntilTheMissionEnds) {
   EXPECT_EQ(Report()["tasks_total"], 122);
 }
 
+TEST_F(FeedsRunTest, EveryPageOfAFormIsReadFromTheServerThatWasNamed) {
+  httplib::Server server;
+  std::string host;
+  server.Get("/data.json", [&](const httplib::Request& request, httplib::Response& response) {
+    const std::string from = request.get_param_value("start");
+    const std::string next = from.empty()  ? "\"http://" + host + "/data.json?start=1\""
+                             : from == "1" ? "\"/data.json?start=2\""
+                                           : "null";
+    response.set_content(
+        fmt::format(
+            R"({{"next": {}, "results": [{{"_uuid": "{}", "_geolocation": [46.9, 7.4]}}]}})", next,
+            from.empty() ? "0" : from),
+        "application/json");
+  });
+  server.Get("/elsewhere.json", [&](const httplib::Request&, httplib::Response& response) {
+    response.set_content(R"({"next": "http://192.0.2.1/data.json", "results": []})",
+                         "application/json");
+  });
+  server.Get("/circle.json", [&](const httplib::Request&, httplib::Response& response) {
+    response.set_content(R"({"next": "/circle.json", "results": []})", "application/json");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  host = fmt::format("127.0.0.1:{}", port);
+  std::thread serving([&] { server.listen_after_bind(); });
+  Start("1200");
+  EXPECT_EQ(Feed({"http://" + host + "/data.json", "--format", "kobo"}), "3 taken, 0 refused\n");
+  EXPECT_NE(Feed({"http://" + host + "/elsewhere.json", "--format", "kobo"})
+                .find("it links to another server: http://192.0.2.1/data.json"),
+            std::string::npos);
+  EXPECT_NE(Feed({"http://" + host + "/circle.json", "--format", "kobo"})
+                .find("its next page is one that was read"),
+            std::string::npos);
+  server.stop();
+  serving.join();
+  ASSERT_EQ(mission_->Wait(), 0) << mission_->output();
+  EXPECT_EQ(Report()["tasks_total"], 123);
+}
+
+TEST_F(FeedsRunTest, RowsAreTakenOnceAndFollowTheirTable) {
+  Start("600");
+  const auto table = [&](const std::string& rows) {
+    std::ofstream(folder_.File("cases.csv")) << "case,lat,lon,what,priority\n" << rows;
+  };
+  const std::vector<std::string> look = {folder_.File("cases.csv"),
+                                         "--external-id",
+                                         "case",
+                                         "--task-name",
+                                         "what",
+                                         "--priority",
+                                         "priority"};
+  table("7,46.90,7.40,School,low\n8,46.91,7.41,Dam,low\n7,46.92,7.42,School,low\n");
+  EXPECT_EQ(Feed(look), "3 taken, 0 refused\n");
+  EXPECT_EQ(Feed(look), "0 taken, 0 refused\n");
+  // Without its memory: the same orders again.
+  for (const auto& file : fs::directory_iterator(Run())) {
+    if (file.path().filename().string().starts_with("csv-")) fs::remove(file.path());
+  }
+  EXPECT_EQ(Feed(look), "3 taken, 0 refused\n");
+  // A task changes, and changes back; another one moves.
+  table("7,46.90,7.40,School,high\n8,46.91,7.41,Dam,low\n7,46.92,7.42,School,low\n");
+  EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  table("7,46.90,7.40,School,low\n8,46.94,7.44,Dam,low\n7,46.92,7.42,School,low\n");
+  EXPECT_EQ(Feed(look), "3 taken, 0 refused\n");
+  table("7,46.90,7.40,School,high\n8,46.94,7.44,Dam,low\n");
+  EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
+  EXPECT_EQ(Feed(look), "0 taken, 0 refused\n");
+  // Rows without an id: the second of two that are the same is another task.
+  std::ofstream(folder_.File("rows.geojson"))
+      << R"({"type": "FeatureCollection", "features": [)"
+      << R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7.4, 46.95]}},)"
+      << R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7.4, 46.95]}}]})";
+  EXPECT_EQ(Feed({folder_.File("rows.geojson")}), "2 taken, 0 refused\n");
+  EXPECT_EQ(Feed({folder_.File("rows.geojson")}), "0 taken, 0 refused\n");
+  std::ofstream(folder_.File("lines.jsonl")) << R"({"lat": 46.96, "lon": 7.4})"
+                                             << "\n";
+  EXPECT_EQ(Feed({folder_.File("lines.jsonl")}), "1 taken, 0 refused\n");
+  EXPECT_EQ(Feed({folder_.File("lines.jsonl")}), "1 taken, 0 refused\n");
+  ASSERT_EQ(mission_->Wait(), 0) << mission_->output();
+  const Json report = Report();
+  EXPECT_EQ(report["tasks_total"], 120 + 3 + 1 + 2 + 1);
+  EXPECT_EQ(report["events"]["task_changed"], 3);
+  EXPECT_EQ(report["events"]["task_cancelled"], 1);
+}
+
 TEST_F(FeedsRunTest, WhatCannotBeIsRefusedBeforeAnythingIsGiven) {
-  std::ofstream(folder_.File("a.csv")) << "lat,lon\n";
-  Muster every(folder_, "every", {"feed", Run(), folder_.File("a.csv"), "--every", "3"});
+  std::ofstream(folder_.File("a.jsonl")) << "{}\n";
+  Muster every(folder_, "every", {"feed", Run(), folder_.File("a.jsonl"), "--every", "3"});
   EXPECT_EQ(every.Wait(), 2);
-  EXPECT_NE(every.output().find("--format cap or kobo with it"), std::string::npos)
+  EXPECT_NE(every.output().find("a document that is looked at whole"), std::string::npos)
       << every.output();
   Muster out(
       folder_, "out",
