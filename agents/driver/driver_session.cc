@@ -130,6 +130,10 @@ void DriverSession::GoTo(TimeUs at) {
                {"task", to_task ? Json(agent_.target) : Json(nullptr)},
                {"charging_point", to_charge ? Json(agent_.target) : Json(nullptr)},
                {"partner", nullptr}};
+  if (const auto& tasks = scenario_.tasks;
+      to_task && !tasks[static_cast<std::size_t>(agent_.target)].name.empty()) {
+    line["task_name"] = tasks[static_cast<std::size_t>(agent_.target)].name;
+  }
   if (IsPair(agent_.action)) {
     const bool senses = agent_.action == ActionKind::kSense;
     const AgentKind other = agent_.kind != AgentKind::kUav ? AgentKind::kUav

@@ -9,6 +9,12 @@ const GUESSED_M = 50; // of a place whose accuracy is not said
 const AWAY_MS = 60_000; // who was silent for longer is told again what to do
 const HELP = "write: here, done, battery changed, cannot WHY";
 
+/** "task 12, School"; undefined: the goto is to a place. */
+function goalOf({ task, task_name: name, charging_point: charge }) {
+  if (task !== null) return name ? `task ${task}, ${name}` : `task ${task}`;
+  return charge === null ? undefined : `charging point ${charge}`;
+}
+
 const lasts = (seconds) => (seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`);
 
 export class Person {
@@ -88,8 +94,8 @@ export class Person {
     if (phone.over !== null) return ["over", `the mission is over: ${phone.over}`];
     if (phone.failed !== null) return ["failed", `you are out of the mission: ${phone.failed}`];
     if (!order) return [`none ${phone.stopped}`, phone.stopped === null ? "wait; you will be told where to go" : `stop, and stay where you are: ${phone.stopped}`];
-    const { task, charging_point: charge, partner, expected_s: expected, then } = order.goto;
-    const goal = task === null ? (charge === null ? "the place that is shown" : `charging point ${charge}`) : `task ${task}`;
+    const { partner, expected_s: expected, then } = order.goto;
+    const goal = goalOf(order.goto) ?? "the place that is shown";
     const with_ = partner ? `, meet ${partner} there` : "";
     const by = hello.rate ? ` by ${this.clock(now + (1000 * (expected - phone.mission_s)) / hello.rate)}` : "";
     if (order.stage === "working") return [`work ${order.id}`, order.work.type === "charge" ? `change the battery (${lasts(order.work.for_s)}); then write: battery changed` : `sensing of ${goal} has begun (${lasts(order.work.for_s)}); when it is finished, write: done`];
@@ -129,8 +135,8 @@ export class Person {
       return;
     }
     this.#shown = { key, until: now + SHOWN_MS / 2 };
-    const { task, charging_point: charge } = order.goto;
-    const callsign = task === null ? (charge === null ? "Go here" : `Charging point ${charge}`) : `Task ${task}`;
+    const goal = goalOf(order.goto) ?? "go here";
+    const callsign = goal[0].toUpperCase() + goal.slice(1);
     const at = this.#degrees(order.to);
     this.send(event({ uid, type: "b-m-p-w-GOTO", how: "h-g-i-g-o", at, now, holds: SHOWN_MS, detail: { contact: { $: { callsign } }, remarks: this.#story(now)[1] } }));
     const places = order.way?.map((place) => this.#degrees(place)) ?? [this.#here, at];

@@ -126,7 +126,8 @@ export class Picture {
     const moves = Math.hypot(dx, dy) >= MOVED_M;
     const doing = this.#doing(agent, status, t);
     const directed = directivesOf(run, { type: "agent", index: agent.index }, t).map(directiveWords);
-    const remarks = [doing, ...directed].join(", ");
+    const up = agent.kind === UAV ? run.altitudes.at(agent.id, t) : null;
+    const remarks = [doing, ...(up > 0 ? [`${Math.round(up)} m above the ground`] : []), ...directed].join(", ");
     const battery = agent.kind === UAV ? Math.round((100 * place.range) / agent.fullRange) : null;
     const detail = {
       contact: { $: { callsign: agent.label } }, uid: { $: { Droid: agent.label } },

@@ -32,8 +32,8 @@ function when(at_s, now_s, rate, wall_ms) {
   return `${clock(at_s)}${wall}, ${left_s >= 0 ? "in" : "late by"} ${duration(left_s)}`;
 }
 
-function goal({ task, charging_point }) {
-  if (task !== null) return `task ${task}`;
+function goal({ task, task_name: name, charging_point }) {
+  if (task !== null) return name ? `task ${task}, ${name}` : `task ${task}`;
   return charging_point !== null ? `charging point ${charging_point}` : "the place";
 }
 

@@ -34,6 +34,7 @@ Scenario Small() {
   agent.measured = true;
   scenario.uavs = scenario.workers = {agent};
   scenario.tasks = {{{3000, 4000}, 600}};
+  scenario.tasks[0].name = "School";
   scenario.charging_points = {{{0, 1000}, 1}};
   return scenario;
 }
@@ -169,6 +170,7 @@ TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   EXPECT_EQ(sent["then"], "sense");
   EXPECT_EQ(sent["partner"], "worker:0");
   EXPECT_EQ(sent["task"], 0);
+  EXPECT_EQ(sent["task_name"], "School");
   EXPECT_TRUE(sent["charging_point"].is_null());
   EXPECT_EQ(sent["expected_s"], 500.0);
   session.Time(510);

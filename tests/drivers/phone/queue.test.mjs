@@ -88,6 +88,12 @@ test("a person is told what to do, at each stage", () => {
   assert.equal(words(), "You are out of the mission |  | says: tired");
 });
 
+test("a task's name is said with its number", () => {
+  const box = new Box();
+  box.goTo({ x_m: 4300, y_m: 4300 }, { task_name: "School" });
+  assert.equal(title(box.sync()), "Go to task 12, School");
+});
+
 test("a vehicle is asked for the battery, and one who begins later is told when", () => {
   const box = new Box(helloOf({ agent: "vehicle:0", class: "vehicle", online_from_s: 600, rate: 60 }));
   assert.deepEqual(lines(box.sync(), 0, 0), ["You take part from 0:10:00, in 10 min."]);

@@ -40,6 +40,15 @@ class Field {
   }
 }
 
+test("a task's name is said with its number", () => {
+  const field = new Field();
+  field.stands({ x_m: 4000, y_m: 4000 });
+  field.box.goTo(GOAL, { task_name: "School" });
+  field.person.step(field.now);
+  assert.match(field.words.at(-1), /^go to task 12, School, meet uav:3 there by/);
+  assert.equal(field.shown("b-m-p-w-GOTO").callsign, "Task 12, School");
+});
+
 test("a worker walks, says here, senses and says done", () => {
   const field = new Field();
   const { box } = field;

@@ -35,6 +35,12 @@ test("agents with course, speed, battery and what they do; tasks and charging po
   assert.deepEqual([...later.keys()], ["muster.r.uav.0", "muster.r.task.0"], "what has not changed is not said again");
 });
 
+test("how high a UAV flies that is kept apart from others", () => {
+  const { run, picture } = made();
+  at(run, 60000, { altitudes: [0, [[0, 0, 0, 20000, 60, 90000, 60]]] });
+  assert.match(byUid(picture.due(NOW)).get("muster.r.uav.0").detail.remarks, /, 60 m above the ground$/);
+});
+
 test("what stays as it is, is said again before it goes stale, and to somebody new at once", () => {
   const { picture } = made();
   picture.due(NOW);

@@ -63,6 +63,7 @@ export class Control {
     byId("order-zone").hidden = !this.allowed || !run.scenario.air;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
     if (!this.allowed && this.map.picking) this.#stopPicking();
+    this.map.drops = this.allowed ? (...dropped) => this.#dropped(...dropped) : null;
     if (run) this.#findAdded();
     this.#drawCard();
   }
@@ -87,6 +88,30 @@ export class Control {
     this.state.look("map");
     this.map.pick((place) => this.#add(place));
     this.#showPicking(true);
+  }
+
+  /** An agent was dragged to a task, a charging point (UAVs) or a place. */
+  #dropped(agent, goal, place) {
+    const { run } = this.state;
+    if ([FAILED, OFFLINE].includes(statusAt(agent, run.nowMs))) return;
+    if (goal?.type === "task" && this.#isOpen(run.tasks[goal.id])) this.form.pin(run.tasks[goal.id], this.#crews(run), agent.label);
+    else if (goal?.type === "charge") this.form.simple({ order: "charge_now", agents: [agent.label], charge: goal.id });
+    else this.#sendTo(agent.label, place);
+  }
+
+  #sendTo(agent, place) {
+    this.map.mark(place);
+    this.form.simple({ order: "go_to", agent, x_km: Math.round(place.x) / 1000, y_km: Math.round(place.y) / 1000 });
+  }
+
+  #isOpen(task) {
+    return ![DONE, EXPIRED, CANCELLED].includes(taskStatusAt(task, this.state.run.nowMs));
+  }
+
+  /** Names of the UAVs and of the workers that are there. */
+  #crews(run) {
+    const isThere = (agent) => ![OFFLINE, FAILED].includes(statusAt(agent, run.nowMs));
+    return [0, 1].map((kind) => agentsOfClass(run, kind).filter(isThere).map(({ label }) => label));
   }
 
   #stopPicking() {
@@ -127,7 +152,7 @@ export class Control {
     this.#stopPicking();
     this.map.mark(place);
     if (this.picks === "order-road") this.form.roads(place);
-    else if (this.picks === "go-to") this.form.simple({ order: "go_to", agent: this.going, x_km: Math.round(place.x) / 1000, y_km: Math.round(place.y) / 1000 });
+    else if (this.picks === "go-to") this.#sendTo(this.going, place);
     else if (this.picks === "order-zone") this.form.zone(place, zoneAt(this.state.run, this.clock.t, place));
     else this.form.add(this.state.run, place);
   }
@@ -157,10 +182,8 @@ export class Control {
 
   #taskChoices(run, task) {
     const status = taskStatusAt(task, run.nowMs);
-    if ([DONE, EXPIRED, CANCELLED].includes(status)) return [];
-    const isThere = (agent) => ![OFFLINE, FAILED].includes(statusAt(agent, run.nowMs));
-    const crews = [0, 1].map((kind) => agentsOfClass(run, kind).filter(isThere).map(({ label }) => label));
-    const acts = { task_change: () => this.form.change(run, task), pin: () => this.form.pin(task, crews) };
+    if (!this.#isOpen(task)) return [];
+    const acts = { task_change: () => this.form.change(run, task), pin: () => this.form.pin(task, this.#crews(run)) };
     return ordersOf("task", status).map(([text, order]) => [text, acts[order] ?? (() => this.form.simple({ order, task: task.id }))]);
   }
 

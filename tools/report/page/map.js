@@ -1,6 +1,7 @@
 import { fit, oncePerFrame } from "./canvas.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
+import { bindDrag } from "./drag.js";
 import { homeView } from "./home_view.js";
 import { MOST_SYMBOLS, cellWords, countCells } from "./layers/crowd.js";
 import { LAYERS, makeLegend } from "./layers/index.js";
@@ -9,7 +10,7 @@ import { placeWords } from "./place.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { frameOf, linear } from "./scale.js";
 import { Sprites } from "./sprites.js";
-import { OFFLINE, UNREPORTED } from "./words.js";
+import { OFFLINE, UAV, UNREPORTED, VEHICLE } from "./words.js";
 import { bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
@@ -29,6 +30,8 @@ export class MapView {
     this.sprites = new Sprites();
     this.fitLegend = makeLegend(byId("map-legend"));
     this.draw = oncePerFrame(() => this.#draw());
+    this.drops = null; // what becomes of an agent that is dropped: drops(agent, goal, place); null: agents cannot be dragged
+    bindDrag(this.canvas, { grab: (event) => this.#grab(event), moved: (drag) => this.#drag(drag), dropped: (agent, event) => this.#drop(agent, event) });
     bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
     this.canvas.addEventListener("pointermove", (event) => this.#hover(event));
     this.canvas.addEventListener("pointerleave", () => {
@@ -150,7 +153,7 @@ export class MapView {
     this.radius = r;
     const room = run.baseMap?.info.source ? height - SOURCE_PX : height;
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
-      sprites: this.sprites, place: this.marked, area: this.area, inView: (px, py) => this.#inView(px, py) };
+      sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
     this.#gather(x, y, t);
     const { near, drawn, sites, cells } = this;
     // A city's ways are drawn of those in view alone.
@@ -205,6 +208,40 @@ export class MapView {
     this.draw();
   }
 
+  #grab(event) {
+    const found = this.drops && !this.picking && !this.cells ? this.#find(event) : null;
+    return found?.type === "agent" ? this.state.run.agents[found.index] : null;
+  }
+
+  #drag(drag) {
+    if (drag) {
+      const { offsetX, offsetY } = drag.event;
+      const goal = this.#goal(drag.agent, drag.event);
+      this.dragged = { agent: drag.agent, to: [goal?.px ?? offsetX, goal?.py ?? offsetY] };
+      this.#say(goal ? `${drag.agent.label} to ${describe(this.state.run, goal.what, this.clock.t)}` : `${drag.agent.label} goes here`, offsetX, offsetY);
+    } else {
+      this.dragged = null;
+      this.tip.hidden = true;
+    }
+    this.draw();
+  }
+
+  #drop(agent, event) {
+    if (!this.drops || !this.#inView(event.offsetX, event.offsetY)) return;
+    const { x, y } = this.shown;
+    this.drops(agent, this.#goal(agent, event)?.what ?? null, { x: x.invert(event.offsetX), y: y.invert(event.offsetY) });
+  }
+
+  /** The task or, for UAVs, the charging point that an agent is dragged to: { what, px, py }; null: a place. */
+  #goal({ kind }, event) {
+    const { x, y } = this.shown;
+    const goals = [...(kind === VEHICLE ? [] : this.sites.map(({ task, px, py }) => ({ what: { type: "task", id: task.id }, px, py }))),
+      ...(kind === UAV ? this.state.run.charging.map((point) => ({ what: { type: "charge", id: point.id }, px: x(point.x), py: y(point.y) })) : [])];
+    const far = ({ px, py }) => Math.hypot(px - event.offsetX, py - event.offsetY);
+    const nearest = goals.reduce((best, goal) => (!best || far(goal) < far(best) ? goal : best), null);
+    return nearest && far(nearest) < NEAR_PX ? nearest : null;
+  }
+
   #click(event) {
     if (this.picking && this.shown) this.picking({ x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
     else this.state.select(this.#find(event));
@@ -235,11 +272,16 @@ export class MapView {
     const found = this.cells ? null : this.#find(event);
     const words = found ? describe(this.state.run, found, this.clock.t) : this.cells ? cellWords(this.cells, event.offsetX, event.offsetY) : "";
     this.canvas.style.cursor = this.picking ? "crosshair" : found || words ? "pointer" : "grab";
-    this.tip.hidden = !words;
     if (this.shown) byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
+    this.#say(words, event.offsetX, event.offsetY);
+  }
+
+  /** Words beside the pointer; "": none. */
+  #say(words, x, y) {
+    this.tip.hidden = !words;
     if (!words) return;
     this.tip.textContent = words;
-    const left = Math.min(event.offsetX + 14, this.shown.width - this.tip.offsetWidth - 6);
-    this.tip.style.transform = `translate(${Math.max(4, left)}px, ${Math.max(4, event.offsetY - 34)}px)`;
+    const left = Math.min(x + 14, this.shown.width - this.tip.offsetWidth - 6);
+    this.tip.style.transform = `translate(${Math.max(4, left)}px, ${Math.max(4, y - 34)}px)`;
   }
 }

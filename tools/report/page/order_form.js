@@ -108,9 +108,10 @@ export class OrderForm {
     });
   }
 
-  /** Who is to do a task, or must not: the names of the UAVs and workers that are there. */
-  pin(task, [uavs, workers]) {
-    const choice = (name, any, names) => element("select", { name }, element("option", { value: "" }, any), ...names.map((one) => element("option", { value: one }, one)));
+  /** Who is to do a task, or must not: the names of the UAVs and workers that are there. `chosen`: one of them. */
+  pin(task, [uavs, workers], chosen = "") {
+    const option = (one) => element("option", { value: one, selected: one === chosen }, one);
+    const choice = (name, any, names) => element("select", { name }, element("option", { value: "" }, any), ...names.map(option));
     const what = element("select", { name: "what" }, element("option", { value: "pin" }, "These do it"), element("option", { value: "forbid" }, "This one must not do it"));
     this.#write(`Who does task ${task.id}`, [field("Do what", what), field("UAV", choice("uav", "the best", uavs)), field("Worker", choice("worker", "the best", workers))], (values) => {
       const agents = [values.uav, values.worker].filter(Boolean);

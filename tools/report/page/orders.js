@@ -34,7 +34,7 @@ const KINDS = {
   pin: { directs: true, words: ({ agents, task }) => `let ${agentWords(agents)} do task ${task}${agents.length === 1 ? " with the best partner" : ""}`, more: "nobody else is sent there; who is under way finishes first", on: "task", button: "Pin or forbid …", when: (status) => status === OPEN },
   unpin: { directs: true, words: ({ task }) => `unpin task ${task}` },
   forbid: { directs: true, words: ({ agent, task }) => `never send ${agent} to task ${task}` },
-  charge_now: { directs: true, words: ({ agents }) => `charge ${agentWords(agents)} now`, more: "it does nothing else before; what it is at it finishes first", on: "uav", button: "Charge now", when: (status) => status !== OFFLINE },
+  charge_now: { directs: true, words: ({ agents, charge }) => `charge ${agentWords(agents)} now${charge === undefined ? "" : ` at charging point ${charge}`}`, more: "it does nothing else before; what it is at it finishes first", on: "uav", button: "Charge now", when: (status) => status !== OFFLINE },
   go_to: { directs: true, words: ({ agent, x_km: x, y_km: y }) => `send ${agent} to ${number(x, 2)}, ${number(y, 2)} km`, more: "it waits there until it is released; what it is at it finishes first", on: "agent", button: "Go to …", when: (status) => status !== OFFLINE },
   release: { directs: true, words: ({ directive, words }) => `release ${words ?? directive}` },
   agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },

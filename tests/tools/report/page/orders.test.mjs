@@ -227,6 +227,67 @@ test("who does a task is decided on its card, who charges and who goes where on 
   assert.ok(Math.abs(go.x_km - (400 - x0) / (x1 - x0)) < 0.2 && Math.abs(go.y_km - (200 - y0) / (y1 - y0)) < 0.2, JSON.stringify(go));
 });
 
+test("agents are dragged to tasks, charging points and places; after Escape, and without control, nobody is", async (t) => {
+  const run = liveRun("o.html", MINUTES);
+  const { url, given } = await serve(html, run, (order) => taken(order));
+  const page = await openLive(t, `${url}#token=${TOKEN}`);
+  const task = openTask(run);
+  await drawn(page);
+  const [uav, at, to, charge, free] = await page.evaluate((id) => {
+    const { state, parts: { map } } = window.muster;
+    const { near, shown, sites } = map;
+    // A UAV that no other agent is near to, and a place with nothing near.
+    const alone = (px, py, most) => [...near, ...sites].filter((one) => Math.hypot(one.px - px, one.py - py) < 14).length <= most;
+    const one = near.find(({ agent, status, px, py }) => agent.kind === 0 && ![0, 6].includes(status)
+      && near.filter((other) => Math.hypot(other.px - px, other.py - py) < 14).length === 1);
+    const site = sites.find((other) => other.task.id === id);
+    const points = state.run.charging.map((point) => [shown.x(point.x), shown.y(point.y), point.id]).filter(([px, py]) => alone(px, py, 0));
+    let place = [60, 60];
+    while (!alone(...place, 0) || points.some(([px, py]) => Math.hypot(px - place[0], py - place[1]) < 20)) place = [place[0] + 7, place[1] + 3];
+    return [one.agent.label, [one.px, one.py], [site.px, site.py], points[0], place];
+  }, task);
+  const box = await page.locator("#map").boundingBox();
+  const view = () => page.evaluate(() => JSON.stringify(window.muster.parts.map.view));
+  const before = await view();
+  const drag = async (from, goal, key = null, on = page) => {
+    await on.mouse.move(box.x + from[0], box.y + from[1]);
+    await on.mouse.down();
+    await on.mouse.move(box.x + (from[0] + goal[0]) / 2, box.y + (from[1] + goal[1]) / 2);
+    await on.mouse.move(box.x + goal[0], box.y + goal[1]);
+    if (key) await on.keyboard.press(key);
+    const words = await on.locator("#map-tip").innerText().catch(() => "");
+    await on.mouse.up();
+    return words;
+  };
+  assert.match(await drag(at, to), new RegExp(`^${uav} to task ${task}`));
+  await page.locator("#order").waitFor();
+  assert.equal(await page.locator("#order select[name=uav]").inputValue(), uav, "the form knows who was dragged");
+  await press(page, "Next");
+  await press(page, "Give the order");
+  await soon(async () => assert.equal(given.length, 1));
+  assert.match(await drag(at, charge), new RegExp(`^${uav} to charging point ${charge[2]}`));
+  await soon(async () => assert.match(await page.locator("#order .asked").innerText(), new RegExp(`^Charge ${uav} now at charging point ${charge[2]}`)));
+  await press(page, "Give the order");
+  await soon(async () => assert.equal(given.length, 2));
+  assert.equal(await drag(at, free), `${uav} goes here`);
+  await press(page, "Give the order");
+  await soon(async () => assert.equal(given.length, 3));
+  const [pin, now, go] = given.map(({ id, issuer, ...order }) => order);
+  assert.deepEqual(pin, { order: "pin", task, agents: [uav] });
+  assert.deepEqual(now, { order: "charge_now", agents: [uav], charge: charge[2] });
+  assert.deepEqual([go.order, go.agent], ["go_to", uav]);
+
+  await drag(at, to, "Escape");
+  assert.ok(!(await page.locator("#order").isVisible()), "Escape drags nobody");
+  assert.equal(await view(), before, "the map stays where it is");
+  await drag(free, [free[0] + 60, free[1]]);
+  assert.notEqual(await view(), before, "the map itself is still moved");
+  const watching = await openLive(t, url);
+  await drawn(watching);
+  await drag(at, to, null, watching);
+  assert.ok(!(await watching.locator("#order").isVisible()), "without control nobody is dragged");
+});
+
 test("without a token a page is read-only, with a wrong one it becomes so, and without a connection nothing is lost", async (t) => {
   const run = liveRun("o.html", MINUTES);
   const { url, given } = await serve(html, run, taken);
