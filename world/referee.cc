@@ -188,7 +188,10 @@ void Referee::JoinOutages(TimeUs t) {
              other.until_us > outage.until_us && other.from_us <= outage.until_us;
     });
     if (next == outages_.end()) continue;
-    next->from_us = std::min(next->from_us, outage.from_us);
+    if (outage.from_us < next->from_us) {
+      if (!next->joined_us) next->joined_us = next->from_us;
+      next->from_us = outage.from_us;
+    }
     outage.goes_on = true;
   }
 }
@@ -231,6 +234,10 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
                         {outage.kind, outage.agent},
                         outage.reason,
                         outage.from_us > previous_us_});
+    if (outage.joined_us && *outage.joined_us > previous_us_) {
+      failures.push_back(
+          {*outage.joined_us, {outage.kind, outage.agent}, outage.reason, true, true});
+    }
   }
   if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
     for (const AgentKind kind : kAgentKinds) {
@@ -307,7 +314,7 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
   const Ruling ruling{kind, id, lost ? Ruling::Kind::kLost : Ruling::Kind::kFailed, failure.at_us};
   if (!failed_.emplace(failure.agent, ruling).second) {
     // It fails no more than it has, but stays so when the other outage ends.
-    if (failure.begins && IsOutBecauseOfAnother(failure)) {
+    if (failure.begins && (failure.joins || IsOutBecauseOfAnother(failure))) {
       Emit(Event::Kind::kFaultApplied, failure.at_us, failure.agent, failure.reason);
     }
     return;

@@ -50,6 +50,8 @@ struct Outage {
   TimeUs until_us = kNever;
   FailureReason reason;
   bool goes_on = false;  ///< another outage begins where this one ends
+  /// When it began itself, if it is joined to one before; from_us is then that one's.
+  std::optional<TimeUs> joined_us = {};
 };
 
 /// Sensing or charging of a pair as it is known now. Its times are kNever if the UAV's range ends
@@ -106,6 +108,7 @@ class Referee {
     AgentKey agent;
     FailureReason reason;
     bool begins = false;  ///< an outage that was not in force before
+    bool joins = false;   ///< it goes on where another one ends
     auto operator<=>(const Failure&) const = default;
   };
   struct Known {

@@ -1,5 +1,6 @@
 #!/usr/bin/env node
 // A mission on the screens of TAK clients: docs/guide/tak.md.
+import { constants, setPriority } from "node:os";
 import { Inbox } from "./inbox.mjs";
 import { Links } from "./links.mjs";
 import { Mission } from "./mission.mjs";
@@ -21,6 +22,7 @@ function note(words, once = words) {
 }
 
 async function run(options) {
+  setPriority(constants.priority.PRIORITY_BELOW_NORMAL); // a mission on this machine comes first
   const picture = new Picture(options);
   let number = 0;
   const waiting = []; // events that are due, to be sent as the pace allows

@@ -232,6 +232,20 @@ TEST(Referee, OverlappingOutagesAreOne) {
                       {Kind::kAgentBack, 900}}));
 }
 
+TEST(Referee, AnOutageThatBeginsWhereAnotherEndsIsToldOfToo) {
+  for (const TimeUs tick : {30, 50, 300}) {
+    Mission mission(SmallScenario());
+    mission.referee().Add({AgentKind::kUav, 0, 100 * kSecondUs, 300 * kSecondUs, Fault("first")});
+    mission.referee().Add({AgentKind::kUav, 0, 300 * kSecondUs, 900 * kSecondUs, Fault("second")});
+    mission.Judge(0, 0);
+    for (TimeUs t = tick; t <= 1200; t += tick) mission.Judge(t * kSecondUs);
+    EXPECT_EQ(
+        mission.Happened(),
+        (Happened{{Kind::kAgentFailed, 100}, {Kind::kFaultApplied, 300}, {Kind::kAgentBack, 900}}))
+        << "tick " << tick;
+  }
+}
+
 TEST(Referee, FailureWhileSensingSpendsProRataWhateverTheTick) {
   for (const TimeUs tick : {30, 900}) {
     const Scenario scenario = SmallScenario();

@@ -15,7 +15,7 @@
 namespace muster::scheduler {
 namespace {
 
-constexpr std::size_t kAlwaysExact = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kEveryOneExact = std::numeric_limits<std::size_t>::max();
 /// Of one sum; the weights that are made of many are closer (expected_costs_test.cc).
 constexpr double kClose = 1e-2;
 
@@ -110,9 +110,9 @@ TEST(PlaceSums, OfManyPlacesAreThoseTheyWere) {
         PlaceSums(places, values, {}, 64).SoftmaxMeans(&queries, level);
     const std::vector<double> sums = LevelSums(places, level, {}, 64).Sums(&queries);
     const std::vector<double> exact_means =
-        PlaceSums(places, values, {}, kAlwaysExact).SoftmaxMeans(&queries, level);
+        PlaceSums(places, values, {}, kEveryOneExact).SoftmaxMeans(&queries, level);
     const std::vector<double> exact_sums =
-        LevelSums(places, level, {}, kAlwaysExact).Sums(&queries);
+        LevelSums(places, level, {}, kEveryOneExact).Sums(&queries);
     // Where all ways are whole intervals, what is taken together counts to either side.
     const double close = c.spread == Spread::kGrid ? 0.1 : kClose;
     double sum_of_means = 0, sum_of_sums = 0, weight = 1;
