@@ -98,6 +98,8 @@ std::optional<std::string> MissionCap(const Timeline& timeline, const std::strin
   feed.append_attribute("xmlns") = kAtom;
   Add(&feed, "id", "urn:muster:" + alerts.run());
   Add(&feed, "title", "Tasks of " + run);
+  pugi::xml_node author = feed.append_child("author");  // Atom wants one
+  Add(&author, "name", "Muster");
   pugi::xml_node updated = feed.append_child("updated");
   TimeUs newest_us = 0;
   for (std::size_t x = 0; x < scenario.n_tasks(); ++x) {

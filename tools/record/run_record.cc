@@ -12,6 +12,7 @@ namespace muster::tools {
 namespace {
 
 constexpr std::size_t kWindow = 64;
+constexpr std::int64_t kLongestPauseUs = 60 * kMinuteUs;
 
 auto Key(const event_t& event) {
   return std::tie(event.at_us, event.kind, event.uav_id, event.worker_id, event.vehicle_id,
@@ -159,9 +160,9 @@ void RunRecord::TakeClock(const clock_t& message) {
     skipped_.insert(d);
     schedules_.erase(d);
   }
-  const std::pair<std::int64_t, std::int64_t> when(message.tick, message.header.wall_us);
-  if (!first_clock_ || when < *first_clock_) first_clock_ = when;
-  if (!last_clock_ || when > *last_clock_) last_clock_ = when;
+  const std::int64_t wall_us = message.header.wall_us;
+  auto& walls = tick_walls_.try_emplace(message.tick, wall_us, wall_us).first->second;
+  walls = {std::min(walls.first, wall_us), std::max(walls.second, wall_us)};
   if (message.phase == ClockPhase::kEnded) end_announced_ = true;
   if (TickCover* cover = Cover(message.tick)) {
     cover->clock = true;
@@ -248,7 +249,15 @@ const std::vector<event_t>& RunRecord::events() const {
 }
 
 double RunRecord::wall_s() const {
-  return first_clock_ ? ToSeconds(last_clock_->second - first_clock_->second) : 0;
+  std::int64_t sum_us = 0;
+  const auto add = [&](std::int64_t us) { sum_us += us < 0 || us > kLongestPauseUs ? 0 : us; };
+  const std::pair<std::int64_t, std::int64_t>* before = nullptr;
+  for (const auto& [tick, walls] : tick_walls_) {
+    if (before != nullptr) add(walls.first - before->first);
+    before = &walls;
+  }
+  if (before != nullptr) add(before->second - before->first);
+  return ToSeconds(sum_us);
 }
 
 RunRecord::Completeness RunRecord::CheckComplete() const {

@@ -108,7 +108,8 @@ class RunRecord {
   const std::map<std::pair<std::string, std::int64_t>, process_status_t>& processes() const {
     return processes_;
   }
-  /// Wall time from the first to the last clock_t, seconds.
+  /// Wall time from the first to the last clock_t, seconds. Where the host's clock was set back, or
+  /// forward by more than an hour, between two ticks, those two count as one time.
   double wall_s() const;
 
   struct Gap {
@@ -192,7 +193,7 @@ class RunRecord {
   MeasuredLegs measured_legs_;
   AirRecord air_;
   std::map<std::pair<std::string, std::int64_t>, process_status_t> processes_;
-  std::optional<std::pair<std::int64_t, std::int64_t>> first_clock_, last_clock_;  // tick, wall_us
+  std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> tick_walls_;  // first, last wall_us
   bool end_announced_ = false;
   std::map<std::int64_t, TickCover> open_ticks_;
   IntervalSet covered_ticks_;

@@ -50,6 +50,7 @@ void TopView::Add(const Packet& packet) {
   const auto header = DecodeHeader(packet);
   if (!header || (feed_.ready() && header->run_id != feed_.record().run_id())) return;
   for (Traffic* traffic : {&senders_[header->sender], &all_}) {
+    if (header->wall_us < traffic->last_us - kSetBackUs) *traffic = {};
     traffic->recent.emplace_back(header->wall_us, packet.bytes.size());
     traffic->bytes += packet.bytes.size();
     traffic->last_us = std::max(traffic->last_us, header->wall_us);

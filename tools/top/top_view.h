@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/units.h"
 #include "lcmtypes/words.h"
 #include "tools/report/mission_feed.h"
 
@@ -39,6 +40,8 @@ class TopView {
 
   /// Rates are means over so much time.
   static constexpr std::int64_t kWindowUs = 5'000'000;
+  /// So much older than the newest is no late message: the host's clock was set back.
+  static constexpr std::int64_t kSetBackUs = 60 * kSecondUs;
 
  private:
   struct Traffic {

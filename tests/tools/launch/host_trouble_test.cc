@@ -1,5 +1,6 @@
 // Whole missions on a host that takes things away: the terminal, the disk, room in files.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
@@ -8,16 +9,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/host/child_process.h"
+#include "tests/tools/launch/live_log.h"
 #include "tests/tools/launch/muster_process.h"
 
 namespace muster::tools {
@@ -160,6 +164,57 @@ TEST_F(HostTrouble, AFileThatMayNotGrowIsSaid) {
     EXPECT_EQ(result.exit_code, 3) << result.output;
     EXPECT_NE(result.output.find(said), std::string::npos) << result.output;
     EXPECT_NE(result.output.find("tasks done"), std::string::npos) << result.output;
+  }
+}
+
+TEST_F(HostTrouble, TwentyOpenFilesSuffice) {
+  const ChildResult result = Run({"run", scenario_, "--quiet", "--out", Out("few")}, [] {
+    const rlimit limit = {20, 20};
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  CheckRun(Out("few"), folder_.File("few.output"));
+  // Where a mission cannot begin it says why.
+  const ChildResult none = Run({"run", scenario_, "--quiet", "--out", Out("none")}, [] {
+    const rlimit limit = {10, 10};
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
+  EXPECT_EQ(none.exit_code, 3) << none.output;
+  EXPECT_NE(none.output.find("Too many open files"), std::string::npos) << none.output;
+}
+
+TEST_F(HostTrouble, AClockThatIsSetByADayChangesNothing) {
+  const std::string library =
+      fmt::format("/usr/lib/{}-linux-gnu/faketime/libfaketimeMT.so.1", MUSTER_MACHINE);
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << "needs the package faketime";
+  std::string digest;
+  for (const std::string by : {"+0", "+1d", "-1d"}) {
+    const std::string file = folder_.File("clock"), out = Out("clock" + by);
+    std::ofstream(file) << "+0\n";
+    std::thread setting([&] {
+      LiveLog log(out);
+      Eventually([&] {
+        log.Read();
+        return log.tick() >= 20;  // of 60
+      });
+      std::ofstream(file) << by << "\n";
+    });
+    const ChildResult result =
+        Run({"run", scenario_, "--rate", "900", "--quiet", "--out", out}, [&] {
+          setenv("LD_PRELOAD", library.c_str(), 1);
+          setenv("FAKETIME_TIMESTAMP_FILE", file.c_str(), 1);
+          setenv("FAKETIME_NO_CACHE", "1", 1);
+          setenv("FAKETIME_DONT_FAKE_MONOTONIC", "1", 1);
+        });
+    setting.join();
+    ASSERT_EQ(result.exit_code, 0) << by << result.output;
+    CheckRun(out, folder_.File("clock.output"));
+    const auto report = nlohmann::json::parse(TextOf(out + "/report.json"));
+    EXPECT_TRUE(report["log"]["complete"].get<bool>()) << by;
+    EXPECT_GT(report["wall_s"].get<double>(), 1.5) << by;
+    EXPECT_LT(report["wall_s"].get<double>(), 600) << by;
+    if (digest.empty()) digest = report["digest"];
+    EXPECT_EQ(report["digest"], digest) << by;
   }
 }
 

@@ -38,6 +38,18 @@ TEST(RunRecord, GathersAWholeMission) {
   EXPECT_DOUBLE_EQ(record.wall_s(), 1.8);
 }
 
+TEST(RunRecord, WallTimeDoesNotCountAClockThatIsSet) {
+  constexpr std::int64_t kDayUs = 24 * 60 * kMinuteUs;
+  for (const bool is_forward : {true, false}) {
+    FakeLog log = MakeFakeMission();
+    ForEach<clock_t>(&log, [&](clock_t& clock) {
+      if ((clock.tick >= 10) == is_forward) clock.header.wall_us += kDayUs;
+    });
+    // 1.8 s in steps of 60 ms, but for one.
+    EXPECT_DOUBLE_EQ(RecordOf(log).wall_s(), 1.74);
+  }
+}
+
 TEST(RunRecord, AddsUpTheFlownWayAndKeepsTheLastRange) {
   const RunRecord record = RecordOf(MakeFakeMission());
   // UAV 0: 3 km to task 0, 2 km to the charging point, then full; UAV 1: 1 km, then sqrt(73) km.
