@@ -133,10 +133,7 @@ bool IsOrder(const Json& object) { return object.is_object() && object.contains(
 class LineReader {
  public:
   LineReader(std::string file, bool csv, Columns columns)
-      : file_(std::move(file)),
-        csv_(csv),
-        columns_(std::move(columns)),
-        is_again_(file_ != kStdin) {}
+      : file_(std::move(file)), csv_(csv), columns_(std::move(columns)) {}
 
   /// None: nothing to give. Throws InputError naming the line.
   std::optional<Json> Read(const std::string& line) {
@@ -174,7 +171,7 @@ class LineReader {
     if (table.rows.empty()) return {};
     if (!csv_) reader_.emplace(table, columns_);
     const Json task = reader_->TaskOf(table, 0);
-    if (!is_again_) return AddOrder(FreshOrderId(), task);
+    if (file_ == kStdin) return AddOrder(FreshOrderId(), task);
     const std::string content = task.dump();
     return AddOrder(
         "line-" + Sha256(fmt::format("{} {}", content, n_seen_[content]++)).substr(0, 32), task);
@@ -183,7 +180,6 @@ class LineReader {
   const std::string file_;
   const bool csv_;
   const Columns columns_;
-  const bool is_again_;
   std::map<std::string, int> n_seen_;  ///< by task
   std::string head_;
   std::optional<RowReader> reader_;
@@ -282,6 +278,8 @@ DocumentFormat FormatOf(const std::string& name, const Arguments& arguments,
 int FeedDocuments(const std::string& name, const Arguments& arguments,
                   const std::optional<Scenario>& scenario, const Columns& columns) {
   const std::string from = arguments.Get("file");
+  if (arguments.Has("exercise") && name != "cap")
+    throw InputError("command line", "--exercise", "given", "--format cap with it");
   DocumentFormat format = FormatOf(name, arguments, scenario, columns);
   FeedSettings settings;
   settings.run = arguments.Get("run");

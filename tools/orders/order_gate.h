@@ -15,7 +15,7 @@
 namespace muster::tools {
 
 /// {"id", "error": why}, with the order's id if it can be read and has one.
-std::string ErrorText(const InputError& error, const std::string& order = "");
+std::string ErrorText(const InputError& error, const std::string& order);
 
 /// Where orders from outside meet the launcher, which says them in the mission and hears what
 /// became of them. Any thread gives and asks; one takes and answers.

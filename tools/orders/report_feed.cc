@@ -206,6 +206,7 @@ class Feeder {
     std::string key;
     Given task;
   };
+  /// In the place of its number: it is not known yet, or the task is being cancelled.
   static constexpr std::int64_t kNone = -1, kCancelled = -2;
 
   void Send(const Json& order, const Open& open) {

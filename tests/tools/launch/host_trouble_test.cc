@@ -9,16 +9,22 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/units.h"
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/event_log.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/host/child_process.h"
 #include "tests/tools/launch/live_log.h"
@@ -213,6 +219,16 @@ TEST_F(HostTrouble, AClockThatIsSetByADayChangesNothing) {
     EXPECT_TRUE(report["log"]["complete"].get<bool>()) << by;
     EXPECT_GT(report["wall_s"].get<double>(), 1.5) << by;
     EXPECT_LT(report["wall_s"].get<double>(), 600) << by;
+    // The clock was set, and the log has it.
+    std::int64_t first_us = std::numeric_limits<std::int64_t>::max(), last_us = 0;
+    EventLogReader reader(out + "/mission.lcm", EventLogReader::Tail::kFinal);
+    while (const auto event = reader.Next()) {
+      const auto header = DecodeHeader(event->packet);
+      if (!header) continue;
+      first_us = std::min(first_us, header->wall_us);
+      last_us = std::max(last_us, header->wall_us);
+    }
+    EXPECT_EQ(last_us - first_us > 23 * 60 * kMinuteUs, by != "+0") << by;
     if (digest.empty()) digest = report["digest"];
     EXPECT_EQ(report["digest"], digest) << by;
   }

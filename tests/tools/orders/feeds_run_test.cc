@@ -209,6 +209,10 @@ TEST_F(FeedsRunTest, WhatCannotBeIsRefusedBeforeAnythingIsGiven) {
   EXPECT_EQ(every.Wait(), 2);
   EXPECT_NE(every.output().find("a document that is looked at whole"), std::string::npos)
       << every.output();
+  std::ofstream(folder_.File("a.csv")) << "lat,lon\n";
+  Muster exercise(folder_, "exercise", {"feed", Run(), folder_.File("a.csv"), "--exercise"});
+  EXPECT_EQ(exercise.Wait(), 2);
+  EXPECT_NE(exercise.output().find("--format cap with it"), std::string::npos) << exercise.output();
   Muster out(
       folder_, "out",
       {"feed", here_, folder_.File("inbox"), "--format", "cap", "--out", folder_.File("o.jsonl")});
