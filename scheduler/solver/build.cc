@@ -100,7 +100,8 @@ class Builder {
     return ways;
   }
 
-  /// Constraints (5) and (6), without regard to time: the expected costs need them so.
+  /// Constraints (5) and (6), without regard to time and to what is forbidden: the expected costs
+  /// need them so.
   void FindUavWays() {
     const std::vector<double>& range_m = roster_.range_m;
     const PlaceIndex tasks(roster_.task_at, uavs_.ways), charges(roster_.charge_at, uavs_.ways);
@@ -109,7 +110,6 @@ class Builder {
       tasks.WithinFrom(uavs_.at[u], range_m[u], [&](Index x, double metres) {
         const double to_charge_m = site_.task_to_charge_m[roster_.tasks[At(x)].index()];
         if (!CanSense(range_m[u], metres, TaskAt(x).cost_m, to_charge_m)) return;
-        if (IsForbidden(*uavs_.agents[u], x)) return;
         ways->push_back({static_cast<Index>(u), x, metres, level(metres)});
       });
     });
@@ -360,7 +360,8 @@ class Builder {
       site[at] = -1;
       const TimeUs travel = TravelUs(way.metres, uav.speed_m_s);
       if (travel == kNever || travel > TimeLeft(uav)) return;
-      if (charging ? roster_.site_of_charge[At(way.place)] < 0 : !IsInTime(way.place, travel)) {
+      if (charging ? roster_.site_of_charge[At(way.place)] < 0
+                   : !IsInTime(way.place, travel) || IsForbidden(uav, way.place)) {
         return;
       }
       const auto& tasks_after = charging ? uav_tasks_.charge[c] : uav_tasks_.task[c];

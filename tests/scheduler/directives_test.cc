@@ -220,6 +220,61 @@ TEST(Directives, WithAPinTheDecisionIsTheBestThatIsLeft) {
   EXPECT_GT(partners, 60);
 }
 
+/// The same with everything that may be directed: pins, forbidden pairs and areas, charges. A
+/// forbidden pair is no node of the graph that is left; who is in a directive, and what is kept for
+/// it, is not in it either.
+TEST(Directives, WithWhatIsForbiddenTheDecisionIsTheBestThatIsLeft) {
+  int forbidden = 0, sent = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(seed);
+    Situation situation = testing::RandomSituation(seed, {.times = seed % 2 == 0});
+    Random random(seed, Stream::kTest, 9);
+    auto site = std::make_shared<Site>(*situation.site);
+    const auto below = [&](int n) {
+      return static_cast<std::int32_t>(random.Below(static_cast<std::uint32_t>(n)));
+    };
+    // The free optimum's own pairs are what to forbid: it has to change.
+    for (const Action& a : Decide(situation).actions) {
+      if (a.kind != ActionKind::kSense) continue;
+      const bool uav = below(2) == 0;
+      site->directives.push_back(Make(Directive::Kind::kForbid,
+                                      {uav ? a.uav.value : -1, uav ? -1 : a.worker.value, -1},
+                                      a.task.value));
+      ++forbidden;
+    }
+    if (below(3) == 0) {
+      Directive area = Make(Directive::Kind::kForbid, {-1, -1, -1});
+      area.of_class = AgentKind::kWorker;
+      area.area = std::make_shared<const Zone>(
+          Zone{"", {CornersAround(site->tasks[static_cast<std::size_t>(below(5))].at, 500)}});
+      site->directives.push_back(area);
+    }
+    if (below(2) == 0) site->directives.push_back(Pin(below(3), below(4), below(5)));
+    if (below(2) == 0) {
+      site->directives.push_back(Make(Directive::Kind::kChargeNow, {below(3), -1, -1}));
+    }
+    site->forbidden = ForbiddenPairs(site->directives);
+    situation.site = site;
+    const Directing directing = Direct(situation);
+    double expected = testing::ReferenceGraph(directing.rest).BestWeight();
+    for (const Action& a : directing.actions) {
+      expected += a.weight;
+      ++sent;
+    }
+    const Decision decision = Decide(situation);
+    EXPECT_NEAR(decision.weight, expected, 1e-6);
+    EXPECT_NEAR(decision.bound, expected, 1e-6);
+    for (const ForbiddenPair& pair : site->forbidden) {
+      for (const Action& a : decision.actions) {
+        EXPECT_FALSE(a.task.value == pair.task && MemberOf(a, pair.kind) == pair.agent)
+            << ToString(a);
+      }
+    }
+  }
+  EXPECT_GT(forbidden, 200);
+  EXPECT_GT(sent, 100);
+}
+
 /// Of random directives in random situations: whatever they and the policy decide together may be
 /// carried out, and a pin of two idle agents is kept whenever the pair alone could be sent.
 TEST(Directives, OfAnySituationTheWholeDecisionMayBeCarriedOut) {

@@ -161,7 +161,17 @@ class ReferenceGraph {
     return activity.end_us <= latest;
   }
 
+  /// Whether the commander has forbidden one of its agents its task.
+  bool Forbidden(const Action& action) const {
+    return std::any_of(s_.site->forbidden.begin(), s_.site->forbidden.end(), [&](const auto& pair) {
+      const std::int32_t agent =
+          pair.kind == AgentKind::kUav ? action.uav.value : action.worker.value;
+      return pair.task == action.task.value && pair.agent == agent;
+    });
+  }
+
   void Add(Action action, Point to, double weight) {
+    if (Forbidden(action)) return;
     action.to = to;
     action.weight = weight;
     nodes_.push_back(action);
