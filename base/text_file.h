@@ -12,4 +12,8 @@ namespace muster {
 std::string ReadTextFile(const std::string& file, std::string_view what,
                          std::size_t most_bytes = std::size_t{1} << 30);
 
+/// The first line of a file that its owner alone can read, or of stdin ("-"), at most `most_bytes`
+/// of it. Throws InputError, naming `what`, where others could read the file.
+std::string ReadSecretLine(const std::string& file, std::string_view what, std::size_t most_bytes);
+
 }  // namespace muster

@@ -232,6 +232,20 @@ void EndDirective(const Order& order, Scenario* scenario) {
                           : fmt::format("no directive of an order {} is in force", order.closure));
 }
 
+void TakePerson(const Person& person, Scenario* scenario) {
+  constexpr std::size_t kMostPersons = 10'000;
+  std::vector<Person>& persons = scenario->persons;
+  const auto known = std::find_if(persons.begin(), persons.end(),
+                                  [&](const Person& other) { return other.name == person.name; });
+  if (known != persons.end()) {
+    *known = person;
+  } else if (persons.size() < kMostPersons) {
+    persons.push_back(person);
+  } else {
+    throw InputError(fmt::format("there are {} persons already", persons.size()));
+  }
+}
+
 }  // namespace
 
 TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
@@ -258,6 +272,9 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
       return taken;
     case OrderSubject::kDirective:
       order.directive ? AddDirective(order, scenario) : EndDirective(order, scenario);
+      return taken;
+    case OrderSubject::kPerson:
+      TakePerson(*order.person, scenario);
       return taken;
     case OrderSubject::kTask:
       break;

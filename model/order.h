@@ -10,6 +10,7 @@
 #include "model/agent.h"
 #include "model/directive.h"
 #include "model/order_kinds.h"
+#include "model/person.h"
 #include "model/scenario.h"
 
 namespace muster {
@@ -17,6 +18,7 @@ namespace muster {
 /// A request to a running mission (docs/guide/orders.md).
 struct Order {
   std::string id, issuer;
+  std::string signed_by;  ///< the person who answers for it; "": nobody
   TimeUs not_before_us = 0;
   OrderKind kind = OrderKind::kTaskAdd;
 
@@ -36,6 +38,7 @@ struct Order {
   std::optional<RoadArea> area;        ///< of the roads to close or open
   std::optional<Zone> zone;            ///< to be added
   std::optional<Directive> directive;  ///< to be in force from now on
+  std::optional<Person> person;        ///< who may order from now on, or no longer
   /// To end, instead: the id of the order that closed the roads, added the zone or gave the
   /// directive.
   std::string closure;

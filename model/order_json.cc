@@ -24,6 +24,7 @@ OrderKind ReadKind(const ObjectReader& top) {
   std::string names;
   for (const OrderRow& row : kOrderRows) {
     if (name == row.name) return row.kind;
+    if (row.kind == OrderKind::kPerson) continue;  // the launcher's alone
     names += fmt::format("{}{}", names.empty() ? "one of " : ", ", row.name);
   }
   top.Fail("order", *top.Optional("order"), names);
@@ -197,6 +198,24 @@ void ReadDirective(const ObjectReader& top, Order* order) {
   order->directive = std::move(directive);
 }
 
+void ReadPerson(const ObjectReader& top, Order* order) {
+  top.AllowOnly({"id", "issuer", "at_min", "order", "name", "role", "key", "why"});
+  Person person;
+  person.name = ReadName(top, "name");
+  if (person.name.empty()) top.Fail("name", "nothing", "a name");
+  const auto role = RoleOf(top.String("role"));
+  if (!role) top.Fail("role", *top.Optional("role"), "none, watch, order or control");
+  person.role = *role;
+  if (top.Has("key")) person.key = top.String("key");
+  const bool is_key = person.key.size() == 64 &&
+                      person.key.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (!person.key.empty() && !is_key) {
+    top.Fail("key", *top.Optional("key"), "a public key of 64 hexadecimal digits");
+  }
+  if (top.Has("why")) person.why = ReadName(top, "why");
+  order->person = std::move(person);
+}
+
 void ReadUntil(const ObjectReader& top, Order* order) {
   order->until_us = OptionalTime(top, "until_min");
   order->until_in_us = OptionalTime(top, "until_in_min");
@@ -246,10 +265,12 @@ Order ParseOrder(std::string_view json, const std::string& where) {
     throw InputError(where, "order", fmt::format("{} bytes", json.size()),
                      fmt::format("at most {}", kMostBytes));
   }
-  const JsonValue tree = ParseJson(json, where);
+  const SignedOrder parts = SplitSignature(json, where);
+  const JsonValue tree = ParseJson(parts.order, where);
   const ObjectReader top(tree, "", where);
   Order order;
   order.kind = ReadKind(top);
+  order.signed_by = parts.by;
   if (top.Has("id")) order.id = ReadName(top, "id");
   if (top.Has("issuer")) order.issuer = ReadName(top, "issuer");
   order.not_before_us = OptionalTime(top, "at_min").value_or(0);
@@ -278,6 +299,9 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       return order;
     case OrderSubject::kDirective:
       ReadDirective(top, &order);
+      return order;
+    case OrderSubject::kPerson:
+      ReadPerson(top, &order);
       return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {

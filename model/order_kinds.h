@@ -27,10 +27,11 @@ enum class OrderKind : std::int8_t {
   kChargeNow,
   kGoTo,
   kRelease,
+  kPerson,
 };
 
 /// What an order names, and so which keys it has.
-enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir, kDirective };
+enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir, kDirective, kPerson };
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
 /// have their own rules for that.
@@ -76,6 +77,7 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kChargeNow, "charge_now", OrderSubject::kDirective},
     {OrderKind::kGoTo, "go_to", OrderSubject::kDirective},
     {OrderKind::kRelease, "release", OrderSubject::kDirective},
+    {OrderKind::kPerson, "person", OrderSubject::kPerson},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {

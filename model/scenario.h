@@ -15,6 +15,7 @@
 #include "model/clearance.h"
 #include "model/directive.h"
 #include "model/per_kind.h"
+#include "model/person.h"
 #include "model/road_area.h"
 #include "model/road_ways.h"
 #include "model/ways.h"
@@ -209,6 +210,7 @@ struct Scenario {
   std::vector<WaysSince> changed_ways;  ///< each change so far; first what held before
 
   std::vector<Directive> directives;  ///< of the commander, in force, in the order they came in
+  std::vector<Person> persons;  ///< who may order, as orders have said; empty: everybody who can
 
   Room room;  ///< the vacant ends of these lists
 

@@ -10,6 +10,8 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/signing.h"
+#include "model/person.h"
 #include "model/scenario_json.h"
 #include "world/directive_check.h"
 
@@ -82,7 +84,11 @@ bool IsInForce(const std::string& closure, const Scenario& scenario) {
 }  // namespace
 
 OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned)
-    : book_(scenario), planned_(std::move(planned)) {
+    : book_(scenario),
+      has_persons_(std::any_of(
+          planned.begin(), planned.end(),
+          [](const PlannedOrder& one) { return one.order.kind == OrderKind::kPerson; })),
+      planned_(std::move(planned)) {
   if (scenario.roads) {
     for (const PlannedClosure& closure : scenario.roads->closures) {
       planned_.push_back(ToOrder(closure, &closure - scenario.roads->closures.data()));
@@ -102,6 +108,23 @@ OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned
 std::int64_t OrderDesk::AnsweredAt(const std::string& id) const {
   const auto answered = answered_.find(id);
   return answered == answered_.end() ? -1 : answered->second;
+}
+
+bool OrderDesk::Admits(const order_t& order, std::int64_t run_id) const {
+  const std::vector<Person>& persons = scenario().persons;
+  if (!has_persons_ && persons.empty()) return true;
+  if (order.issuer == process_name::kWorld) return false;  // its own are never on the bus
+  try {
+    const SignedOrder parts = SplitSignature(order.json, "order");
+    const Person* const signer = FindPerson(persons, parts.key);
+    const bool for_another = parts.key != parts.by;
+    return signer != nullptr && NamesIssuer(order.issuer, parts.by) &&
+           (!for_another || parts.key == kLauncherPerson) &&
+           IsSignature(parts.signature, TextToSign(run_id, order.id, order.issuer, parts),
+                       signer->key);
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 bool OrderDesk::Hear(const order_t& order) {
@@ -213,6 +236,10 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
     if (order.not_before_us > t) {
       throw InputError("order", "at_min", TimeToText(order.not_before_us, kMinute),
                        fmt::format("a time that has come: it is {} now", TimeToText(t, kMinute)));
+    }
+    if (!scenario->persons.empty() && order.issuer != process_name::kWorld) {
+      const std::string why = WhyMayNot(scenario->persons, order.signed_by, order.kind);
+      if (!why.empty()) throw InputError(why);
     }
     const TakenOrder taken = TakeInto(scenario, order, t);
     if (order.task_id >= 0 && static_cast<std::size_t>(order.task_id) < status.size()) {

@@ -25,6 +25,9 @@ class OrderDesk {
   const OrderBook& book() const { return book_; }
   const Scenario& scenario() const { return *book_.scenario(); }
 
+  /// Whether the order may be heard: the mission knows no persons, or one of them has signed it for
+  /// this run. What role they have is decided on at the tick.
+  bool Admits(const order_t& order, std::int64_t run_id) const;
   /// Keeps it for the next tick. False: it was answered already, at tick AnsweredAt().
   bool Hear(const order_t& order);
   /// -1: it was not.
@@ -57,6 +60,7 @@ class OrderDesk {
                 const Agents& agents, Scenario* scenario, orders_t* said);
 
   OrderBook book_;
+  bool has_persons_;                   ///< the mission was started with some
   std::vector<PlannedOrder> planned_;  ///< latest first
   std::vector<Waiting> waiting_;       ///< in order of arrival
   std::set<std::string> waiting_ids_;

@@ -61,6 +61,7 @@ void Referee::Obey(TimeUs t, Agents* agents) {
       case OrderSubject::kRoads:
       case OrderSubject::kAir:        // who is concerned follows before it reports
       case OrderSubject::kDirective:  // the scheduler keeps it
+      case OrderSubject::kPerson:     // the desk knows them
         break;
       case OrderSubject::kTask:
         ObeyOfTask(taken, t);

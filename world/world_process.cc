@@ -104,7 +104,9 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
         if (packet.channel == channel::kDriver) driver_failures_.Hear(event);
       },
       [&](const order_t& order) {
-        if (!desk_.book().takes_orders() || wait_ == Wait::kRestore || desk_.Hear(order)) return;
+        if (!desk_.book().takes_orders() || wait_ == Wait::kRestore) return;
+        if (!desk_.Admits(order, identity().run_id)) return inbox().Reject();
+        if (desk_.Hear(order)) return;
         const auto answer = answers_.find(desk_.AnsweredAt(order.id));
         if (answer != answers_.end()) sender().Resend(answer->second);
       },

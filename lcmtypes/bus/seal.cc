@@ -1,17 +1,13 @@
 #include "lcmtypes/bus/seal.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sodium.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <limits>
 
 #include "base/check.h"
 #include "base/text.h"
+#include "base/text_file.h"
 #include "lcmtypes/bus/codec.h"
 
 namespace muster {
@@ -22,20 +18,6 @@ constexpr std::string_view kExpected =
 constexpr std::size_t kLongestText = 200;
 
 void StartSodium() { MUSTER_CHECK(sodium_init() >= 0, "libsodium"); }
-
-/// Of what a file or a pipe holds, the first line or as much of it as a key may have.
-std::string FirstLine(int fd, const std::string& from) {
-  std::string text;
-  char c = 0;
-  while (text.size() < kLongestText) {
-    const ssize_t got = read(fd, &c, 1);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw InputError(fmt::format("{}: {}", from, std::strerror(errno)));
-    if (got == 0 || c == '\n') break;
-    text += c;
-  }
-  return text;
-}
 
 }  // namespace
 
@@ -82,30 +64,7 @@ SealKey SealKey::Parse(std::string_view text, const std::string& from) {
 }
 
 SealKey SealKey::Load(const std::string& file) {
-  if (file == "-") return Parse(FirstLine(STDIN_FILENO, "stdin"), "stdin");
-  const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat status {};
-  if (fd < 0 || fstat(fd, &status) != 0) {
-    const int error = errno;
-    if (fd >= 0) close(fd);
-    throw InputError(fmt::format("{}: {}", file, std::strerror(error)));
-  }
-  std::string text;
-  const mode_t others = status.st_mode & (S_IRWXG | S_IRWXO);
-  // A pipe belongs to the processes that hold its ends.
-  const bool open_to_others = S_ISREG(status.st_mode) && others != 0;
-  try {
-    if (!open_to_others) text = FirstLine(fd, file);
-  } catch (...) {
-    close(fd);
-    throw;
-  }
-  close(fd);
-  if (open_to_others) {
-    throw InputError(file, "mode", fmt::format("{:04o}", status.st_mode & 07777U),
-                     "a key that its owner alone can read (chmod 600)");
-  }
-  return Parse(text, file);
+  return Parse(ReadSecretLine(file, "key", kLongestText), file == "-" ? "stdin" : file);
 }
 
 std::string SealKey::Text() const {

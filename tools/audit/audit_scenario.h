@@ -138,6 +138,7 @@ struct AuditOrder {
   bool is_roads() const { return what.starts_with("road_"); }
   bool is_zone() const { return what.starts_with("zone_"); }
   bool changes_ways() const { return is_roads() || is_zone(); }
+  bool is_person() const { return what == "person"; }
   /// Whether it gives a directive, or ends one.
   bool is_directive() const {
     return what == "pin" || what == "forbid" || what == "charge_now" || what == "go_to" ||

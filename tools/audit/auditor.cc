@@ -65,6 +65,7 @@ void Auditor::CheckTick() {
   orders_.CheckWays(view);
   reports_->Check(view);
   orders_.Check(view);
+  signatures_.Check(view);
   if (!view.Holds()) return;
   ReadRulings(view);
   CheckSaidFailed(view);

@@ -68,6 +68,7 @@ class Auditor {
   std::optional<View> view_;
   std::optional<ReportCheck> reports_;
   OrderCheck orders_;
+  SignatureCheck signatures_;
   std::set<std::int32_t> skipped_;  ///< decisions that never were in force
   std::optional<Facts> facts_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -46,6 +47,22 @@ class OrderCheck {
 
  private:
   std::set<std::string> answered_;  ///< ids
+};
+
+/// Who gave the orders that were taken, where the mission knows its persons.
+class SignatureCheck {
+ public:
+  void Check(View& view);
+
+ private:
+  struct Person {
+    int rank = 0;     ///< of the role, from 0 (none) to 3 (control)
+    std::string key;  ///< public
+  };
+  /// "": nothing.
+  std::string WrongOf(const taken_order_t& taken, std::int64_t run_id);
+
+  std::map<std::string, Person> persons_;  ///< by name
 };
 
 void ReadRulings(View& view);

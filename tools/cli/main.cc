@@ -14,6 +14,7 @@
 #include "tools/log/log_command.h"
 #include "tools/orders/feed_command.h"
 #include "tools/orders/order_commands.h"
+#include "tools/orders/person_command.h"
 #include "tools/orders/what_if.h"
 #include "tools/replay/replay_command.h"
 #include "tools/report/report_command.h"
@@ -45,6 +46,7 @@ const std::vector<Command> kCommands = {
     {"import", "makes a scenario from a table of places (CSV, GeoJSON)", ImportCommand},
     {"live", "shows a mission in a browser while it goes on", LiveCommand},
     {"log", "sums up, repairs, cuts, exports logs", LogCommand},
+    {"person", "says who may order in a mission, by role", PersonCommand},
     {"policies", "says which policy to take for what", PoliciesCommand},
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},

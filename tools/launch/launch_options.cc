@@ -118,6 +118,9 @@ void AddLaunchOptions(Options* options) {
       .Integer(0, 65535)
       .Implied(fmt::to_string(kDefaultLivePort));
   options->Add("tiles", "FILE", "With --live: base map, an MBTiles or PMTiles file");
+  options->Add("persons", "FILE",
+               "Take orders only of the persons in FILE, by their roles (muster person; "
+               "docs/guide/persons.md). Includes --take-orders");
   options->Flag("control",
                 "With --live: everyone who opens the printed address may also give orders there");
 }
@@ -262,7 +265,9 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   if (options.control && !arguments->Has("live")) {
     throw InputError(kCommandLine, "--control", "no --live", "--live with it: the page that may");
   }
-  options.takes_orders = arguments->Has("take-orders") || options.control;
+  arguments->Read("persons", &options.persons_file);
+  options.takes_orders =
+      arguments->Has("take-orders") || options.control || !options.persons_file.empty();
   if (arguments->Has("room") && !options.takes_orders) {
     throw InputError(kCommandLine, "--room", "no --take-orders", "--take-orders with it");
   }

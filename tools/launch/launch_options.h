@@ -36,6 +36,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   bool recorded = true;          ///< false: no log is written or waited for
   bool takes_orders = false;     ///< while it goes on
   bool control = false;          ///< the live page may give them
+  std::string persons_file;      ///< who may; "": everybody who reaches the mission
   std::optional<int> live_port;  ///< show it in browsers of this host; 0: any free port
   std::string tiles;             ///< the file of its base map; "": it has none
   std::string lcm_url;           ///< "": a network of the mission's own, or a free port

@@ -11,7 +11,7 @@ constexpr TimeUs kAgainUs = 200'000;
 
 void OrderRelay::Step(const Now& now, recorder::Recorder* speaker) {
   if (gate_ == nullptr) return;
-  for (order_t& order : gate_->Take()) {
+  for (order_t& order : gate_->Take(now.wall_us)) {
     const std::string id = order.id;
     if (open_.empty()) again_us_ = now.monotonic_us + kAgainUs;
     open_[id] = speaker->Publish(std::move(order), now);

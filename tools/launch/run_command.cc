@@ -35,6 +35,7 @@
 #include "tools/launch/mission.h"
 #include "tools/live/live_server.h"
 #include "tools/orders/order_socket.h"
+#include "tools/orders/persons_desk.h"
 #include "tools/record/report_json.h"
 #include "tools/record/summary.h"
 #include "tools/scenario/order_text.h"
@@ -201,9 +202,15 @@ std::unique_ptr<const TileFile> TilesOf(const LaunchOptions& options, const Scen
   return tiles;
 }
 
+/// The orders that are given with the mission, a line each; first who may order at all.
+std::string LinesOf(const std::vector<world::PlannedOrder>& orders, PersonsDesk* persons) {
+  if (persons == nullptr) return OrderLines(orders);
+  return persons->SignedLines(persons->Planned()) + persons->SignedLines(orders);
+}
+
 /// The run directory with what is known before the mission: scenario, key, orders, manifest.
 RunDirectory MakeDirectory(const LaunchOptions& options, const Scenario& scenario,
-                           const std::vector<world::PlannedOrder>& orders, ManifestInput manifest,
+                           const std::string& orders, ManifestInput manifest,
                            MissionIdentity* mission) {
   RunDirectory directory =
       options.out.empty()
@@ -215,7 +222,7 @@ RunDirectory MakeDirectory(const LaunchOptions& options, const Scenario& scenari
   if (mission->key) directory.WriteSecret(kSealKeyFile, mission->key->Text());
   if (!orders.empty()) {
     mission->orders_file = directory.File(kOrdersFile);
-    directory.Write(kOrdersFile, OrderLines(orders));
+    directory.Write(kOrdersFile, orders);
   }
   manifest.policy = options.policy;
   manifest.seed = scenario.seed;
@@ -273,13 +280,18 @@ int RunCommand(int argc, const char* const* argv) {
   MissionIdentity mission;
   mission.run_id = manifest.start_wall_us;
   mission.key = KeyOf(*options, mission.run_id);
+  std::optional<PersonsDesk> persons;
+  if (!options->persons_file.empty()) {
+    persons.emplace(options->persons_file, mission.run_id, manifest.start_wall_us);
+  }
   // Before the network: its socket stays in the host's, where the browsers are.
   std::optional<LiveServer> server;
   if (options->live_port) server.emplace(*options->live_port);
   mission.lcm_url = FindNetwork(*options);
   const std::unique_ptr<LossyBus> bus = OpenBusOf(*options, mission, scenario.seed);
   const RunDirectory directory =
-      MakeDirectory(*options, scenario, orders, std::move(manifest), &mission);
+      MakeDirectory(*options, scenario, LinesOf(orders, persons ? &*persons : nullptr),
+                    std::move(manifest), &mission);
 
   const std::vector<ProcessPlan> processes = PlanProcesses(*options, scenario, mission);
   MissionPlan plan = PlanMission(*options, processes, mission, scenario);
@@ -288,7 +300,7 @@ int RunCommand(int argc, const char* const* argv) {
   std::optional<OrderGate> gate;
   std::optional<OrderSocket> orders_socket;
   if (options->takes_orders) {
-    gate.emplace(scenario.origin);
+    gate.emplace(scenario.origin, persons ? &*persons : nullptr);
     orders_socket.emplace(directory.path(), &*gate);
     plan.orders = &*gate;
   }

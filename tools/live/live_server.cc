@@ -86,8 +86,14 @@ bool IsOurs(std::string_view host) {
   return name == kHost || name == "localhost";
 }
 
-/// "Bearer TOKEN"; how long that takes to see says nothing of the token.
-bool MayOrder(std::string_view authorization, const std::string& token) {
+/// Of "Bearer TOKEN"; "" of anything else.
+std::string_view TokenOf(std::string_view authorization) {
+  constexpr std::string_view kBearer = "Bearer ";
+  return authorization.starts_with(kBearer) ? authorization.substr(kBearer.size()) : "";
+}
+
+/// Whether it is "Bearer TOKEN"; how long that takes to see says nothing of the token.
+bool HasToken(std::string_view authorization, const std::string& token) {
   const std::string expected = "Bearer " + token;
   unsigned difference = authorization.size() == expected.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(authorization.size(), expected.size()); ++i) {
@@ -129,13 +135,15 @@ LiveServer::~LiveServer() {
 }
 
 std::string LiveServer::url() const {
-  return fmt::format("http://{}:{}/{}{}", kHost, port_, token_.empty() ? "" : "#token=", token_);
+  const std::string address = fmt::format("http://{}:{}/", kHost, port_);
+  if (gate_ == nullptr) return address;
+  return address + "#token=" + (gate_->has_persons() ? "TOKEN" : token_);
 }
 
 void LiveServer::Start(LiveFeed* feed, OrderGate* gate) {
   feed_ = feed;
   gate_ = gate;
-  if (gate_ != nullptr) token_ = FreshOrderId() + FreshOrderId();
+  if (gate_ != nullptr && !gate_->has_persons()) token_ = FreshOrderId() + FreshOrderId();
   page_ = LivePage("Live mission");
   SocketServer::Start();
 }
@@ -186,13 +194,23 @@ void LiveServer::AnswerTile(Browser* client, const std::string& path) {
   }
 }
 
+bool LiveServer::MayAsk(std::string_view authorization) const {
+  return gate_->has_persons() ? gate_->KnowsToken(TokenOf(authorization))
+                              : HasToken(authorization, token_);
+}
+
 void LiveServer::TakeOrder(Browser* client, const std::string& path, const std::string& body,
-                           Time now) {
+                           std::string_view token, Time now) {
   try {
-    client->order =
-        body.empty() ? path.substr(std::string_view("/orders/").size()) : gate_->Give(body, "page");
+    client->order = body.empty() ? path.substr(std::string_view("/orders/").size())
+                                 : gate_->Give(body, "page", token);
     client->last = false;
     client->answer_by = now + kAnswer;
+  } catch (const NotAllowed& refusal) {
+    const std::string text = RefusalText(refusal, body);
+    client->out = Head(refusal.known() ? "403 Forbidden" : "401 Unauthorized", "application/json",
+                       text.size()) +
+                  text;
   } catch (const InputError& error) {
     const std::string text = ErrorText(error, body);
     client->out = Head("400 Bad Request", "application/json", text.size()) + text;
@@ -265,6 +283,9 @@ void LiveServer::Answer(Browser* client, Time now) {
   const bool is_what_if = request && request->path == "/what-if";
   const bool is_question =
       !run_.empty() && (is_what_if || (request && request->path.starts_with("/why/")));
+  // Whose order it is, the gate finds out.
+  const bool is_signed = gate_ != nullptr && gate_->has_persons() && request &&
+                         request->path == "/orders" && request->method == "POST";
   if (is_long) {
     client->out = Head("431 Request Header Fields Too Large", "", 0);
   } else if (length > kMostBodyBytes) {
@@ -273,13 +294,13 @@ void LiveServer::Answer(Browser* client, Time now) {
     client->out = Head("400 Bad Request", "", 0);
   } else if (!IsOurs(request->host) || ((is_order || is_what_if) && gate_ == nullptr)) {
     client->out = Head("403 Forbidden", "", 0);
-  } else if ((is_order || is_what_if) && !MayOrder(request->authorization, token_)) {
+  } else if ((is_order || is_what_if) && !is_signed && !MayAsk(request->authorization)) {
     client->out = Head("401 Unauthorized", "", 0);
   } else if (is_order &&
              (request->method == "POST" ? request->path == "/orders" && request->length > 0
                                         : request->method == "GET" && request->path.size() > 8)) {
     TakeOrder(client, std::string(request->path), client->in.substr(head + 4, request->length),
-              now);
+              TokenOf(request->authorization), now);
   } else if (is_question && (request->method == "POST") == is_what_if &&
              is_what_if == (request->length > 0)) {
     Ask(client, std::string(request->path), client->in.substr(head + 4, request->length), now);

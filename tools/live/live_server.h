@@ -37,7 +37,8 @@ class LiveServer final : public SocketServer {
   /// change. Programs of ours find the answers, at most kMostAsked at a time. Before Start().
   void AnswerAbout(const std::string& run) { run_ = run; }
   static constexpr std::size_t kMostAsked = 2;
-  /// "http://127.0.0.1:8087/", with the token behind it where orders are taken.
+  /// "http://127.0.0.1:8087/", with the token behind it where orders are taken; where persons are
+  /// known with the word TOKEN, as each has one of their own.
   std::string url() const;
 
  private:
@@ -58,8 +59,11 @@ class LiveServer final : public SocketServer {
   void Answer(Browser* client, Time now);
   /// GET /tiles/ZOOM/COLUMN/ROW: of the feed's base map.
   void AnswerTile(Browser* client, const std::string& path);
+  /// Whether that header shows the page's token, or where persons are known one of theirs.
+  bool MayAsk(std::string_view authorization) const;
   /// POST /orders, GET /orders/ID.
-  void TakeOrder(Browser* client, const std::string& path, const std::string& body, Time now);
+  void TakeOrder(Browser* client, const std::string& path, const std::string& body,
+                 std::string_view token, Time now);
   void AnswerOrder(Browser* client, Time now);
   /// GET /why/NAME, POST /what-if.
   void Ask(Browser* client, const std::string& path, const std::string& body, Time now);
@@ -69,7 +73,7 @@ class LiveServer final : public SocketServer {
   int port_ = 0;
   LiveFeed* feed_ = nullptr;
   OrderGate* gate_ = nullptr;
-  std::string token_;  ///< "": no orders are taken
+  std::string token_;  ///< "": no orders are taken, or persons have tokens of their own
   std::string page_;
   std::string run_;        ///< "": nothing is asked about it
   std::size_t asked_ = 0;  ///< questions that are being answered

@@ -32,7 +32,7 @@ Scenario WithoutRoom(Scenario scenario) {
 std::string Line(const taken_order_t& order, TimeUs at_us) {
   // Its time is written as the scenario's times are, digit for digit.
   Json json = Json::parse(order.json);
-  for (const char* key : {"id", "issuer", "at_min"}) json.erase(key);
+  for (const char* key : {"id", "issuer", "at_min", "signed"}) json.erase(key);
   std::string body = json.dump();
   return fmt::format("{{\"id\":{},\"issuer\":{},\"at_min\":{},{}\n", Json(order.id).dump(),
                      Json(order.issuer).dump(), TimeToText(at_us, kMinute), body.substr(1));
@@ -57,6 +57,8 @@ CapturedOrders CaptureOrders(MessageSource* source) {
     for (const taken_order_t& order : orders.taken) {
       // What is done again follows from its task.
       if (order.issuer == process_name::kWorld) continue;
+      // Who may order belongs to a run, as signatures do.
+      if (ParseOrder(order.json, "order").kind == OrderKind::kPerson) continue;
       ++captured.taken;
       captured.lines += Line(order, book.scenario()->rules.TimeOf(tick));
       const OrderKind kind = ParseOrder(order.json, "order").kind;

@@ -62,7 +62,8 @@ class Sink {
 
 class MissionSink : public Sink {
  public:
-  MissionSink(const std::string& run, const StopSignals& stop) : client_(run), stop_(stop) {}
+  MissionSink(const std::string& run, const std::string& key_file, const StopSignals& stop)
+      : client_(run, key_file), stop_(stop) {}
 
   void Give(const Json& order) override {
     while (open_ >= kMostOpen && !client_.gone() && stop_.count() == 0) HearOne(milliseconds(200));
@@ -283,6 +284,7 @@ int FeedDocuments(const std::string& name, const Arguments& arguments,
   DocumentFormat format = FormatOf(name, arguments, scenario, columns);
   FeedSettings settings;
   settings.run = arguments.Get("run");
+  settings.key_file = SigningKeyFile(arguments);
   settings.format = name;
   settings.memory = fmt::format("{}-{}.json", name, Sha256(from).substr(0, 8));
   settings.read = std::move(format.read);
@@ -334,6 +336,7 @@ Options FeedOptions() {
       .Add("every", "S",
            "csv, geojson, cap, kobo: look again every S seconds until the mission ends")
       .Number(Above0(86400));
+  AddSignOption(&options);
   options.Add("token-file", "FILE", "the server's token, sent as Authorization: Token");
   options.Flag("exercise", "cap: take alerts of status Exercise, and none of status Actual");
   options.Add("lat", "COLUMN", "Latitude (default: the usual names)");
@@ -395,7 +398,7 @@ int FeedRows(const std::string& format, const Arguments& arguments,
   if (arguments.Has("out")) {
     sink = std::make_unique<FileSink>(arguments.Get("out"), *scenario);
   } else {
-    sink = std::make_unique<MissionSink>(arguments.Get("run"), stop);
+    sink = std::make_unique<MissionSink>(arguments.Get("run"), SigningKeyFile(arguments), stop);
   }
   if (from_stdin || format == "json") {
     std::istream& in = from_stdin ? std::cin : opened;

@@ -52,7 +52,11 @@ void AddPlaceOptions(Options* options) {
 /// Sends the order and tells what became of it.
 int Give(Json order, const Arguments& arguments) {
   if (arguments.Has("id")) order["id"] = arguments.Get("id");
-  if (arguments.Has("issuer")) order["issuer"] = arguments.Get("issuer");
+  if (arguments.Has("issuer")) {
+    order["issuer"] = arguments.Get("issuer");
+  } else if (!arguments.Has("sign")) {
+    order["issuer"] = "command line";
+  }
   // What is wrong with it in itself is an error of the command line.
   ParseOrder(
       [&] {
@@ -75,7 +79,7 @@ int Give(Json order, const Arguments& arguments) {
         return bare.dump();
       }(),
       "order");
-  OrderClient client(arguments.Get("run"));
+  OrderClient client(arguments.Get("run"), SigningKeyFile(arguments));
   client.Send(order.dump());
   const double wait_s = arguments.Get<double>("wait");
   const std::string text =
@@ -107,7 +111,9 @@ int Give(Json order, const Arguments& arguments) {
 void AddCommonOptions(Options* options) {
   options->Add("id", "TEXT",
                "The order's own id: given twice, it is taken once (default: a new one)");
-  options->Add("issuer", "TEXT", "Who gives it").Default("command line");
+  options->Add("issuer", "TEXT",
+               "Who gives it (default: the person of --sign, or \"command line\")");
+  AddSignOption(options);
   options->Add("wait", "S", "Seconds to wait for the mission's answer")
       .Number(Above0(86'400))
       .Default(30);

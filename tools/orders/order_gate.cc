@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/json_tree.h"
+#include "base/say.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "lcmtypes/words.h"
 #include "tools/scenario/order_text.h"
@@ -16,10 +19,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostOrders = 1'000'000;
 constexpr const char* kEnded = "the mission has ended";
+constexpr std::chrono::seconds kQuiet{1};
 
-}  // namespace
-
-std::string ErrorText(const InputError& error, const std::string& order) {
+/// {"id", key: why}, with the order's id if it can be read and has one.
+std::string WithId(const std::string& order, const char* key, const char* why) {
   Json json;
   try {
     const JsonValue given = ParseJson(order, "");
@@ -28,22 +31,81 @@ std::string ErrorText(const InputError& error, const std::string& order) {
   } catch (const InputError&) {
     // Its error is the one that is told.
   }
-  json["error"] = error.what();
+  json[key] = why;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string OrderGate::Give(const std::string& json, const std::string& issuer) {
-  const world::PlannedOrder planned = ReadOrder(json, "order", origin_);
+/// The order without "signed", which is read into `given`. Throws InputError.
+std::string TakeSignature(const std::string& json, SignedOrder* given) {
+  Json order = Json::parse(json, nullptr, false);
+  if (!order.is_object() || !order.contains("signed")) return json;
+  const Json& proof = order["signed"];
+  const auto text = [&](const char* key) -> std::string {
+    if (!proof.is_object() || !proof.contains(key) || !proof[key].is_string()) {
+      throw InputError("order", fmt::format("signed.{}", key), "no such text",
+                       "a name (by) and a signature of 128 hexadecimal digits (signature)");
+    }
+    return proof[key].get<std::string>();
+  };
+  given->by = text("by");
+  given->signature = text("signature");
+  order.erase("signed");
+  return order.dump();
+}
+
+}  // namespace
+
+std::string ErrorText(const InputError& error, const std::string& order) {
+  return WithId(order, "error", error.what());
+}
+
+std::string RefusalText(const NotAllowed& refusal, const std::string& order) {
+  return WithId(order, "refused", refusal.what());
+}
+
+std::string OrderGate::Give(const std::string& json, const std::string& issuer,
+                            std::string_view token) {
+  SignedOrder given;
+  world::PlannedOrder planned = ReadOrder(TakeSignature(json, &given), "order", origin_);
+  if (!given.by.empty() && persons_ == nullptr) {
+    throw InputError("order", "signed", given.by,
+                     "no signature: the mission was started without --persons");
+  }
+  const std::lock_guard lock(mutex_);
+  if (persons_ != nullptr) {
+    Prove(given, token, &planned);
+  } else if (planned.order.issuer.empty()) {
+    planned.order.issuer = issuer;
+  }
   order_t order{};
   order.id = planned.order.id;
-  order.issuer = planned.order.issuer.empty() ? issuer : planned.order.issuer;
+  order.issuer = planned.order.issuer;
   order.json = planned.json;
-  const std::lock_guard lock(mutex_);
   if (answers_.size() >= kMostOrders) {
     throw InputError(fmt::format("order: more than {} in one mission", kMostOrders));
   }
   if (answers_.try_emplace(order.id, "").second) given_.push_back(order);
   return order.id;
+}
+
+void OrderGate::Prove(const SignedOrder& given, std::string_view token,
+                      world::PlannedOrder* order) {
+  try {
+    persons_->Prove(given, token, order);
+  } catch (const NotAllowed& refusal) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= quiet_until_) {
+      Say("muster: order {} of {} is refused: {}\n", Printable(order->order.id),
+          Printable(order->order.issuer), Printable(refusal.what()));
+      quiet_until_ = now + kQuiet;
+    }
+    throw;
+  }
+}
+
+bool OrderGate::KnowsToken(std::string_view token) const {
+  const std::lock_guard lock(mutex_);
+  return persons_ != nullptr && persons_->OfToken(token) != nullptr;
 }
 
 bool OrderGate::knows(const std::string& id) const {
@@ -60,9 +122,13 @@ std::optional<std::string> OrderGate::AnswerTo(const std::string& id) const {
   return {};
 }
 
-std::vector<order_t> OrderGate::Take() {
+std::vector<order_t> OrderGate::Take(std::int64_t wall_us) {
   const std::lock_guard lock(mutex_);
-  return std::exchange(given_, {});
+  std::vector<order_t> orders = std::exchange(given_, {});
+  if (persons_ != nullptr) {
+    for (order_t& order : persons_->Changes(wall_us)) orders.push_back(std::move(order));
+  }
+  return orders;
 }
 
 void OrderGate::Answer(const orders_t& orders) {

@@ -75,7 +75,9 @@ void OrderSocket::Serve(Client* one, Time now, bool ending) {
   for (; (end = client->in.find('\n', begin)) - begin <= kMostLine; begin = end + 1) {
     const std::string order = client->in.substr(begin, end - begin);
     try {
-      client->waiting.push_back(gate_->Give(order, "local"));
+      client->waiting.push_back(gate_->Give(order, "local", ""));
+    } catch (const NotAllowed& refusal) {
+      client->out += RefusalText(refusal, order) + "\n";
     } catch (const InputError& error) {
       client->out += ErrorText(error, order) + "\n";
     }
@@ -92,7 +94,8 @@ void OrderSocket::Serve(Client* one, Time now, bool ending) {
   if (ending && client->waiting.empty() && client->out.empty()) client->until = now;
 }
 
-OrderClient::OrderClient(const std::string& run) {
+OrderClient::OrderClient(const std::string& run, const std::string& key_file) {
+  if (!key_file.empty()) signer_.emplace(key_file, run);
   const Address address(run, kOrderSocket);
   fd_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (fd_ >= 0 && connect(fd_, address.get(), Address::size()) == 0) return;
@@ -104,7 +107,7 @@ OrderClient::OrderClient(const std::string& run) {
 OrderClient::~OrderClient() { close(fd_); }
 
 void OrderClient::Send(const std::string& line) {
-  std::string rest = line + "\n";
+  std::string rest = (signer_ ? signer_->Sign(line) : line) + "\n";
   while (!rest.empty()) {
     const ssize_t sent = send(fd_, rest.data(), rest.size(), MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;

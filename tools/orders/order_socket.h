@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/host/socket_server.h"
 #include "tools/orders/order_gate.h"
+#include "tools/orders/order_signer.h"
 
 namespace muster::tools {
 
@@ -39,8 +41,9 @@ inline constexpr std::size_t kMostOpen = 1000;
 /// The other end.
 class OrderClient {
  public:
-  /// RUN is a run directory. Throws InputError where no mission runs there that takes orders.
-  explicit OrderClient(const std::string& run);
+  /// RUN is a run directory; orders are signed with the key in that file, "": not at all. Throws
+  /// InputError where no mission runs there that takes orders.
+  explicit OrderClient(const std::string& run, const std::string& key_file = "");
   ~OrderClient();
   OrderClient(const OrderClient&) = delete;
   OrderClient& operator=(const OrderClient&) = delete;
@@ -52,6 +55,7 @@ class OrderClient {
   bool gone() const { return gone_; }
 
  private:
+  std::optional<OrderSigner> signer_;
   int fd_ = -1;
   std::string in_;
   bool gone_ = false;

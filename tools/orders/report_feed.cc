@@ -108,7 +108,7 @@ class Feeder {
   Feeder(const FeedSettings& settings, const StopSignals& stop)
       : settings_(settings),
         stop_(stop),
-        client_(settings.run),
+        client_(settings.run, settings.key_file),
         memory_((fs::path(settings.run) / settings.memory).string()) {}
 
   void Look(const DocumentSource& source) {

@@ -37,10 +37,11 @@ class DocumentSource {
 };
 
 struct FeedSettings {
-  std::string run;     ///< run directory
-  std::string format;  ///< in the orders' ids
-  std::string memory;  ///< file in the run directory: what was given from this source
-  double every_s = 0;  ///< seconds between two looks; 0: one look
+  std::string run;       ///< run directory
+  std::string format;    ///< in the orders' ids
+  std::string key_file;  ///< the orders are signed with; "": they are not
+  std::string memory;    ///< file in the run directory: what was given from this source
+  double every_s = 0;    ///< seconds between two looks; 0: one look
   std::function<Reports(const std::string& document, const std::string& file)> read;
 };
 

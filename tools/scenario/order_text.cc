@@ -99,6 +99,9 @@ world::PlannedOrder ReadOrder(std::string_view text, const std::string& where,
   PutAreaOnMap(&json, where, origin);
   world::PlannedOrder planned;
   planned.order = ParseOrder(json.dump(), where);
+  if (planned.order.kind == OrderKind::kPerson) {
+    throw InputError(where, "order", "person", "another order: the launcher gives it (--persons)");
+  }
   if (planned.order.id.empty()) planned.order.id = FreshOrderId();
   json.erase("id");
   json.erase("issuer");

@@ -41,7 +41,7 @@ class FakeMissionAnswers {
   FakeMissionAnswers(OrderGate* gate, orders_t (*answer)(const order_t&))
       : thread_([this, gate, answer] {
           while (!end_) {
-            for (const order_t& order : gate->Take()) {
+            for (const order_t& order : gate->Take(0)) {
               ++given_;
               gate->Answer(answer(order));
             }
@@ -109,7 +109,7 @@ TEST_F(OrderServer, WhoHasNotTheTokenGivesNone) {
     EXPECT_EQ(answer->status, 401) << token;
   }
   EXPECT_EQ(client_->Post("/orders", kCancel, "application/json")->status, 401);
-  EXPECT_TRUE(gate_.Take().empty());
+  EXPECT_TRUE(gate_.Take(0).empty());
 }
 
 TEST_F(OrderServer, WhatIsNoOrderReachesNoMission) {
@@ -119,14 +119,14 @@ TEST_F(OrderServer, WhatIsNoOrderReachesNoMission) {
     EXPECT_GE(answer->status, 400) << body;
   }
   EXPECT_EQ(Post(std::string(100'000, ' '), token_)->status, 413);
-  EXPECT_TRUE(gate_.Take().empty());
+  EXPECT_TRUE(gate_.Take(0).empty());
 }
 
 TEST_F(OrderServer, AnOrderWithoutAnAnswerIsAskedForAgain) {
   const auto pending = Post(kCancel, token_);
   ASSERT_TRUE(pending);
   EXPECT_EQ(pending->status, 202);
-  for (const order_t& order : gate_.Take()) gate_.Answer(Taken(order));
+  for (const order_t& order : gate_.Take(0)) gate_.Answer(Taken(order));
   const httplib::Headers headers = {{"Authorization", "Bearer " + token_}};
   EXPECT_EQ(client_->Get("/orders/c1", headers)->status, 200);
   EXPECT_EQ(client_->Get("/orders/c2", headers)->status, 404);
@@ -164,7 +164,7 @@ TEST(OrderSocket, TellsWhoWaitsThatTheMissionHasEnded) {
   std::optional<OrderSocket> socket(std::in_place, folder.path(), &gate);
   OrderClient client(folder.path());
   client.Send(kCancel);
-  while (gate.Take().empty()) std::this_thread::yield();
+  while (gate.Take(0).empty()) std::this_thread::yield();
   gate.Close();
   EXPECT_EQ(Json::parse(client.Receive(std::chrono::seconds(60)))["error"],
             "the mission has ended");

@@ -99,7 +99,7 @@ export class Orders {
   /** Sends an order; once more with the same id it is the same order. */
   async send(entry) {
     this.#set(entry, "pending", "");
-    let answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.id, issuer: "page", ...entry.order, words: undefined }) });
+    let answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.id, ...entry.order, words: undefined }) });
     while (answer?.status === 202) {
       this.#set(entry, "pending", "the mission has not answered yet");
       await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
@@ -125,8 +125,10 @@ export class Orders {
       entry.agent = body.taken.agent ?? null;
       return this.#set(entry, "taken", `taken at ${clockText(1000 * body.taken.sim_s)}`);
     }
-    if (status === 401 || status === 403) this.refused = true;
-    const why = status === 401 || status === 403 ? "this page may not give orders" : body.refused ?? body.error ?? `the server answered ${status}`;
+    // 403 with a reason: of this order alone, which asks for another role.
+    const barred = status === 401 || (status === 403 && !body.refused);
+    if (barred) this.refused = true;
+    const why = body.refused ?? (barred ? "this page may not give orders" : body.error ?? `the server answered ${status}`);
     return this.#set(entry, "refused", why);
   }
 

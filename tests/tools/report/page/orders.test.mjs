@@ -82,7 +82,7 @@ for (const [width, height, colorScheme] of LOOKS) {
     assert.equal(given.length, 1);
     const [{ id: orderId, ...order }] = given;
     assert.match(orderId, /^page-/);
-    assert.deepEqual(order, { issuer: "page", order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school" } });
+    assert.deepEqual(order, { order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school" } });
     // The mission has it: it is on the map, in the table, and among what needs attention.
     const count = () => page.evaluate(() => window.muster.state.run.tasksTotal);
     const before = await count();
@@ -177,7 +177,7 @@ test("an agent is recalled and leaves; an order that is not answered is asked fo
   await press(page, "Give the order");
   await soon(async () => assert.match(await page.locator("#order-latest").innerText(), new RegExp(`let ${agent} leave: taken`)));
   const { id, ...order } = given.at(-1);
-  assert.deepEqual(order, { issuer: "page", order: "agent_leave", agent });
+  assert.deepEqual(order, { order: "agent_leave", agent });
 });
 
 test("who does a task is decided on its card, who charges and who goes where on an agent's", async (t) => {
@@ -219,7 +219,7 @@ test("who does a task is decided on its card, who charges and who goes where on 
   await page.locator("#map").click({ position: { x: 400, y: 200 } });
   await press(page, "Give the order");
   await soon(async () => assert.equal(given.length, 4));
-  const [pin, release, charge, go] = given.map(({ id, issuer, ...order }) => order);
+  const [pin, release, charge, go] = given.map(({ id, ...order }) => order);
   assert.deepEqual(pin, { order: "pin", task, agents: here });
   assert.deepEqual(release, { order: "release", directive: "p1" });
   assert.deepEqual(charge, { order: "charge_now", agents: [here[0]] });
@@ -272,7 +272,7 @@ test("agents are dragged to tasks, charging points and places; after Escape, and
   assert.equal(await drag(at, free), `${uav} goes here`);
   await press(page, "Give the order");
   await soon(async () => assert.equal(given.length, 3));
-  const [pin, now, go] = given.map(({ id, issuer, ...order }) => order);
+  const [pin, now, go] = given.map(({ id, ...order }) => order);
   assert.deepEqual(pin, { order: "pin", task, agents: [uav] });
   assert.deepEqual(now, { order: "charge_now", agents: [uav], charge: charge[2] });
   assert.deepEqual([go.order, go.agent], ["go_to", uav]);
