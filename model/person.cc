@@ -68,7 +68,7 @@ std::string TextToSign(std::int64_t run_id, std::string_view id, std::string_vie
       throw InputError("order", "signed", Printable(name), "names without control characters");
     }
   }
-  return fmt::format("muster order\n{}\n{}\n{}\n{}\n{}", run_id, id, issuer, order.by, order.order);
+  return fmt::format("MUSTER_ORDER\n{}\n{}\n{}\n{}\n{}", run_id, id, issuer, order.by, order.order);
 }
 
 std::string IssuerText(std::string_view issuer, std::string_view by) {

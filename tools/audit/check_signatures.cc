@@ -61,7 +61,7 @@ std::string SignatureCheck::WrongOf(const taken_order_t& taken, std::int64_t run
     return "is " + by + "'s, who may not give it";
   }
   const std::size_t end = taken.json.rfind(",\"signed\":");
-  const std::string text = "muster order\n" + std::to_string(run_id) + "\n" + taken.id + "\n" +
+  const std::string text = "MUSTER_ORDER\n" + std::to_string(run_id) + "\n" + taken.id + "\n" +
                            taken.issuer + "\n" + by + "\n" + taken.json.substr(0, end) + "}";
   if (!HasSigned(signer->second.key, order.at("signed").at("signature"), text)) {
     return "has a signature that is not " + by + "'s";

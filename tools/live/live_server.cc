@@ -135,9 +135,10 @@ LiveServer::~LiveServer() {
 }
 
 std::string LiveServer::url() const {
-  const std::string address = fmt::format("http://{}:{}/", kHost, port_);
-  if (gate_ == nullptr) return address;
-  return address + "#token=" + (gate_->has_persons() ? "TOKEN" : token_);
+  const std::string token = gate_ == nullptr       ? ""
+                            : gate_->has_persons() ? "#token=TOKEN"
+                                                   : "#token=" + token_;
+  return fmt::format("http://{}:{}/{}", kHost, port_, token);
 }
 
 void LiveServer::Start(LiveFeed* feed, OrderGate* gate) {

@@ -95,8 +95,9 @@ void OrderGate::Prove(const SignedOrder& given, std::string_view token,
   } catch (const NotAllowed& refusal) {
     const auto now = std::chrono::steady_clock::now();
     if (now >= quiet_until_) {
-      Say("muster: order {} of {} is refused: {}\n", Printable(order->order.id),
-          Printable(order->order.issuer), Printable(refusal.what()));
+      const std::string& issuer = order->order.issuer;
+      Say("muster: order {}{} is refused: {}\n", Printable(order->order.id),
+          issuer.empty() ? "" : " of " + Printable(issuer), Printable(refusal.what()));
       quiet_until_ = now + kQuiet;
     }
     throw;

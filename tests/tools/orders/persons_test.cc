@@ -4,12 +4,14 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "base/check.h"
 #include "base/sha256.h"
+#include "model/generator.h"
 #include "tests/temporary_folder.h"
 #include "tools/live/live_server.h"
 #include "tools/orders/order_gate.h"
