@@ -43,6 +43,17 @@ Moments MomentsOf(std::vector<double> values) {
   return moments;
 }
 
+double StudentQuantile975(int degrees) {
+  if (degrees < 4) return kNotKnown;
+  constexpr double x = 1.959963984540054;  // of the normal distribution
+  const double n = degrees, x2 = x * x;
+  const double g1 = x * (x2 + 1) / 4;
+  const double g2 = x * ((5 * x2 + 16) * x2 + 3) / 96;
+  const double g3 = x * (((3 * x2 + 19) * x2 + 17) * x2 - 15) / 384;
+  const double g4 = x * ((((79 * x2 + 776) * x2 + 1482) * x2 - 1920) * x2 - 945) / 92160;
+  return x + (g1 + (g2 + (g3 + g4 / n) / n) / n) / n;
+}
+
 double GrowthOf(const std::vector<std::pair<double, double>>& points) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const auto& [size, value] : points) {

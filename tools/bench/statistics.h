@@ -51,6 +51,11 @@ struct Moments {
 };
 Moments MomentsOf(std::vector<double> values);
 
+/// The value that Student's t with so many degrees of freedom is below in 97.5 of 100 cases, to
+/// 0.002; kNotKnown with fewer than 4. Source: Abramowitz and Stegun, Handbook of Mathematical
+/// Functions, 26.7.5.
+double StudentQuantile975(int degrees);
+
 /// The power of the first number by which the second one grows: least squares in logarithms.
 /// kNotKnown with fewer than two different first numbers.
 double GrowthOf(const std::vector<std::pair<double, double>>& points);

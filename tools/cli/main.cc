@@ -3,6 +3,7 @@
 #include "base/program.h"
 #include "tools/audit/audit_command.h"
 #include "tools/bench/bench_command.h"
+#include "tools/bench/compare_command.h"
 #include "tools/bound/bound_command.h"
 #include "tools/drive/drive_command.h"
 #include "tools/explain/explain_command.h"
@@ -37,6 +38,7 @@ const std::vector<Command> kCommands = {
     {"bench", "compares policies, times decisions", BenchCommand},
     {"bound", "tells how many tasks any policy could do at most", BoundCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
+    {"compare", "simulates the same missions with several policies", CompareCommand},
     {"direct", "decides in the policy's place: pins, forbids, sends", DirectCommand},
     {"drive", "tries out a driver, a program that takes an agent's part", DriveCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <chrono>
 #include <filesystem>
 #include <system_error>
 
@@ -57,6 +58,26 @@ void RunDirectory::Write(std::string_view name, std::string_view text) const {
 
 void RunDirectory::WriteSecret(std::string_view name, std::string_view text) const {
   WriteFile(File(name), text, Readers::kOwner);
+}
+
+NewestRun FindNewestRun(const std::string& root) {
+  NewestRun newest;
+  fs::file_time_type started{};
+  std::error_code error;
+  for (fs::directory_iterator entry(root, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code none;
+    const fs::file_time_type at = fs::last_write_time(entry->path() / "manifest.json", none);
+    if (none || (!newest.path.empty() && at <= started)) continue;
+    started = at;
+    newest.path = entry->path().string();
+  }
+  if (newest.path.empty()) return newest;
+  const fs::path path = newest.path;
+  const fs::file_time_type written = fs::last_write_time(path / "mission.lcm", error);
+  newest.goes_on = !error && !fs::exists(path / "report.json", error) &&
+                   fs::file_time_type::clock::now() - written < std::chrono::minutes(10);
+  return newest;
 }
 
 std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed) {

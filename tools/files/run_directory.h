@@ -29,6 +29,13 @@ class RunDirectory {
   std::string path_;
 };
 
+/// The run below a folder that was started last.
+struct NewestRun {
+  std::string path;      ///< ROOT/NAME; "": there is none
+  bool goes_on = false;  ///< it has no report, and its log was written to within ten minutes
+};
+NewestRun FindNewestRun(const std::string& root);
+
 /// "NAME-POLICY-SEED" with what does not suit a file name (anything but letters, digits, '.', '_'
 /// and '-') as '_', and no more than 60 characters of the policy.
 std::string RunStem(std::string_view scenario_name, std::string_view policy, std::uint64_t seed);

@@ -6,7 +6,6 @@
 
 #include "base/options.h"
 #include "base/program.h"
-#include "lcmtypes/bus/multicast.h"
 #include "tools/host/stop_signals.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
@@ -24,8 +23,10 @@ int LiveCommand(int argc, const char* const* argv) {
       argv[0],
       "Shows a mission in a browser of this host while it goes on: a run that is being written,\n"
       "or what is heard on the bus (of muster run --lcm-url, or of muster replay). Ctrl-C ends "
-      "it.");
-  options.Positional("run", "[RUN|URL]").Default(DefaultUrl());
+      "it.\n"
+      "Without RUN or URL it shows the newest run of the folder runs, if that goes on, and\n"
+      "otherwise what is heard on the bus.");
+  options.Positional("run", "[RUN|URL]");
   options.Add("port", "N", "Port on 127.0.0.1; 0: any free one")
       .Integer(0, 65535)
       .Default(kDefaultLivePort);
@@ -34,12 +35,13 @@ int LiveCommand(int argc, const char* const* argv) {
   if (!arguments) return kExitOk;
   RequirePage();
   const int port = arguments->Get<int>("port");
-  const auto source = OpenPacketSource(arguments->Get("run"));
+  const std::string run = arguments->Has("run") ? arguments->Get("run") : MissionHere();
+  const auto source = OpenPacketSource(run);
   const StopSignals stop;
   LiveFeed feed(source->name(),
                 arguments->Has("tiles") ? OpenTiles(arguments->Get("tiles")) : nullptr);
   LiveServer server(port);
-  if (source->is_log()) server.AnswerAbout(arguments->Get("run"));
+  if (source->is_log()) server.AnswerAbout(run);
   server.Start(&feed);
   fmt::print("{}\n", server.url());
   std::fflush(stdout);

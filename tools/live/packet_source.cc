@@ -7,11 +7,14 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/say.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/multicast.h"
 #include "lcmtypes/channels.h"
 #include "protocol/run_process.h"
 #include "tools/files/log_files.h"
+#include "tools/files/run_directory.h"
 
 namespace muster::tools {
 namespace {
@@ -134,6 +137,19 @@ std::optional<Packet> ScenarioRequest::Due(std::optional<std::int64_t> heard, bo
 std::unique_ptr<PacketSource> OpenPacketSource(const std::string& run_or_url) {
   if (run_or_url.find("://") != std::string::npos) return std::make_unique<HeardBus>(run_or_url);
   return std::make_unique<FollowedRun>(run_or_url);
+}
+
+std::string MissionHere() {
+  const NewestRun newest = FindNewestRun("runs");
+  if (newest.goes_on) {
+    Say("{}\n", newest.path);
+    return newest.path;
+  }
+  std::string url = DefaultUrl();
+  if (!newest.path.empty()) {
+    Say("no run goes on here: listening on {} (the newest run is {})\n", url, newest.path);
+  }
+  return url;
 }
 
 }  // namespace muster::tools

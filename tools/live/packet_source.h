@@ -27,6 +27,10 @@ class PacketSource {
 /// Run directory or log file when it is no LCM URL ("udpm://..."). Throws InputError, SystemError.
 std::unique_ptr<PacketSource> OpenPacketSource(const std::string& run_or_url);
 
+/// The run or URL to look at where nobody names one: the newest run of the folder runs, if it goes
+/// on; else the bus. Says on stderr which.
+std::string MissionHere();
+
 /// Asks for the scenario on the bus if the mission began before this process listened. The question
 /// is one message with one seq, repeated until it is answered, so the mission's log stays without
 /// gaps. The world answers by its scenario and clock.

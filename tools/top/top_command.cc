@@ -11,7 +11,6 @@
 #include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
-#include "lcmtypes/bus/multicast.h"
 #include "protocol/run_process.h"
 #include "tools/host/stop_signals.h"
 #include "tools/live/packet_source.h"
@@ -75,13 +74,16 @@ int TopCommand(int argc, const char* const* argv) {
   Options options(
       argv[0],
       "Shows a mission in the terminal while it goes on: agents by status, processes, rates,\n"
-      "losses, ages. q or Ctrl-C ends it. In a pipe it prints a snapshot every two seconds.");
-  options.Positional("run", "[RUN|URL]").Default(DefaultUrl());
+      "losses, ages. q or Ctrl-C ends it. In a pipe it prints a snapshot every two seconds.\n"
+      "Without RUN or URL it shows the newest run of the folder runs, if that goes on, and\n"
+      "otherwise what is heard on the bus.");
+  options.Positional("run", "[RUN|URL]");
   options.Flag("once", "Print one snapshot and exit");
   options.Flag("json", "Print one snapshot as JSON and exit");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  const auto source = OpenPacketSource(arguments->Get("run"));
+  const auto source =
+      OpenPacketSource(arguments->Has("run") ? arguments->Get("run") : MissionHere());
   const StopSignals stop;
   if (arguments->Has("once") || arguments->Has("json")) {
     return Once(source.get(), stop, arguments->Has("json"));

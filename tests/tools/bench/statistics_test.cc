@@ -96,6 +96,17 @@ std::string Refusal(std::vector<const char*> arguments) {
   return "taken";
 }
 
+/// From the usual table of Student's t.
+TEST(Statistics, StudentsQuantileIsThatOfTheTable) {
+  const std::pair<int, double> table[] = {{4, 2.776},  {5, 2.571},        {6, 2.447},
+                                          {9, 2.262},  {19, 2.093},       {29, 2.045},
+                                          {99, 1.984}, {1'000'000, 1.960}};
+  for (const auto& [degrees, value] : table) {
+    EXPECT_NEAR(StudentQuantile975(degrees), value, 0.002) << degrees;
+  }
+  EXPECT_TRUE(std::isnan(StudentQuantile975(3)));
+}
+
 TEST(Bench, ASuiteRefusesTheOptionsOfOthersByName) {
   const struct {
     std::vector<const char*> arguments;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -40,6 +42,32 @@ TEST_F(RunDirectoryTest, SaysWhenAFolderCannotBeMade) {
   std::ofstream(root_ / "file") << "x";
   EXPECT_THROW(RunDirectory::Take((root_ / "file" / "run").string()), SystemError);
   EXPECT_THROW(RunDirectory::MakeNew((root_ / "file").string(), "run"), SystemError);
+}
+
+TEST_F(RunDirectoryTest, TheNewestRunIsFoundAndWhetherItGoesOn) {
+  const std::string root = (root_ / "runs").string();
+  EXPECT_EQ(FindNewestRun(root).path, "");
+  const auto begin = [&](const char* name, int age_s) {
+    const RunDirectory run = RunDirectory::Take(root + "/" + name);
+    for (const char* file : {"manifest.json", "mission.lcm"}) {
+      run.Write(file, "{}");
+      std::filesystem::last_write_time(
+          run.File(file),
+          std::filesystem::file_time_type::clock::now() - std::chrono::seconds(age_s));
+    }
+    return run;
+  };
+  begin("b", 1000);
+  EXPECT_EQ(FindNewestRun(root).path, root + "/b");
+  EXPECT_FALSE(FindNewestRun(root).goes_on) << "nothing was written for 1000 s";
+  const RunDirectory newest = begin("a", 10);
+  begin("c", 2000);
+  std::filesystem::create_directory(root + "/no run");
+  EXPECT_EQ(FindNewestRun(root).path, root + "/a");
+  EXPECT_TRUE(FindNewestRun(root).goes_on);
+  newest.Write("report.json", "{}");
+  EXPECT_EQ(FindNewestRun(root).path, root + "/a");
+  EXPECT_FALSE(FindNewestRun(root).goes_on);
 }
 
 TEST(RunStem, IsAFileName) {
