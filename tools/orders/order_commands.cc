@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "model/order.h"
+#include "model/scenario_json.h"
 #include "tools/host/progress.h"
 #include "tools/orders/order_socket.h"
 #include "tools/scenario/fields.h"
@@ -184,6 +186,22 @@ void ReadRoads(const Arguments& arguments, Json* order) {
   }
 }
 
+/// The minute of the mission in that run directory at which a clock shows that time: the place's,
+/// where the scenario has a start, else the mission's own. Throws InputError.
+double MinuteAt(const std::string& run, const std::string& flag, const std::string& text) {
+  const std::optional<TimeUs> at_us = TimeOfDay(text);
+  if (!at_us) throw InputError("command line", flag, text, "a clock time, as 14:30");
+  const Scenario scenario = LoadScenario((std::filesystem::path(run) / "scenario.json").string());
+  constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
+  TimeUs start_us = 0;
+  if (scenario.start) {
+    start_us = scenario.start->unix_us + scenario.start->offset_min * kMinuteUs;
+  }
+  // The first time after the start that a clock shows it.
+  return static_cast<double>(((*at_us - start_us) % kDayUs + kDayUs) % kDayUs) /
+         static_cast<double>(kMinuteUs);
+}
+
 int ToTaskId(const Arguments& arguments) {
   if (!arguments.Has("task")) {
     throw InputError("command line", "TASK", "nothing", "the id of a task");
@@ -205,7 +223,11 @@ int TaskCommand(int argc, const char* const* argv) {
   options.Add("cost", "KM", "Range that sensing takes (default: 3)").Number({0, 1e6});
   options.Add("priority", "0-3", "low, normal, high or emergency");
   options.Add("due-in", "MIN", "Sensing should begin within so many minutes").Number({0, 1e6});
+  options.Add("due", "H:MM",
+              "The same as a clock time: of the place if the scenario has a start, else of the "
+              "mission, as 1:15");
   options.Add("expires-in", "MIN", "Sensing must begin within so many minutes").Number(Above0(1e6));
+  options.Add("expires", "H:MM", "The same as a clock time");
   options.Add("revisit", "MIN", "To be done again so many minutes after it was done")
       .Number(Above0(1e6));
   options.Add("name", "TEXT", "What people call it");
@@ -234,6 +256,15 @@ int TaskCommand(int argc, const char* const* argv) {
   number("cost", "cost_km");
   number("due-in", "due_in_min");
   number("expires-in", "expires_in_min");
+  for (const char* flag : {"due", "expires"}) {
+    if (!arguments->Has(flag)) continue;
+    if (arguments->Has(fmt::format("{}-in", flag))) {
+      throw InputError("command line", fmt::format("--{}", flag), arguments->Get(flag),
+                       fmt::format("nothing beside --{}-in", flag));
+    }
+    task[fmt::format("{}_min", flag)] =
+        MinuteAt(arguments->Get("run"), fmt::format("--{}", flag), arguments->Get(flag));
+  }
   number("revisit", "revisit_min");
   text("name", "name");
   text("external-id", "external_id");
@@ -253,7 +284,7 @@ int TaskCommand(int argc, const char* const* argv) {
     }
     if (what == "change" && task.empty()) {
       throw InputError("command line", "change", "nothing to change",
-                       "--priority, --due-in, --expires-in or --name");
+                       "--priority, --due, --due-in, --expires, --expires-in or --name");
     }
     order.update(task);
   }

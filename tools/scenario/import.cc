@@ -1,4 +1,5 @@
 #include "tools/scenario/import.h"
+#include "tools/map/local_frame.h"
 
 #include <fmt/format.h>
 
@@ -159,6 +160,7 @@ class Importer {
 
   void ChooseWindow(const Places& places) {
     std::size_t count = 0;
+    bool shrunk = false;
     if (request_.window) {
       corner_ = request_.window->corner;
       settings_.width_km = request_.window->width_km;
@@ -176,10 +178,35 @@ class Importer {
       }
       corner_ = best.corner;
       count = best.count;
+      shrunk = request_.may_shrink && count == places.at.size() && Shrink(places);
     }
     Say("window: {} km east x {} km north, south-west corner {:.6f}, {:.6f} ({}): {} of {} places",
         settings_.width_km, settings_.height_km, corner_.latitude_deg, corner_.longitude_deg,
-        request_.window ? "as given" : "the densest", count, places.at.size());
+        request_.window ? "as given"
+        : shrunk        ? "around all places"
+                        : "the densest",
+        count, places.at.size());
+  }
+
+  /// Takes whole kilometres around the places, half a kilometre or more on each side, where the
+  /// window is wider than that.
+  bool Shrink(const Places& places) {
+    Point low{1e9, 1e9}, high{-1e9, -1e9};
+    for (const Point& p : Project(places.at, corner_)) {
+      low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
+      high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
+    }
+    const auto side_km = [](double extent_m) {
+      return std::max(std::ceil(extent_m / 1000) + 1, 2.0);
+    };
+    const double width_km = side_km(high.x_m - low.x_m), height_km = side_km(high.y_m - low.y_m);
+    if (width_km >= settings_.width_km || height_km >= settings_.height_km) return false;
+    const Point corner{(low.x_m + high.x_m - KmToM(width_km)) / 2,
+                       (low.y_m + high.y_m - KmToM(height_km)) / 2};
+    corner_ = RoundToMicrodegrees(LocalFrame(corner_).ToPlace(corner));
+    settings_.width_km = width_km;
+    settings_.height_km = height_km;
+    return true;
   }
 
   bool Inside(Point p) const {

@@ -37,6 +37,7 @@ struct ImportRequest {
   std::optional<std::string> priority, task_name, external_id;
   bool are_reports = false;            ///< each task is a row that is reported at the row's time
   bool may_turn = false;               ///< the densest window may also be height by width
+  bool may_shrink = false;             ///< to what the places need, where that is less
   std::optional<TimeUs> start;         ///< mission start, time of day; else the busiest period
   std::optional<Moment> start_moment;  ///< the scenario's start; `start` is its time of day
   /// Minutes east of UTC of the mission's clocks: times without an offset are theirs, others are

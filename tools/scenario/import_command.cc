@@ -119,7 +119,8 @@ void AddImportOptions(Options* options) {
   options->Add("charging-at", "LAT,LON", "Columns of the charging points' places");
   options->Add("agents-at", "LAT,LON", "Columns of the agents' places");
   options->Add("window", "LAT,LON,W,H",
-               "South-west corner in degrees, width and height in km (default: the densest)");
+               "South-west corner in degrees, width and height in km (default: the densest of the "
+               "area, or with neither --area nor --shape a smaller one around all places)");
   options->Add(
       "priority", "COLUMN",
       "Column of the tasks' priorities: 0 to 3, or low, normal, high, emergency; a blank one "
@@ -171,6 +172,8 @@ int ImportCommand(int argc, const char* const* argv) {
   arguments->Read("external-id", &request.external_id);
   request.are_reports = arguments->Has("arrivals") && arguments->Get("arrivals") == kArrivalsOfRows;
   request.may_turn = !arguments->Has("area");
+  request.may_shrink =
+      !arguments->Has("area") && !arguments->Has("shape") && !arguments->Has("scale");
   ReadStart(*arguments, &request);
 
   ImportResult result = Import(ReadTable(file), request);

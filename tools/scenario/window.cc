@@ -156,6 +156,10 @@ std::vector<Point> Project(const std::vector<Origin>& places, Origin corner) {
   return points;
 }
 
+Origin RoundToMicrodegrees(Origin place) {
+  return {RoundDegrees(place.latitude_deg), RoundDegrees(place.longitude_deg)};
+}
+
 Window DensestWindow(const std::vector<Origin>& places, double width_m, double height_m) {
   MUSTER_CHECK(!places.empty());
   Origin frame = DensestDegree(places);
@@ -167,7 +171,7 @@ Window DensestWindow(const std::vector<Origin>& places, double width_m, double h
   for (int round = 0; round < kRounds; ++round) {
     const Point corner = DensestCorner(points, width_m, height_m);
     const Origin origin = LocalFrame(frame).ToPlace(corner);
-    frame = {RoundDegrees(origin.latitude_deg), RoundDegrees(origin.longitude_deg)};
+    frame = RoundToMicrodegrees(origin);
     points = Project(places, frame);
     std::size_t count = 0;
     for (const Point& p : points) count += InWindow(p, width_m, height_m) ? 1 : 0;

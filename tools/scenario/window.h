@@ -17,6 +17,9 @@ inline bool InWindow(Point p, double width_m, double height_m) {
   return p.x_m >= 0 && p.x_m < width_m && p.y_m >= 0 && p.y_m < height_m;
 }
 
+/// As scenarios have them: whole millionths of a degree.
+Origin RoundToMicrodegrees(Origin place);
+
 struct Window {
   Origin corner;  ///< south-west, in whole millionths of a degree
   std::size_t count = 0;

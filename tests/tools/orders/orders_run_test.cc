@@ -53,6 +53,12 @@ TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
             0)
       << output;
   EXPECT_NE(output.find("task_add task 120"), std::string::npos) << output;
+  EXPECT_EQ(Command({"task", "change", Run(), "120", "--due", "1:45"}, &output), 0) << output;
+  EXPECT_EQ(Command({"task", "change", Run(), "120", "--due", "noon"}, &output), 2);
+  EXPECT_NE(output.find("--due: found noon, expected a clock time, as 14:30"), std::string::npos)
+      << output;
+  EXPECT_EQ(Command({"task", "change", Run(), "120", "--due", "1:45", "--due-in", "3"}, &output),
+            2);
   EXPECT_EQ(Command({"task", "cancel", Run(), "5"}), 0);
   EXPECT_EQ(Command({"task", "cancel", Run(), "5"}, &output), 4);
   EXPECT_NE(output.find("refused: task 5 is cancelled"), std::string::npos) << output;

@@ -290,6 +290,31 @@ TEST_F(ScenarioCommandTest, ImportsCsvAndGeoJsonAlike) {
   EXPECT_EQ(ScenarioToJson(import("points.geojson")), ScenarioToJson(s));
 }
 
+/// An incident of 9 by 4 km: without a size it gets an area around it, not one of 30 by 30 km.
+TEST_F(ScenarioCommandTest, ImportTakesAnAreaAroundASmallIncident) {
+  std::ofstream(File("points.csv")) << "lat,lon\n47.10,9.50\n47.13,9.55\n47.11,9.62\n";
+  const auto import = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), File("points.csv"));
+    flags.insert(flags.end(), {"--quiet", "--out", File("s.json")});
+    EXPECT_EQ(Run(ImportCommand, flags), kExitOk);
+    return LoadScenario(File("s.json"));
+  };
+  const Scenario own = import({});
+  EXPECT_EQ(own.width_m, 11'000);
+  EXPECT_EQ(own.height_m, 5'000);
+  ASSERT_EQ(own.tasks.size(), 3u);
+  for (const Task& task : own.tasks) {
+    EXPECT_GT(task.at.x_m, 0);
+    EXPECT_LT(task.at.x_m, own.width_m);
+    EXPECT_LT(task.at.y_m, own.height_m);
+  }
+  EXPECT_EQ(import({"--area", "30x30"}).width_m, 30'000);
+  EXPECT_EQ(import({"--shape", "Random_1"}).width_m, 30'000);
+  // One place alone has some room around it.
+  std::ofstream(File("points.csv")) << "lat,lon\n47.10,9.50\n";
+  EXPECT_EQ(import({}).width_m, 2'000);
+}
+
 TEST_F(ScenarioCommandTest, ImportSeveralFiltersMustAllHold) {
   std::ofstream(File("points.csv")) << "lat,lon,code,ok\n10.001,20.001,1,YES\n10.012,20.001,1,NO\n"
                                        "10.013,20.022,2,YES\n";
