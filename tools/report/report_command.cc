@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "tools/host/progress.h"
 #include "tools/record/report_json.h"
 #include "tools/report/background.h"
+#include "tools/report/figures.h"
 #include "tools/report/gshhg.h"
 #include "tools/report/mission_feed.h"
 #include "tools/report/page.h"
@@ -41,11 +45,10 @@ std::string NameOf(const std::string& run) {
   return path.filename().string();
 }
 
-/// Beside the log: "runs/a" -> "runs/a/report.html".
-std::string PageOf(const std::string& run) {
+/// "runs/a" -> "runs/a/FILE".
+std::string BesideLog(const std::string& run, const std::string& file) {
   const std::filesystem::path path(run);
-  return ((std::filesystem::is_directory(path) ? path : path.parent_path()) / "report.html")
-      .string();
+  return ((std::filesystem::is_directory(path) ? path : path.parent_path()) / file).string();
 }
 
 /// Pages may be made again; whatever else is at `out` stays.
@@ -66,9 +69,10 @@ struct Shown {
   std::string tiles;       ///< a file; "": none
 };
 
-std::string ReadRun(const std::string& run, const Shown& shown) {
+/// Takes all that the run's log has. Throws InputError where that is no mission.
+void ReadLog(const std::string& run, MissionFeed* to) {
+  MissionFeed& feed = *to;
   const std::vector<std::string> files = LogFilesOf(run);
-  MissionFeed feed;
   LogProgress progress(run, files);
   for (const std::string& file : files) {
     const auto log = OpenLog(file, EventLogReader::Tail::kFinal);
@@ -88,6 +92,11 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
   progress.Break();
   if (!feed.ready()) throw InputError(files[0] + ": the log has no scenario");
   feed.Finish();
+}
+
+std::string ReadRun(const std::string& run, const Shown& shown) {
+  MissionFeed feed;
+  ReadLog(run, &feed);
   PageCursor cursor;
   nlohmann::ordered_json chunk = PageChunk(feed, NameOf(run), &cursor, true);
   const Scenario& scenario = feed.timeline().scenario();
@@ -139,6 +148,44 @@ int WriteScene(const std::string& page, SceneKind kind, const std::string& link,
   return kExitOk;
 }
 
+int DrawFigure(const Arguments& arguments) {
+  const std::vector<std::string> runs = arguments.All("runs");
+  const std::string name = arguments.Get("figure");
+  const auto figure = static_cast<Figure>(
+      std::find(std::begin(kFigures), std::end(kFigures), name) - std::begin(kFigures));
+  if (figure != Figure::kCompletion && runs.size() != 1) {
+    throw InputError("command line", "RUN", fmt::format("{} runs", runs.size()),
+                     fmt::format("one run: {} shows one", name));
+  }
+  for (const char* option : {"scene", "show", "background", "tiles"}) {
+    if (!arguments.Has(option)) continue;
+    throw InputError("command line", fmt::format("--{}", option), arguments.Get(option),
+                     "nothing beside --figure");
+  }
+  const std::string format = arguments.Get("format");
+  std::string out;
+  if (arguments.Has("out")) {
+    out = arguments.Get("out");
+  } else if (runs.size() == 1) {
+    out = BesideLog(runs[0], name + "." + format);
+  } else {
+    throw InputError("command line", "--out", "nothing", "a file to write, FILE." + format);
+  }
+  if (!out.ends_with("." + format)) {
+    throw InputError("command line", "--out", out,
+                     fmt::format("a file named FILE.{} (--format {})", format, format));
+  }
+  std::vector<std::unique_ptr<MissionFeed>> feeds;
+  std::vector<FigureRun> read;
+  for (const std::string& run : runs) {
+    ReadLog(run, feeds.emplace_back(std::make_unique<MissionFeed>()).get());
+    read.push_back({NameOf(run), &feeds.back()->timeline()});
+  }
+  WriteFigure(figure, read, {format, arguments.Get<double>("width")}, out);
+  fmt::print("{}\n", out);
+  return kExitOk;
+}
+
 }  // namespace
 
 int ReportCommand(int argc, const char* const* argv) {
@@ -165,13 +212,27 @@ int ReportCommand(int argc, const char* const* argv) {
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",
               "What the picture shows, as in the page's address: 't=4800&sel=uav:2&look=time'");
+  options.Group("Figures for papers");
+  options
+      .Add(
+          "figure", "NAME",
+          "Draw one figure instead of a page, with gnuplot: completion (tasks done over time, also "
+          "of several runs), timeline (what every agent does), map (tasks and trails) or "
+          "space-time (UAVs in space and time)")
+      .OneOf({std::begin(kFigures), std::end(kFigures)});
+  options.Add("format", "pdf|svg|png", "Of the figure").OneOf({"pdf", "svg", "png"}).Default("pdf");
+  options.Add("width", "CM", "Of the figure: one column of a paper, or 18 for two")
+      .Number({3, 100})
+      .Default(8.8);
+  options.Group("");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
+  if (arguments->Has("figure")) return DrawFigure(*arguments);
   RequirePage();
   const auto runs = arguments->All("runs");
   const std::string scene = arguments->Has("scene") ? arguments->Get("scene") : "";
   const std::string out = arguments->Has("out")               ? arguments->Get("out")
-                          : scene.empty() && runs.size() == 1 ? PageOf(runs[0])
+                          : scene.empty() && runs.size() == 1 ? BesideLog(runs[0], "report.html")
                                                               : "";
   if (out.empty() && scene.empty()) {
     throw InputError("command line", "--out", "nothing", "a file to write, FILE.html");
