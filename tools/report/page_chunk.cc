@@ -206,6 +206,10 @@ ordered_json Places(const Scenario& scenario) {
   if (const Separation* minima = scenario.separation()) {
     place["air"]["separation"] = {{"horizontal_m", minima->horizontal_m},
                                   {"vertical_m", minima->vertical_m}};
+    auto& measured = place["air"]["measured"] = nlohmann::ordered_json::array();
+    for (std::size_t id = 0; id < scenario.uavs.size(); ++id) {
+      if (scenario.uavs[id].measured) measured.push_back(id);
+    }
   }
   if (scenario.IsOpen()) place["vacant"] = VacantAgents(scenario);
   if (scenario.IsOpen()) place["task_times"] = TaskTimes(scenario);

@@ -14,6 +14,7 @@
 #include "model/feasibility.h"
 #include "protocol/fault_kinds.h"
 #include "tools/host/progress.h"
+#include "tools/top/approach.h"
 
 namespace muster::tools {
 namespace {
@@ -181,7 +182,8 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
   const std::int64_t now_ms = timeline.now_ms();
   Kind processes("processes silent", true), differ("schedulers disagree", true),
       faults("faults in force", true), failed("agents failed", true),
-      stranded("cannot reach a charging point", true), at_risk("tasks at risk", true),
+      near("UAVs come too close", true), stranded("cannot reach a charging point", true),
+      at_risk("tasks at risk", true),
       tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
       waiting("waiting for a partner", false), low("low range", false);
   for (const std::string& name : silent) processes.Add(name, "", 0);
@@ -213,10 +215,14 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
                                                trouble->note, trouble->harm);
     }
   }
+  for (const NearPair& pair : timeline.ended() ? std::vector<NearPair>() : NearPairs(timeline)) {
+    near.Add(fmt::format("uav:{} and uav:{}", pair.a, pair.b), ToText(pair.approach),
+             -pair.approach.in_s);
+  }
   AddTasks(timeline, &at_risk, &tasks);
   std::vector<Concern> all;
-  for (Kind* kind :
-       {&processes, &differ, &faults, &failed, &stranded, &at_risk, &tasks, &waiting, &low}) {
+  for (Kind* kind : {&processes, &differ, &faults, &failed, &near, &stranded, &at_risk, &tasks,
+                     &waiting, &low}) {
     kind->MoveTo(&all);
   }
   return all;

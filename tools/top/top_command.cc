@@ -45,7 +45,8 @@ int Once(PacketSource* source, const StopSignals& stop, bool json) {
   TimeUs ready_us = kNever;
   while (true) {
     if (stop.count() > 0) return kExitInterrupted;
-    const std::vector<Packet> packets = source->Read(kLookUs);
+    // A log that is being written always has more a moment later: what is there now counts.
+    const std::vector<Packet> packets = source->Read(source->is_log() ? 0 : kLookUs);
     for (const Packet& packet : packets) view.Add(packet);
     const TimeUs now_us = MonotonicUs();
     if (view.ready() && ready_us == kNever) ready_us = now_us;

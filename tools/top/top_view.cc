@@ -8,6 +8,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "tools/host/progress.h"
+#include "tools/top/approach.h"
 #include "tools/top/attention.h"
 
 namespace muster::tools {
@@ -104,6 +105,18 @@ std::string TopView::TaskLine() const {
   return fmt::format("tasks: {} of {} done, {} being sensed, {} reserved, {} open",
                      n(TaskStatus::kDone), total, n(TaskStatus::kSensing), n(TaskStatus::kReserved),
                      n(TaskStatus::kOpen));
+}
+
+std::string TopView::AirLine() const {
+  const auto air = AirPictureOf(feed_.timeline());
+  if (!air) return "";
+  if (air->n == 0) return "air: no UAV is in the air";
+  std::string line = fmt::format("air: {} UAVs, {:.0f} to {:.0f} m above the ground", air->n,
+                                 air->lowest_m, air->highest_m);
+  if (!air->nearest) return line;
+  const NearPair& pair = *air->nearest;
+  return line + fmt::format("; nearest uav:{} and uav:{}, {:.0f} m across and {:.0f} m up", pair.a,
+                            pair.b, pair.approach.across_m, pair.approach.up_m);
 }
 
 std::string TopView::BusLine(std::int64_t now_us) const {
@@ -259,6 +272,17 @@ std::string TopView::Json(std::int64_t now_us) const {
   json["bus"] = {{"messages_per_s", rate.messages},
                  {"bytes_per_s", rate.bytes},
                  {"age_s", or_null(all_.last_us == 0 ? -1 : ToSeconds(now_us - all_.last_us))}};
+  if (const auto air = AirPictureOf(timeline)) {
+    json["air"] = {{"uavs", air->n},
+                   {"lowest_m", air->lowest_m},
+                   {"highest_m", air->highest_m},
+                   {"nearest", nullptr}};
+    if (air->nearest) {
+      json["air"]["nearest"] = {{"uavs", {air->nearest->a, air->nearest->b}},
+                                {"across_m", air->nearest->approach.across_m},
+                                {"up_m", air->nearest->approach.up_m}};
+    }
+  }
   json["attention"] = Json::array();
   for (const Concern& concern : Attention(timeline, SilentProcesses(now_us))) {
     json["attention"].push_back(
@@ -293,6 +317,7 @@ std::vector<TopView::Line> TopView::Lines(std::int64_t now_us, std::size_t width
     now_us = ToldUs(now_us);
     lines.push_back({MissionLine(), Look::kHead});
     lines.push_back({TaskLine()});
+    if (std::string air = AirLine(); !air.empty()) lines.push_back({std::move(air)});
     lines.push_back({BusLine(now_us)});
     lines.push_back({});
     AddAgents(&lines);

@@ -73,6 +73,7 @@ class TopView {
   std::vector<std::string> SilentProcesses(std::int64_t now_us) const;
   std::string MissionLine() const;
   std::string TaskLine() const;
+  std::string AirLine() const;  ///< "": UAVs are not kept apart
   std::string BusLine(std::int64_t now_us) const;
   void AddAgents(std::vector<Line>* lines) const;
   void AddAttention(std::int64_t now_us, std::vector<Line>* lines) const;

@@ -53,6 +53,9 @@ TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
             0)
       << output;
   EXPECT_NE(output.find("task_add task 120"), std::string::npos) << output;
+  // A log that grows all the time: one snapshot is of now, not of the mission's end.
+  EXPECT_EQ(Command({"top", Run(), "--once"}, &output), 0) << output;
+  EXPECT_EQ(output.find(", ended"), std::string::npos) << output;
   EXPECT_EQ(Command({"task", "change", Run(), "120", "--due", "1:45"}, &output), 0) << output;
   EXPECT_EQ(Command({"task", "change", Run(), "120", "--due", "noon"}, &output), 2);
   EXPECT_NE(output.find("--due: found noon, expected a clock time, as 14:30"), std::string::npos)

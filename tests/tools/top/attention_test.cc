@@ -8,9 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "base/sha256.h"
+#include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "model/generator.h"
+#include "model/scenario_json.h"
+#include "simulation/simulator.h"
 #include "tests/tools/fake_mission.h"
 #include "tools/report/mission_feed.h"
+#include "tools/top/approach.h"
 #include "tools/top/top_view.h"
 
 namespace muster::tools {
@@ -63,6 +68,74 @@ TEST(Attention, PutsTheMostHarmfulFirst) {
   EXPECT_EQ(told[4], "tasks not done: task 1 ");
   EXPECT_TRUE(told[5].starts_with("waiting for a partner: worker:1 for ")) << told[5];
   EXPECT_TRUE(told[6].starts_with("low range: uav:1 ")) << told[6];
+}
+
+Flying FlyingOf(const nlohmann::json& numbers) {
+  return {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]};
+}
+
+TEST(Approach, IsThatOfTheSharedTable) {
+  std::ifstream file(MUSTER_SOURCE_DIR "/tests/tools/top/approaches.json");
+  for (const nlohmann::json& one : nlohmann::json::parse(file)) {
+    SCOPED_TRACE(one["what"]);
+    for (const bool turned : {false, true}) {
+      const auto approach = turned
+                                ? ApproachOf(FlyingOf(one["b"]), FlyingOf(one["a"]), Separation())
+                                : ApproachOf(FlyingOf(one["a"]), FlyingOf(one["b"]), Separation());
+      ASSERT_EQ(approach.has_value(), one.contains("note"));
+      if (!approach) continue;
+      EXPECT_NEAR(approach->in_s, one["in_s"], 1e-9);
+      EXPECT_NEAR(approach->across_m, one["across_m"], 1e-9);
+      EXPECT_NEAR(approach->up_m, one["up_m"], 1e-9);
+      EXPECT_EQ(ToText(*approach), one["note"]);
+    }
+  }
+}
+
+/// All UAVs fly at one altitude, apart from each other. The measured one says that it is 20 m
+/// beside another one.
+TEST(Attention, AMeasuredUavThatStraysNearAnotherIsNamedBeforehand) {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  auto air = std::make_shared<ScenarioAir>();
+  air->separation->ceiling_m = air->separation->lowest_m;
+  scenario.air = air;
+  std::vector<Message> messages;
+  Simulate(TextOf(scenario), "horizon", [&](const Packet& packet) {
+    if (auto message = DecodeMessage(packet)) messages.push_back(std::move(*message));
+  });
+  scenario.uavs[15].measured = true;
+  // Decision 1, at minute 10, sends uav:3 and uav:15.
+  const auto at_minute_12 = [&](bool strays) {
+    auto timeline = std::make_unique<Timeline>(scenario);
+    for (Message message : messages) {
+      if (HeaderOf(message).sim_us > 12 * kMinuteUs) break;
+      if (auto* states = std::get_if<agent_states_t>(&message)) {
+        if (strays && states->kind == NumberOf(AgentKind::kUav) && states->tick > 21) {
+          states->agents[15].x_m = states->agents[3].x_m + 20;
+          states->agents[15].y_m = states->agents[3].y_m;
+        }
+      }
+      timeline->Add(message);
+    }
+    return timeline;
+  };
+  EXPECT_TRUE(NearPairs(*at_minute_12(false)).empty());
+  const auto strayed = at_minute_12(true);
+  const std::vector<NearPair> pairs = NearPairs(*strayed);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].a, 15);
+  EXPECT_EQ(pairs[0].b, 3);
+  EXPECT_LE(pairs[0].approach.across_m, 20);
+  const std::vector<Concern> concerns = Attention(*strayed, {});
+  ASSERT_FALSE(concerns.empty());
+  EXPECT_EQ(concerns[0].kind, "UAVs come too close");
+  EXPECT_EQ(concerns[0].who, "uav:15 and uav:3");
+  const auto picture = AirPictureOf(*strayed);
+  ASSERT_TRUE(picture && picture->nearest);
+  EXPECT_EQ(picture->n, 2u);
+  EXPECT_EQ(picture->lowest_m, 30);
+  EXPECT_EQ(picture->highest_m, 30);
+  EXPECT_NEAR(picture->nearest->approach.across_m, 20, 0.5);
 }
 
 /// The fake mission until a minute, its tasks as `edit` makes them.

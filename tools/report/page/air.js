@@ -1,7 +1,9 @@
 // How high UAVs fly that are kept apart, and which come near each other.
-import { placeAt, statusAt } from "./run.js";
+import { placeAt, statusAt, velocityAt } from "./run.js";
 import { rowAt } from "./time.js";
 import { FAILED, OFFLINE } from "./words.js";
+
+const AHEAD_S = 120;
 
 /** The plans of altitudes, by UAV: [{from, knots: [t, metres, ...]}], each until the next. */
 export class Altitudes {
@@ -46,4 +48,38 @@ export function nearestPairs(flying, { horizontal_m, vertical_m }, most) {
     pairs.push({ a: b.agent, b: a.agent, across, up, share: Math.max(across / horizontal_m, up / vertical_m) });
   }));
   return pairs.sort((a, b) => a.across - b.across || a.up - b.up).slice(0, most);
+}
+
+/**
+ * How close two UAVs, { x, y, up, vx, vy }, come within two minutes if both fly on as they do now: { inS, across, up }; null: one of
+ * the minima is kept. The terminal has the same rule (ApproachOf in tools/top/approach.h).
+ */
+export function approachOf(a, b, { horizontal_m, vertical_m }) {
+  const up = Math.abs(a.up - b.up);
+  if (up >= vertical_m) return null;
+  const [dx, dy, vx, vy] = [b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy];
+  const speed2 = vx * vx + vy * vy;
+  const inS = speed2 === 0 ? 0 : Math.min(AHEAD_S, Math.max(0, -(dx * vx + dy * vy) / speed2));
+  const across = Math.hypot(dx + vx * inS, dy + vy * inS);
+  return across < horizontal_m ? { inS, across, up } : null;
+}
+
+/** "40 m across and 0 m up from each other in 1:20" */
+export function approachText({ inS, across, up }) {
+  const seconds = Math.round(inS);
+  const when = seconds === 0 ? "now" : `in ${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+  return `${across.toFixed(0)} m across and ${up.toFixed(0)} m up from each other ${when}`;
+}
+
+/** The pairs of a measured UAV, which may stray, and any other that come too close: [{ a, b, ...approach }]. */
+export function comingClose(run, t) {
+  const { separation, measured = [] } = run.scenario?.air ?? {};
+  if (!separation || measured.length === 0) return [];
+  const strays = new Set(measured);
+  const flying = inTheAir(run, t).map((one) => ({ ...one, ...velocityAt(one.agent, t) }));
+  return flying.filter(({ agent }) => strays.has(agent.id)).flatMap((a) => flying.flatMap((b) => {
+    if (a === b || (strays.has(b.agent.id) && b.agent.id < a.agent.id)) return [];
+    const approach = approachOf(a, b, separation);
+    return approach ? [{ a: a.agent, b: b.agent, ...approach }] : [];
+  }));
 }

@@ -1,3 +1,4 @@
+import { approachText, comingClose } from "./air.js";
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
@@ -18,6 +19,7 @@ export const KINDS = [
   { id: "differ", title: "Schedulers disagree", mark: "!" },
   { id: "fault", title: "Faults in force", mark: "!" },
   { id: "failed", title: "Agents failed", mark: "×" },
+  { id: "near", title: "UAVs come too close", mark: "!" },
   { id: "stranded", title: "Cannot reach a charging point", mark: "×" },
   { id: "undone", title: "Not done", mark: "◇", more: "never" },
   { id: "risk", title: "At risk", mark: "◇", more: "open" },
@@ -120,6 +122,12 @@ function agentsInTrouble(run, t) {
   });
 }
 
+function nearPairs(run, t) {
+  if (run.ended && t >= run.nowMs) return [];
+  return comingClose(run, t).map(({ a, b, ...approach }) => ({ kind: "near", harm: -approach.inS, note: approachText(approach),
+    item: { type: "agent", index: a.index }, text: `${a.label} and ${b.label}` }));
+}
+
 /** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
 function toCharging(run, place) {
   const points = run.once("charging by x", () => [...run.charging].sort((a, b) => a.x - b.x));
@@ -138,7 +146,7 @@ function toCharging(run, place) {
 
 /** What needs attention at t, by kind and harm: [{ kind, item, text, note }]. `silentMs`: since a live page heard anything. */
 export function attentionAt(run, t, silentMs = 0) {
-  const found = [...agentsInTrouble(run, t), ...tasksAtRisk(run, t)];
+  const found = [...agentsInTrouble(run, t), ...nearPairs(run, t), ...tasksAtRisk(run, t)];
   for (const band of faultBands(run)) {
     const lasts = band.open || (band.to === band.from ? t - band.to <= run.tickMs : t < band.to);
     if (band.kind === "agent" || band.from > t || !lasts) continue;

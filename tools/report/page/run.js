@@ -2,7 +2,7 @@ import { Altitudes } from "./air.js";
 import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
-import { CANCELLED, DECIDING, FAILED, HELD, IDLE, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
+import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
 
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
 
@@ -189,6 +189,16 @@ export function placeAt(agent, t) {
   const toX = stops[i + 5];
   const toY = stops[i + 6];
   return { x: x + share * (toX - x), y: y + share * (toY - y), range: range + share * (stops[i + 7] - range), toX, toY, dx: toX - x, dy: toY - y };
+}
+
+/** Metres a second: { vx, vy }, of one that moves. */
+export function velocityAt(agent, t) {
+  const { stops } = agent;
+  let i = Math.max(0, rowAt(stops, STOP, t)) * STOP;
+  if (i + STOP >= stops.length) i -= STOP; // the newest place: what it did before tells the way
+  const seconds = i < 0 ? 0 : (stops[i + STOP] - stops[i]) / 1000;
+  if (!(seconds > 0) || statusAt(agent, t) !== MOVING) return { vx: 0, vy: 0 };
+  return { vx: (stops[i + STOP + 1] - stops[i + 1]) / seconds, vy: (stops[i + STOP + 2] - stops[i + 2]) / seconds };
 }
 
 export function statusAt(agent, t) {

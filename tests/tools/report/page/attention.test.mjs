@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
+import { approachOf, approachText } from "../../../../tools/report/page/air.js";
 import { attentionAt, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
 import { Run, decidingMs, faultBands } from "../../../../tools/report/page/run.js";
 import { readWords } from "../../../../tools/report/page/words.js";
@@ -24,6 +25,32 @@ test("the trouble of an agent is that of the terminal", () => {
     assert.equal(trouble?.note, one.note, JSON.stringify(one));
     if (trouble) assert.ok(Math.abs(trouble.harm - one.harm) < 1e-9, JSON.stringify(one));
   }
+});
+
+test("how close two UAVs come is that of the terminal", () => {
+  const cases = JSON.parse(readFileSync(new URL("../../top/approaches.json", import.meta.url)));
+  const flying = ([x, y, up, vx, vy]) => ({ x, y, up, vx, vy });
+  for (const one of cases) {
+    const approach = approachOf(flying(one.a), flying(one.b), { horizontal_m: 50, vertical_m: 10 });
+    assert.equal(approach ? approachText(approach) : undefined, one.note, one.what);
+    if (approach) assert.ok(Math.abs(approach.inS - one.in_s) < 1e-9 && Math.abs(approach.across - one.across_m) < 1e-9, one.what);
+  }
+});
+
+test("a measured UAV that comes near another needs attention, one that is computed does not", () => {
+  const run = new Run({});
+  const uav = (id, stops) => ({ id, index: id, kind: 0, label: `uav:${id}`, stops, spans: [0, STATUSES.indexOf("moving")], fullRange: 1e5 });
+  run.agents = [uav(0, [0, 0, 0, 1e5, 60000, 900, 0, 1e5]), uav(1, [0, 3000, 0, 1e5, 60000, 2100, 0, 1e5])];
+  const altitudes = { at: () => 40 };
+  Object.assign(run, { nowMs: 60000, tickMs: 30000, tasks: [], faults: [], events: [], charging: [], altitudes,
+    scenario: { uavs: 2, air: { separation: { horizontal_m: 50, vertical_m: 10 }, measured: [1] } } });
+  const found = (t) => attentionAt(run, t).map(({ kind, text, note }) => [kind, text, note]);
+  assert.deepEqual(found(60000), [["near", "uav:1 and uav:0", "0 m across and 0 m up from each other in 0:40"]]);
+  assert.deepEqual(found(30000), [["near", "uav:1 and uav:0", "0 m across and 0 m up from each other in 1:10"]]);
+  run.scenario.air.measured = [];
+  assert.deepEqual(found(60000), []);
+  run.scenario.air.measured = [0, 1];
+  assert.equal(found(60000).length, 1);
 });
 
 test("a fault in force and a lost process need attention at the newest time of a live page", () => {
