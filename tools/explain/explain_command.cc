@@ -54,21 +54,29 @@ int ExplainCommand(int argc, const char* const* argv) {
       "to, what was planned for it, and what forcing it would have cost, in the terms of the\n"
       "policy that decided.");
   options.Run();
+  options.Positional("who", "[task:N|AGENT]");
   options.Add("task", "N", "A task: N or task:N");
   options.Add("agent", "NAME", "An agent: uav:N, worker:N or vehicle:N");
   options.Add("decision", "N", "One decision (default: all)").Integer(0, kMostId);
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  if (arguments->Has("task") == arguments->Has("agent")) {
-    throw InputError("one of --task N and --agent uav:N is needed");
+  const int n_named = arguments->Has("task") + arguments->Has("agent") + arguments->Has("who");
+  if (n_named != 1) {
+    throw InputError("command line", "task or agent", n_named == 0 ? "nothing" : "more than one",
+                     "one of them, as task:17 or uav:3");
   }
   const std::string run = arguments->Get("run");
   const bool json = arguments->Has("json");
   std::optional<std::int32_t> decision;
   arguments->Read("decision", &decision);
   std::optional<std::pair<AgentKind, std::int32_t>> agent;
+  std::string task = arguments->Has("task") ? arguments->Get("task") : "";
   if (arguments->Has("agent")) agent = ParseAgent(arguments->Get("agent"));
+  if (arguments->Has("who")) {
+    const std::string who = arguments->Get("who");
+    who.starts_with("task:") ? void(task = who) : void(agent = ParseAgent(who));
+  }
 
   ProgressPrinter printer(stderr, StyleFor(stderr, false));
   const TimeUs start_us = MonotonicUs();
@@ -87,7 +95,7 @@ int ExplainCommand(int argc, const char* const* argv) {
   if (agent) {
     print(TellAgent(log, run, agent->first, agent->second, decision, progress));
   } else {
-    print(TellTask(log, run, ParseTask(arguments->Get("task")), decision, progress));
+    print(TellTask(log, run, ParseTask(task), decision, progress));
   }
   return kExitOk;
 }

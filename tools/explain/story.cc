@@ -252,7 +252,7 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
                                  const std::vector<std::int32_t>& tasks,
                                  std::optional<std::int32_t> decision,
                                  const DecisionProgress& progress) {
-  const auto n = static_cast<std::int32_t>(log.scenario.tasks.size());
+  const auto n = static_cast<std::int32_t>(log.scenario.n_tasks());
   std::vector<TaskStory> stories;
   std::vector<Question<scheduler::TaskAnswer>> questions;
   for (const std::int32_t task : tasks) {
@@ -302,7 +302,7 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
                      std::int32_t id, std::optional<std::int32_t> decision,
                      const DecisionProgress& progress) {
   const auto& specs = log.scenario.agents(kind);
-  const auto n = static_cast<std::int32_t>(specs.size());
+  const auto n = static_cast<std::int32_t>(log.scenario.n_agents(kind));
   if (id < 0 || id >= n) {
     throw InputError(run, "--agent", fmt::format("{}:{}", ToString(kind), id),
                      n == 0 ? fmt::format("a mission with {}s", ToString(kind))

@@ -496,6 +496,11 @@ class Commands : public testing::Test {
 TEST_F(Commands, ExplainPrintsTextAndJson) {
   EXPECT_EQ(Run(ExplainCommand, {"--task", "1"}), kExitOk);
   EXPECT_TRUE(Contains(out_, "task:1 at")) << out_;
+  const std::string of_option = out_;
+  EXPECT_EQ(Run(ExplainCommand, {"task:1"}), kExitOk);
+  EXPECT_EQ(out_, of_option);
+  EXPECT_EQ(Run(ExplainCommand, {"uav:0"}), kExitOk);
+  EXPECT_TRUE(Contains(out_, "uav:0")) << out_;
   EXPECT_EQ(Run(ExplainCommand, {"--agent", "uav:0", "--decision", "0", "--json"}), kExitOk);
   const auto json = nlohmann::json::parse(out_);
   EXPECT_EQ(json["version"], 2);
@@ -506,6 +511,8 @@ TEST_F(Commands, ExplainPrintsTextAndJson) {
   for (const std::vector<const char*>& bad :
        std::vector<std::vector<const char*>>{{},
                                              {"--task", "1", "--agent", "uav:0"},
+                                             {"--task", "1", "uav:0"},
+                                             {"drone:0"},
                                              {"--task", "2"},
                                              {"--task", "-1"},
                                              {"--task", "1x"},
@@ -515,6 +522,16 @@ TEST_F(Commands, ExplainPrintsTextAndJson) {
                                              {"--task", "1", "--decision", "6"}}) {
     EXPECT_THROW(Run(ExplainCommand, bad), InputError);
   }
+}
+
+/// Room for orders is no task and no agent.
+TEST(Story, OfWhatNoOrderHasAddedThereIsNone) {
+  DecisionLog log;
+  log.scenario = Generate(PresetByName("Random_1"), 1);
+  AddRoom({3, {1, 1, 1}}, &log.scenario);
+  EXPECT_THROW(TellTask(log, "run", 120, {}, {}), InputError);
+  EXPECT_THROW(TellAgent(log, "run", AgentKind::kUav, 30, {}, {}), InputError);
+  EXPECT_NO_THROW(TellTask(log, "run", 119, {}, {}));
 }
 
 TEST_F(Commands, RedecideTellsByItsExitCode) {
