@@ -124,7 +124,7 @@ std::vector<NamedScenario> ScenariosOf(const Arguments& arguments, std::string* 
     for (const std::string& file : arguments.All("scenarios")) {
       scenarios.push_back({file, LoadScenario(file)});
     }
-    *title = fmt::format("{} scenarios", scenarios.size());
+    *title = fmt::format("{}", fmt::join(arguments.All("scenarios"), ", "));
     return scenarios;
   }
   const GeneratorSettings settings = SettingsFrom(arguments, PresetByName(arguments.Get("preset")));

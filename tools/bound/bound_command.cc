@@ -18,7 +18,7 @@ int BoundCommand(int argc, const char* const* argv) {
   if (!arguments) return kExitOk;
   const Scenario scenario = ResolveScenario(ReadRuleOptions(*arguments));
   const std::int64_t bound = UpperBound(scenario);
-  const std::size_t tasks = scenario.tasks.size();
+  const std::size_t tasks = scenario.n_tasks();
   fmt::print("at most {} of {} tasks ({:.1f} %)\n", bound, tasks,
              tasks == 0 ? 0.0 : 100.0 * static_cast<double>(bound) / static_cast<double>(tasks));
   return kExitOk;

@@ -80,7 +80,10 @@ void ExportCsv(LogSource* source, const std::string& out) {
         if (const auto* m = std::get_if<agent_states_t>(&message)) {
           now_us = std::max(now_us, m->header.sim_us);
           legs.Add(*m, scenario, write_way);
+          const auto n =
+              static_cast<std::int32_t>(scenario.n_agents(static_cast<AgentKind>(m->kind)));
           for (const agent_t& a : m->agents) {
+            if (a.id >= n) continue;  // room for one who has not joined
             agents.Write(fmt::format(
                 "{},{},{},{},{},{},{},{},{},{},{},{}\r\n", m->tick, ToSeconds(m->header.sim_us),
                 ToString<AgentKind>(m->kind), a.id, a.x_m, a.y_m, a.range_left_m,
@@ -103,7 +106,8 @@ void ExportCsv(LogSource* source, const std::string& out) {
                                    e->vehicle_id, e->task_id, e->charge_id, Quoted(e->fault_id),
                                    Quoted(e->detail)));
         } else if (const auto* w = std::get_if<world_state_t>(&message)) {
-          for (std::size_t x = 0; x < status.size() && x < w->task_status.size(); ++x) {
+          // Behind them is room for tasks that no order has added.
+          for (std::size_t x = 0; x < scenario.n_tasks() && x < w->task_status.size(); ++x) {
             if (status[x] == w->task_status[x]) continue;
             status[x] = w->task_status[x];
             tasks.Write(fmt::format("{},{},{},{}\r\n", w->tick, ToSeconds(w->header.sim_us), x,

@@ -217,7 +217,9 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
         now_us = std::max(now_us, m->header.sim_us);
         legs.Add(*m, so_far, add_way);
         const std::int64_t unix_us = head.epoch_us + m->header.sim_us;
+        const auto n = static_cast<std::int32_t>(so_far.n_agents(static_cast<AgentKind>(m->kind)));
         for (const agent_t& a : m->agents) {
+          if (a.id >= n) continue;  // room for one who has not joined
           const std::string_view kind = ToString<AgentKind>(m->kind);
           positions.Add(degrees.PointAt({a.x_m, a.y_m}),
                         {{"time", IsoTime(unix_us)},
@@ -234,7 +236,7 @@ void ExportGeoJson(LogSource* source, const std::string& out, std::optional<Orig
   ways.End();
   if (at_end && at_end->roads) WriteRoads(*at_end, head.epoch_us, degrees, &folder);
   WriteTrips(trips, degrees, &folder);
-  WriteSites(scenario, done, head.epoch_us, degrees, &folder);
+  WriteSites(at_end ? *at_end : head.scenario, done, head.epoch_us, degrees, &folder);
   folder.Commit();
 }
 

@@ -90,15 +90,17 @@ ordered_json Entity(const std::string& id, const char* shape, double x_m, double
 
 class Scene {
  public:
-  explicit Scene(const Scenario& scenario)
-      : scenario_(scenario), status_(scenario.tasks.size(), -1) {}
+  explicit Scene(const Scenario& scenario) : status_(scenario.tasks.size(), -1) {}
 
-  /// What changed by a message; no entities when it shows nothing.
-  ordered_json Update(const Message& message, std::int64_t unix_us) {
+  /// What changed by a message; no entities when it shows nothing. `scenario`: with the orders so
+  /// far.
+  ordered_json Update(const Message& message, const Scenario& scenario, std::int64_t unix_us) {
     ordered_json entities = ordered_json::array();
     if (const auto* m = std::get_if<agent_states_t>(&message)) {
       const auto kind = static_cast<AgentKind>(m->kind);
+      const auto n = static_cast<std::int32_t>(scenario.n_agents(kind));
       for (const agent_t& a : m->agents) {
+        if (a.id >= n) continue;  // room for one who has not joined
         const bool out = a.status == AgentStatus::kOffline || a.status == AgentStatus::kFailed;
         // An entity stays until it is said again.
         const std::tuple shown(a.x_m, a.y_m, out);
@@ -110,10 +112,11 @@ class Scene {
                                   out ? kGrey : ByKind(kind, kBlue, kOrange, kGreen), unix_us));
       }
     } else if (const auto* w = std::get_if<world_state_t>(&message)) {
-      for (std::size_t x = 0; x < status_.size() && x < w->task_status.size(); ++x) {
+      const std::size_t n = std::min(scenario.n_tasks(), status_.size());
+      for (std::size_t x = 0; x < n && x < w->task_status.size(); ++x) {
         if (status_[x] == w->task_status[x]) continue;
         status_[x] = w->task_status[x];
-        const Point at = scenario_.tasks[x].at;
+        const Point at = scenario.tasks[x].at;
         entities.push_back(Entity(fmt::format("task:{}", x), "cubes", at.x_m, at.y_m,
                                   status_[x] == TaskStatus::kDone ? 120 : 300,
                                   status_[x] == TaskStatus::kDone ? kGrey : kVermilion, unix_us));
@@ -123,7 +126,6 @@ class Scene {
   }
 
  private:
-  const Scenario& scenario_;
   std::vector<std::int8_t> status_;
   std::map<std::pair<int, std::int32_t>, std::tuple<double, double, bool>> shown_;
 };
@@ -144,7 +146,8 @@ void ExportMcap(LogSource* source, const std::string& out) {
     Scene scene(head.scenario);
     std::int64_t at_us = 0;  // readers want times in order
     ForEachMessage(
-        source, head.run_id, [&](const Message& message, const Packet& packet, const Scenario&) {
+        source, head.run_id,
+        [&](const Message& message, const Packet& packet, const Scenario& scenario) {
           const header_t& header =
               std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
           at_us = std::max(at_us, header.sim_us);
@@ -164,7 +167,7 @@ void ExportMcap(LogSource* source, const std::string& out) {
                           .first;
           }
           writer.Write(channel->second, time_ns, MessageJson(message).dump());
-          const ordered_json update = scene.Update(message, unix_us);
+          const ordered_json update = scene.Update(message, scenario, unix_us);
           if (!update["entities"].empty()) writer.Write(scene_channel, time_ns, update.dump());
         });
     writer.Close();

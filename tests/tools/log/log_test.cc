@@ -245,6 +245,54 @@ std::vector<Packet> RoadPackets(Scenario* at_end) {
   return packets;
 }
 
+/// What orders have added is there, at its place, and the room for more is not.
+TEST_F(LogTest, ExportsHoldWhatOrdersAddedAndNotTheRoomForMore) {
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  scenario.origin = Origin{18.5, -72.3};
+  const std::size_t tasks = scenario.tasks.size(), uavs = scenario.uavs.size();
+  AddRoom({5, {4, 4, 4}}, &scenario);
+  std::vector<world::PlannedOrder> orders;
+  for (const char* json :
+       {R"({"id": "t", "at_min": 5, "order": "task_add", "task": {"x_km": 3, "y_km": 4}})",
+        R"({"id": "u", "at_min": 5, "order": "agent_join", "class": "uav", "agent": {"x_km": 3, )"
+        R"("y_km": 4, "speed_km_per_min": 1, "full_range_km": 30}})"}) {
+    orders.push_back({ParseOrder(json, "order"), json});
+  }
+  std::vector<Packet> packets;
+  Simulate(
+      TextOf(scenario), "horizon", [&](const Packet& packet) { packets.push_back(packet); }, {},
+      orders);
+  WriteLog("mission.lcm", packets);
+  LogSource source(folder_.path().string());
+  ExportCsv(&source, Path("csv"));
+  std::set<std::string> agents, of_tasks;
+  for (const std::string& line : Lines("csv/agents.csv")) {
+    const std::vector<std::string> cells = Cells(line, ',');
+    agents.insert(cells[2] + cells[3]);
+  }
+  for (const std::string& line : Lines("csv/tasks.csv")) of_tasks.insert(Cells(line, ',')[2]);
+  EXPECT_EQ(of_tasks.size(), 1 + tasks + 1);  // with the head
+  EXPECT_TRUE(of_tasks.contains(std::to_string(tasks)));
+  EXPECT_EQ(agents.size(), 1 + uavs + 1 + scenario.n_agents(AgentKind::kWorker) +
+                               scenario.n_agents(AgentKind::kVehicle));
+  EXPECT_TRUE(agents.contains("uav" + std::to_string(uavs)));
+
+  ExportGeoJson(&source, Path("geo"), {});
+  const auto sites = nlohmann::json::parse(Text("geo/sites.geojson"))["features"];
+  const auto added = std::find_if(sites.begin(), sites.end(), [&](const auto& site) {
+    return site["properties"]["site"] == fmt::format("task:{}", tasks);
+  });
+  ASSERT_NE(added, sites.end());
+  EXPECT_NEAR((*added)["geometry"]["coordinates"][0].get<double>(), -72.3 + 3 / 105.5, 0.001);
+  EXPECT_EQ(Text("geo/positions.geojson").find(fmt::format("\"uav:{}\"", uavs + 1)),
+            std::string::npos);
+  ExportMcap(&source, Path("run.mcap"));
+  const std::string mcap = Text("run.mcap");
+  EXPECT_NE(mcap.find(fmt::format("\"task:{}\"", tasks)), std::string::npos);
+  EXPECT_EQ(mcap.find(fmt::format("\"task:{}\"", tasks + 1)), std::string::npos);
+  EXPECT_EQ(mcap.find(fmt::format("\"uav:{}\"", uavs + 1)), std::string::npos);
+}
+
 TEST_F(LogTest, CsvHasTheWaysThatAgentsWentAndTheRoadsThatWereClosed) {
   Scenario scenario;
   WriteLog("mission.lcm", RoadPackets(&scenario));
