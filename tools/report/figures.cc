@@ -75,7 +75,9 @@ constexpr const char* kFrame =
 
 std::string Completion(const std::vector<FigureRun>& runs, Blocks* blocks) {
   std::vector<std::string> curves;
+  double until_min = 0;
   for (const FigureRun& run : runs) {
+    until_min = std::max(until_min, ToMinutes(run.timeline->scenario().rules.limit_us));
     const double all = static_cast<double>(run.timeline->scenario().n_tasks());
     std::string points = "0 0\n";
     double done = 0;
@@ -91,8 +93,8 @@ std::string Completion(const std::vector<FigureRun>& runs, Blocks* blocks) {
   }
   return fmt::format(
       "{}set xlabel 'mission time (min)'\nset ylabel 'tasks done (%)'\nset yrange [0:105]\nset "
-      "xrange [0:*]\n{}plot {}\n",
-      kFrame, runs.size() == 1 ? "unset key\n" : "set key bottom right\n",
+      "xrange [0:{:.3f}]\n{}plot {}\n",
+      kFrame, until_min, runs.size() == 1 ? "unset key\n" : "set key bottom right\n",
       fmt::join(curves, ", \\\n     "));
 }
 

@@ -93,8 +93,16 @@ class Importer {
     scenario.disturbances = settings_.disturbances;
     const std::set<CellPlace> task_cells =
         request_.are_reports ? MakeReportedTasks(&scenario) : MakeCellTasks(&scenario);
-    MakeChargingPoints(task_cells, &scenario);
-    MakeAgents(&scenario);
+    if (request_.depots.empty()) {
+      MakeChargingPoints(task_cells, &scenario);
+    } else {
+      TakeDepots(&scenario);
+    }
+    if (request_.fleet.empty()) {
+      MakeAgents(&scenario);
+    } else {
+      TakeFleet(&scenario);
+    }
     scenario.start = start_moment_;
     ValidateScenario(scenario, table_.file);
     result.summary = std::move(summary_);
@@ -178,35 +186,84 @@ class Importer {
       }
       corner_ = best.corner;
       count = best.count;
-      shrunk = request_.may_shrink && count == places.at.size() && Shrink(places);
+      shrunk = request_.may_shrink && Shrink(places, count == places.at.size());
     }
     Say("window: {} km east x {} km north, south-west corner {:.6f}, {:.6f} ({}): {} of {} places",
         settings_.width_km, settings_.height_km, corner_.latitude_deg, corner_.longitude_deg,
         request_.window ? "as given"
-        : shrunk        ? "around all places"
+        : shrunk        ? count == places.at.size() ? "around all places"
+                                                    : "the densest, and around fleet and depots"
                         : "the densest",
         count, places.at.size());
   }
 
-  /// Takes whole kilometres around the places, half a kilometre or more on each side, where the
-  /// window is wider than that.
-  bool Shrink(const Places& places) {
+  /// The places that the area has to hold beside those of the table.
+  std::vector<Origin> OwnPlaces() const {
+    std::vector<Origin> places;
+    for (const FleetAgent& agent : request_.fleet) places.push_back(agent.place);
+    for (const Depot& depot : request_.depots) places.push_back(depot.place);
+    return places;
+  }
+
+  /// Takes whole kilometres around fleet, depots and the window's places, half a kilometre or more
+  /// on each side. `all`: the window holds all places of the table. False: it stays as it is.
+  bool Shrink(const Places& places, bool all) {
+    const std::vector<Point> own = Project(OwnPlaces(), corner_);
+    if (own.empty() && !all) return false;
     Point low{1e9, 1e9}, high{-1e9, -1e9};
-    for (const Point& p : Project(places.at, corner_)) {
+    const auto hold = [&](Point p) {
       low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
       high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
+    };
+    for (const Point& p : Project(places.at, corner_)) {
+      if (Inside(p)) hold(p);
     }
+    for (const Point& p : own) hold(p);
     const auto side_km = [](double extent_m) {
       return std::max(std::ceil(extent_m / 1000) + 1, 2.0);
     };
     const double width_km = side_km(high.x_m - low.x_m), height_km = side_km(high.y_m - low.y_m);
-    if (width_km >= settings_.width_km || height_km >= settings_.height_km) return false;
+    constexpr double kWidestKm = 200;  // with a fleet that is further away something is wrong
+    if (width_km > kWidestKm || height_km > kWidestKm) return false;
+    if (own.empty() && (width_km >= settings_.width_km || height_km >= settings_.height_km)) {
+      return false;
+    }
     const Point corner{(low.x_m + high.x_m - KmToM(width_km)) / 2,
                        (low.y_m + high.y_m - KmToM(height_km)) / 2};
     corner_ = RoundToMicrodegrees(LocalFrame(corner_).ToPlace(corner));
     settings_.width_km = width_km;
     settings_.height_km = height_km;
     return true;
+  }
+
+  /// The place on the map of what the user has. Throws InputError where it is outside the area.
+  Point OnMap(Origin place, const std::string& what) const {
+    const Point at = Project({place}, corner_).front();
+    if (Inside(at)) return at;
+    throw InputError(what, "place",
+                     fmt::format("{:.6f}, {:.6f}", place.latitude_deg, place.longitude_deg),
+                     fmt::format("a place in the area, {} by {} km (--area or --window makes it "
+                                 "larger)",
+                                 settings_.width_km, settings_.height_km));
+  }
+
+  void TakeDepots(Scenario* scenario) {
+    for (const Depot& depot : request_.depots) {
+      const std::string what = fmt::format("depot {}", scenario->charging_points.size());
+      scenario->charging_points.push_back({OnMap(depot.place, what), depot.capacity});
+    }
+    Say("charging points: {} depots", request_.depots.size());
+  }
+
+  void TakeFleet(Scenario* scenario) {
+    for (const FleetAgent& agent : request_.fleet) {
+      auto& agents = ByKind(agent.kind, scenario->uavs, scenario->workers, scenario->vehicles);
+      AgentSpec spec = agent.spec;
+      spec.at = OnMap(agent.place, fmt::format("{}:{}", ToString(agent.kind), agents.size()));
+      agents.push_back(spec);
+    }
+    Say("agents: {} UAVs, {} workers, {} vehicles of the fleet", scenario->uavs.size(),
+        scenario->workers.size(), scenario->vehicles.size());
   }
 
   bool Inside(Point p) const {

@@ -10,6 +10,7 @@
 #include "base/moment.h"
 #include "model/generator.h"
 #include "tools/scenario/fields.h"
+#include "tools/scenario/fleet.h"
 #include "tools/scenario/table.h"
 
 namespace muster::tools {
@@ -43,7 +44,9 @@ struct ImportRequest {
   /// Minutes east of UTC of the mission's clocks: times without an offset are theirs, others are
   /// put on them. Else all times count as they are written.
   std::optional<int> offset_min;
-  GeneratorSettings settings;  ///< counts, area, speeds, ...
+  std::vector<FleetAgent> fleet;  ///< the agents; empty: they are drawn
+  std::vector<Depot> depots;      ///< the charging points; empty: they are cells with rows
+  GeneratorSettings settings;     ///< counts, area, speeds, ...
   std::uint64_t seed = 1;
 };
 

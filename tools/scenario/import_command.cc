@@ -1,6 +1,7 @@
 #include "tools/scenario/import_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
@@ -118,6 +119,13 @@ void AddImportOptions(Options* options) {
   options->Add("tasks-at", "LAT,LON", "Columns of the tasks' places, when not --lat and --lon");
   options->Add("charging-at", "LAT,LON", "Columns of the charging points' places");
   options->Add("agents-at", "LAT,LON", "Columns of the agents' places");
+  options->Add("fleet", "FILE",
+               "The agents, a row each: class (uav, worker, vehicle), latitude, longitude and, if "
+               "you know them, speed_km_per_min, full_range_km, range_km, charge_km_per_min, "
+               "online_from_min, online_until_min");
+  options->Add(
+      "depots", "FILE",
+      "The charging points, a row each: latitude, longitude and, if you know it, capacity");
   options->Add("window", "LAT,LON,W,H",
                "South-west corner in degrees, width and height in km (default: the densest of the "
                "area, or with neither --area nor --shape a smaller one around all places)");
@@ -176,7 +184,29 @@ int ImportCommand(int argc, const char* const* argv) {
       !arguments->Has("area") && !arguments->Has("shape") && !arguments->Has("scale");
   ReadStart(*arguments, &request);
 
+  for (const char* const count : {"uavs", "workers", "vehicles"}) {
+    if (!arguments->Has("fleet") || !arguments->Has(count)) continue;
+    throw InputError("command line", fmt::format("--{}", count), arguments->Get(count),
+                     "nothing beside --fleet, which has all agents");
+  }
+  if (arguments->Has("depots") && arguments->Has("charging-points")) {
+    throw InputError("command line", "--charging-points", arguments->Get("charging-points"),
+                     "nothing beside --depots, which has all of them");
+  }
+  std::vector<std::string> left_out;
+  const auto table_of = [&](const char* option) {
+    Table table = ReadTable(arguments->Get(option));
+    if (const auto unused = UnusedColumns(table); !unused.empty()) {
+      left_out.push_back(fmt::format("{}: columns that nothing is made of: {}", table.file,
+                                     fmt::join(unused, ", ")));
+    }
+    return table;
+  };
+  if (arguments->Has("fleet")) request.fleet = ReadFleet(table_of("fleet"), request.settings);
+  if (arguments->Has("depots")) request.depots = ReadDepots(table_of("depots"), request.settings);
+
   ImportResult result = Import(ReadTable(file), request);
+  for (std::string& line : left_out) result.summary.push_back(std::move(line));
   for (std::string& line : TakeRoads(*arguments, &result.scenario)) {
     result.summary.push_back(std::move(line));
   }

@@ -315,6 +315,59 @@ TEST_F(ScenarioCommandTest, ImportTakesAnAreaAroundASmallIncident) {
   EXPECT_EQ(import({}).width_m, 2'000);
 }
 
+TEST_F(ScenarioCommandTest, ImportTakesTheFleetAndTheDepotsOfTheUser) {
+  std::ofstream(File("points.csv")) << "lat,lon\n47.10,9.50\n47.13,9.55\n47.11,9.62\n";
+  std::ofstream(File("depots.csv"))
+      << "latitude,longitude,capacity\n47.12,9.52,2\n47.05,9.5,none\n";
+  const auto fleet = [&](const std::string& text) {
+    std::ofstream(File("fleet.csv")) << text;
+    return std::vector<std::string>{
+        File("points.csv"), "--fleet", File("fleet.csv"), "--depots",
+        File("depots.csv"), "--quiet", "--out",           File("s.json")};
+  };
+  EXPECT_EQ(Run(ImportCommand, fleet("class,lat,lon,speed_km_per_min,full_range_km,range_km,"
+                                     "charge_km_per_min,online_from_min,online_until_min\n"
+                                     "Drone,47.12,9.52,0.9,25,20,,,\n"
+                                     "workers,47.16,9.55,0.1,,,,15,60\n"
+                                     "vehicle,47.05,9.50,,,,2,,\n")),
+            kExitOk);
+  const Scenario scenario = LoadScenario(File("s.json"));
+  ASSERT_EQ(scenario.uavs.size(), 1u);
+  EXPECT_NEAR(scenario.uavs[0].speed_m_s, 15, 1e-9);
+  EXPECT_EQ(scenario.uavs[0].range_full_m, 25'000);
+  EXPECT_EQ(scenario.uavs[0].range_m, 20'000);
+  EXPECT_EQ(scenario.uavs[0].online_from_us, 0);
+  EXPECT_EQ(scenario.uavs[0].online_until_us, scenario.rules.limit_us);
+  ASSERT_EQ(scenario.workers.size(), 1u);
+  EXPECT_EQ(scenario.workers[0].online_from_us, 15 * kMinuteUs);
+  EXPECT_EQ(scenario.workers[0].online_until_us, 60 * kMinuteUs);
+  ASSERT_EQ(scenario.vehicles.size(), 1u);
+  EXPECT_NEAR(scenario.vehicles[0].charge_rate_m_s, 2000.0 / 60, 1e-9);
+  ASSERT_EQ(scenario.charging_points.size(), 2u);
+  EXPECT_EQ(scenario.charging_points[0].capacity, 2);
+  EXPECT_FALSE(scenario.charging_points[1].capacity);
+  // The UAV stands at the first depot, some 2.7 km from the first task's place: a degree of
+  // latitude has 111 km, one of longitude here 76.
+  EXPECT_EQ(scenario.uavs[0].at, scenario.charging_points[0].at);
+  EXPECT_NEAR(Distance(scenario.vehicles[0].at, scenario.charging_points[0].at),
+              std::hypot(0.07 * 111'180, 0.02 * 75'900), 30);
+
+  const auto error = [&](const std::string& text) { return ErrorOf(ImportCommand, fleet(text)); };
+  const std::string name = File("fleet.csv");
+  EXPECT_EQ(error("class,lat,lon\ntank,47,9.5\n"),
+            name + ": record 2: class: found tank, expected uav, worker or vehicle");
+  EXPECT_EQ(error("class,lat,lon\nuav,x,9.5\n"),
+            name + ": record 2: latitude: found x, expected degrees within 90");
+  EXPECT_EQ(error("class,lat,lon,full_range_km\nuav,47,9.5,-3\n"),
+            name + ": record 2: full_range_km: found -3, expected a number above 0");
+  EXPECT_EQ(
+      error("class,lat,lon\nuav,47,9.5\n"),
+      name + ": class: found no worker, expected at least one UAV, one worker and one vehicle");
+  EXPECT_NE(error("class,lat,lon\nuav,47.1,9.5\nworker,47.1,9.5\nvehicle,10,20\n")
+                .find("vehicle:0: place: found 10.000000, 20.000000"),
+            std::string::npos);
+}
+
 TEST_F(ScenarioCommandTest, ImportSeveralFiltersMustAllHold) {
   std::ofstream(File("points.csv")) << "lat,lon,code,ok\n10.001,20.001,1,YES\n10.012,20.001,1,NO\n"
                                        "10.013,20.022,2,YES\n";

@@ -39,6 +39,7 @@ export class Control {
     byId("order-add").addEventListener("click", () => this.togglePick());
     for (const button of ["order-road", "order-zone"]) byId(button).addEventListener("click", () => this.togglePick(button));
     byId("pick-stop").addEventListener("click", () => this.#stopPicking());
+    this.taken = null; // what the map tells clicks to while they are an order's
     this.corners = null; // of an area that is being drawn, in metres
     byId("pick-area").addEventListener("click", () => this.#area());
     byId("pick-enter").addEventListener("click", () => this.#add({ x: state.run.scenario.width_m / 2, y: state.run.scenario.height_m / 2 }));
@@ -62,7 +63,7 @@ export class Control {
     byId("order-road").hidden = !this.allowed || !run.scenario.roads;
     byId("order-zone").hidden = !this.allowed || !run.scenario.air;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
-    if (!this.allowed && this.map.picking) this.#stopPicking();
+    if (!this.allowed && this.#picking) this.#stopPicking();
     this.map.drops = this.allowed ? (...dropped) => this.#dropped(...dropped) : null;
     if (run) this.#findAdded();
     this.#drawCard();
@@ -71,23 +72,21 @@ export class Control {
   /** The next click on the map is the place of a new task, of roads or of a zone; or no longer. */
   togglePick(button = "order-add") {
     if (!this.allowed) return;
-    const again = this.map.picking && this.picks === button;
-    if (this.map.picking) this.#stopPicking();
+    const again = this.#picking && this.picks === button;
+    if (this.#picking) this.#stopPicking();
     if (again) return;
     this.picks = button;
     this.state.look("map");
-    this.map.pick((place) => this.#add(place));
-    this.#showPicking(true);
+    this.#pick();
   }
 
   /** The next click on the map is where the agent is to go. */
   #goTo(agent) {
-    if (this.map.picking) this.#stopPicking();
+    if (this.#picking) this.#stopPicking();
     this.going = agent.label;
     this.picks = "go-to";
     this.state.look("map");
-    this.map.pick((place) => this.#add(place));
-    this.#showPicking(true);
+    this.#pick();
   }
 
   /** An agent was dragged to a task, a charging point (UAVs) or a place. */
@@ -114,11 +113,24 @@ export class Control {
     return [0, 1].map((kind) => agentsOfClass(run, kind).filter(isThere).map(({ label }) => label));
   }
 
+  /** Whether the next click on the map is an order's. */
+  get #picking() {
+    return this.taken !== null && this.map.picking === this.taken;
+  }
+
+  #pick() {
+    this.taken = (place) => this.#add(place);
+    this.map.pick(this.taken, () => {
+      this.taken = null;
+      this.corners = null;
+      this.#showPicking(false);
+    });
+    this.#showPicking(true);
+  }
+
   #stopPicking() {
     this.map.pick(null);
     this.map.mark(null);
-    this.corners = null;
-    this.#showPicking(false);
   }
 
   /** Begins to draw an area, or uses the one that is drawn. */

@@ -1,7 +1,7 @@
 import { byId } from "./dom.js";
 
 /** What the keyboard does; `?` shows it. */
-export function bindKeys({ state, clock, transport, map, scene, panels, control, search }) {
+export function bindKeys({ state, clock, transport, map, scene, panels, control, measure, search }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
   const actions = {
@@ -24,12 +24,13 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control,
     s: () => state.look("scene"),
     u: () => state.look("time"),
     a: () => control.togglePick(),
+    l: () => measure.toggle(),
     z: () => state.setView(null),
     t: () => panels.open("tasks"),
     d: () => panels.open("decision"),
     e: () => panels.open("events"),
     p: () => panels.open("processes"),
-    Escape: () => (map.picking ? control.togglePick(control.picks) : state.select(null)),
+    Escape: () => (measure.on ? measure.stop() : map.picking ? control.togglePick(control.picks) : state.select(null)),
     "?": () => help.showModal(),
   };
   document.addEventListener("keydown", (event) => {

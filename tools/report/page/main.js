@@ -11,6 +11,7 @@ import { Header } from "./header.js";
 import { bindKeys } from "./keys.js";
 import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
+import { Measure } from "./measure.js";
 import { tellingMoment } from "./moment.js";
 import { LayersMenu, layerIds } from "./layers_menu.js";
 import { News } from "./news.js";
@@ -72,7 +73,7 @@ function build() {
   new Attention(state, clock, (filter) => panels.showTasks(filter));
   Object.assign(parts, { map, control });
   bindChoices(map, scene, gantt);
-  bindKeys({ state, clock, transport, map, scene, panels, control, search: new Search(state, map) });
+  bindKeys({ state, clock, transport, map, scene, panels, control, measure: new Measure(state, map), search: new Search(state, map) });
 }
 
 /** Says why the page opens where it does, until the time moves on. */

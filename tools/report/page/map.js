@@ -195,9 +195,15 @@ export class MapView {
     return px > -20 && py > -20 && px < this.shown.width + 20 && py < this.shown.height + 20;
   }
 
-  /** Takes the next click as a place, told to `taken({ x, y })` in metres; null: clicks select again. */
-  pick(taken) {
+  /**
+   * Takes the next clicks as places, told to `taken({ x, y })` in metres; null: clicks select again. `left()`: somebody else takes
+   * them from then on, or nobody.
+   */
+  pick(taken, left = null) {
+    const before = this.left;
+    this.left = left;
     this.picking = taken;
+    before?.();
     this.canvas.classList.toggle("picking", taken !== null);
   }
 

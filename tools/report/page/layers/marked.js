@@ -8,7 +8,7 @@ export const marked = {
     c.lineWidth = 2;
     c.beginPath();
     for (const corner of area ?? []) c.lineTo(x(corner.x), y(corner.y));
-    if (area?.length > 2) c.closePath();
+    if (area?.length > 2 && !area.open) c.closePath();
     for (const corner of area ?? []) c.rect(x(corner.x) - 2, y(corner.y) - 2, 4, 4);
     const from = drag && near.find(({ agent }) => agent === drag.agent);
     if (from) {
