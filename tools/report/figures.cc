@@ -40,7 +40,7 @@ class Blocks {
  public:
   /// Returns its name in the script.
   std::string Add(const std::string& points) {
-    const std::string name = fmt::format("$points_{}", n_++);
+    std::string name = fmt::format("$points_{}", n_++);
     text_ += fmt::format("{} << EOD\n{}EOD\n", name, points);
     return name;
   }

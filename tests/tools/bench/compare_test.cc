@@ -57,7 +57,7 @@ TEST(Compare, BadInputIsNamedBeforeAnythingIsFlown) {
   EXPECT_NE(RefusalOf({"horizon", "mpq", "--seeds", "0"}).find("--seeds"), std::string::npos);
   EXPECT_NE(RefusalOf({"horizon", "mpq", "--scenarios", "/nowhere.json"}).find("/nowhere.json"),
             std::string::npos);
-  EXPECT_NE(RefusalOf({"horizon", "mpq", "--preset", "X"}).find("X"), std::string::npos);
+  EXPECT_NE(RefusalOf({"horizon", "mpq", "--preset", "X"}).find('X'), std::string::npos);
 }
 
 }  // namespace
