@@ -127,6 +127,8 @@ TEST_F(ArrivalsOfRows, AreTheScenariosOfImport) {
   const std::string file = folder_.File("haiti.json"), table = folder_.File(kHaiti);
   const std::vector<const char*> arguments = {"muster import",
                                               table.c_str(),
+                                              "--shape",
+                                              "Random_1",
                                               "--tasks-where",
                                               "category=1*,2*,3*",
                                               "--charging-where",
