@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "model/feasibility.h"
@@ -29,8 +30,10 @@ class Relaxation {
     for (const AgentSpec& uav : scenario.uavs) {
       fastest_m_s_ = std::max(fastest_m_s_, uav.speed_m_s);
     }
-    double least_cost_m = scenario.tasks.empty() ? 0 : scenario.tasks[0].cost_m;
-    for (const Task& task : scenario.tasks) {
+    // Behind them is room for tasks that no order has added.
+    const auto tasks = std::span(scenario.tasks).first(scenario.n_tasks());
+    double least_cost_m = tasks.empty() ? 0 : tasks[0].cost_m;
+    for (const Task& task : tasks) {
       least_cost_m = std::min(least_cost_m, task.cost_m);
       to_charge_m_.push_back(NearestChargeM(*scenario.ways, task.at, scenario.charging_points));
     }
@@ -43,7 +46,7 @@ class Relaxation {
   }
 
   std::int64_t AnyDecision() const {
-    const auto n_tasks = static_cast<std::int32_t>(scenario_.tasks.size());
+    const auto n_tasks = static_cast<std::int32_t>(scenario_.n_tasks());
     // Source, sink, tasks (in, out), then each agent followed by its decisions.
     const std::int32_t source = 0, sink = 1, tasks = 2;
     std::int32_t nodes = tasks + 2 * n_tasks;
@@ -82,7 +85,7 @@ class Relaxation {
   }
 
   std::int64_t DecisionByDecision() const {
-    const auto n_tasks = static_cast<std::int32_t>(scenario_.tasks.size());
+    const auto n_tasks = static_cast<std::int32_t>(scenario_.n_tasks());
     const auto n_uavs = static_cast<std::int32_t>(uavs_.size());
     const auto n_workers = static_cast<std::int32_t>(workers_.size());
     const std::int32_t source = 0, sink = 1, tasks = 2, uavs = tasks + 2 * n_tasks,

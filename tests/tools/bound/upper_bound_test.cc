@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "base/random.h"
 #include "model/generator.h"
@@ -11,6 +12,8 @@
 #include "scheduler/solver/candidates.h"
 #include "simulation/simulator.h"
 #include "tests/simulation/audited.h"
+#include "tests/temporary_folder.h"
+#include "tools/bound/bound_command.h"
 #include "tools/bound/max_flow.h"
 #include "tools/record/run_record.h"
 
@@ -253,6 +256,19 @@ TEST(MaxFlow, IsTheSmallestCut) {
     }
     EXPECT_EQ(flow.Solve(0, 1), smallest) << "seed " << seed;
   }
+}
+
+/// A run's scenario has room for what orders may add: that is no task.
+TEST(BoundCommand, CountsNoRoomForOrders) {
+  const TemporaryFolder folder;
+  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  AddRoom({1000, {}}, &scenario);
+  const std::string file = folder.File("scenario.json");
+  std::ofstream(file) << ScenarioToJson(scenario);
+  const char* const arguments[] = {"muster bound", file.c_str()};
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(BoundCommand(2, arguments), 0);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "at most 120 of 120 tasks (100.0 %)\n");
 }
 
 }  // namespace
