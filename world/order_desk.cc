@@ -113,6 +113,8 @@ std::int64_t OrderDesk::AnsweredAt(const std::string& id) const {
 bool OrderDesk::Admits(const order_t& order, std::int64_t run_id) const {
   const std::vector<Person>& persons = scenario().persons;
   if (!has_persons_ && persons.empty()) return true;
+  // It is repeated until it is answered; looking at it once is enough, and Hear() keeps the first.
+  if (waiting_ids_.contains(order.id) || answered_.contains(order.id)) return true;
   if (order.issuer == process_name::kWorld) return false;  // its own are never on the bus
   try {
     const SignedOrder parts = SplitSignature(order.json, "order");

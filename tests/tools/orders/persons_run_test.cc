@@ -161,6 +161,14 @@ TEST_F(PersonsRunTest, OrdersAreTakenOfThoseWhoMayAndProvenInTheLog) {
                            })
                 .find("is not signed"),
             std::string::npos);
+  EXPECT_NE(AuditOfChanged("world",
+                           [](taken_order_t* order) {
+                             order->issuer = "world";
+                             order->json.resize(order->json.rfind(",\"signed\":"));
+                             order->json += "}";
+                           })
+                .find("is not signed"),
+            std::string::npos);
   EXPECT_NE(AuditOfChanged("another", [](taken_order_t* order) { order->issuer = "Chief"; })
                 .find("has a signature that is not"),
             std::string::npos);

@@ -207,10 +207,10 @@ TEST_F(PersonsTest, WhoIsTakenOutOfTheFileMayOrderNothingMore) {
   EXPECT_EQ(desk.OfToken("t-Radio"), nullptr);
 }
 
-/// The world looks at each order once more: whoever reaches the mission's network can send some.
+/// The world looks at each order once more, because any program on the mission's network can send
+/// one.
 TEST_F(PersonsTest, TheWorldTakesWhatIsSignedAndNothingElse) {
   PersonsDesk persons(file_, kRun, kNow);
-  std::vector<world::PlannedOrder> planned;
   const std::string lines = folder_.File("orders.jsonl");
   std::ofstream(lines) << persons.SignedLines(persons.Planned());
   Scenario scenario = Generate(PresetByName("Random_1"), 1);
@@ -267,11 +267,17 @@ TEST_F(PersonsTest, TheWorldTakesWhatIsSignedAndNothingElse) {
   ASSERT_TRUE(desk.Admits(forged, kRun));
   desk.Hear(forged);
   desk.Hear(early);
+  // Another one of that id: it is not looked at, and the first is kept.
+  order_t second = early;
+  second.json = kCancel3;
+  EXPECT_TRUE(desk.Admits(second, kRun));
+  EXPECT_TRUE(desk.Hear(second));
   const orders_t said = decide();
   ASSERT_EQ(said.n_refused, 1);
   EXPECT_EQ(said.refused[0].reason, "Ada has the role order; pin needs control");
   ASSERT_EQ(said.n_taken, 1);
   EXPECT_EQ(said.taken[0].issuer, "Radio");
+  EXPECT_EQ(said.taken[0].json, early.json);
 
   // Signed in time, and its giver is removed before the tick.
   const order_t late = given(R"({"order": "task_cancel", "task": 9})", "t-Radio");
