@@ -38,15 +38,24 @@ export class Mission {
     if (!response.ok) throw new Error(`status ${response.status}`);
     const decoder = new TextDecoder();
     let text = "";
-    for await (const bytes of response.body) {
-      text += decoder.decode(bytes, { stream: true });
-      for (let end = text.indexOf("\n\n"); end >= 0; end = text.indexOf("\n\n")) {
-        this.#take(text.slice(0, end));
-        text = text.slice(end + 2);
+    const reader = response.body.getReader();
+    const stop = () => void reader.cancel().catch(() => {});
+    // Node 18 forgets the signal of a fetch whose answer has begun.
+    this.#ended.signal.addEventListener("abort", stop);
+    try {
+      for (let part = await reader.read(); !part.done; part = await reader.read()) {
+        text += decoder.decode(part.value, { stream: true });
+        for (let end = text.indexOf("\n\n"); end >= 0; end = text.indexOf("\n\n")) {
+          this.#take(text.slice(0, end));
+          text = text.slice(end + 2);
+        }
+        heard();
+        // The page stays after the mission's end, for people; nothing comes any more.
+        if (this.isOver) return;
       }
-      heard();
-      // The page stays after the mission's end, for people; nothing comes any more.
-      if (this.isOver) return;
+    } finally {
+      this.#ended.signal.removeEventListener("abort", stop);
+      stop();
     }
   }
 

@@ -108,7 +108,7 @@ TEST_P(TimedMission, KnowsOfNoTaskBeforeItIsReported) {
 INSTANTIATE_TEST_SUITE_P(Policies, TimedMission,
                          ::testing::Values("greedy-nearest", "kwta", "mpq", "ils", "certified",
                                            "horizon", "horizon-steps", "rollout",
-                                           "rollout:expect=20"),
+                                           "rollout:expect=5"),
                          [](const auto& policy) {
                            std::string name = policy.param;
                            std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });

@@ -52,10 +52,18 @@ class Client {
   }
 }
 
-/** Runs `body({start, folder, mission(options), bridge(address, options)})`; what was started is ended behind it. */
+/**
+ * Runs `body({start, folder, mission(options), bridge(address, options), open})`. Programs that were started are ended
+ * behind it, and the servers and sockets that `open` was told of are closed: a test that fails ends, too.
+ */
 async function withPrograms(body) {
   const folder = mkdtempSync(join(tmpdir(), "muster-tak-"));
   const programs = [];
+  const opened = [];
+  const open = (socket) => {
+    opened.push(socket);
+    return socket;
+  };
   const start = (command, words) => {
     programs.push(new Program(command, words));
     return programs.at(-1);
@@ -70,8 +78,9 @@ async function withPrograms(body) {
   };
   const bridge = (address, ...words) => start(process.execPath, [MAIN, address, "--every", "0.1", ...words]);
   try {
-    return await body({ start, run, mission, bridge, folder });
+    return await body({ start, run, mission, bridge, folder, open });
   } finally {
+    for (const socket of opened) (socket.destroy ?? socket.close).call(socket);
     for (const { child } of programs) child.kill("SIGKILL");
     await Promise.all(programs.map((program) => program.ended));
     rmSync(folder, { recursive: true, force: true });
@@ -80,7 +89,7 @@ async function withPrograms(body) {
 
 async function client(bridge) {
   const line = await bridge.line((some) => some.startsWith("listening on "));
-  const socket = connect(Number(line.split(":").at(-1)), "127.0.0.1");
+  const socket = connect(Number(line.split(":").at(-1)), "127.0.0.1"); // its other end is a program's
   await once(socket, "connect");
   return new Client(socket);
 }
@@ -124,20 +133,20 @@ test("a mission is seen as it is; a report becomes a task, and is done; a bridge
 });
 
 test("a TAK server that goes away is found again; who may not order is not heard", async () => {
-  await withPrograms(async ({ mission, bridge }) => {
+  await withPrograms(async ({ mission, bridge, open }) => {
     const { address } = await mission(60);
-    const server = createServer();
-    const open = (port) => new Promise((resolve) => server.listen(port, "127.0.0.1", resolve));
-    await open(0);
+    const server = open(createServer());
+    const listen = (port) => new Promise((resolve) => server.listen(port, "127.0.0.1", resolve));
+    await listen(0);
     const { port } = server.address();
     const tak = bridge(address.split("#")[0], "--connect", `127.0.0.1:${port}`, "--allow", "chief");
-    const accept = async () => new Client((await once(server, "connection"))[0]);
+    const accept = async () => new Client(open((await once(server, "connection"))[0]));
     let other = await accept();
     await other.until(({ events }) => events.has("muster.run.task.0"), "task 0");
     other.socket.destroy();
     await new Promise((resolve) => server.close(resolve));
     await tak.line((line) => line.includes("trying again"));
-    await open(port);
+    await listen(port);
     other = await accept();
     await other.until(({ events }) => events.has("muster.run.task.0"), "task 0 again");
     other.say({ ...markerAt({ x_m: 14000, y_m: 15000 }), detail: { contact: { $: { callsign: "x" } }, creator: { $: { callsign: "stranger" } } } });
@@ -146,13 +155,11 @@ test("a TAK server that goes away is found again; who may not order is not heard
     await tak.line((line) => line.includes("refused: this bridge has no token of the mission"));
     tak.child.kill("SIGTERM");
     assert.equal(await tak.ended, 0);
-    server.close();
-    other.socket.destroy();
   });
 });
 
 test("over TLS with a certificate of its own, and to a multicast group of this machine", async (t) => {
-  await withPrograms(async ({ mission, bridge, start, folder }) => {
+  await withPrograms(async ({ mission, bridge, start, folder, open }) => {
     const [cert, key] = ["cert.pem", "key.pem"].map((name) => join(folder, name));
     const made = start("openssl", ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
       "-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", cert]);
@@ -160,23 +167,21 @@ test("over TLS with a certificate of its own, and to a multicast group of this m
     if (await made.ended !== 0) return t.skip("no openssl to make a certificate");
     const { address } = await mission(60);
     const pem = readFileSync(cert);
-    const server = createTlsServer({ cert: pem, key: readFileSync(key), ca: pem, requestCert: true, rejectUnauthorized: true });
+    const server = open(createTlsServer({ cert: pem, key: readFileSync(key), ca: pem, requestCert: true, rejectUnauthorized: true }));
     await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
-    const group = createSocket({ type: "udp4", reuseAddr: true });
+    const group = open(createSocket({ type: "udp4", reuseAddr: true }));
     await new Promise((resolve) => group.bind(0, resolve));
     group.addMembership("239.2.3.1");
     const heard = new Promise((resolve) => group.on("message", (bytes) => /task\.0"/.test(bytes) && resolve()));
     const tak = bridge(address, "--connect", `127.0.0.1:${server.address().port}`, "--tls", "--cert", cert, "--key", key, "--ca", cert,
       "--multicast", `239.2.3.1:${group.address().port}`, "--ttl", "0");
     const [socket] = await once(server, "secureConnection");
+    open(socket);
     assert.ok(socket.authorized);
     await new Client(socket).until(({ events }) => events.has("muster.run.task.0"), "task 0");
     await heard;
     tak.child.kill("SIGINT");
     assert.equal(await tak.ended, 0);
-    group.close();
-    socket.destroy();
-    return server.close();
   });
 });
 
@@ -231,15 +236,15 @@ async function walk(tak, { map, at, speed_m_s, rate }) {
 }
 
 test("TAK users take the parts of a worker and a vehicle: three places of three", async () => {
-  await withPrograms(async ({ start, run, folder }) => {
+  await withPrograms(async ({ start, run, folder, open }) => {
     const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
     const RATE = 30;
-    const server = createServer();
+    const server = open(createServer());
     await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
     const specs = { "muster.worker.0": scenario.workers[0], "muster.vehicle.0": scenario.vehicles[0] };
     const parts = [];
     server.on("connection", (socket) => parts.push((async () => {
-      const tak = new Client(socket);
+      const tak = new Client(open(socket));
       const { uid } = await tak.until(({ all }) => all.find(({ type }) => type === "a-f-G-I"), "the driver's contact");
       const { x_km, y_km, speed_km_per_min: speed } = specs[uid];
       return walk(tak, { map: new MissionMap(scenario.origin), at: { x_m: 1000 * x_km, y_m: 1000 * y_km }, speed_m_s: (1000 * speed) / 60, rate: RATE });
@@ -249,7 +254,6 @@ test("TAK users take the parts of a worker and a vehicle: three places of three"
     const mission = start(MUSTER_PROGRAM, ["run", FIELD_TEST, "--policy", "rollout", "--rate", String(RATE), "--quiet", "--out", out, "--driver", `worker:0=${driver}`, "--driver", `vehicle:0=${driver}`]);
     assert.equal(await mission.ended, 0, mission.lines.join("\n"));
     const people = await Promise.all(parts);
-    server.close();
     const report = JSON.parse(readFileSync(join(out, "report.json"), "utf8"));
     assert.equal(report.tasks_done, 3, `${JSON.stringify(people)} ${readFileSync(join(out, "worker.stderr"), "utf8")}`);
     assert.equal(report.events.agent_failed ?? 0, 0);
