@@ -228,6 +228,10 @@ int Finish(int taken, int refused, const StopSignals& stop) {
 std::string ReadToken(const Arguments& arguments) {
   if (!arguments.Has("token-file")) return "";
   const std::string file = arguments.Get("token-file");
+  if (!IsWebAddress(arguments.Get("file"))) {
+    throw InputError("command line", "--token-file", file,
+                     "a web address as FILE: only a server takes a token");
+  }
   const std::string text = ReadFile(file);
   std::string token(Trim(text));
   if (token.empty())

@@ -220,6 +220,11 @@ TEST_F(FeedsRunTest, WhatCannotBeIsRefusedBeforeAnythingIsGiven) {
   Muster gone(folder_, "gone", {"feed", Run(), folder_.File("nowhere"), "--format", "cap"});
   EXPECT_EQ(gone.Wait(), 2);
   EXPECT_NE(gone.output().find("no such file or folder"), std::string::npos) << gone.output();
+  std::ofstream(folder_.File("token")) << "secret\n";
+  Muster token(folder_, "token",
+               {"feed", Run(), folder_.File("a.csv"), "--token-file", folder_.File("token")});
+  EXPECT_EQ(token.Wait(), 2);
+  EXPECT_NE(token.output().find("a web address as FILE"), std::string::npos) << token.output();
 }
 
 }  // namespace
