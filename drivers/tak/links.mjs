@@ -143,11 +143,13 @@ export class Links {
     return keepsUp;
   }
 
+  /** Ends all connections. A second time it does nothing more; nothing that is sent afterwards goes to the group. */
   close() {
     this.closed = true;
+    this.group = undefined;
     clearTimeout(this.#timer);
     for (const socket of this.#sockets) socket.end();
-    for (const close of this.#closers) close();
+    for (const close of this.#closers.splice(0)) close();
     setTimeout(() => { for (const socket of this.#sockets) socket.destroy(); }, 500).unref();
   }
 }

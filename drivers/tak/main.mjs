@@ -68,12 +68,13 @@ async function run(options) {
   await mission.follow();
   if (!mission.isOver) return;
   // All that the mission came to is shown before the end.
-  for (let i = 0, isLast = false; i < 600 && links.isHeard; ++i) {
+  for (let i = 0, isLast = false; i < 600 && links.isHeard && !links.closed; ++i) {
     step();
     if (waiting.length === 0 && isLast) break;
     isLast = waiting.length === 0; // what was waiting may be older than the end
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
+  if (links.closed) return; // it was told to end meanwhile
   note("the mission is over");
   end();
 }

@@ -89,11 +89,12 @@ async function withPrograms(body) {
 
 async function client(bridge) {
   const line = await bridge.line((some) => some.startsWith("listening on "));
-  const socket = connect(Number(line.split(":").at(-1)), "127.0.0.1"); // its other end is a program's
+  const socket = connect(Number(line.split(":").at(-1)), "127.0.0.1"); // it closes when the bridge is ended
   await once(socket, "connect");
   return new Client(socket);
 }
 
+const withinAMinute = () => ({ signal: AbortSignal.timeout(60_000) });
 const colour = ({ xml }) => Number(/argb="(-?\d+)"/.exec(xml)[1]);
 const GREEN = 0xff00cc44 | 0;
 const markerAt = (place) => {
@@ -140,7 +141,7 @@ test("a TAK server that goes away is found again; who may not order is not heard
     await listen(0);
     const { port } = server.address();
     const tak = bridge(address.split("#")[0], "--connect", `127.0.0.1:${port}`, "--allow", "chief");
-    const accept = async () => new Client(open((await once(server, "connection"))[0]));
+    const accept = async () => new Client(open((await once(server, "connection", withinAMinute()))[0]));
     let other = await accept();
     await other.until(({ events }) => events.has("muster.run.task.0"), "task 0");
     other.socket.destroy();
@@ -175,11 +176,11 @@ test("over TLS with a certificate of its own, and to a multicast group of this m
     const heard = new Promise((resolve) => group.on("message", (bytes) => /task\.0"/.test(bytes) && resolve()));
     const tak = bridge(address, "--connect", `127.0.0.1:${server.address().port}`, "--tls", "--cert", cert, "--key", key, "--ca", cert,
       "--multicast", `239.2.3.1:${group.address().port}`, "--ttl", "0");
-    const [socket] = await once(server, "secureConnection");
+    const [socket] = await once(server, "secureConnection", withinAMinute());
     open(socket);
     assert.ok(socket.authorized);
     await new Client(socket).until(({ events }) => events.has("muster.run.task.0"), "task 0");
-    await heard;
+    await Promise.race([heard, once(group, "close", withinAMinute())]); // rejects after a minute
     tak.child.kill("SIGINT");
     assert.equal(await tak.ended, 0);
   });
