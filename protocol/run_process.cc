@@ -50,14 +50,14 @@ void CatchStopSignals() {
 /// is appended to `kept`. A stop ends the program at once: nobody wants the result any more.
 class LongRun {
  public:
-  LongRun(Drive* drive, Bus* bus, std::function<Now()> clock, Beside* beside)
-      : drive_(drive), bus_(bus), clock_(std::move(clock)), beside_(beside) {}
+  LongRun(Drive* drive, Bus* bus, std::function<Now()> clock, Usage (*usage)(), Beside* beside)
+      : drive_(drive), bus_(bus), clock_(std::move(clock)), usage_(usage), beside_(beside) {}
 
   void Run(const std::function<void()>& computation) {
     beside_->Start(computation);
     if (beside_->EndsWithin(kBeatUs)) return;
     do {
-      drive_->Beat(&kept_, clock_(), HostUsage);
+      drive_->Beat(&kept_, clock_(), usage_);
     } while (!EndsBeforeBeat());
   }
 
@@ -82,6 +82,7 @@ class LongRun {
   Drive* drive_;
   Bus* bus_;
   std::function<Now()> clock_;
+  Usage (*usage_)();
   std::vector<Packet> kept_;
   Beside* beside_;
 };
@@ -183,7 +184,9 @@ std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, GuardedChannels cha
   return bus;
 }
 
-int RunProcess(Process* process, LossyBus* bus, bool quiet) {
+void StopProcesses() { stop_requested = true; }
+
+int RunProcess(Process* process, LossyBus* bus, bool quiet, Usage (*usage)()) {
   CatchStopSignals();
   Drive drive(process, bus);
   OutageWatch network;
@@ -200,16 +203,16 @@ int RunProcess(Process* process, LossyBus* bus, bool quiet) {
     now.monotonic_us -= bus->outage_us();
     return now;
   };
-  // To the end of the program: what a computation has started dies with its thread
+  // To the end of this thread: what a computation has started dies with the computation's thread
   // (PR_SET_PDEATHSIG).
-  static Beside beside;
-  LongRun long_run(&drive, bus, clock, &beside);
+  static thread_local Beside beside;
+  LongRun long_run(&drive, bus, clock, usage, &beside);
   process->set_run_long(
       [&long_run](const std::function<void()>& computation) { long_run.Run(computation); });
   std::vector<Packet> arrived;
   while (!stop_requested) {
     const Now now = clock();
-    if (drive.Turn(arrived, now, HostUsage) && !quiet) {
+    if (drive.Turn(arrived, now, usage) && !quiet) {
       Say("{}: {}\n", process->identity().name, ToString(process->state()));
     }
     look_at_network();

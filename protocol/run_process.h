@@ -47,7 +47,10 @@ std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags,
 
 /// Drives a process over a bus until SIGINT or SIGTERM arrives: waits for packets or the process's
 /// next wake, steps it, publishes what it says. Applies the faults on packets that MUSTER_FAULT
-/// orders for it. Returns the exit code.
-int RunProcess(Process* process, LossyBus* bus, bool quiet);
+/// orders for it. `usage`: what it reports of itself. Returns the exit code. A program may run
+/// several, each on a thread and a bus of its own.
+int RunProcess(Process* process, LossyBus* bus, bool quiet, Usage (*usage)() = &HostUsage);
+/// Ends RunProcess on all threads of this program, as SIGTERM does.
+void StopProcesses();
 
 }  // namespace muster

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/action.h"
@@ -51,9 +52,9 @@ class Policy {
   /// For live use: Decide ends about that long after its start, with the best it has. An answer may
   /// then depend on the machine's speed. False when the policy has no such limit.
   virtual bool SetDeadline(std::chrono::steady_clock::duration) { return false; }
-  /// So many tasks an hour are expected to be reported from each decision on. False when the policy
-  /// does not look so far ahead.
-  virtual bool ExpectArrivals(double /*per_hour*/) { return false; }
+  /// Takes a setting that stands behind the policy's name (policies/registry.h). False when it has
+  /// none of that key.
+  virtual bool Set(std::string_view /*key*/, double /*value*/) { return false; }
 };
 
 }  // namespace muster::scheduler

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <limits>
+#include <memory>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "agents/core/agent_process.h"
@@ -13,6 +17,8 @@
 #include "base/program.h"
 #include "base/text.h"
 #include "protocol/run_process.h"
+#include "scheduler/policies/registry.h"
+#include "scheduler/process/scheduler_process.h"
 
 namespace muster::agents {
 namespace {
@@ -38,6 +44,12 @@ DriverPrograms::Command ReadDriver(const std::string& text) {
   return {{}, DriverCommand(text)};
 }
 
+std::string ReadSchedulerName(const std::string& name) {
+  if (process_name::IsScheduler(name) && !HasControls(name)) return name;
+  throw InputError("command line", "--decide-as", Printable(name),
+                   "scheduler, or scheduler-1, scheduler-2, ... where there are several");
+}
+
 std::unique_ptr<DriverPort> DriversOf(const Arguments& arguments) {
   std::vector<DriverPrograms::Command> commands;
   for (const std::string& text : arguments.All("driver")) commands.push_back(ReadDriver(text));
@@ -47,6 +59,55 @@ std::unique_ptr<DriverPort> DriversOf(const Arguments& arguments) {
   rules.lost_after_us = ToUs(arguments.Get<double>("lost-after"));
   return std::make_unique<DriverPrograms>(std::move(commands), rules);
 }
+
+/// A scheduler of the mission in this program, on a thread and a bus of its own: it lives and dies
+/// with the agents.
+class OwnScheduler {
+ public:
+  /// As a process of that name, with the program's other flags.
+  OwnScheduler(ProcessFlags flags, const std::string& name, const std::string& policy)
+      : flags_(std::move(flags)), policy_(scheduler::MakePolicy(policy)) {
+    flags_.identity.name = name;
+    thread_ = std::thread([this, policy] { Run(policy); });
+  }
+  ~OwnScheduler() { Stop(); }
+  OwnScheduler(const OwnScheduler&) = delete;
+  OwnScheduler& operator=(const OwnScheduler&) = delete;
+
+  /// Rethrows what ended it.
+  void Join() {
+    Stop();
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  }
+
+ private:
+  void Stop() {
+    StopProcesses();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void Run(const std::string& policy) {
+    try {
+      scheduler::SchedulerProcess process(flags_.identity, flags_.window, policy,
+                                          std::move(policy_), MonotonicUs);
+      const auto bus = OpenBus(flags_, GuardedChannels::kOfScheduler);
+      RunProcess(&process, bus.get(), flags_.quiet, [] {
+        Usage usage = HostUsage();  // its time and memory are reported with the agents'
+        usage.cpu_s = 0;
+        usage.rss_bytes = 0;
+        return usage;
+      });
+    } catch (...) {
+      error_ = std::current_exception();
+      StopProcesses();
+    }
+  }
+
+  ProcessFlags flags_;
+  std::unique_ptr<scheduler::Policy> policy_;
+  std::exception_ptr error_;
+  std::thread thread_;
+};
 
 int Run(AgentKind kind, int argc, char** argv) {
   const std::string name(ToString(kind));
@@ -61,6 +122,10 @@ int Run(AgentKind kind, int argc, char** argv) {
   options.Add("lost-after", "SECONDS", "A driver that takes longer to answer has failed")
       .Number(Above0(3600))
       .Default(5);
+  options.Add("decide-as", "NAME",
+              "Be a scheduler of the mission, too, under that name: scheduler-1, scheduler-2, ... "
+              "(docs/guide/without-a-centre.md)");
+  scheduler::AddPolicyOption(&options, "With --decide-as, how to decide:");
   AddProcessOptions(&options, name);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -70,7 +135,12 @@ int Run(AgentKind kind, int argc, char** argv) {
   AgentProcess process(flags.identity, flags.window, kind, ids, AgentProcess::kMostWhole,
                        DriversOf(*arguments));
   const auto bus = OpenBus(flags, GuardedChannels::kOfAgents);
-  return RunProcess(&process, bus.get(), flags.quiet);
+  if (!arguments->Has("decide-as")) return RunProcess(&process, bus.get(), flags.quiet);
+  OwnScheduler own(flags, ReadSchedulerName(arguments->Get("decide-as")),
+                   scheduler::PolicyFrom(*arguments));
+  const int exit_code = RunProcess(&process, bus.get(), flags.quiet);
+  own.Join();
+  return exit_code;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "model/own_rule.h"
 
 namespace muster::agents {
 namespace {
@@ -366,6 +367,9 @@ void AgentProcess::Advance(const Now& now) {
       Apply(*schedule_, schedule_decision_, tick_us_);
       applied_decision_ = schedule_decision_;
     }
+    // The decision that was due is not in force: no scheduler is left.
+    const std::int32_t due = scenario()->rules.DecisionAt(tick_);
+    if (due > clock_->required_decision) ActAlone(due);
   }
   const TimeUs before = tick_us_;
   tick_ = clock_->tick;
@@ -475,6 +479,14 @@ void AgentProcess::Apply(const std::vector<Action>& actions, std::int32_t decisi
     const auto clearance = clearances_.find(id);
     if (!NeedsClearances() || clearance == clearances_.end()) continue;
     if (clearance->second.decision == decision) drivers_->GiveAltitude(clearance->second);
+  }
+}
+
+void AgentProcess::ActAlone(std::int32_t decision) {
+  for (AgentState& agent : agents_) {
+    const auto action = OwnAction(agent, tick_us_, *scenario());
+    if (!action) continue;
+    Begin(&agent, *action, decision, tick_us_, scenario()->disturbances, scenario()->seed);
   }
 }
 

@@ -68,6 +68,8 @@ class AgentProcess : public Follower {
   /// Whether it needs the altitudes of a decision to carry it out.
   bool NeedsClearances() const;
   void Apply(const std::vector<Action>& actions, std::int32_t decision, TimeUs t);
+  /// What agents do by themselves at tick_, as that decision is not in force.
+  void ActAlone(std::int32_t decision);
   /// How much later than at t an agent of ours sets out on what it is sent to do.
   TimeUs HoldOf(std::int32_t id, TimeUs t) const;
   /// Whether whole states have to be sent at tick_.

@@ -66,6 +66,10 @@ std::string Difference(const HorizonSettings& settings) {
   flag("chains", &HorizonSettings::chains);
   flag("meet_ahead", &HorizonSettings::meet_ahead);
   flag("steps", &HorizonSettings::steps);
+  if (settings.radio) {
+    parts.push_back(
+        fmt::format("agreed among neighbours within {} km", settings.radio->reach_m / 1e3));
+  }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -24,8 +26,29 @@ namespace muster::scheduler {
 namespace {
 
 constexpr int kMostDeadlineMs = 3'600'000;
-constexpr std::string_view kExpectInfix = ":expect=";
-constexpr double kMostExpectedPerHour = 100'000;
+
+constexpr std::string_view kExpect = "expect";
+
+/// What may stand behind a policy's name, and the option that says the same.
+struct Setting {
+  std::string_view key, option;
+  NumberRange bounds;
+  std::string_view expected;  ///< "RATE, tasks an hour from 0 to 100000"
+  std::string_view policies;  ///< that have it
+};
+constexpr Setting kSettings[] = {
+    {kExpect,
+     "expect-arrivals",
+     {0, 100'000},
+     "RATE, tasks an hour from 0 to 100000",
+     "a policy that forecasts: rollout or rollout-steps"},
+    {"reach",
+     "reach",
+     {0, 1000},
+     "KM, kilometres from 0 to 1000",
+     "a policy without a centre: neighbours"},
+    {"loss", "radio-loss", {0, 1}, "SHARE, from 0 to 1", "a policy without a centre: neighbours"},
+};
 
 /// One row a policy: its name, what users read about it, how to make it.
 struct Row {
@@ -51,6 +74,12 @@ template <bool HorizonSettings::*kIngredient, bool kOn = false>
 std::unique_ptr<Policy> HorizonVariant() {
   HorizonSettings settings;
   settings.*kIngredient = kOn;
+  return std::make_unique<HorizonPolicy>(settings);
+}
+std::unique_ptr<Policy> Neighbours() {
+  HorizonSettings settings;
+  settings.steps = true;
+  settings.radio.emplace();
   return std::make_unique<HorizonPolicy>(settings);
 }
 template <bool kSteps>
@@ -99,6 +128,10 @@ const Row kPolicies[] = {
     {{kOurs, "certified",
       "the paper's weights: the heaviest decision, or one within a proven gap of it"},
      &Certified},
+    {{kOurs, kNeighbours,
+      "no centre: agents agree on pairs with those within --reach of their radio "
+      "(docs/guide/without-a-centre.md)"},
+     &Neighbours},
     {{kPaper, "mpq", "HoCs-MPQ: iterated local search on a growing subgraph (Alg. 5)"},
      &Mpq<Foundation::kHierarchical>},
     {{kPaper, "mpq-uniform", "HoCs-MPQ with uniform foundational weights (section 5.3.3)"},
@@ -148,14 +181,14 @@ const Row kPolicies[] = {
      &HorizonVariant<&HorizonSettings::ties>},
 };
 
-/// Whether ":expect=..." behind it would be no part of a command or a folder.
-bool TakesExpectation(std::string_view name) {
+/// Whether ":KEY=..." behind it would be no part of a command or a folder.
+bool TakesSettings(std::string_view name) {
   return !IsExternal(name) && !name.starts_with(kLearnedPrefix);
 }
 
-[[noreturn]] void FailToExpect(std::string_view name) {
-  throw InputError("options", "--expect-arrivals", fmt::format("policy {}", Printable(name)),
-                   "a policy that forecasts: rollout or rollout-steps");
+[[noreturn]] void FailToSet(const Setting& setting, std::string_view policy) {
+  throw InputError("options", fmt::format("--{}", setting.option),
+                   fmt::format("policy {}", Printable(policy)), std::string(setting.policies));
 }
 
 std::vector<std::string> Names() {
@@ -190,20 +223,32 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
       ->Add("expect-arrivals", "RATE",
             "rollout, rollout-steps: how many more tasks an hour to expect "
             "(docs/reference/scheduling.md; default: 0)")
-      .Number({0, kMostExpectedPerHour});
+      .Number(kSettings[0].bounds);
+  options
+      ->Add("reach", "KM", "neighbours: how far agents hear each other, in kilometres (default: 5)")
+      .Number(kSettings[1].bounds);
+  options
+      ->Add("radio-loss", "SHARE",
+            "neighbours: the share of messages between agents that is lost (default: 0)")
+      .Number(kSettings[2].bounds);
   return policy;
 }
 
 std::string PolicyFrom(const Arguments& arguments) {
   std::string name = arguments.Get("policy");
-  if (!arguments.Has("expect-arrivals")) return name;
-  const auto per_hour = arguments.Get<double>("expect-arrivals");
-  if (BaseName(name) != name) {
-    throw InputError("command line", "--expect-arrivals", fmt::to_string(per_hour),
-                     fmt::format("nothing beside --policy {}", name));
+  const bool has_settings = BaseName(name) != name;
+  for (const Setting& setting : kSettings) {
+    const std::string option(setting.option);
+    if (!arguments.Has(option)) continue;
+    const auto value = arguments.Get<double>(option);
+    if (has_settings) {
+      throw InputError("command line", "--" + option, fmt::to_string(value),
+                       fmt::format("nothing beside --policy {}", arguments.Get("policy")));
+    }
+    if (!TakesSettings(name)) FailToSet(setting, name);
+    if (setting.key == kExpect && value == 0) continue;  // as without
+    name += fmt::format(":{}={}", setting.key, value);
   }
-  if (!TakesExpectation(name)) FailToExpect(name);
-  if (per_hour > 0) name += fmt::format("{}{}", kExpectInfix, per_hour);
   return name;
 }
 
@@ -218,20 +263,32 @@ void AddDeadlineOption(Options* options) {
 bool IsExternal(std::string_view name) { return name.starts_with(kExternalPrefix); }
 
 std::string_view BaseName(std::string_view name) {
-  return TakesExpectation(name) ? name.substr(0, name.find(kExpectInfix)) : name;
+  return TakesSettings(name) ? name.substr(0, name.find(':')) : name;
 }
 
-void SetExpectation(Policy* policy, std::string_view name) {
+void ApplySettings(Policy* policy, std::string_view name) {
   const std::string_view base = BaseName(name);
   if (base == name) return;
-  const std::string_view rate = name.substr(base.size() + kExpectInfix.size());
-  const auto per_hour = ToNumber(rate);
-  if (!per_hour || *per_hour < 0 || *per_hour > kMostExpectedPerHour) {
-    throw InputError("options", "--policy", Printable(name),
-                     fmt::format("{}{}RATE, tasks an hour from 0 to {}", base, kExpectInfix,
-                                 kMostExpectedPerHour));
+  const auto refuse = [&](const std::string& expected) {
+    throw InputError("options", "--policy", Printable(name), expected);
+  };
+  std::set<std::string> given;
+  for (const std::string& text : Split(std::string(name.substr(base.size() + 1)), ':')) {
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const std::string key = text.substr(0, equals);
+    const auto setting = std::find_if(std::begin(kSettings), std::end(kSettings),
+                                      [&](const Setting& known) { return known.key == key; });
+    if (setting == std::end(kSettings) || !given.insert(key).second) {
+      std::vector<std::string_view> keys;
+      for (const Setting& known : kSettings) keys.push_back(known.key);
+      refuse(fmt::format("{}:KEY=VALUE, each KEY once: {}", base, fmt::join(keys, ", ")));
+    }
+    const auto value = ToNumber(text.substr(std::min(equals + 1, text.size())));
+    if (!value || !(*value >= setting->bounds.low && *value <= setting->bounds.high)) {
+      refuse(fmt::format("{}:{}={}", base, key, setting->expected));
+    }
+    if (!policy->Set(key, *value)) FailToSet(*setting, base);
   }
-  if (!policy->ExpectArrivals(*per_hour)) FailToExpect(base);
 }
 
 std::unique_ptr<Policy> MakePolicy(std::string_view name) {
@@ -241,7 +298,7 @@ std::unique_ptr<Policy> MakePolicy(std::string_view name) {
   for (const Row& row : kPolicies) {
     if (row.info.name != base) continue;
     auto policy = row.make();
-    SetExpectation(policy.get(), name);
+    ApplySettings(policy.get(), name);
     return policy;
   }
   const std::vector<std::string> names = Names();

@@ -30,14 +30,18 @@ struct PolicyInfo {
 /// decision (docs/results/ablation.md).
 inline constexpr std::string_view kDefaultPolicy = "rollout-steps";
 
+/// The policy of missions without a centre (policies/neighbours/game.h).
+inline constexpr std::string_view kNeighbours = "neighbours";
+
 /// All policies, in the order in which they are listed to users.
 const std::vector<PolicyInfo>& Policies();
 
-/// Declares --policy, whose name MakePolicy checks, with --expect-arrivals, and --deadline,
-/// milliseconds. Ablations are known, but not listed.
+/// Declares --policy, whose name MakePolicy checks, with the options of its settings
+/// (--expect-arrivals, --reach, --radio-loss), and --deadline, milliseconds. Ablations are known,
+/// but not listed.
 Option& AddPolicyOption(Options* options, std::string_view help = "How to decide:");
-/// What --policy and --expect-arrivals say together: the name that decisions are logged under and
-/// made again by. Throws InputError when both say what to expect.
+/// What --policy and the options of its settings say together: the name that decisions are logged
+/// under and made again by. Throws InputError when the policy has no such setting, or both say one.
 std::string PolicyFrom(const Arguments& arguments);
 void AddDeadlineOption(Options* options);
 
@@ -45,15 +49,16 @@ void AddDeadlineOption(Options* options);
 /// log may name any program, so such a policy is made only if the user names it.
 bool IsExternal(std::string_view name);
 
-/// "rollout" of "rollout:expect=12"; the whole name where it expects nothing.
+/// "rollout" of "rollout:expect=12"; the whole name where nothing stands behind it.
 std::string_view BaseName(std::string_view name);
 
-/// As the name says: RolloutSettings::expect_per_hour. Throws InputError when it is no number of
-/// tasks an hour, or the policy takes none.
-void SetExpectation(Policy* policy, std::string_view name);
+/// Gives the policy what stands behind its name: "rollout:expect=12" (RolloutSettings),
+/// "neighbours:reach=5:loss=0.1" (Radio; kilometres). Throws InputError when a key or a value is
+/// impossible, or the policy has no such setting.
+void ApplySettings(Policy* policy, std::string_view name);
 
 /// Throws InputError naming the known policies when `name` is none of them, nor "external:" and a
-/// program that is there. ":expect=RATE" behind a name is what SetExpectation takes.
+/// program that is there. What may stand behind a name: see ApplySettings.
 std::unique_ptr<Policy> MakePolicy(std::string_view name);
 
 /// Gives the policy of that name a deadline for each decision, in milliseconds; throws InputError

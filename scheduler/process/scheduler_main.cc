@@ -22,7 +22,7 @@ std::unique_ptr<Policy> Make(const std::string& name, std::optional<double> dead
   });
   if (found == own.end()) return MakePolicy(name, deadline_ms);
   std::unique_ptr<Policy> policy = found->make();
-  SetExpectation(policy.get(), name);
+  ApplySettings(policy.get(), name);
   SetDeadline(policy.get(), name, deadline_ms);
   return policy;
 }

@@ -301,8 +301,9 @@ TEST(Directives, OfAnySituationTheWholeDecisionMayBeCarriedOut) {
     situation.site = site;
 
     const Directing directing = Direct(situation);
-    const char* policies[] = {"certified", "mpq", "horizon", "rollout-steps", "kwta"};
-    const Decision decision = Decide(situation, policies[seed % 5]);
+    const char* policies[] = {"certified",     "mpq",  "horizon",
+                              "rollout-steps", "kwta", "neighbours:reach=4"};
+    const Decision decision = Decide(situation, policies[seed % std::size(policies)]);
     for (const Violation& violation : CheckActions(situation, decision.actions)) {
       ADD_FAILURE() << violation.message;
     }

@@ -55,6 +55,20 @@ TEST(Policy, WhatIsExpectedIsPartOfItsName) {
   EXPECT_EQ(BaseName("external:run --with:expect=3"), "external:run --with:expect=3");
 }
 
+TEST(Policy, ReachAndLossesArePartOfItsName) {
+  for (const char* good : {"neighbours", "neighbours:reach=0", "neighbours:reach=2.5:loss=0.1",
+                           "neighbours:loss=1:reach=1000"}) {
+    EXPECT_NO_THROW(MakePolicy(good)) << good;
+  }
+  for (const char* bad : {"neighbours:", "neighbours:reach", "neighbours:reach=",
+                          "neighbours:reach=-1", "neighbours:reach=1001", "neighbours:loss=1.1",
+                          "neighbours:reach=1:reach=2", "neighbours:reach=1:", "neighbours:range=3",
+                          "neighbours:expect=3", "horizon:reach=3", "certified:loss=0.1"}) {
+    EXPECT_THROW(MakePolicy(bad), InputError) << bad;
+  }
+  EXPECT_EQ(BaseName("neighbours:reach=2.5:loss=0.1"), "neighbours");
+}
+
 TEST(Policy, ExpectingNothingIsTheSamePolicy) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Situation situation = RandomSituation(seed, {6, 8, 4, 15, 3, 15, true});

@@ -5,6 +5,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
+#include "model/own_rule.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
 #include "tests/simulation/archivist.h"
@@ -302,6 +303,43 @@ TEST_P(OnLoss, WithoutASchedulerDecisionsAreNotInForce) {
   }
   EXPECT_NE(ToText(story).find("no decision was in force: the scheduler was lost"),
             std::string::npos);
+}
+
+TEST_P(OnLoss, WithoutASchedulerUavsThatAreLowGoToCharge) {
+  LossyMission mission;
+  ASSERT_TRUE(mission.RunTo(65 * kMinuteUs));
+  mission.Kill("scheduler");
+  ASSERT_TRUE(mission.RunTo(155 * kMinuteUs));
+  mission.Start("scheduler");
+  ASSERT_TRUE(mission.RunToEnd());
+  mission.ExpectSound();
+  const Scenario& scenario = mission.log().scenario;
+  const std::set<std::int32_t>& skipped = mission.record().skipped_decisions();
+  ASSERT_GE(skipped.size(), 8u);
+  int went = 0;
+  for (const std::int32_t d : skipped) {
+    const auto before = SituationOf(mission.log().decisions.at(d), mission.log());
+    if (d + 1 == scenario.decisions() || !before) continue;
+    const auto after = SituationOf(mission.log().decisions.at(d + 1), mission.log());
+    ASSERT_TRUE(after) << d;
+    for (const AgentState& uav : before->uavs) {
+      const auto action = OwnAction(uav, before->now_us, scenario);
+      if (!action) continue;
+      const auto then = std::find_if(after->uavs.begin(), after->uavs.end(),
+                                     [&](const AgentState& u) { return u.id == uav.id; });
+      if (then == after->uavs.end()) continue;  // offline by then
+      ++went;
+      EXPECT_NEAR(Distance(then->to, action->to), 0, 1e-3) << "uav:" << uav.id << " at " << d;
+      EXPECT_NEAR(RangeAt(*then, after->now_us, scenario.tasks),
+                  RangeAt(uav, before->now_us, scenario.tasks) - Distance(uav.to, action->to),
+                  1e-3);
+      const AgentStory story = TellAgent(mission.log(), "run", AgentKind::kUav, uav.id, d);
+      ASSERT_EQ(story.chapters.size(), 1u);
+      ASSERT_TRUE(story.chapters.front().answer.did);
+      EXPECT_EQ(*story.chapters.front().answer.did, *action);
+    }
+  }
+  EXPECT_GE(went, 2);
 }
 
 TEST_P(OnLoss, EverybodyMayBeLostForGood) {

@@ -76,7 +76,10 @@ void Auditor::CheckTick() {
   CheckMeetings(view);
   CheckTasks(view);
   ExpectEvents(view);
-  if (view.due >= 0 && view.schedule == nullptr) skipped_.insert(view.due);
+  if (view.due >= 0 && view.schedule == nullptr) {
+    skipped_.insert(view.due);
+    AllowOwnActions(view);
+  }
   if (view.Holds() && view.schedule != nullptr) {
     CheckDecision(view);
     if (view.clearances != nullptr) CheckSeparation(view);

@@ -94,6 +94,35 @@ void CheckAction(View& view, const action_t& a, const std::string& name) {
 
 }  // namespace
 
+void AllowOwnActions(View& view) {
+  constexpr double kReserveShare = 0.5;
+  if (view.scenario.separation) return;
+  for (const AgentModel& uav : view.agents[kUav]) {
+    if (uav.StatusAt(view.now_us) != AgentStatus::kIdle) continue;
+    const double range_m = uav.RangeAt(view.now_us);
+    if (range_m >= kReserveShare * uav.spec->range_full_m + kTolerance_m) continue;
+    action_t action{};
+    action.kind = NumberOf(ActionKind::kUavToCharge);
+    action.uav_id = uav.id;
+    action.worker_id = action.vehicle_id = action.task_id = action.charge_id = -1;
+    double nearest_m = range_m + kTolerance_m;
+    for (std::size_t y = 0; y < view.scenario.charges.size(); ++y) {
+      const Place at = view.scenario.charges[y].at;
+      const double way_m = uav.WayM(uav.to, at);
+      if (way_m >= nearest_m) continue;
+      nearest_m = way_m;
+      action.charge_id = static_cast<std::int32_t>(y);
+      action.x_m = at.x_m;
+      action.y_m = at.y_m;
+    }
+    if (action.charge_id < 0) continue;
+    const std::int64_t latest = view.LatestEnd(uav);
+    const std::int64_t end = view.now_us + DurationUs(nearest_m, uav.spec->speed_m_s);
+    if (latest != kForever && end > latest + kToleranceUs) continue;
+    view.commands[{kUav, uav.id}] = {action, view.due, view.now_us, true};
+  }
+}
+
 void CheckDecision(View& view) {
   const schedule_t& schedule = *view.schedule;
   std::map<AgentKey, std::size_t> used;

@@ -50,6 +50,7 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   // Roads that are closed right before it may have sent it round, or stopped it.
   const bool goes_round = view.ways_since_us && model->kind != kUav && a.depart_us == view.now_us;
   const bool obeys = (a.action == action.kind && begins) || goes_round;
+  if (!obeys && command.by_itself) return;
   if (!obeys && pair && view.scenario.match_failure.high > 0) {
     // The match failed; its event is looked for at the end.
     const bool sense = action.kind == ActionKind::kSense;

@@ -87,6 +87,10 @@ void CheckSeparation(View& view);
 /// Whether the log's events up to that time are those that must be said.
 void CheckEvents(const View& view, const std::vector<event_t>& events, std::int64_t until_us);
 
+/// What UAVs may do by themselves, as the decision that is due is not in force: with less than half
+/// their range, go to the nearest charging point.
+void AllowOwnActions(View& view);
+
 /// Whether each decision of several schedulers is one of their proposals, and is said to be
 /// disputed where it is.
 void CheckProposals(const View& view, const Heard& heard);

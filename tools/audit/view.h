@@ -36,6 +36,7 @@ struct Command {
   action_t action;
   std::int32_t decision = -1;
   std::int64_t at_us = 0;
+  bool by_itself = false;  ///< nobody commanded it: it may do so, or stay
 };
 
 struct Failure {

@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "model/feasibility.h"
+#include "model/own_rule.h"
 #include "protocol/convert.h"
 
 namespace muster::tools {
@@ -38,7 +39,7 @@ bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs
 /// A logged situation, parted into what directives decided and what was left to the policy.
 struct Parted {
   scheduler::Directing directing;
-  std::vector<Action> commands;  ///< of the policy
+  std::vector<Action> commands;  ///< of the policy, or what agents do by themselves
 };
 
 /// None: the decision's messages are not whole.
@@ -46,6 +47,11 @@ std::optional<Parted> PartedOf(const LoggedDecision& logged, const DecisionLog& 
   auto situation = SituationOf(logged, log);
   if (!situation) return {};
   Parted parted{{}, CommandsOf(logged, log.scenario)};
+  for (const AgentState& uav : situation->uavs) {
+    if (logged.in_force) break;
+    const auto action = OwnAction(uav, logged.at_us, log.scenario);
+    if (action) parted.commands.push_back(*action);
+  }
   if (situation->site->directives.empty()) {
     parted.directing.rest = std::move(*situation);
     return parted;

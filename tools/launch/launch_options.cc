@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <set>
 #include <string_view>
 
 #include "agents/driver/driver_program.h"
@@ -31,16 +32,18 @@ constexpr int kMostProcesses = 64;
 
 void ReadProcesses(const std::vector<std::string>& entries, LaunchOptions* options) {
   for (const AgentKind kind : kAgentKinds) options->processes[kind] = 1;
+  // Agents that agree among themselves need no process that does it for them.
+  if (scheduler::BaseName(options->policy) == scheduler::kNeighbours) options->schedulers = 0;
   for (const std::string& entry : entries) {
     const std::vector<std::string> parts = Split(entry, '=');
     const bool decides = parts[0] == process_name::kScheduler;
     const auto kind = FromString<AgentKind>(parts[0]);
-    const auto count = decides ? ToInteger(parts.back(), 1, world::kMostSchedulers)
+    const auto count = decides ? ToInteger(parts.back(), 0, world::kMostSchedulers)
                                : ToInteger(parts.back(), 0, kMostProcesses);
     if (parts.size() != 2 || !count || (!decides && !kind)) {
       throw InputError(
           kCommandLine, "--processes", entry,
-          fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}, scheduler=N from 1 to {}",
+          fmt::format("uav=N, worker=N or vehicle=N with N from 0 to {}, scheduler=N from 0 to {}",
                       kMostProcesses, world::kMostSchedulers));
     }
     (decides ? options->schedulers : options->processes[*kind]) = static_cast<int>(*count);
@@ -76,7 +79,8 @@ void AddLaunchOptions(Options* options) {
       ->Add("processes", "CLASS=N,...",
             "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them. "
             "scheduler=3: three decide, and one that dies is not missed "
-            "(docs/reference/schedulers.md)")
+            "(docs/reference/schedulers.md). scheduler=0: the agents' processes decide "
+            "(docs/guide/without-a-centre.md)")
       .List();
   options
       ->Add("program", "ROLE=FILE,...",
@@ -129,13 +133,21 @@ void AddLaunchOptions(Options* options) {
 void CheckSchedulers(const LaunchOptions& options) {
   for (const auto& [name, program] : options.programs) {
     if (!process_name::IsOneOfSchedulers(name)) continue;
-    if (!world::SchedulerNames(options.schedulers).contains(name)) {
+    if (options.schedulers == 0 || !world::SchedulerNames(options.schedulers).contains(name)) {
       throw InputError(kCommandLine, "--program", name,
                        "a process of the mission (--processes scheduler=N)");
     }
   }
   if (options.schedulers == 1) return;
   const std::string several = fmt::format("scheduler={}", options.schedulers);
+  if (options.schedulers == 0 && options.programs.contains(process_name::kScheduler)) {
+    throw InputError(kCommandLine, "--processes", several, "no --program scheduler=FILE with it");
+  }
+  if (const int deciders = Deciders(options); deciders < 1 || deciders > world::kMostSchedulers) {
+    throw InputError(kCommandLine, "--processes", several,
+                     fmt::format("1 to {} agent processes with it, which decide; {} are started",
+                                 world::kMostSchedulers, deciders));
+  }
   if (options.deadline_ms) {
     throw InputError(kCommandLine, "--processes", several,
                      "no --deadline with it: what is decided by the clock differs from one "
@@ -205,11 +217,18 @@ void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int las
 
 }  // namespace
 
+int Deciders(const LaunchOptions& options) {
+  if (options.schedulers > 0) return options.schedulers;
+  int processes = 0;
+  for (const auto& [kind, count] : options.processes) processes += count;
+  return processes;
+}
+
 int WindowOf(const LaunchOptions& options) {
   if (!options.recorded) return 0;
   if (options.logger == Logger::kMuster) return kMemberWindow;
   // lcm-logger's queue is one for all who report at once: the more there are, the less each has.
-  int processes = 0;
+  int processes = options.schedulers == 0 ? Deciders(options) : 0;  // each sends as two
   for (const auto& [kind, count] : options.processes) processes += count;
   return std::clamp(kLoggerQueue / std::max(processes, 1), 1, kProcessWindow);
 }
@@ -324,7 +343,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
       arguments.insert(arguments.end(), {"--drop", fmt::to_string(options.drop), "--drop-seed",
                                          fmt::to_string(scenario.seed + plans.size())});
     }
-    plans.push_back({name, program, std::move(arguments)});
+    plans.push_back({name, {}, program, std::move(arguments)});
   };
   const std::string window = fmt::to_string(WindowOf(options));
   std::vector<std::string> world = {mission.scenario_file, "--rate", options.rate};
@@ -338,14 +357,15 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
     world.insert(world.end(), {"--on-loss", options.on_loss, "--lost-after",
                                fmt::to_string(options.lost_after_s)});
   }
-  if (options.schedulers > 1) {
-    world.insert(world.end(), {"--schedulers", fmt::to_string(options.schedulers)});
-  }
+  const int deciders = Deciders(options);
+  if (deciders > 1) world.insert(world.end(), {"--schedulers", fmt::to_string(deciders)});
   for (std::string& option : WorldOptionsOf(options.faults)) world.push_back(std::move(option));
   if (!mission.orders_file.empty()) {
     world.insert(world.end(), {"--orders", mission.orders_file});
   }
   add(process_name::kWorld, process_name::kWorld, std::move(world));
+  const std::set<std::string> names = world::SchedulerNames(deciders);
+  auto unused = names.begin();  // of a scheduler that is part of no process yet
   for (const AgentKind kind : kAgentKinds) {
     const std::string class_name(ToString(kind));
     const int n = static_cast<int>(scenario.agents(kind).size());
@@ -360,15 +380,20 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
       const int last = n * (i + 1) / k - 1;
       if (k > 1) arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
       AddDrivers(options, kind, first, last, &arguments);
+      if (options.schedulers == 0) {
+        arguments.insert(arguments.end(), {"--decide-as", *unused, "--policy", options.policy});
+      }
       add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, class_name,
           std::move(arguments));
+      if (options.schedulers == 0) plans.back().decides_as = *unused++;
     }
   }
+  if (options.schedulers == 0) return plans;
   std::vector<std::string> scheduler = {"--policy", options.policy, "--window", window};
   if (options.deadline_ms) {
     scheduler.insert(scheduler.end(), {"--deadline", fmt::to_string(*options.deadline_ms)});
   }
-  for (const std::string& name : world::SchedulerNames(options.schedulers)) {
+  for (const std::string& name : names) {
     add(name, process_name::kScheduler, scheduler);
   }
   return plans;

@@ -27,7 +27,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::string rate;                   ///< as muster-world takes it
   std::optional<double> deadline_ms;  ///< of each decision
   std::map<AgentKind, int> processes;
-  int schedulers = 1;
+  int schedulers = 1;  ///< processes; 0: every agent process decides (Deciders)
   /// Your own in place of muster-ROLE, absolute; by role (world, uav, worker, vehicle, scheduler)
   /// or by name, such as scheduler-2.
   std::map<std::string, std::string> programs;
@@ -60,10 +60,14 @@ inline constexpr int kProcessWindow = 3;
 /// The window of each agent process and of the scheduler; 0: nothing is recorded.
 int WindowOf(const LaunchOptions& options);
 
+/// How many decide: the schedulers, or where there are none the agent processes.
+int Deciders(const LaunchOptions& options);
+
 /// One process of a mission: its program (absolute, or in the folder of `muster`) and arguments. A
 /// process with `--key -` among them gets the key on its stdin.
 struct ProcessPlan {
   std::string name;
+  std::string decides_as = {};  ///< the scheduler that is part of it; "": none is
   std::string program;
   std::vector<std::string> arguments;
 };

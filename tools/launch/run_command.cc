@@ -116,7 +116,10 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   if (options.rate != "max") plan.rate = std::stod(options.rate);
   plan.run_id = mission.run_id;
   plan.logger = options.logger;
-  for (const ProcessPlan& process : processes) plan.processes.push_back(process.name);
+  for (const ProcessPlan& process : processes) {
+    plan.processes.push_back(process.name);
+    if (!process.decides_as.empty()) plan.decides_as.emplace(process.name, process.decides_as);
+  }
   return plan;
 }
 
@@ -166,14 +169,26 @@ void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& missi
 /// Throws InputError where hosts or faults do not fit the processes of the mission.
 void CheckMembers(const Scenario& scenario, LaunchOptions* options) {
   std::vector<std::string> names = {std::string(LauncherNameWith(options->logger))};
+  std::map<std::string, std::string> part_of;  // agent processes, by the scheduler in them
   for (const ProcessPlan& process : PlanProcesses(*options, scenario, {})) {
     names.push_back(process.name);
+    if (!process.decides_as.empty()) part_of.emplace(process.decides_as, process.name);
   }
   CheckHosts(options->hosts, options->hosts_file, {names.begin() + 1, names.end()},
              options->faults);
   if (options->logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
+  for (const auto& [scheduler, process] : part_of) names.push_back(scheduler);
   CheckFaultPlan(&options->faults, names, scenario, options->on_loss == "continue",
                  options->logger == Logger::kMuster);
+  for (const PlannedFault& fault : options->faults) {
+    const auto found = part_of.find(fault.target);
+    if (found == part_of.end() || RowOf(fault.kind).target != FaultTarget::kProcess) {
+      continue;
+    }
+    throw InputError("command line", "--fault",
+                     fmt::format("{} {}", ToString(fault.kind), fault.target),
+                     fmt::format("{}, whose process it is part of", found->second));
+  }
 }
 
 std::optional<SealKey> KeyOf(const LaunchOptions& options, std::int64_t run_id) {

@@ -31,9 +31,16 @@ constexpr TimeUs kForeignUs = 2'000;
 /// An outage of the network may last that long for each time that a process may be started.
 constexpr TimeUs kOutageUs = 10 * kSecondUs;
 
-/// The processes that confirm faults on packets; the launcher does so by itself.
-std::vector<std::string> Confirming(const MissionPlan& plan) {
+/// The processes of the mission, and the schedulers that are part of some.
+std::vector<std::string> Answering(const MissionPlan& plan) {
   std::vector<std::string> names = plan.processes;
+  for (const auto& [process, scheduler] : plan.decides_as) names.push_back(scheduler);
+  return names;
+}
+
+/// Those that confirm faults on packets; the launcher does so by itself.
+std::vector<std::string> Confirming(const MissionPlan& plan) {
+  std::vector<std::string> names = Answering(plan);
   if (plan.logger == Logger::kMuster) names.emplace_back(process_name::kRecorder);
   return names;
 }
@@ -54,7 +61,7 @@ Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
                 plan.logger == Logger::kLcm ? recorder::Recorder::Marks::kOwn
                                             : recorder::Recorder::Marks::kOfRecorderProcess),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
-      stall_watch_(plan.processes, plan.scenario.rules.tick_us, plan.rate),
+      stall_watch_(Answering(plan), plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, Confirming(plan)),
       own_faults_(plan.run_id, std::string(LauncherNameWith(plan.logger)), &host->bus(),
                   [this] { return recorder_.log().strangers(); }),
@@ -333,7 +340,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
       member->gone = true;
       Say(fmt::format("{}\nthe mission goes on without it", text));
       Announce(EventKind::kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
-      recorder_.OnEnd(name, member->starts - 1, now);
+      TellRecorder(*member, now);
       return true;
     }
     problems_.push_back(std::move(text));
@@ -354,8 +361,14 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
                             : fmt::format("in {:.1f} s ({} of {})", ToSeconds(wait_us), unplanned,
                                           plan_.restarts.most)));
   Announce(EventKind::kProcessLost, fmt::format("{} {}", name, end.Text()), now);
-  if (name != process_name::kLogger) recorder_.OnEnd(name, member->starts - 1, now);
+  if (name != process_name::kLogger) TellRecorder(*member, now);
   return true;
+}
+
+void Supervisor::TellRecorder(const Member& ended, const Now& now) {
+  recorder_.OnEnd(ended.name, ended.starts - 1, now);
+  const auto own = plan_.decides_as.find(ended.name);
+  if (own != plan_.decides_as.end()) recorder_.OnEnd(own->second, ended.starts - 1, now);
 }
 
 bool Supervisor::CanDoWithout(const Member& member) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,8 @@ struct MissionPlan {
   Logger logger = Logger::kMuster;
   Scenario scenario;
   std::vector<std::string> processes;  ///< by sender name, in the order of their start
+  /// Of an agent process that decides: the scheduler that is part of it.
+  std::map<std::string, std::string> decides_as = {};
   RestartPolicy restarts = {};
   FaultPlan faults = {};
   /// Called with every event of the log, as it is read; it must return soon.

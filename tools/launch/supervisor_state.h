@@ -69,6 +69,8 @@ class Supervisor : private FaultActions {
   /// come. False: one has ended for good.
   bool KeepAlive();
   bool OnEnd(Member* member, const Now& now);
+  /// That it has ended, and the scheduler that is part of it.
+  void TellRecorder(const Member& ended, const Now& now);
   void NoteBack(Member* member, const Now& now);
   /// Publishes an event_t about a process.
   void Announce(EventKind kind, std::string detail, const Now& now);

@@ -77,6 +77,10 @@ VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed)
   mission.policy = settings.policy.empty()
                        ? kPolicies[random.Below(static_cast<std::uint32_t>(std::size(kPolicies)))]
                        : settings.policy;
+  // Draws of their own: with more to draw, the other missions stay what they were.
+  if (settings.policy.empty() && Random(seed, Stream::kSoak, 2).Below(8) == 0) {
+    mission.policy = "neighbours:reach=4:loss=0.1";
+  }
   if (settings.scenario) {
     mission.scenario = *settings.scenario;
   } else {
@@ -85,7 +89,6 @@ VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed)
   mission.lost_after_us = kLostAfterUs;
   mission.drop = settings.drop;
   mission.fault_seed = seed;
-  // A draw of its own: with more to draw, the missions stay what they were.
   mission.schedulers =
       settings.schedulers.value_or(1 + static_cast<int>(Random(seed, Stream::kSoak, 1).Below(3)));
   RandomPlanSettings plan;

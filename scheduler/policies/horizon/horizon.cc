@@ -34,7 +34,9 @@ class Planner {
     std::vector<Match> second;
     if (settings_.send_ahead) {
       for (const Match& match : first) Advance(match);
-      second = HeaviestPairs(situation_, participants_, open_, settings_, threads_);
+      HorizonSettings settings = settings_;
+      if (settings.radio) settings.radio->exchange = 1;
+      second = HeaviestPairs(situation_, participants_, open_, settings, threads_);
       for (const Match& match : second) {
         const bool uav = Free(match, AgentKind::kUav);
         const bool partner = Free(match, PartnerKindOf(match));
@@ -235,6 +237,13 @@ Deciding HorizonPolicy::Explain(const Situation& situation,
   deciding.plan = PlanHorizon(situation, settings_);
   deciding.how.again = deciding.plan.decision.actions == commanded;
   return deciding;
+}
+
+bool HorizonPolicy::Set(std::string_view key, double value) {
+  if (!settings_.radio) return false;
+  if (key == "reach") settings_.radio->reach_m = value * 1e3;
+  if (key == "loss") settings_.radio->loss = value;
+  return key == "reach" || key == "loss";
 }
 
 std::vector<Action> HorizonPolicy::ActionsOf(const Situation& situation) const {

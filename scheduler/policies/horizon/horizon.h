@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "scheduler/policies/horizon/matching.h"
@@ -54,6 +55,8 @@ class HorizonPolicy : public MatchingPolicy {
       : settings_(settings), threads_(threads) {}
   Decision Decide(const Situation& situation) override;
   Deciding Explain(const Situation& situation, const std::vector<Action>& commanded) const override;
+  /// "reach", kilometres, and "loss", of agents that decide without a centre.
+  bool Set(std::string_view key, double value) override;
   /// The same actions, in any order, without the count of what they were chosen from.
   std::vector<Action> ActionsOf(const Situation& situation) const;
 

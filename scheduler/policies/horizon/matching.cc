@@ -5,6 +5,7 @@
 #include "base/index.h"
 #include "model/feasibility.h"
 #include "scheduler/policies/horizon/pairs.h"
+#include "scheduler/policies/neighbours/game.h"
 #include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
@@ -59,6 +60,9 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
                                  const OpenSites& open, const HorizonSettings& settings,
                                  int threads, std::int64_t* candidates) {
   const PossiblePairs pairs = FindPairs(situation, participants, open, settings, threads);
+  if (settings.radio) {
+    return AgreeOnPairs(situation, participants, pairs, *settings.radio, candidates);
+  }
   if (candidates != nullptr) *candidates = CountNodes(pairs.instance, threads);
   SolverLimits limits;
   limits.threads = threads;

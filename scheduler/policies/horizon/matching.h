@@ -46,7 +46,8 @@ struct OpenSites {
 };
 OpenSites OpenSitesOf(const Situation& situation);
 
-/// The heaviest set of pairs in which no agent, task or place is used twice. Sorted by UAV.
+/// The heaviest set of pairs in which no agent, task or place is used twice, or with
+/// `settings.radio` what the agents agree on. Sorted by UAV.
 /// `candidates`, when given, takes the number of pairs to choose from. threads: 1 or 2; the result
 /// does not depend on it.
 std::vector<Match> HeaviestPairs(const Situation& situation, const Participants& participants,

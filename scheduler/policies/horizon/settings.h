@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace muster::scheduler {
 
@@ -9,6 +10,15 @@ namespace muster::scheduler {
 struct Jitter {
   double most = 0;  ///< up to this much is added or taken, in tasks; 0: none
   std::uint32_t draw = 0;
+};
+
+/// How far agents hear each other where no centre decides.
+struct Radio {
+  double reach_m = 5e3;
+  double loss = 0;             ///< share of the messages that do not arrive
+  std::uint32_t exchange = 0;  ///< 0: on the first matching, 1: on the second
+
+  bool operator==(const Radio&) const = default;
 };
 
 /// What `horizon` weighs and which of its ingredients are on. Source of all of them: ours.
@@ -36,6 +46,10 @@ struct HorizonSettings {
   /// and an agent that goes ahead, take a free move of one interval's length towards the place, and
   /// are matched anew. Off by default: the paper's nine kinds of action have no such move.
   bool steps = false;
+
+  /// The agents agree on the pairs among themselves (policies/neighbours/game.h), without a centre
+  /// that finds the heaviest.
+  std::optional<Radio> radio = {};
 
   // Weights.
 

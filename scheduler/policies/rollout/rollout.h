@@ -62,8 +62,9 @@ class RolloutPolicy : public MatchingPolicy {
     settings_.deadline = deadline;
     return true;
   }
-  bool ExpectArrivals(double per_hour) override {
-    settings_.expect_per_hour = per_hour;
+  bool Set(std::string_view key, double value) override {
+    if (key != "expect") return false;
+    settings_.expect_per_hour = value;
     return true;
   }
 

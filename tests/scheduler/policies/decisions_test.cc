@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <ostream>
 #include <string>
 
@@ -74,12 +75,16 @@ const PolicyCase kDecisionCases[] = {
      "99 60.459591 cace4bf2"},
     {"horizon-without-charge-by-use", "150 92.528215 d51a0c4c", "115 62.2254883 3379067d",
      "120 49.3318884 745c9d9a"},
+    {"neighbours", "150 123.133543 b8c82d4a", "94 53.0303311 0672b110", "91 57.2284242 f8848e58"},
+    {"neighbours:reach=3:loss=0.2", "135 120.06723 ff12b2f4", "69 42.1851232 a6b2e593",
+     "90 44.9427854 67fd6919"},
     {"rollout", "14 11.2416951 398e4090", "8 5.68144762 036b134e", "11 11.1272588 c538c53f"},
 };
 
 INSTANTIATE_TEST_SUITE_P(, Decisions, ::testing::ValuesIn(kDecisionCases), [](const auto& test) {
   std::string name = test.param.policy;
-  std::replace(name.begin(), name.end(), '-', '_');
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
   return name;
 });
 

@@ -1,6 +1,7 @@
 // Missions of real processes with several schedulers, and with one that takes its time.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -48,6 +49,31 @@ TEST_F(SchedulersRunTest, EachOfThreeMayDie) {
   EXPECT_EQ(report["digest"], undisturbed_);
   EXPECT_EQ(report["events"]["process_lost"], 3) << said_;
   EXPECT_FALSE(report["events"].contains("decisions_differ")) << said_;
+}
+
+TEST_F(SchedulersRunTest, WithoutASchedulerEachProcessOfAgentsMayDie) {
+  const Json report =
+      Run({"--policy", "neighbours", "--reach", "8", "--processes", "worker=2", "--fault",
+           "process_killed:uav@30", "--fault", "process_killed:worker-2@60", "--fault",
+           "process_killed:world@75", "--fault", "process_killed:vehicle@90", "--fault",
+           "loss:scheduler-1@100+20=0.4"});
+  EXPECT_EQ(report["digest"], Undisturbed("neighbours:reach=8"));
+  EXPECT_EQ(report["events"]["process_lost"], 4) << said_;
+  EXPECT_FALSE(report["events"].contains("decisions_differ")) << said_;
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("run") + "/scheduler.stderr"));
+  EXPECT_TRUE(std::filesystem::exists(folder_.File("run") + "/worker-2.stderr"));
+}
+
+TEST_F(SchedulersRunTest, ASchedulerThatIsPartOfAProcessIsKilledWithIt) {
+  Muster muster(folder_, "run",
+                {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--policy",
+                 "neighbours", "--fault", "process_killed:scheduler-1@30"});
+  EXPECT_EQ(muster.Wait(), 2);
+  EXPECT_NE(muster.output().find("--fault: found process_killed scheduler-1, expected uav, whose "
+                                 "process it is part of"),
+            std::string::npos)
+      << muster.output();
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("run")));
 }
 
 TEST_F(SchedulersRunTest, OneThatLiesIsOverruledAndNamed) {

@@ -61,6 +61,21 @@ TEST(LaunchOptions, WhatIsExpectedIsPartOfThePolicysName) {
             std::string::npos);
 }
 
+TEST(LaunchOptions, ReachAndLossArePartOfThePolicysName) {
+  EXPECT_EQ(Parse({"s.json", "--policy", "neighbours", "--reach", "2.5"}).policy,
+            "neighbours:reach=2.5");
+  EXPECT_EQ(
+      Parse({"s.json", "--policy", "neighbours", "--radio-loss", "0.2", "--reach", "3"}).policy,
+      "neighbours:reach=3:loss=0.2");
+  for (const char* bad : {"-1", "1001", "x", "nan"}) {
+    EXPECT_NE(ErrorOf({"s.json", "--policy", "neighbours", "--reach", bad}).find("--reach"),
+              std::string::npos)
+        << bad;
+  }
+  EXPECT_NE(ErrorOf({"s.json", "--reach", "3"}).find("--reach: found policy rollout-steps"),
+            std::string::npos);
+}
+
 TEST(LaunchOptions, DefaultsLeaveTheScenarioAsItIs) {
   const LaunchOptions options = Parse({"a.json"});
   EXPECT_EQ(options.scenario_file, "a.json");
@@ -204,12 +219,58 @@ TEST(PlanProcesses, SeveralSchedulersAreNumberedAndTheWorldIsTold) {
   }
 }
 
+TEST(PlanProcesses, WithoutASchedulerTheProcessesOfAgentsDecide) {
+  const auto plans_of = [](const std::vector<const char*>& arguments) {
+    return PlanProcesses(Parse(arguments), ScenarioWith(3, 3, 1),
+                         {"run/scenario.json", "udpm://239.255.76.67:7000", 42});
+  };
+  for (const auto& plans :
+       {plans_of({"a.json", "--policy", "neighbours", "--reach", "3", "--processes", "uav=2"}),
+        plans_of({"a.json", "--policy", "certified", "--processes", "scheduler=0,uav=2"})}) {
+    ASSERT_EQ(plans.size(), 5U);
+    EXPECT_EQ(ValueOf(plans[0], "--schedulers"), "4");
+    EXPECT_EQ(plans[0].decides_as, "");
+    for (std::size_t i = 1; i < 5; ++i) {
+      EXPECT_EQ(plans[i].decides_as, "scheduler-" + std::to_string(i));
+      EXPECT_EQ(ValueOf(plans[i], "--decide-as"), plans[i].decides_as);
+      EXPECT_NE(ValueOf(plans[i], "--policy"), "");
+    }
+  }
+  // One process of agents decides alone, under the name of a single scheduler.
+  const auto one = plans_of({"a.json", "--policy", "neighbours", "--processes", "uav=0,worker=0",
+                             "--lcm-url", "udpm://239.255.76.67:7000?ttl=0"});
+  ASSERT_EQ(one.size(), 2U);
+  EXPECT_EQ(ValueOf(one[0], "--schedulers"), "");
+  EXPECT_EQ(one[1].decides_as, "scheduler");
+  // A scheduler that is asked for works the agreement out.
+  const auto central = plans_of({"a.json", "--policy", "neighbours", "--processes", "scheduler=1"});
+  ASSERT_EQ(central.size(), 5U);
+  EXPECT_EQ(central.back().name, "scheduler");
+  EXPECT_EQ(ValueOf(central[1], "--decide-as"), "");
+}
+
+TEST(LaunchOptions, WithoutASchedulerOneToNineProcessesOfAgentsDecide) {
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=4,worker=5"}),
+                  "expected 1 to 9 agent processes with it, which decide; 10 are started"));
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=0,worker=0,vehicle=0",
+                           "--lcm-url", "udpm://239.255.76.67:7000?ttl=0"}),
+                  "0 are started"));
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--deadline", "50"}),
+                  "no --deadline with it"));
+  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--policy", "certified",
+                           "--program", "scheduler=/bin/true"}),
+                  "no --program scheduler=FILE with it"));
+}
+
 TEST(LaunchOptions, SeveralSchedulersMustDecideAlike) {
   const auto has = [](const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
   };
-  for (const char* bad : {"scheduler=0", "scheduler=10", "scheduler=", "scheduler", "world=2"}) {
-    EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", bad}), "scheduler=N from 1 to 9")) << bad;
+  for (const char* bad : {"scheduler=-1", "scheduler=10", "scheduler=", "scheduler", "world=2"}) {
+    EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", bad}), "scheduler=N from 0 to 9")) << bad;
   }
   EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=2", "--deadline", "50"}),
                   "found scheduler=2, expected no --deadline with it"));

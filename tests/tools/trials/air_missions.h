@@ -59,8 +59,9 @@ inline VirtualMission AirMission(const std::string& policy, std::uint64_t seed) 
 
 /// The same with kills, loss and a policy that are drawn.
 inline VirtualMission DrawAirMission(std::uint64_t seed) {
-  constexpr const char* kPolicies[] = {"certified",     "mpq",           "horizon",   "rollout",
-                                       "rollout-steps", "horizon-steps", "greedy-sum"};
+  constexpr const char* kPolicies[] = {
+      "certified",     "mpq",           "horizon",    "rollout",
+      "rollout-steps", "horizon-steps", "greedy-sum", "neighbours:reach=4:loss=0.2"};
   const VirtualMission with_air = AirMission("", seed);
   CampaignSettings settings;
   settings.policy = kPolicies[seed % std::size(kPolicies)];

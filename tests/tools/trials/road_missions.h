@@ -106,8 +106,9 @@ inline VirtualMission RoadMission(const std::string& policy, std::uint64_t seed)
 
 /// The same with kills, loss, a policy and, in two of three, closed roads that are drawn.
 inline VirtualMission DrawRoadMission(std::uint64_t seed) {
-  constexpr const char* kPolicies[] = {"certified",     "mpq",           "horizon",   "rollout",
-                                       "rollout-steps", "horizon-steps", "greedy-sum"};
+  constexpr const char* kPolicies[] = {
+      "certified",     "mpq",           "horizon",    "rollout",
+      "rollout-steps", "horizon-steps", "greedy-sum", "neighbours:reach=4:loss=0.2"};
   CampaignSettings settings;
   settings.policy = kPolicies[seed % std::size(kPolicies)];
   settings.scenario = RoadMission("", seed).scenario;
