@@ -111,6 +111,11 @@ void AgentProcess::Take(const answer_t& answer) {
     inbox().Reject();
     return;
   }
+  // Another process of the class answers with its own agents, and may be ahead of ours.
+  const auto is_ours = [this](const agent_t& wire) {
+    return wire.id >= agents_.front().id && wire.id <= agents_.back().id;
+  };
+  if (std::none_of(states->agents.begin(), states->agents.end(), is_ours)) return;
   if (states->tick < std::max(tick_, restore_from_)) return;
   if (!orders().complete(states->tick)) {  // a leg may lead to what an order has added
     lacks_orders_of_ = states->tick;

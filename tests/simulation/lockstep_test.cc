@@ -203,6 +203,44 @@ TEST(Lockstep, WhoHasJustBeenToldItsStateDoesNotSayThatNothingHasBegun) {
   }
 }
 
+// Another process of its class has answered first, and is one tick ahead of what ours has said.
+TEST(Lockstep, WhatAnotherProcessOfTheClassSaysOfItsOwnAgentsIsNoStateToGoOnFrom) {
+  const std::string json = ScenarioToJson(SmallScenario());
+  Packet scenario;
+  std::map<std::int64_t, agent_states_t> states;  // by tick
+  Simulate(json, "mpq", [&](const Packet& packet) {
+    if (packet.channel == "MUSTER_SCENARIO") scenario = packet;
+    if (packet.channel != "MUSTER_UAVS") return;
+    const auto told = Decode<agent_states_t>(packet.bytes);
+    states[told->tick] = *told;
+  });
+  const auto newest = states.rbegin()->first;
+  const auto share = [](agent_states_t all, bool first) {
+    std::erase_if(all.agents, [&](const agent_t& agent) { return (agent.id < 5) != first; });
+    all.n = static_cast<std::int32_t>(all.agents.size());
+    return Encode(all);
+  };
+  const std::int64_t run_id = states.at(newest).header.run_id;
+  const auto last = static_cast<std::int32_t>(SmallScenario().uavs.size()) - 1;
+  agents::AgentProcess uav({run_id, "uav-2", 1}, 0, AgentKind::kUav, std::pair(5, last));
+  std::vector<Packet> out;
+  uav.Step({scenario}, {1, 0}, &out);
+  out.clear();
+  uav.Step({}, {kSecondUs, 0}, &out);
+  const auto question = Decode<request_t>(out.at(0).bytes);
+  ASSERT_TRUE(question);
+  const auto answer = [&](std::int64_t tick, bool first) {
+    answer_t wire = AnswerTo(*question, tick, share(states.at(tick), first));
+    wire.header.run_id = run_id;
+    wire.header.sender = first ? "uav-1" : "world";
+    return Packet{"MUSTER_ANSWER", Encode(wire)};
+  };
+  uav.Step({answer(newest, true)}, {kSecondUs + 1, 0}, &out);
+  EXPECT_EQ(uav.state(), ProcessState::kStarting);
+  uav.Step({answer(newest - 1, false)}, {kSecondUs + 2, 0}, &out);
+  EXPECT_EQ(uav.state(), ProcessState::kRunning);
+}
+
 // Who listens says again what a world that started again was told, to the next one, while those
 // who know better are silent.
 TEST(Lockstep, OldAnswersDoNotSendTheWorldBack) {

@@ -48,18 +48,20 @@ nlohmann::ordered_json ToJson(const audit::Auditor& auditor,
   for (const Violation& v : violations) {
     list.push_back({{"at_us", v.at_us}, {"invariant", v.invariant}, {"text", v.text}});
   }
-  return {{"passed", violations.empty()},
-          {"messages", auditor.messages()},
-          {"duplicates", auditor.duplicates()},
-          {"undecodable", auditor.undecodable()},
-          {"garbage_bytes", garbage_bytes},
-          {"proven", proof ? proof->proven() : 0},
-          {"refused", proof ? proof->refused() : 0},
-          {"ticks", auditor.ticks()},
-          {"decisions", auditor.decisions()},
-          {"activities", auditor.activities()},
-          {"report_checked", report_checked},
-          {"violations", std::move(list)}};
+  return {
+      {"passed", violations.empty()},
+      {"holds_so_far", violations.empty() || (auditor.holds_so_far() && violations.size() == 2)},
+      {"messages", auditor.messages()},
+      {"duplicates", auditor.duplicates()},
+      {"undecodable", auditor.undecodable()},
+      {"garbage_bytes", garbage_bytes},
+      {"proven", proof ? proof->proven() : 0},
+      {"refused", proof ? proof->refused() : 0},
+      {"ticks", auditor.ticks()},
+      {"decisions", auditor.decisions()},
+      {"activities", auditor.activities()},
+      {"report_checked", report_checked},
+      {"violations", std::move(list)}};
 }
 
 void PrintSeparation(const audit::Auditor& auditor) {
@@ -147,6 +149,13 @@ int AuditCommand(int argc, const char* const* argv) {
                                                    ? ", and report.json says what the log shows"
                                                    : "; there is no report.json to compare");
     return kExitOk;
+  }
+  if (auditor.holds_so_far() && violations.size() == 2) {
+    fmt::print(
+        "every rule holds up to {}, where the log ends. The mission ends at {}: it still runs, "
+        "or was broken off\n",
+        Clock(violations.front().at_us), Clock(auditor.limit_us()));
+    return kExitCheckFailed;
   }
   fmt::print("FAILED, {} violations, the first ones:\n", violations.size());
   for (std::size_t i = 0; i < std::min(kListed, violations.size()); ++i) {

@@ -54,6 +54,11 @@ class Auditor {
   const View::Closest* closest() const {
     return view_ && view_->scenario.separation ? &view_->closest : nullptr;
   }
+  /// After Finish: nothing is wrong but that the log ends before the mission's end: the mission
+  /// still runs, or was broken off.
+  bool holds_so_far() const { return intake_.breaks_off() && findings_.count() == 2; }
+  /// When the mission ends, microseconds.
+  std::int64_t limit_us() const { return view_ ? view_->scenario.limit_us : 0; }
   std::int64_t activities() const { return view_ ? view_->n_activities : 0; }
 
  private:

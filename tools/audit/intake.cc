@@ -398,6 +398,7 @@ void Intake::Stop() {
 
 void Intake::Finish() {
   if (!stopped_ && next_tick_ <= heard_.scenario->last_tick()) {
+    breaks_off_ = !ended_ && (pending_.empty() || pending_.rbegin()->first <= next_tick_ + 1);
     findings_->Add(heard_.scenario->TimeOf(next_tick_), "lockstep", "{}", WhatIsMissing());
     Stop();
   }

@@ -84,6 +84,8 @@ class Intake {
   /// The scenario is there and names roads, which are not.
   bool waits_for_roads() const { return waits_for_roads_.has_value(); }
   bool stopped() const { return stopped_; }
+  /// After Finish: the log ends before the mission's end, and holds nothing of later ticks.
+  bool breaks_off() const { return breaks_off_; }
   /// Reports of ticks that have been checked: a lost process that is back says where it stood.
   std::vector<Report> TakeLate() { return std::exchange(late_, {}); }
 
@@ -124,7 +126,7 @@ class Intake {
   std::map<std::int64_t, TickFacts> pending_;
   std::vector<Report> late_;
   std::int64_t next_tick_ = 0, now_us_ = 0;
-  bool stopped_ = false, ended_ = false;
+  bool stopped_ = false, ended_ = false, breaks_off_ = false;
 };
 
 }  // namespace muster::tools::audit

@@ -133,6 +133,11 @@ std::string WhatIsMissing(const LoggedDecision& decision, const DecisionLog& log
   if (!world) lacks.push_back("world_state_t");
   if (!rulings) lacks.push_back("rulings_t");
   if (!log.orders->complete(scenario.rules.TickOf(decision.at_us))) lacks.push_back("orders_t");
+  const auto clock = decision.clock ? DecodeValid<clock_t>(decision.clock->bytes) : std::nullopt;
+  if (clock && clock->required_decision >= 0 && scenario.separation() != nullptr &&
+      ClearancesBefore(decision, log) == nullptr) {
+    lacks.push_back(fmt::format("clearances_t of decision {}", clock->required_decision));
+  }
   for (const AgentKind kind : kAgentKinds) {
     const auto& of_kind = heard[kind];
     const auto n = std::count(of_kind.begin(), of_kind.end(), false);
@@ -165,7 +170,13 @@ std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
     }
   }
   if (!fusion.complete() || !log.orders->complete(tick)) return {};
-  return fusion.Fuse(orders);
+  scheduler::Situation situation = fusion.Fuse(orders);
+  if (const Packet* before = ClearancesBefore(decision, log)) {
+    const auto clearances = DecodeValid<clearances_t>(before->bytes);
+    auto known = clearances ? FromWire(*clearances, WireLimits(log.scenario)) : std::nullopt;
+    if (known) situation.clearances = std::move(*known);
+  }
+  return situation;
 }
 
 PolicyOfLog LoggedPolicy(const DecisionLog& log) {

@@ -29,6 +29,10 @@ std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& s
   return actions;
 }
 
+bool IsToldOf(const event_t& event) {
+  return IsOutcome(static_cast<EventKind>(event.kind)) || event.kind == EventKind::kActionWithheld;
+}
+
 /// Whether an event lies between a decision and the next. What happens at a decision's very time
 /// was there before it, but for a match that fails, which is its consequence.
 bool BelongsTo(const event_t& event, std::int32_t decision, TimeUs at_us, TimeUs next_us) {
@@ -229,7 +233,10 @@ class Teller {
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
     const TimeUs until = logged.at_us + log_.scenario.rules.interval_us;
     for (const event_t& event : log_.events) {
-      if (question.concerns(event) && BelongsTo(event, logged.decision, logged.at_us, until)) {
+      if (!question.concerns(event)) continue;
+      if (event.kind == EventKind::kActionWithheld) {
+        if (event.at_us == logged.at_us) chapter.withheld.push_back(event);
+      } else if (BelongsTo(event, logged.decision, logged.at_us, until)) {
         chapter.events.push_back(event);
       }
     }
@@ -277,7 +284,7 @@ std::vector<TaskStory> TellTasks(const DecisionLog& log, const std::string& run,
       story.last_status = static_cast<TaskStatus>(log.last_world->task_status[id.index()]);
     }
     const auto concerns = [task](const event_t& event) {
-      return event.task_id == task && IsOutcome(static_cast<EventKind>(event.kind));
+      return event.task_id == task && IsToldOf(event);
     };
     for (const event_t& event : log.events) {
       if (concerns(event) && event.kind == EventKind::kSensingDone) story.done = event;
@@ -322,7 +329,7 @@ AgentStory TellAgent(const DecisionLog& log, const std::string& run, AgentKind k
       [&](const Explainer& explainer) { return explainer.AboutAgent(kind, id, story.spec); },
       [kind, id](const event_t& event) {
         return ByKind(kind, event.uav_id, event.worker_id, event.vehicle_id) == id &&
-               IsOutcome(static_cast<EventKind>(event.kind));
+               IsToldOf(event);
       },
       [kind, id](const Directed& directed) {
         return directed.directive.kind != Directive::Kind::kForbid &&

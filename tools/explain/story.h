@@ -45,6 +45,8 @@ struct Chapter {
   std::string settings;  ///< what tells those that decided from horizon's own
   /// The answer's planned pairs and what became of them.
   std::vector<std::pair<scheduler::PairPlan, scheduler::Fate>> fates;
+  /// What was decided for the task or agent and left out, as no altitude was free.
+  std::vector<event_t> withheld;
   std::vector<event_t> events;  ///< of the task or agent, after the decision, up to the next
 };
 

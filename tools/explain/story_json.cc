@@ -299,6 +299,7 @@ Json ChapterJson(const Chapter<Answer>& chapter, Terms terms) {
       AddAnswer(chapter, terms, &json);
     }
   }
+  if (!chapter.withheld.empty()) json["withheld"] = ListOf(chapter.withheld, EventJson);
   json["events"] = ListOf(chapter.events, EventJson);
   return json;
 }

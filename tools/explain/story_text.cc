@@ -168,6 +168,19 @@ void AddForce(bool scheduled, bool in_force, Lines* lines) {
   }
 }
 
+/// What the policy decided and nobody began, as UAVs are kept apart.
+void AddWithheld(const std::vector<event_t>& withheld, Lines* lines) {
+  for (const event_t& event : withheld) {
+    std::string who = AgentName(AgentKind::kUav, event.uav_id);
+    if (event.worker_id >= 0) who += " and " + AgentName(AgentKind::kWorker, event.worker_id);
+    if (event.vehicle_id >= 0) who += " and " + AgentName(AgentKind::kVehicle, event.vehicle_id);
+    const std::string where = event.task_id >= 0     ? fmt::format(" to task:{}", event.task_id)
+                              : event.charge_id >= 0 ? fmt::format(" to charge:{}", event.charge_id)
+                                                     : " off";
+    lines->Add(fmt::format("decided, but left out: {} sent{} ({})", who, where, event.detail));
+  }
+}
+
 std::string_view StateWords(const Directed& directed) {
   using State = scheduler::DirectiveOutcome::State;
   if (directed.state == State::kWaits) return "waits";
@@ -430,6 +443,7 @@ std::string ToText(const TaskStory& story) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
     } else {
       if (!done) AddForce(chapter.scheduled, chapter.in_force, &lines);
+      AddWithheld(chapter.withheld, &lines);
       AddDirectives(chapter, &lines);
       if (!chapter.directed) AddAnswer(chapter, story.terms, &lines);
     }
@@ -452,6 +466,7 @@ std::string ToText(const AgentStory& story) {
       lines.Add("cannot be told, the log lacks " + chapter.missing);
     } else {
       AddForce(chapter.scheduled, chapter.in_force, &lines);
+      AddWithheld(chapter.withheld, &lines);
       AddDirectives(chapter, &lines);
       if (!chapter.directed) AddAnswer(chapter, story.kind, story.terms, &lines);
     }

@@ -7,6 +7,7 @@
 #include "base/index.h"
 #include "model/feasibility.h"
 #include "scheduler/policies/horizon/matching.h"
+#include "scheduler/separation/keep_apart.h"
 
 namespace muster::scheduler {
 namespace {
@@ -235,7 +236,8 @@ Deciding HorizonPolicy::Explain(const Situation& situation,
   Deciding deciding;
   deciding.how.settings = settings_;
   deciding.plan = PlanHorizon(situation, settings_);
-  deciding.how.again = deciding.plan.decision.actions == commanded;
+  // Of what was decided, UAVs that are kept apart do only what an altitude is free for.
+  deciding.how.again = KeepApart(situation, deciding.plan.decision).actions == commanded;
   return deciding;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -111,11 +112,15 @@ TEST(Audit, EveryRuleOfTheDocumentIsBrokenBySomeMutation) {
 
 class AuditCommandTest : public testing::Test {
  protected:
-  int Run(const FakeLog& log, std::vector<const char*> more = {}) {
+  /// Of the log's messages up to that time.
+  int Run(const FakeLog& log, std::vector<const char*> more = {},
+          std::int64_t until_us = std::numeric_limits<std::int64_t>::max()) {
     std::filesystem::remove(file_);
     {
       EventLogWriter writer(file_);
-      for (const Packet& packet : Encoded(log)) writer.Write(1, packet);
+      for (const Packet& packet : Encoded(log)) {
+        if (DecodeHeader(packet)->sim_us <= until_us) writer.Write(1, packet);
+      }
       writer.Flush();
     }
     std::vector<const char*> arguments = {"muster audit", file_.c_str()};
@@ -143,6 +148,28 @@ TEST_F(AuditCommandTest, PrintsTheFirstViolationAndExitsWithFour) {
   EXPECT_FALSE(json["passed"].get<bool>());
   EXPECT_EQ(json["violations"][0]["at_us"], 2 * kMin);
   EXPECT_EQ(json["violations"][0]["invariant"], "speed");
+}
+
+TEST_F(AuditCommandTest, OfAMissionThatStillRunsItSaysHowFarTheRulesHold) {
+  FakeLog log = MakeFakeMission();
+  EXPECT_EQ(Run(log, {}, 12 * kMin), 4);
+  EXPECT_NE(out_.find("every rule holds up to 00:1"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("The mission ends at 00:30:00.000000: it still runs, or was broken off"),
+            std::string::npos)
+      << out_;
+  EXPECT_EQ(Run(log, {"--json"}, 12 * kMin), 4);
+  EXPECT_FALSE(nlohmann::json::parse(out_)["passed"].get<bool>());
+  EXPECT_TRUE(nlohmann::json::parse(out_)["holds_so_far"].get<bool>());
+  // Something else is wrong.
+  EditAgent(&log, 1, 0, 2, 2, [](agent_t& a) { a.x_m += 500; });
+  EXPECT_EQ(Run(log, {}, 12 * kMin), 4);
+  EXPECT_NE(out_.find("FAILED, "), std::string::npos) << out_;
+  // A tick in the middle is missing.
+  FakeLog hole = MakeFakeMission();
+  Remove<world_state_t>(&hole, [](const world_state_t& world) { return world.tick == 5; });
+  Renumber(&hole);
+  EXPECT_EQ(Run(hole, {}, 12 * kMin), 4);
+  EXPECT_NE(out_.find("FAILED, "), std::string::npos) << out_;
 }
 
 TEST(Audit, AnEmptyLogFails) {

@@ -141,6 +141,21 @@ TEST(Redecide, SaysWhatTheLogLacks) {
   EXPECT_TRUE(DivergencesOf(decisions).empty());
 }
 
+TEST(Redecide, SaysWhichAltitudesTheLogLacks) {
+  Scenario scenario = SmallScenario();
+  UseAir({}, &scenario);
+  std::vector<Packet> packets = SimulatedPackets(scenario, "mpq");
+  EXPECT_TRUE(DivergencesOf(Redecide(Logged(packets), "")).empty());
+  std::erase_if(packets, [](const Packet& packet) {
+    return packet.channel == channel::kClearances &&
+           Decode<clearances_t>(packet.bytes)->decision == 1;
+  });
+  const DecisionLog log = Logged(packets);
+  EXPECT_EQ(WhatIsMissing(log.decisions.at(1), log), "");
+  EXPECT_EQ(WhatIsMissing(log.decisions.at(2), log), "clearances_t of decision 1");
+  EXPECT_FALSE(DivergencesOf(Redecide(log, "")).empty());
+}
+
 TEST(Redecide, AnotherPolicyDecidesInTheSameSituations) {
   const DecisionLog log = Logged(SimulatedPackets(SmallScenario(), "greedy-sum"));
   const auto decisions = Redecide(log, "certified");

@@ -168,6 +168,46 @@ TEST(AgentStory, TellsAFailedAgent) {
   EXPECT_TRUE(Contains(text, "* 0:00:00 agent failed uav:0\n")) << text;
 }
 
+TEST(AgentStory, TellsWhatWasLeftOutForWantOfAnAltitude) {
+  GeneratorSettings settings = PresetByName("Random_10");
+  settings.rules.limit_us = 90 * kMinuteUs;
+  Scenario scenario = Generate(settings, 2);
+  ScenarioAir air;
+  air.separation = Separation{2000, 50, 30, 60};  // one altitude for all within 2 km
+  UseAir(std::move(air), &scenario);
+  for (const char* policy : {"certified", "horizon-steps", "rollout-steps"}) {
+    SCOPED_TRACE(policy);
+    const DecisionLog log = Logged(SimulatedPackets(scenario, policy));
+    int withheld = 0, pairs = 0;
+    for (const event_t& event : log.events) {
+      if (event.kind != EventKind::kActionWithheld) continue;
+      ++withheld;
+      const auto d = static_cast<std::int32_t>(event.at_us / scenario.rules.interval_us);
+      const AgentStory uav = TellAgent(log, "run", AgentKind::kUav, event.uav_id, d);
+      ASSERT_EQ(uav.chapters.size(), 1u);
+      ASSERT_EQ(uav.chapters[0].withheld.size(), 1u);
+      const auto& how = uav.chapters[0].how;
+      EXPECT_TRUE(!how || how->again) << d;
+      const auto json = ToJson(uav);
+      EXPECT_EQ(json["decisions"][0]["withheld"].size(), 1u);
+      if (event.worker_id < 0) continue;
+      ++pairs;
+      const std::string words = fmt::format(
+          "decided, but left out: uav:{} and worker:{} sent to task:{} (no altitude is "
+          "free within 2 min)",
+          event.uav_id, event.worker_id, event.task_id);
+      EXPECT_TRUE(Contains(ToText(uav), words)) << ToText(uav);
+      const std::string worker =
+          ToText(TellAgent(log, "run", AgentKind::kWorker, event.worker_id, d));
+      EXPECT_TRUE(Contains(worker, words)) << worker;
+      const std::string task = ToText(TellTask(log, "run", event.task_id, d));
+      EXPECT_TRUE(Contains(task, words)) << task;
+    }
+    EXPECT_GE(withheld, 3);
+    EXPECT_GE(pairs, 1);
+  }
+}
+
 TEST(TaskStory, TellsOfTasksThatAreReportedAndExpire) {
   GeneratorSettings settings = PresetByName("Random_10");
   settings.rules.limit_us = 90 * kMinuteUs;

@@ -128,7 +128,7 @@ class HostsRunTest : public ::testing::Test {
                                      folder_.File("hosts.json"),
                                      folder_.File("scenario.json"),
                                      "--policy",
-                                     "mpq",
+                                     policy_,
                                      "--out",
                                      folder_.File("run")};
     argv.insert(argv.end(), more.begin(), more.end());
@@ -138,7 +138,7 @@ class HostsRunTest : public ::testing::Test {
     ASSERT_TRUE(Eventually([&] { return muster->Poll().has_value(); }));
     EXPECT_TRUE(muster->Poll()->clean()) << TextOf(folder_.File("output"));
     RunRecord expected;
-    Simulate(json_, "mpq", [&](const Packet& packet) { expected.Add(packet); });
+    Simulate(json_, policy_, [&](const Packet& packet) { expected.Add(packet); });
     const Json report = Json::parse(TextOf(folder_.File("run/report.json")));
     EXPECT_EQ(report["digest"], Digest(expected));
     EXPECT_TRUE(report["log"]["complete"].get<bool>());
@@ -147,6 +147,7 @@ class HostsRunTest : public ::testing::Test {
 
   Lan lan_{{"base", "field", "road", "room"}};
   TemporaryFolder folder_;
+  std::string policy_ = "mpq";
   std::string json_ = ScenarioToJson(Generate(PresetByName("Random_1"), 1));
 };
 
@@ -241,6 +242,26 @@ TEST_F(StandbyRunTest, AHostThatStartsNothingAnyMoreIsReplaced) {
   ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
   lan_.Destroy("room");
   ExpectTheMoveAndTheMission(&muster);
+}
+
+TEST_F(HostsRunTest, WithoutASchedulerAHostOfAgentsIsReplaced) {
+  policy_ = "neighbours:reach=10:loss=0.1";
+  std::ofstream(folder_.File("hosts.json"))
+      << Json{{"version", 1},
+              {"hosts",
+               {{{"name", "field"},
+                 {"netns", lan_.Name("field")},
+                 {"standby", "road"},
+                 {"processes", {"uav", "worker"}}},
+                {{"name", "road"}, {"netns", lan_.Name("road")}, {"processes", {"vehicle"}}}}}};
+  Child muster = Start({"--rate", "1800"});
+  const std::string log = folder_.File("run/mission.lcm");
+  ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
+  lan_.Destroy("field");
+  ExpectTheUndisturbedMission(&muster);
+  EXPECT_NE(TextOf(folder_.File("output")).find("host field is gone: uav, worker run on road"),
+            std::string::npos)
+      << TextOf(folder_.File("output"));
 }
 
 }  // namespace
