@@ -78,6 +78,21 @@ void PrintSeparation(const audit::Auditor& auditor) {
   fmt::print("\n");
 }
 
+void PrintViolations(const audit::Auditor& auditor, const std::vector<Violation>& violations) {
+  if (auditor.holds_so_far() && violations.size() == 2) {
+    fmt::print(
+        "every rule holds up to {}, where the log ends. The mission ends at {}: it still runs, "
+        "or was broken off\n",
+        Clock(violations.front().at_us), Clock(auditor.limit_us()));
+    return;
+  }
+  fmt::print("FAILED, {} violations, the first ones:\n", violations.size());
+  for (std::size_t i = 0; i < std::min(kListed, violations.size()); ++i) {
+    const Violation& v = violations[i];
+    fmt::print("  {}  {}: {}\n", Clock(v.at_us), v.invariant, v.text);
+  }
+}
+
 }  // namespace
 
 int AuditCommand(int argc, const char* const* argv) {
@@ -150,18 +165,7 @@ int AuditCommand(int argc, const char* const* argv) {
                                                    : "; there is no report.json to compare");
     return kExitOk;
   }
-  if (auditor.holds_so_far() && violations.size() == 2) {
-    fmt::print(
-        "every rule holds up to {}, where the log ends. The mission ends at {}: it still runs, "
-        "or was broken off\n",
-        Clock(violations.front().at_us), Clock(auditor.limit_us()));
-    return kExitCheckFailed;
-  }
-  fmt::print("FAILED, {} violations, the first ones:\n", violations.size());
-  for (std::size_t i = 0; i < std::min(kListed, violations.size()); ++i) {
-    const Violation& v = violations[i];
-    fmt::print("  {}  {}: {}\n", Clock(v.at_us), v.invariant, v.text);
-  }
+  PrintViolations(auditor, violations);
   return kExitCheckFailed;
 }
 

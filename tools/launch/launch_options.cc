@@ -139,7 +139,10 @@ void CheckSchedulers(const LaunchOptions& options) {
     }
   }
   if (options.schedulers == 1) return;
-  const std::string several = fmt::format("scheduler={}", options.schedulers);
+  const bool by_policy = scheduler::BaseName(options.policy) == scheduler::kNeighbours;
+  const std::string several = fmt::format(
+      "scheduler={}{}", options.schedulers,
+      options.schedulers == 0 && by_policy ? fmt::format(" (--policy {})", options.policy) : "");
   if (options.schedulers == 0 && options.programs.contains(process_name::kScheduler)) {
     throw InputError(kCommandLine, "--processes", several, "no --program scheduler=FILE with it");
   }

@@ -22,6 +22,7 @@
 #include "lcmtypes/bus/multicast.h"
 #include "model/agent.h"
 #include "model/scenario_json.h"
+#include "protocol/fault_kinds.h"
 #include "protocol/run_process.h"
 #include "tools/files/log_files.h"
 #include "tools/files/run_directory.h"
