@@ -37,12 +37,15 @@ struct Draws {
 
 /// Gives the fault a target and a duration. False where it has no target: there is no such agent,
 /// or it is down already.
-bool DrawTarget(const Draws& draws, const Scenario& scenario, int schedulers, bool is_held,
-                Random* random, std::set<std::string>* felled, PlannedFault* fault) {
+bool DrawTarget(const Draws& draws, const Scenario& scenario, const RandomPlanSettings& settings,
+                bool is_held, Random* random, std::set<std::string>* felled, PlannedFault* fault) {
   const auto member = [&](std::uint32_t i) {
     std::string name(kMembers[i]);
-    if (schedulers == 1 || name != process_name::kScheduler) return name;
-    return fmt::format("{}-{}", name, 1 + random->Below(static_cast<std::uint32_t>(schedulers)));
+    const int n = name == process_name::kScheduler ? settings.schedulers
+                  : FromString<AgentKind>(name)    ? settings.per_class
+                                                   : 1;
+    if (n == 1) return name;
+    return fmt::format("{}-{}", name, 1 + random->Below(static_cast<std::uint32_t>(n)));
   };
   const auto hold = [&] {
     (draws.in_mission_time ? fault->for_us : fault->for_real_us) =
@@ -135,8 +138,8 @@ FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings)
       if (fault.at_us < hold_over_us) continue;
       hold_over_us = fault.at_us + (draws.in_mission_time ? draws.minutes : 0) + kBetweenHoldsUs;
     }
-    if (!DrawTarget(draws, scenario, settings.schedulers, fault.at_us < hold_over_us, &random,
-                    &felled, &fault)) {
+    if (!DrawTarget(draws, scenario, settings, fault.at_us < hold_over_us, &random, &felled,
+                    &fault)) {
       continue;
     }
     // A process that is held just when its packets begin to suffer cannot confirm it.

@@ -13,13 +13,14 @@ struct RandomPlanSettings {
   double rate_per_hour = 4;      ///< faults per mission hour, on average
   std::vector<FaultKind> kinds;  ///< to draw from, not empty
   int schedulers = 1;
+  int per_class = 1;     ///< processes of each agent class
   bool goes_on = false;  ///< some kills, stops and partitions last in mission time
 };
 
 /// Every kind but corruption, which may truly change decisions.
 std::vector<FaultKind> AllSurvivableKinds();
 
-/// Draws a plan for a mission of one process per class: times from a Poisson process; kind, target,
+/// Draws a plan: times from a Poisson process; kind, target,
 /// duration and strength uniformly. At most one fault at a time holds a process: the world and the
 /// agents keep each other's state, and with two of them gone it may be lost for good.
 FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings);

@@ -68,14 +68,15 @@ MissionResult SimulateFast(const Scenario& scenario, const std::string& policy,
 /// In virtual time.
 MissionResult SimulateFaults(const Scenario& scenario, const std::string& policy,
                              const std::vector<world::PlannedOrder>& orders,
-                             const FaultOptions& faults, int schedulers, std::uint64_t fault_seed,
-                             LogFiles* log) {
+                             const FaultOptions& faults, int schedulers, int per_class,
+                             std::uint64_t fault_seed, LogFiles* log) {
   const StopSignals stop;
   VirtualMission mission;
   mission.scenario = scenario;
   mission.policy = policy;
   mission.orders = orders;
   mission.schedulers = schedulers;
+  mission.per_class = per_class;
   mission.faults = faults.faults;
   mission.goes_on = faults.goes_on();
   mission.lost_after_us = ToUs(faults.lost_after_s);
@@ -112,6 +113,9 @@ int SimulateCommand(int argc, const char* const* argv) {
            "How many schedulers decide, in virtual time (docs/reference/schedulers.md)")
       .Integer(1, world::kMostSchedulers)
       .Default(1);
+  parser.Add("processes", "N", "Processes of each agent class, in virtual time")
+      .Integer(1, simulation::kMostPerClass)
+      .Default(1);
   const auto arguments = parser.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const MissionOptions options = ReadMissionOptions(*arguments);
@@ -123,7 +127,16 @@ int SimulateCommand(int argc, const char* const* argv) {
   const Scenario scenario = ResolveScenario(options, &orders);
   std::vector<std::string> names = {process_name::kRecorder};
   const int schedulers = arguments->Get<int>("schedulers");
-  for (const std::string& name : simulation::ProcessNames(schedulers)) names.push_back(name);
+  const int per_class = arguments->Get<int>("processes");
+  for (const AgentKind kind : kAgentKinds) {
+    if (per_class == 1 || per_class <= static_cast<int>(scenario.agents(kind).size())) continue;
+    throw InputError("command line", "--processes", fmt::to_string(per_class),
+                     fmt::format("at most {}, the scenario's {}s", scenario.agents(kind).size(),
+                                 ToString(kind)));
+  }
+  for (const std::string& name : simulation::ProcessNames(schedulers, per_class)) {
+    names.push_back(name);
+  }
   CheckFaultPlan(&faults.faults, names, scenario, faults.goes_on());
   std::optional<RunDirectory> directory;
   if (!options.out.empty()) directory = RunDirectory::Take(options.out);
@@ -133,10 +146,10 @@ int SimulateCommand(int argc, const char* const* argv) {
   LogFiles* const to = log ? &*log : nullptr;
   std::optional<std::uint64_t> fault_seed;
   arguments->Read("fault-seed", &fault_seed);
-  const bool is_virtual =
-      fault_seed || faults.drop > 0 || !faults.faults.empty() || faults.goes_on() || schedulers > 1;
+  const bool is_virtual = fault_seed || faults.drop > 0 || !faults.faults.empty() ||
+                          faults.goes_on() || schedulers > 1 || per_class > 1;
   const MissionResult result =
-      is_virtual ? SimulateFaults(scenario, options.policy, orders, faults, schedulers,
+      is_virtual ? SimulateFaults(scenario, options.policy, orders, faults, schedulers, per_class,
                                   fault_seed.value_or(scenario.seed), to)
                  : SimulateFast(scenario, options.policy, orders, to);
   if (log) log->Flush();

@@ -119,6 +119,10 @@ VirtualHost::VirtualHost(const VirtualMission& mission)
   settings_.world.faults = WorldFaultsIn(mission.faults);
   settings_.world.orders = mission.orders;
   settings_.drivers = mission.drivers;
+  settings_.per_class = mission.per_class;
+  for (const AgentKind kind : kAgentKinds) {
+    settings_.agents[kind] = static_cast<int>(mission.scenario.agents(kind).size());
+  }
   settings_.world_window = kWorldWindow;
   settings_.window = kProcessWindow;
   bus_ = std::make_unique<LossyBus>(std::make_unique<VirtualBus>(&network_), mission.fault_seed,
@@ -132,7 +136,7 @@ int VirtualHost::stops_asked() const {
 }
 
 std::uint64_t VirtualHost::SeedOf(const std::string& name) const {
-  const std::vector<std::string> names = ProcessNames(mission_.schedulers);
+  const std::vector<std::string> names = ProcessNames(mission_.schedulers, mission_.per_class);
   const auto place = std::find(names.begin(), names.end(), name) - names.begin();
   return mission_.fault_seed + static_cast<std::uint64_t>(place);
 }
@@ -233,7 +237,7 @@ MissionResult RunVirtualMission(const VirtualMission& mission) {
   // What it has not written when it dies is lost: the harder of the two for everybody else.
   plan.logger = Logger::kLcm;
   plan.scenario = mission.scenario;
-  plan.processes = ProcessNames(mission.schedulers);
+  plan.processes = ProcessNames(mission.schedulers, mission.per_class);
   plan.restarts = mission.restarts;
   plan.faults = mission.faults;
   plan.goes_on = mission.goes_on;

@@ -17,6 +17,7 @@ struct VirtualMission {
   FaultPlan faults = {};  ///< checked
   std::vector<world::PlannedOrder> orders = {};
   int schedulers = 1;
+  int per_class = 1;     ///< processes of each agent class; at most as many as its agents
   bool goes_on = false;  ///< without agent processes and scheduler when they are lost
   TimeUs lost_after_us = 5 * kSecondUs;
   RestartPolicy restarts = {};

@@ -127,9 +127,9 @@ std::string WriteMission(const VirtualMission& mission, const RunDirectory& dire
   directory.Write("plan.json", ToJson(mission.faults));
   return fmt::format(
       "muster simulate {0}/scenario.json --faults {0}/plan.json --policy {1} --fault-seed {2} "
-      "--on-loss {3} --lost-after {4} --schedulers {5}{6} --out {0}/run --log",
+      "--on-loss {3} --lost-after {4} --schedulers {5} --processes {6}{7} --out {0}/run --log",
       directory.path(), mission.policy, mission.fault_seed, mission.goes_on ? "continue" : "wait",
-      ToSeconds(mission.lost_after_us), mission.schedulers,
+      ToSeconds(mission.lost_after_us), mission.schedulers, mission.per_class,
       mission.drop > 0 ? fmt::format(" --drop {}", mission.drop) : "");
 }
 
