@@ -20,9 +20,9 @@ struct RandomPlanSettings {
 /// Every kind but corruption, which may truly change decisions.
 std::vector<FaultKind> AllSurvivableKinds();
 
-/// Draws a plan: times from a Poisson process; kind, target,
-/// duration and strength uniformly. At most one fault at a time holds a process: the world and the
-/// agents keep each other's state, and with two of them gone it may be lost for good.
+/// Draws a plan: times from a Poisson process; kind, target, duration and strength uniformly. At
+/// most one fault at a time holds a process: the world and the agents keep each other's state, and
+/// with two of them gone it may be lost for good.
 FaultPlan DrawPlan(const Scenario& scenario, const RandomPlanSettings& settings);
 
 /// That share of each agent class, rounded, fails for good at that time. The seed decides which

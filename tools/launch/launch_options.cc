@@ -147,9 +147,11 @@ void CheckSchedulers(const LaunchOptions& options) {
     throw InputError(kCommandLine, "--processes", several, "no --program scheduler=FILE with it");
   }
   if (const int deciders = Deciders(options); deciders < 1 || deciders > world::kMostSchedulers) {
-    throw InputError(kCommandLine, "--processes", several,
-                     fmt::format("1 to {} agent processes with it, which decide; {} are started",
-                                 world::kMostSchedulers, deciders));
+    throw InputError(
+        kCommandLine, "--processes", several,
+        fmt::format("1 to {} agent processes of Muster's own with it, which decide; there "
+                    "are {}",
+                    world::kMostSchedulers, deciders));
   }
   if (options.deadline_ms) {
     throw InputError(kCommandLine, "--processes", several,
@@ -223,7 +225,9 @@ void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int las
 int Deciders(const LaunchOptions& options) {
   if (options.schedulers > 0) return options.schedulers;
   int processes = 0;
-  for (const auto& [kind, count] : options.processes) processes += count;
+  for (const auto& [kind, count] : options.processes) {
+    if (!options.programs.contains(std::string(ToString(kind)))) processes += count;
+  }
   return processes;
 }
 
@@ -383,12 +387,13 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
       const int last = n * (i + 1) / k - 1;
       if (k > 1) arguments.insert(arguments.end(), {"--ids", fmt::format("{}-{}", first, last)});
       AddDrivers(options, kind, first, last, &arguments);
-      if (options.schedulers == 0) {
+      const bool decides = options.schedulers == 0 && !options.programs.contains(class_name);
+      if (decides) {
         arguments.insert(arguments.end(), {"--decide-as", *unused, "--policy", options.policy});
       }
       add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, class_name,
           std::move(arguments));
-      if (options.schedulers == 0) plans.back().decides_as = *unused++;
+      if (decides) plans.back().decides_as = *unused++;
     }
   }
   if (options.schedulers == 0) return plans;

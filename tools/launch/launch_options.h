@@ -60,7 +60,8 @@ inline constexpr int kProcessWindow = 3;
 /// The window of each agent process and of the scheduler; 0: nothing is recorded.
 int WindowOf(const LaunchOptions& options);
 
-/// How many decide: the schedulers, or where there are none the agent processes.
+/// How many decide: the schedulers, or where there are none the agent processes, without programs
+/// of the user's.
 int Deciders(const LaunchOptions& options);
 
 /// One process of a mission: its program (absolute, or in the folder of `muster`) and arguments. A

@@ -242,6 +242,15 @@ TEST(PlanProcesses, WithoutASchedulerTheProcessesOfAgentsDecide) {
   ASSERT_EQ(one.size(), 2U);
   EXPECT_EQ(ValueOf(one[0], "--schedulers"), "");
   EXPECT_EQ(one[1].decides_as, "scheduler");
+  // A program of the user's need not know how to.
+  const auto own = plans_of({"a.json", "--policy", "neighbours", "--program", "worker=/bin/true"});
+  ASSERT_EQ(own.size(), 4U);
+  EXPECT_EQ(ValueOf(own[0], "--schedulers"), "2");
+  EXPECT_EQ(own[1].decides_as, "scheduler-1");
+  EXPECT_EQ(own[2].program, "/bin/true");
+  EXPECT_EQ(own[2].decides_as, "");
+  EXPECT_EQ(ValueOf(own[2], "--decide-as"), "");
+  EXPECT_EQ(own[3].decides_as, "scheduler-2");
   // A scheduler that is asked for works the agreement out.
   const auto central = plans_of({"a.json", "--policy", "neighbours", "--processes", "scheduler=1"});
   ASSERT_EQ(central.size(), 5U);
@@ -253,11 +262,12 @@ TEST(LaunchOptions, WithoutASchedulerOneToNineProcessesOfAgentsDecide) {
   const auto has = [](const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=4,worker=5"}),
-                  "expected 1 to 9 agent processes with it, which decide; 10 are started"));
+  EXPECT_TRUE(
+      has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=4,worker=5"}),
+          "expected 1 to 9 agent processes of Muster's own with it, which decide; there are 10"));
   EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=0,worker=0,vehicle=0",
                            "--lcm-url", "udpm://239.255.76.67:7000?ttl=0"}),
-                  "0 are started"));
+                  "there are 0"));
   EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--deadline", "50"}),
                   "no --deadline with it"));
   EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--policy", "certified",
