@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
 /// A flight along a piece is not in it, though its places are rounded.
-constexpr double kSlack_m = 0.005;
+constexpr double kRounding_m = 0.005;
 constexpr double kHalfRoot = 0.70710678118654752;  // of 2
 constexpr double kTan = 0.41421356237309505;       // of 22.5 degrees
 constexpr std::size_t kMostPlaces = std::size_t{1} << 16;
@@ -82,7 +82,7 @@ std::optional<double> Airspace::EntersPiece(const Piece& piece, Point a, Point b
   if (piece.box.Misses(a, b)) return {};
   double in = 0, out = 1;
   for (const Side& side : piece.sides) {
-    const double limit = side.limit - kSlack_m;
+    const double limit = side.limit - kRounding_m;
     const double from = side.normal_x * a.x_m + side.normal_y * a.y_m - limit;
     const double to = side.normal_x * b.x_m + side.normal_y * b.y_m - limit;
     if (from >= 0 && to >= 0) return {};
@@ -137,7 +137,7 @@ std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
     if (pieces_[z].box.Misses(place, place)) continue;
     const auto is_in = [&](const Piece& piece) {
       return std::all_of(piece.sides.begin(), piece.sides.end(), [&](const Side& side) {
-        return side.normal_x * place.x_m + side.normal_y * place.y_m < side.limit - kSlack_m;
+        return side.normal_x * place.x_m + side.normal_y * place.y_m < side.limit - kRounding_m;
       });
     };
     if (IsInside(zones_[z], place) ||

@@ -15,7 +15,7 @@
 namespace muster::recorder {
 namespace {
 
-constexpr int kWindow = 3;
+constexpr int kDefaultWindow = 3;
 constexpr TimeUs kLastWordUs = kSecondUs;
 constexpr TimeUs kLookUs = 20'000;
 
@@ -44,7 +44,7 @@ int Main(int argc, char** argv) {
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kRecorder);
-  if (flags.window == 0) flags.window = kWindow;
+  if (flags.window == 0) flags.window = kDefaultWindow;
 
   RecorderProcess process(flags.identity, flags.window, flags.seal);
   for (const std::string& earlier : arguments->All("after")) {

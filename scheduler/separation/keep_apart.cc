@@ -9,9 +9,9 @@
 namespace muster::scheduler {
 namespace {
 
-class Planner {
+class ClearancePlanner {
  public:
-  explicit Planner(const Situation& situation)
+  explicit ClearancePlanner(const Situation& situation)
       : s_(situation),
         minima_(*situation.site->separation),
         landing_(situation.site->charging_points) {
@@ -149,7 +149,7 @@ class Planner {
 
 Decision KeepApart(const Situation& situation, Decision decision) {
   if (!situation.site->separation) return decision;
-  return Planner(situation).Plan(std::move(decision));
+  return ClearancePlanner(situation).Plan(std::move(decision));
 }
 
 }  // namespace muster::scheduler

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int32_t kTable = 64;  // exp(-64) is below any tolerance next to exp(0)
 
-constexpr double kFar = 9;               ///< levels, and ln(number): the rest does not count
+constexpr double kFarAway = 9;               ///< levels, and ln(number): the rest does not count
 constexpr double kCellTolerance = 4e-4;  ///< of the mean, by one cell; errors of cells cancel
 constexpr double kRough = 0.3;           ///< radius / distance of cells for a first mean
 constexpr double kAngle = 0.3;           ///< radius / distance of cells whose mean level is taken
@@ -308,7 +308,7 @@ void PlaceSums::BlockMeans(const Queries& from, const Queries::Block& block, con
   const std::vector<PlaceTree::Cell>& cells = tree.cells();
   const double per_m = level.per_m();
   const ExpOf exp_of{std::floor(NearbyPlace(tree, block.centre) * per_m)};
-  const double far = exp_of.nearest + kFar + std::log(cells[0].count);
+  const double far = exp_of.nearest + kFarAway + std::log(cells[0].count);
   const RoughMean rough(tree, block.centre, per_m, exp_of, far);
   const double mean = rough.mean;
   const double allowed = kCellTolerance * std::abs(mean) * rough.mass;

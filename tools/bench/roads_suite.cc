@@ -109,7 +109,7 @@ std::vector<std::pair<std::string, RoadsRow>> ColumnsOf(const std::vector<RoadsR
   return columns;
 }
 
-std::string Table(const std::vector<RoadsRow>& rows, bool of_ablation) {
+std::string RowsTable(const std::vector<RoadsRow>& rows, bool of_ablation) {
   const auto columns = ColumnsOf(rows);
   std::string names = "places|policy";
   for (const auto& [name, row] : columns) {
@@ -217,8 +217,8 @@ std::string ToCsv(const RoadsRow& row) {
 
 std::string SummaryOf(const std::vector<RoadsRow>& rows) {
   std::string text = "tasks done, %, and differences to the same scenarios by road\n\n";
-  text += Table(rows, false);
-  if (const std::string ablation = Table(rows, true); !ablation.empty()) {
+  text += RowsTable(rows, false);
+  if (const std::string ablation = RowsTable(rows, true); !ablation.empty()) {
     text +=
         "\nplanned in straight lines, less the same policy that knows the roads, %\n\n" + ablation;
   }

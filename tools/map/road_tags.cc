@@ -15,7 +15,7 @@ namespace {
 constexpr double kKmPerMile = 1.609344;
 constexpr double kWalk_km_h = 5;
 
-std::string_view Tag(const MapTags& tags, std::string_view key) {
+std::string_view TagOf(const MapTags& tags, std::string_view key) {
   const auto tag = tags.find(key);
   return tag == tags.end() ? std::string_view() : std::string_view(tag->second);
 }
@@ -27,7 +27,7 @@ bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> word
 /// The first of these keys that the line has decides.
 bool MayPass(const MapTags& tags, std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
-    if (const std::string_view value = Tag(tags, key); !value.empty()) {
+    if (const std::string_view value = TagOf(tags, key); !value.empty()) {
       return !IsOneOf(value, {"no", "private"});
     }
   }
@@ -40,11 +40,11 @@ bool MayDrive(const MapTags& tags) {
 
 /// 1: as its points run; -1: against them; 0: both ways.
 int Direction(const UsualRoad& usual, const MapTags& tags) {
-  const std::string_view said = Tag(tags, "oneway");
+  const std::string_view said = TagOf(tags, "oneway");
   if (IsOneOf(said, {"yes", "true", "1", "f"})) return 1;
   if (IsOneOf(said, {"-1", "reverse", "t"})) return -1;
   if (IsOneOf(said, {"no", "false", "b"})) return 0;
-  const bool is_round = IsOneOf(Tag(tags, "junction"), {"roundabout", "circular"});
+  const bool is_round = IsOneOf(TagOf(tags, "junction"), {"roundabout", "circular"});
   return usual.one_way || is_round ? 1 : 0;
 }
 
@@ -84,13 +84,13 @@ std::optional<double> SpeedLimit(std::string_view maxspeed) {
 }
 
 bool StopsVehicles(const MapTags& tags) {
-  const std::string_view barrier = Tag(tags, "barrier");
+  const std::string_view barrier = TagOf(tags, "barrier");
   if (IsOneOf(barrier, {"block", "bollard", "chain", "cycle_barrier", "debris", "jersey_barrier",
                         "kissing_gate", "log", "stile", "turnstile"})) {
     return true;
   }
   return IsOneOf(barrier, {"gate", "lift_gate", "swing_gate"}) &&
-         (Tag(tags, "locked") == "yes" || !MayDrive(tags));
+         (TagOf(tags, "locked") == "yes" || !MayDrive(tags));
 }
 
 int RoadTags::VehiclesPercent(const UsualRoad& usual, const MapTags& tags, std::string* name) {
@@ -100,7 +100,7 @@ int RoadTags::VehiclesPercent(const UsualRoad& usual, const MapTags& tags, std::
     return 0;
   }
   double km_h = usual.vehicles_km_h;
-  const std::string_view told = Tag(tags, "maxspeed");
+  const std::string_view told = TagOf(tags, "maxspeed");
   // 0 stands in tables that have a column for it.
   if (!told.empty() && told != "0") {
     if (const auto limit = SpeedLimit(told)) {
@@ -115,9 +115,9 @@ int RoadTags::VehiclesPercent(const UsualRoad& usual, const MapTags& tags, std::
 
 std::optional<RoadUse> RoadTags::Read(const MapTags& tags) {
   // `fclass` and `type` are what Geofabrik's shapefiles call it.
-  std::string_view value = Tag(tags, "highway");
-  if (value.empty()) value = Tag(tags, "fclass");
-  if (value.empty()) value = Tag(tags, "type");
+  std::string_view value = TagOf(tags, "highway");
+  if (value.empty()) value = TagOf(tags, "fclass");
+  if (value.empty()) value = TagOf(tags, "type");
   const std::vector<UsualRoad>& roads = UsualRoads();
   const auto usual = std::find_if(roads.begin(), roads.end(),
                                   [&](const UsualRoad& road) { return road.name == value; });
@@ -125,7 +125,7 @@ std::optional<RoadUse> RoadTags::Read(const MapTags& tags) {
     ++left_out_[value.empty() ? "without a highway tag" : Printable(value)];
     return std::nullopt;
   }
-  if (Tag(tags, "area") == "yes") {
+  if (TagOf(tags, "area") == "yes") {
     ++left_out_["areas"];
     return std::nullopt;
   }

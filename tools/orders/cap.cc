@@ -38,7 +38,7 @@ std::vector<pugi::xml_node> Children(const pugi::xml_node& node, std::string_vie
   return found;
 }
 
-std::vector<std::string> Words(const std::string& text) {
+std::vector<std::string> SplitWords(const std::string& text) {
   std::istringstream in(text);
   return {std::istream_iterator<std::string>(in), {}};
 }
@@ -46,7 +46,7 @@ std::vector<std::string> Words(const std::string& text) {
 /// In one line.
 std::string Text(const pugi::xml_node& node, std::string_view name) {
   const std::vector<pugi::xml_node> found = Children(node, name);
-  return found.empty() ? "" : fmt::format("{}", fmt::join(Words(found.front().text().get()), " "));
+  return found.empty() ? "" : fmt::format("{}", fmt::join(SplitWords(found.front().text().get()), " "));
 }
 
 std::optional<Place> PlaceOf(std::string_view text) {
@@ -123,7 +123,7 @@ class AlertReader {
     if (!sent) return refuse("sent", report.sent, kMomentExpected);
     // UTC, so that text compares as time does.
     report.sent = MomentText(sent->unix_us, 0);
-    if (kind != "Alert") report.replaces = Words(Text(alert, "references"));
+    if (kind != "Alert") report.replaces = SplitWords(Text(alert, "references"));
     if (kind != "Cancel") {
       if (!ReadInfos(alert, *sent, refuse, &report)) return;
     }
@@ -142,14 +142,14 @@ class AlertReader {
       for (const pugi::xml_node& area : Children(info, "area")) {
         std::vector<Place> places;
         for (const pugi::xml_node& circle : Children(area, "circle")) {
-          const std::vector<std::string> words = Words(circle.text().get());
+          const std::vector<std::string> words = SplitWords(circle.text().get());
           const auto place = words.size() == 2 ? PlaceOf(words[0]) : std::nullopt;
           if (!place) return refuse("circle", circle.text().get(), "LAT,LON RADIUS"), false;
           places.push_back(*place);
         }
         for (const pugi::xml_node& polygon : Children(area, "polygon")) {
           std::vector<Place> corners;
-          for (const std::string& word : Words(polygon.text().get())) {
+          for (const std::string& word : SplitWords(polygon.text().get())) {
             const auto place = PlaceOf(word);
             if (!place) return refuse("polygon", word, "LAT,LON"), false;
             corners.push_back(*place);
