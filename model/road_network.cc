@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <queue>
 
 #include "base/check.h"
 #include "base/index.h"
@@ -18,10 +17,10 @@ namespace {
 constexpr double kHalfSpacing_m = 50;
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
-constexpr std::size_t kMostSites = 4096;
+constexpr std::size_t kMostSites = 1 << 16;
 constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;  // of the costs to sites
 constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
-constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kUnreached = RoadSearch::kUnreached;
 
 std::atomic<std::uint64_t> next_id = 1;
 
@@ -32,46 +31,6 @@ std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
 
 }  // namespace
 
-/// Costs from nodes to one spot, found outwards from it as far as was asked: of what Dijkstra's
-/// algorithm has reached, all that costs no more than the head of the queue is final.
-class RoadNetwork::Search {
- public:
-  Search(const RoadNetwork& network, const Spot& to)
-      : network_(network), cost_mm_(network.map_->arcs_of.size() - 1, kUnreached) {
-    const Line& line = network.map_->lines[At(to.road)];
-    Reach(line.first_node, to.along_mm);
-    if (line.backward || to.along_mm == line.cost_mm) {
-      Reach(line.last_node, line.cost_mm - to.along_mm);
-    }
-  }
-
-  /// kUnreached: no way leads from there.
-  std::uint32_t CostFrom(std::int32_t node) {
-    while (!queue_.empty() && cost_mm_[At(node)] > queue_.top().first) {
-      const auto [cost_mm, settled] = queue_.top();
-      queue_.pop();
-      if (cost_mm > cost_mm_[At(settled)]) continue;
-      for (const Arc& arc : network_.map_->ArcsOf(settled)) {
-        if (arc.enters && !network_.IsClosed(arc.line))
-          Reach(arc.other, std::int64_t{cost_mm} + arc.cost_mm);
-      }
-    }
-    return cost_mm_[At(node)];
-  }
-
- private:
-  void Reach(std::int32_t node, std::int64_t cost_mm) {
-    if (cost_mm >= cost_mm_[At(node)]) return;
-    cost_mm_[At(node)] = static_cast<std::uint32_t>(cost_mm);
-    queue_.emplace(static_cast<std::uint32_t>(cost_mm), node);
-  }
-
-  using Entry = std::pair<std::uint32_t, std::int32_t>;
-  const RoadNetwork& network_;
-  std::vector<std::uint32_t> cost_mm_;  ///< by node
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
-};
-
 struct RoadNetwork::Known {
   std::optional<Spot> spot;
   std::int32_t site = -1;
@@ -79,7 +38,7 @@ struct RoadNetwork::Known {
   /// else their cost + 1. Null: not kept. Read and written without the lock.
   std::unique_ptr<std::atomic<std::uint32_t>[]> to_site;
   std::mutex mutex;  ///< of what follows
-  std::unique_ptr<Search> search;
+  std::unique_ptr<RoadSearch> search;
 };
 
 std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
@@ -98,6 +57,7 @@ RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& o
     map->site_of.emplace(site, static_cast<std::int32_t>(map->site_of.size()));
   }
   map_ = map;
+  LeadInward();
   map->IndexStops(*this, roads, kind, sites);
 }
 
@@ -106,9 +66,22 @@ RoadNetwork::RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     closed_[i] = closed[At(map_->lines[i].file_road)];
   }
+  LeadInward();
 }
 
 RoadNetwork::~RoadNetwork() = default;
+
+void RoadNetwork::LeadInward() {
+  const std::size_t n_nodes = map_->arcs_of.size() - 1;
+  inward_.arcs_of = {0};
+  inward_.arcs_of.reserve(n_nodes + 1);
+  for (std::size_t node = 0; node < n_nodes; ++node) {
+    for (const Arc& arc : map_->ArcsOf(static_cast<std::int32_t>(node))) {
+      if (arc.enters && !IsClosed(arc.line)) inward_.arcs.push_back({arc.other, arc.cost_mm});
+    }
+    inward_.arcs_of.push_back(inward_.arcs.size());
+  }
+}
 
 void RoadNetwork::Map::AddRoads(const Roads& roads, AgentKind kind) {
   std::vector<std::int32_t> node_of(roads.points.size(), -1);
@@ -249,7 +222,7 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
     Point place;
     Known* known = nullptr;
   };
-  constexpr std::size_t kEntries = 4096;
+  constexpr std::size_t kEntries = 8192;
   thread_local std::vector<Entry> at_hand(kEntries);
   thread_local std::array<std::unique_ptr<Known>, 2> unkept;
   Entry& entry = at_hand[PointHash()(place) % kEntries];
@@ -279,26 +252,39 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
   return entry.known;
 }
 
-RoadNetwork::Search* RoadNetwork::SearchTo(Known* goal) const {
+RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
   if (goal->search == nullptr) {
-    const std::size_t most =
-        std::max<std::size_t>(16, kMostSearchBytes / (4 * map_->arcs_of.size()));
-    if (++n_searches_ > most) {
-      n_searches_ = 1;
-      const std::shared_lock lock(mutex_);
-      for (auto& [place, known] : known_) {
-        // Those that another thread works with are left.
-        if (known.get() == goal || !known->mutex.try_lock()) continue;
-        known->search.reset();
-        known->mutex.unlock();
-      }
+    if (*search_bytes_ > kMostSearchBytes) DropSearches(goal);
+    const std::size_t bytes_of_all =
+        map_->site_of.size() * sizeof(std::uint32_t) * inward_.n_nodes();
+    const bool far = goal->site >= 0 && bytes_of_all < kMostSearchBytes / 2;
+    goal->search = std::make_unique<RoadSearch>(inward_, far, search_bytes_);
+    const Spot& spot = *goal->spot;
+    const Line& line = map_->lines[At(spot.road)];
+    goal->search->BeginAt(line.first_node, spot.along_mm);
+    if (line.backward || spot.along_mm == line.cost_mm) {
+      goal->search->BeginAt(line.last_node, line.cost_mm - spot.along_mm);
     }
-    goal->search = std::make_unique<Search>(*this, *goal->spot);
   }
   return goal->search.get();
 }
 
-std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, Search* search,
+void RoadNetwork::DropSearches(const Known* but) const {
+  const std::shared_lock lock(mutex_);
+  // To sites many ways lead, so those come last.
+  for (const bool to_sites : {false, true}) {
+    for (auto& [place, known] : known_) {
+      if (*search_bytes_ < kMostSearchBytes / 2) return;
+      // Those that another thread works with are left.
+      if (known.get() == but || (known->site >= 0) != to_sites || !known->mutex.try_lock())
+        continue;
+      known->search.reset();
+      known->mutex.unlock();
+    }
+  }
+}
+
+std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, RoadSearch* search,
                                    std::int32_t* first) const {
   const Line& line = map_->lines[At(from.road)];
   std::int64_t best = -1;
@@ -428,7 +414,7 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     }
   }
   const std::lock_guard lock(known_goal->mutex);
-  Search* const search = SearchTo(known_goal);
+  RoadSearch* const search = SearchTo(known_goal);
   std::int32_t node = -1;
   std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
   if (left_mm < 0) return nullptr;

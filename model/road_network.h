@@ -13,6 +13,7 @@
 #include "base/geometry.h"
 #include "base/grid_index.h"
 #include "base/point_hash.h"
+#include "model/road_search.h"
 #include "model/road_ways.h"
 #include "model/roads.h"
 #include "model/ways.h"
@@ -92,8 +93,6 @@ class RoadNetwork {
     std::uint32_t cost_mm;
     bool leaves, enters;  ///< may be taken from here, to here
   };
-  /// Costs to one spot, from the nodes that were asked for.
-  class Search;
   /// What has been found out about a place: where it is in the network, and, once it was a goal,
   /// what ways to it cost.
   struct Known;
@@ -130,6 +129,8 @@ class RoadNetwork {
     std::span<const Arc> ArcsOf(std::int32_t node) const;
   };
 
+  /// Makes inward_, of what is not closed.
+  void LeadInward();
   std::optional<Spot> FindSpot(Point place) const;
   bool IsClosed(std::int32_t line) const {
     return !closed_.empty() && closed_[static_cast<std::size_t>(line)];
@@ -138,7 +139,9 @@ class RoadNetwork {
   /// another place in the same role.
   Known* KnownOf(Point place, bool is_goal) const;
   /// The costs of ways to that place, which has a spot and is locked.
-  Search* SearchTo(Known* goal) const;
+  RoadSearch* SearchTo(Known* goal) const;
+  /// Forgets searches until half the room is free.
+  void DropSearches(const Known* but) const;
   /// Where a way begins.
   struct Start {
     std::optional<Spot> spot;
@@ -151,7 +154,7 @@ class RoadNetwork {
   std::int64_t CostTo(Point from, const Start& start, Point to, Known* goal) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
-  std::int64_t RoadCost(const Spot& from, const Spot& to, Search* search,
+  std::int64_t RoadCost(const Spot& from, const Spot& to, RoadSearch* search,
                         std::int32_t* first) const;
   /// Cost of so many metres of open ground; -1: it is none to cross.
   std::int64_t OpenCost(double metres) const;
@@ -161,13 +164,15 @@ class RoadNetwork {
 
   std::shared_ptr<const Map> map_;
   std::vector<bool> closed_;  ///< [lines]; empty: none is
+  RoadGraph inward_;
 
   const std::uint64_t id_;  ///< no other network of this process has it
 
   // What was asked before.
+  const std::shared_ptr<std::atomic<std::size_t>> search_bytes_ =
+      std::make_shared<std::atomic<std::size_t>>(0);
   mutable std::shared_mutex mutex_;
   mutable std::unordered_map<Point, std::unique_ptr<Known>, PointHash> known_;
-  mutable std::atomic<std::size_t> n_searches_ = 0;
   mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int32_t kTable = 64;  // exp(-64) is below any tolerance next to exp(0)
 
-constexpr double kFarAway = 9;               ///< levels, and ln(number): the rest does not count
+constexpr double kFarAway = 9;           ///< levels, and ln(number): the rest does not count
 constexpr double kCellTolerance = 4e-4;  ///< of the mean, by one cell; errors of cells cancel
 constexpr double kRough = 0.3;           ///< radius / distance of cells for a first mean
 constexpr double kAngle = 0.3;           ///< radius / distance of cells whose mean level is taken

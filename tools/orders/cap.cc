@@ -46,7 +46,8 @@ std::vector<std::string> SplitWords(const std::string& text) {
 /// In one line.
 std::string Text(const pugi::xml_node& node, std::string_view name) {
   const std::vector<pugi::xml_node> found = Children(node, name);
-  return found.empty() ? "" : fmt::format("{}", fmt::join(SplitWords(found.front().text().get()), " "));
+  return found.empty() ? ""
+                       : fmt::format("{}", fmt::join(SplitWords(found.front().text().get()), " "));
 }
 
 std::optional<Place> PlaceOf(std::string_view text) {
