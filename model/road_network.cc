@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <mutex>
 
@@ -14,7 +13,6 @@
 namespace muster {
 namespace {
 
-constexpr double kHalfSpacing_m = 50;
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
 constexpr std::size_t kMostSites = 1 << 16;
@@ -23,11 +21,6 @@ constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
 constexpr std::uint32_t kUnreached = RoadSearch::kUnreached;
 
 std::atomic<std::uint64_t> next_id = 1;
-
-/// Smallest whole number that is not below 100 `mm` / `percent`.
-std::int64_t AtPercent(std::int64_t mm, std::int32_t percent) {
-  return (100 * mm + percent - 1) / percent;
-}
 
 }  // namespace
 
@@ -62,9 +55,14 @@ RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& o
 }
 
 RoadNetwork::RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed)
-    : map_(all.map_), closed_(all.map_->lines.size()), id_(next_id++) {
+    : map_(all.map_), closed_(all.map_->lines.size()), all_(&all), id_(next_id++) {
   for (std::size_t i = 0; i < closed_.size(); ++i) {
-    closed_[i] = closed[At(map_->lines[i].file_road)];
+    const Line& line = map_->lines[i];
+    if (!closed[At(line.file_road)]) continue;
+    closed_[i] = true;
+    const std::uint32_t cost_mm = Map::CostOfArc(line.cost_mm);
+    closed_arcs_.push_back({line.first_node, line.last_node, cost_mm});
+    if (line.backward) closed_arcs_.push_back({line.last_node, line.first_node, cost_mm});
   }
   LeadInward();
 }
@@ -83,101 +81,11 @@ void RoadNetwork::LeadInward() {
   }
 }
 
-void RoadNetwork::Map::AddRoads(const Roads& roads, AgentKind kind) {
-  std::vector<std::int32_t> node_of(roads.points.size(), -1);
-  std::int32_t n_nodes = 0;
-  const auto node = [&](std::int32_t point) {
-    std::int32_t& known = node_of[At(point)];
-    if (known < 0) known = n_nodes++;
-    return known;
-  };
-  for (const Road& road : roads.roads) {
-    const RoadClass& its_class = roads.classes[At(road.road_class)];
-    const std::int32_t percent = its_class.percent[kind];
-    if (percent == 0) continue;
-    Line line{};
-    line.file_road = static_cast<std::int32_t>(&road - roads.roads.data());
-    line.backward = kind == AgentKind::kWorker || !its_class.one_way;
-    line.first_node = node(road.points.front());
-    line.last_node = node(road.points.back());
-    line.first_segment = static_cast<std::int32_t>(segments.size());
-    for (std::size_t i = 1; i < road.points.size(); ++i) {
-      Segment segment{};
-      segment.a = roads.points[At(road.points[i - 1])];
-      segment.b = roads.points[At(road.points[i])];
-      segment.road = static_cast<std::int32_t>(lines.size());
-      segment.begins_mm = line.cost_mm;
-      segment.cost_mm = AtPercent(LengthMm(segment.a, segment.b), percent);
-      line.cost_mm += segment.cost_mm;
-      segments.push_back(segment);
-    }
-    line.end_segment = static_cast<std::int32_t>(segments.size());
-    lines.push_back(line);
-  }
-  ConnectNodes(At(n_nodes));
-}
-
-void RoadNetwork::Map::ConnectNodes(std::size_t n_nodes) {
-  arcs_of.assign(n_nodes + 1, 0);
-  for (const Line& line : lines) {
-    ++arcs_of[At(line.first_node) + 1];
-    ++arcs_of[At(line.last_node) + 1];
-  }
-  for (std::size_t i = 0; i < n_nodes; ++i) arcs_of[i + 1] += arcs_of[i];
-  std::vector<std::size_t> next(arcs_of.begin(), arcs_of.end() - 1);
-  arcs.resize(2 * lines.size());
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Line& line = lines[i];
-    const auto index = static_cast<std::int32_t>(i);
-    const auto cost_mm =
-        static_cast<std::uint32_t>(std::min<std::int64_t>(line.cost_mm, kUnreached));
-    arcs[next[At(line.first_node)]++] = {index, line.last_node, cost_mm, true, line.backward};
-    arcs[next[At(line.last_node)]++] = {index, line.first_node, cost_mm, line.backward, true};
-  }
-}
-
-void RoadNetwork::Map::IndexSegments() {
-  std::vector<Point> places;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const Point a = ToPoint(segments[i].a), b = ToPoint(segments[i].b);
-    const auto pieces = static_cast<int>(std::ceil(Distance(a, b) / (2 * kHalfSpacing_m)));
-    for (int k = 0; k < pieces; ++k) {
-      places.push_back(Lerp(a, b, (k + 0.5) / pieces));
-      segment_of_sample.push_back(static_cast<std::int32_t>(i));
-    }
-  }
-  samples.emplace(places);
-}
-
-void RoadNetwork::Map::IndexStops(const RoadNetwork& network, const Roads& roads, AgentKind kind,
-                                  std::span<const Point> sites) {
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    if (network.SpotOf(sites[i])) stops.emplace_back(static_cast<std::int32_t>(i), sites[i]);
-  }
-  std::vector<bool> usable(roads.points.size());
-  for (const Road& road : roads.roads) {
-    if (roads.classes[At(road.road_class)].percent[kind] == 0) continue;
-    for (const std::int32_t point : road.points) usable[At(point)] = true;
-  }
-  for (std::size_t i = 0; i < usable.size(); ++i) {
-    if (!usable[i]) continue;
-    stops.emplace_back(static_cast<std::int32_t>(sites.size() + i), ToPoint(roads.points[i]));
-  }
-  std::vector<Point> places;
-  for (const auto& [number, place] : stops) places.push_back(place);
-  stop_index.emplace(places);
-}
-
-std::span<const RoadNetwork::Arc> RoadNetwork::Map::ArcsOf(std::int32_t node) const {
-  const std::size_t begin = arcs_of[At(node)];
-  return std::span(arcs).subspan(begin, arcs_of[At(node) + 1] - begin);
-}
-
 std::int64_t RoadNetwork::OpenCost(double metres) const {
   const std::int64_t mm = RoundHalfAway(metres * 1000);
   if (mm == 0) return 0;
   if (map_->open_ground.percent == 0 || metres > map_->open_ground.reach_m) return -1;
-  return AtPercent(mm, map_->open_ground.percent);
+  return Map::AtPercent(mm, map_->open_ground.percent);
 }
 
 std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
@@ -203,7 +111,7 @@ std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
       of = index;
       spot = {segment.road, segment.begins_mm + mm, 0, at};
     }
-    return distance_m + kHalfSpacing_m + 1;  // 1: a place is moved by rounding
+    return distance_m + Map::kHalfSpacing_m + 1;  // 1: a place is moved by rounding
   });
   if (of < 0) return {};
   spot.off_mm = OpenCost(nearest_m);
@@ -252,9 +160,11 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
   return entry.known;
 }
 
-RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
+RoadSearch* RoadNetwork::SearchTo(Point to, Known* goal) const {
   if (goal->search == nullptr) {
     if (*search_bytes_ > kMostSearchBytes) DropSearches(goal);
+    if (all_ != nullptr) goal->search = SearchOfAll(to, goal->spot->road);
+    if (goal->search != nullptr) return goal->search.get();
     const std::size_t bytes_of_all =
         map_->site_of.size() * sizeof(std::uint32_t) * inward_.n_nodes();
     const bool far = goal->site >= 0 && bytes_of_all < kMostSearchBytes / 2;
@@ -267,6 +177,22 @@ RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
     }
   }
   return goal->search.get();
+}
+
+std::unique_ptr<RoadSearch> RoadNetwork::SearchOfAll(Point to, std::int32_t road) const {
+  Known* known = nullptr;
+  {
+    const std::shared_lock lock(all_->mutex_);
+    const auto found = all_->known_.find(to);
+    if (found == all_->known_.end()) return nullptr;
+    known = found->second.get();
+  }
+  const std::lock_guard lock(known->mutex);
+  if (known->search == nullptr || known->spot->road != road ||
+      !known->search->StaysWithout(closed_arcs_)) {
+    return nullptr;
+  }
+  return std::make_unique<RoadSearch>(*known->search, inward_, search_bytes_);
 }
 
 void RoadNetwork::DropSearches(const Known* but) const {
@@ -348,7 +274,7 @@ std::int64_t RoadNetwork::CostTo(Point from, const Start& begins, Point to, Know
     return direct_mm >= 0 ? direct_mm : start->off_mm + end->off_mm;
   }
   std::int32_t first = -1;
-  const std::int64_t road_mm = RoadCost(*start, *end, SearchTo(goal), &first);
+  const std::int64_t road_mm = RoadCost(*start, *end, SearchTo(to, goal), &first);
   return road_mm < 0 ? -1 : start->off_mm + road_mm + end->off_mm;
 }
 
@@ -414,7 +340,7 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     }
   }
   const std::lock_guard lock(known_goal->mutex);
-  RoadSearch* const search = SearchTo(known_goal);
+  RoadSearch* const search = SearchTo(to, known_goal);
   std::int32_t node = -1;
   std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
   if (left_mm < 0) return nullptr;

@@ -25,7 +25,7 @@ class RoadNetwork {
  public:
   RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
               std::span<const Point> sites);
-  /// The same without the closed roads. `closed`: [roads of the file].
+  /// The same without the closed roads. `closed`: [roads of the file]. `all` outlives it.
   RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed);
   ~RoadNetwork();
 
@@ -106,6 +106,11 @@ class RoadNetwork {
 
   /// What stays as it is whatever is closed.
   struct Map {
+    static constexpr double kHalfSpacing_m = 50;
+    /// Smallest whole number that is not below 100 `mm` / `percent`.
+    static std::int64_t AtPercent(std::int64_t mm, std::int32_t percent);
+    static std::uint32_t CostOfArc(std::int64_t mm);
+
     OpenGround open_ground;
     std::vector<Line> lines;
     std::vector<Segment> segments;
@@ -139,7 +144,10 @@ class RoadNetwork {
   /// another place in the same role.
   Known* KnownOf(Point place, bool is_goal) const;
   /// The costs of ways to that place, which has a spot and is locked.
-  RoadSearch* SearchTo(Known* goal) const;
+  RoadSearch* SearchTo(Point to, Known* goal) const;
+  /// What the network without closures has found of ways to that place, which is by that road;
+  /// null: nothing, or some of it is by roads that are closed.
+  std::unique_ptr<RoadSearch> SearchOfAll(Point to, std::int32_t road) const;
   /// Forgets searches until half the room is free.
   void DropSearches(const Known* but) const;
   /// Where a way begins.
@@ -164,6 +172,8 @@ class RoadNetwork {
 
   std::shared_ptr<const Map> map_;
   std::vector<bool> closed_;  ///< [lines]; empty: none is
+  std::vector<RoadSearch::Arc> closed_arcs_;
+  const RoadNetwork* const all_ = nullptr;  ///< without closures; null: it is this
   RoadGraph inward_;
 
   const std::uint64_t id_;  ///< no other network of this process has it

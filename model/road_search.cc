@@ -22,6 +22,28 @@ RoadSearch::RoadSearch(const RoadGraph& graph, bool far,
   *bytes_ += Bytes();
 }
 
+RoadSearch::RoadSearch(const RoadSearch& all, const RoadGraph& graph,
+                       std::shared_ptr<std::atomic<std::size_t>> bytes)
+    : graph_(graph),
+      far_(all.far_),
+      bytes_(std::move(bytes)),
+      cost_mm_(all.cost_mm_),
+      table_(all.table_),
+      n_in_table_(all.n_in_table_),
+      queue_(all.queue_) {
+  *bytes_ += Bytes();
+}
+
+bool RoadSearch::StaysWithout(std::span<const Arc> arcs) const {
+  // An arc was looked at if the node that it leads to is settled. Where it is as short as what is
+  // known of the node that it comes from, that may be because of it.
+  return std::none_of(arcs.begin(), arcs.end(), [&](const Arc& arc) {
+    const std::uint32_t to_mm = CostOf(arc.to);
+    return to_mm != kUnreached && to_mm <= final_mm() &&
+           CostOf(arc.from) == std::int64_t{to_mm} + arc.cost_mm;
+  });
+}
+
 std::size_t RoadSearch::SlotOf(std::int32_t node) const {
   const std::size_t last = table_.size() - 1;
   std::size_t slot = (static_cast<std::uint32_t>(node) * 0x9e3779b1U >> 7) & last;

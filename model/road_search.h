@@ -34,6 +34,9 @@ class RoadSearch {
   /// from the beginning. Another grows with what it reaches. `bytes`: of what all searches hold
   /// that were given it.
   RoadSearch(const RoadGraph& graph, bool far, std::shared_ptr<std::atomic<std::size_t>> bytes);
+  /// The same on a graph that has all its costs still (StaysWithout).
+  RoadSearch(const RoadSearch& all, const RoadGraph& graph,
+             std::shared_ptr<std::atomic<std::size_t>> bytes);
   ~RoadSearch() { *bytes_ -= Bytes(); }
   RoadSearch(const RoadSearch&) = delete;
   RoadSearch& operator=(const RoadSearch&) = delete;
@@ -41,6 +44,12 @@ class RoadSearch {
   /// A node from which the place is reached at that cost. All of them are told before the first
   /// question.
   void BeginAt(std::int32_t node, std::int64_t cost_mm) { Reach(node, cost_mm); }
+  struct Arc {
+    std::int32_t from, to;
+    std::uint32_t cost_mm;
+  };
+  /// Whether no cost that was found so far rests on one of these arcs.
+  bool StaysWithout(std::span<const Arc> arcs) const;
   /// kUnreached: no way leads from there.
   std::uint32_t CostFrom(std::int32_t node) {
     const std::uint32_t known_mm = CostOf(node);
