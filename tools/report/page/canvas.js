@@ -1,3 +1,5 @@
+import { VEHICLE, WORKER } from "./words.js";
+
 /** Fits a canvas to its box at the screen's resolution; returns its context and size in CSS pixels. */
 export function fit(canvas) {
   const ratio = window.devicePixelRatio || 1;
@@ -28,10 +30,10 @@ export function oncePerFrame(draw) {
 
 /** Adds an agent's shape around (x, y) to the path: triangle, circle or square by class. */
 export function agentShape(path, kind, x, y, r, heading = 0) {
-  if (kind === 1) {
+  if (kind === WORKER) {
     path.moveTo(x + r, y);
     path.arc(x, y, r, 0, 2 * Math.PI);
-  } else if (kind === 2) {
+  } else if (kind === VEHICLE) {
     path.rect(x - r * 0.9, y - r * 0.9, r * 1.8, r * 1.8);
   } else {
     const point = (angle, length) => [x + length * Math.cos(heading + angle), y + length * Math.sin(heading + angle)];

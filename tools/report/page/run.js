@@ -2,7 +2,7 @@ import { Altitudes } from "./air.js";
 import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
 import { rowAt } from "./time.js";
-import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, OFFLINE, OPEN, UAV, UNREPORTED, readWords } from "./words.js";
+import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, OFFLINE, OPEN, UAV, UNREPORTED, WORKER, readWords } from "./words.js";
 
 export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
 
@@ -136,7 +136,7 @@ export class Run {
 
   agentIndex(kind, id) {
     const s = this.scenario;
-    return kind === 0 ? id : kind === 1 ? s.uavs + id : s.uavs + s.workers + id;
+    return kind === UAV ? id : kind === WORKER ? s.uavs + id : s.uavs + s.workers + id;
   }
 
   /** How many tasks the mission has: as its report counts them; before, without vacant places and what was cancelled. */

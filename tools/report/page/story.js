@@ -1,7 +1,7 @@
 import { number } from "./dom.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { rowAt } from "./time.js";
-import { CHARGE, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, WAITING } from "./words.js";
+import { CHARGE, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, VEHICLE, WAITING, WORKER } from "./words.js";
 
 const ACTION = 9;
 const ACTIVITY = 6;
@@ -21,8 +21,8 @@ export function activities(run) {
       const [kind, uav, partner, site, start, end] = rows.slice(i, i + ACTIVITY);
       const activity = { charging: kind === 1, uav, partner, site, start, end, aborted: null };
       all.push(activity);
-      put(byAgent, run.agentIndex(0, uav), activity);
-      put(byAgent, run.agentIndex(activity.charging ? 2 : 1, partner), activity);
+      put(byAgent, run.agentIndex(UAV, uav), activity);
+      put(byAgent, run.agentIndex(activity.charging ? VEHICLE : WORKER, partner), activity);
       if (!activity.charging) put(byTask, site, activity);
     }
     for (const event of run.events.filter((e) => e.kind.endsWith("_aborted"))) {

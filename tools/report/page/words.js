@@ -1,5 +1,5 @@
 /** Numbers of the wire by the names that a run's first chunk has for them: there are none before one was read. */
-export let UAV, VEHICLE;
+export let UAV, WORKER, VEHICLE;
 /** Statuses of agents. */
 export let OFFLINE, IDLE, MOVING, WAITING, SENSING, CHARGING, FAILED;
 /** Statuses of tasks. */
@@ -13,7 +13,7 @@ const numbers = (names) => Object.fromEntries(names.map((name, number) => [name,
 
 /** Names are the same in all runs; the scene's script, which is unpacked later, reads them for itself. */
 export function readWords({ agents, statuses, tasks, actions, processes }) {
-  ({ uav: UAV, vehicle: VEHICLE } = numbers(agents));
+  ({ uav: UAV, worker: WORKER, vehicle: VEHICLE } = numbers(agents));
   ({ offline: OFFLINE, idle: IDLE, moving: MOVING, waiting: WAITING, sensing: SENSING, charging: CHARGING, failed: FAILED } = numbers(statuses));
   ({ open: OPEN, reserved: RESERVED, sensing: BEING_SENSED, done: DONE, unreported: UNREPORTED, expired: EXPIRED, cancelled: CANCELLED,
     held: HELD } = numbers(tasks));
