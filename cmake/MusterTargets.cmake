@@ -40,13 +40,13 @@ target_precompile_headers(muster_precompiled PRIVATE
   <set> <span> <string> <string_view> <thread> <tuple> <utility> <variant> <vector> <fmt/format.h>
   <nlohmann/json.hpp>)
 
-# The same for tests, with the test framework. They are compiled without optimisation, for half the
-# time: what they call is not.
+# The same for tests, with the test framework. They are compiled with less optimisation, for half
+# the time: what they call is not.
 if(BUILD_TESTING)
   add_library(muster_precompiled_tests STATIC "${PROJECT_BINARY_DIR}/precompiled.cc")
   target_link_libraries(muster_precompiled_tests
                         PRIVATE muster_options GTest::gtest nlohmann_json::nlohmann_json)
-  target_compile_options(muster_precompiled_tests PRIVATE -O0)
+  target_compile_options(muster_precompiled_tests PRIVATE -O1)
   target_precompile_headers(muster_precompiled_tests PRIVATE
     $<TARGET_PROPERTY:muster_precompiled,PRECOMPILE_HEADERS> <gtest/gtest.h>)
 endif()
@@ -76,7 +76,7 @@ function(muster_test name)
   cmake_parse_arguments(ARG "HAS_LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE muster_options ${ARG_LINK} GTest::gtest GTest::gtest_main)
-  target_compile_options(${name} PRIVATE -O0)
+  target_compile_options(${name} PRIVATE -O1)
   target_precompile_headers(${name} REUSE_FROM muster_precompiled_tests)
   # Fewer together than in the programs: what tests of one folder are called is often the same.
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
