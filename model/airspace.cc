@@ -18,6 +18,7 @@ constexpr double kRounding_m = 0.005;
 constexpr double kHalfRoot = 0.70710678118654752;  // of 2
 constexpr double kTan = 0.41421356237309505;       // of 22.5 degrees
 constexpr std::size_t kMostPlaces = std::size_t{1} << 16;
+constexpr std::size_t kMostInLeaf = 4;
 /// Lengths are kept from so many places to so many goals: at most 16 MB, for each set of zones.
 constexpr std::int32_t kMostRows = 2048, kMostGoals = 1024;
 
@@ -53,6 +54,19 @@ struct Airspace::Known {
 bool Airspace::Box::Misses(Point a, Point b) const {
   return std::max(a.x_m, b.x_m) <= x0 || std::min(a.x_m, b.x_m) >= x1 ||
          std::max(a.y_m, b.y_m) <= y0 || std::min(a.y_m, b.y_m) >= y1;
+}
+
+bool Airspace::Box::Meets(Point a, Point b) const {
+  if (Misses(a, b)) return false;
+  const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
+  const double to_x = (x0 + x1) / 2 - a.x_m, to_y = (y0 + y1) / 2 - a.y_m;
+  return std::abs(dx * to_y - dy * to_x) <=
+         (std::abs(dx) * (y1 - y0) + std::abs(dy) * (x1 - x0)) / 2;
+}
+
+void Airspace::Box::Add(const Box& other) {
+  *this = {std::min(x0, other.x0), std::min(y0, other.y0), std::max(x1, other.x1),
+           std::max(y1, other.y1)};
 }
 
 Airspace::Piece Airspace::Widened(Point a, Point b, double margin_m) {
@@ -105,18 +119,41 @@ Airspace::Airspace(std::vector<Zone> zones, double margin_m, Extent extent)
     for (const std::vector<Point>& ring : zone.rings) {
       for (std::size_t i = 0; i < ring.size(); ++i) {
         const Piece piece = Widened(ring[i], ring[(i + 1) % ring.size()], margin_m);
-        Box& box = pieces.box;
-        box = {std::min(box.x0, piece.box.x0), std::min(box.y0, piece.box.y0),
-               std::max(box.x1, piece.box.x1), std::max(box.y1, piece.box.y1)};
+        pieces.box.Add(piece.box);
         pieces.pieces.push_back(piece);
       }
     }
     pieces_.push_back(std::move(pieces));
   }
+  for (const Pieces& zone : pieces_) {
+    for (const Piece& piece : zone.pieces) by_place_.push_back(&piece);
+  }
+  if (!by_place_.empty()) AddNode(0, by_place_.size());
   FindCorners(margin_m);
 }
 
 Airspace::~Airspace() = default;
+
+void Airspace::AddNode(std::size_t first, std::size_t end) {
+  Box box = by_place_[first]->box;
+  for (std::size_t i = first + 1; i < end; ++i) box.Add(by_place_[i]->box);
+  const std::size_t index = nodes_.size();
+  nodes_.push_back({box, first, end, 0});
+  if (end - first <= kMostInLeaf) return;
+  const bool by_x = box.x1 - box.x0 > box.y1 - box.y0;
+  const auto place = [&](const Piece* piece) {
+    return by_x ? piece->box.x0 + piece->box.x1 : piece->box.y0 + piece->box.y1;
+  };
+  const std::size_t middle = (first + end) / 2;
+  const auto begin = by_place_.begin();
+  std::nth_element(begin + static_cast<std::ptrdiff_t>(first),
+                   begin + static_cast<std::ptrdiff_t>(middle),
+                   begin + static_cast<std::ptrdiff_t>(end),
+                   [&](const Piece* a, const Piece* b) { return place(a) < place(b); });
+  AddNode(first, middle);
+  nodes_[index].other_half = nodes_.size();
+  AddNode(middle, end);
+}
 
 void Airspace::FindCorners(double margin_m) {
   const auto octagon = Octagon(margin_m);
@@ -151,10 +188,21 @@ std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
 bool Airspace::IsFree(Point place) const { return !ZoneAt(place); }
 
 bool Airspace::IsClear(Point a, Point b) const {
-  for (const Pieces& zone : pieces_) {
-    if (zone.box.Misses(a, b)) continue;
-    for (const Piece& piece : zone.pieces) {
-      if (EntersPiece(piece, a, b)) return false;
+  if (nodes_.empty()) return true;
+  std::array<std::size_t, 64> left;  // more than the tree is deep
+  std::size_t n_left = 0;
+  left[n_left++] = 0;
+  while (n_left > 0) {
+    const std::size_t index = left[--n_left];
+    const Node& node = nodes_[index];
+    if (!node.box.Meets(a, b)) continue;
+    if (node.other_half > 0) {
+      left[n_left++] = node.other_half;
+      left[n_left++] = index + 1;
+      continue;
+    }
+    for (std::size_t i = node.first; i < node.end; ++i) {
+      if (EntersPiece(*by_place_[i], a, b)) return false;
     }
   }
   return true;

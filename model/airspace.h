@@ -65,6 +65,9 @@ class Airspace {
   struct Box {
     double x0, y0, x1, y1;
     bool Misses(Point a, Point b) const;
+    /// Whether the line leads through it, and not only beside it.
+    bool Meets(Point a, Point b) const;
+    void Add(const Box& other);
   };
   struct Piece {
     std::array<Side, 10> sides;
@@ -73,6 +76,12 @@ class Airspace {
   struct Pieces {
     std::vector<Piece> pieces;
     Box box;
+  };
+  /// Of a tree of pieces: those from `first` to `end` of by_place_. Where they are more than a few,
+  /// the next node has one half of them and `other_half` the rest.
+  struct Node {
+    Box box;
+    std::size_t first, end, other_half;
   };
   /// Another corner in sight.
   struct Seen {
@@ -86,6 +95,7 @@ class Airspace {
   /// The share of the line at which it enters the piece; none: it stays outside.
   static std::optional<double> EntersPiece(const Piece& piece, Point a, Point b);
   void FindCorners(double margin_m);
+  void AddNode(std::size_t first, std::size_t end);
   bool IsClear(Point a, Point b) const;
   std::shared_ptr<Known> KnownOf(Point place) const;
   const std::vector<Seen>& SeenFrom(Known* place) const;
@@ -102,6 +112,8 @@ class Airspace {
 
   std::vector<Zone> zones_;
   std::vector<Pieces> pieces_;  ///< of each zone
+  std::vector<const Piece*> by_place_;
+  std::vector<Node> nodes_;     ///< each before its halves
   std::vector<Point> corners_;  ///< where flights can turn
   Extent extent_;
 
