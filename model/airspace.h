@@ -95,6 +95,7 @@ class Airspace {
   /// The share of the line at which it enters the piece; none: it stays outside.
   static std::optional<double> EntersPiece(const Piece& piece, Point a, Point b);
   void FindCorners(double margin_m);
+  /// Appends the node of those of by_place_, and below it the nodes of its halves.
   void AddNode(std::size_t first, std::size_t end);
   bool IsClear(Point a, Point b) const;
   std::shared_ptr<Known> KnownOf(Point place) const;
@@ -111,10 +112,10 @@ class Airspace {
   double FreeLength(Known* from, Known* to, std::int32_t* first) const;
 
   std::vector<Zone> zones_;
-  std::vector<Pieces> pieces_;  ///< of each zone
-  std::vector<const Piece*> by_place_;
-  std::vector<Node> nodes_;     ///< each before its halves
-  std::vector<Point> corners_;  ///< where flights can turn
+  std::vector<Pieces> pieces_;          ///< of each zone
+  std::vector<const Piece*> by_place_;  ///< of all zones, in the order of the tree
+  std::vector<Node> nodes_;             ///< each before its halves
+  std::vector<Point> corners_;          ///< where flights can turn
   Extent extent_;
 
   mutable std::shared_mutex mutex_;

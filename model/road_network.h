@@ -109,6 +109,7 @@ class RoadNetwork {
     static constexpr double kHalfSpacing_m = 50;
     /// Smallest whole number that is not below 100 `mm` / `percent`.
     static std::int64_t AtPercent(std::int64_t mm, std::int32_t percent);
+    /// As arcs hold it: what does not fit is as if no way led there.
     static std::uint32_t CostOfArc(std::int64_t mm);
 
     OpenGround open_ground;
@@ -171,9 +172,9 @@ class RoadNetwork {
   void Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm, Way* way) const;
 
   std::shared_ptr<const Map> map_;
-  std::vector<bool> closed_;  ///< [lines]; empty: none is
-  std::vector<RoadSearch::Arc> closed_arcs_;
-  const RoadNetwork* const all_ = nullptr;  ///< without closures; null: it is this
+  std::vector<bool> closed_;                  ///< [lines]; empty: none is
+  std::vector<RoadSearch::Arc> closed_arcs_;  ///< of closed_, in each direction that may be taken
+  const RoadNetwork* const all_ = nullptr;    ///< without closures; null: it is this
   RoadGraph inward_;
 
   const std::uint64_t id_;  ///< no other network of this process has it
