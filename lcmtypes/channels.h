@@ -30,7 +30,8 @@ struct Channel {
   /// process's name; any other sender is an intruder.
   constexpr bool AcceptsFrom(std::string_view sender) const {
     const bool one = publisher == process_name::kWorld || publisher == process_name::kScheduler ||
-                     publisher == process_name::kRecorder;
+                     publisher == process_name::kRecorder ||
+                     publisher == process_name::kSecondMarks;
     if (publisher == kSeveralSchedulers) return process_name::IsOneOfSchedulers(sender);
     // The world publishes what it takes of the proposals of several schedulers.
     const bool relays = publisher == process_name::kScheduler && sender == process_name::kWorld;
@@ -60,6 +61,7 @@ inline constexpr std::string_view kProcess = "MUSTER_PROCESS";
 inline constexpr std::string_view kOrder = "MUSTER_ORDER";
 inline constexpr std::string_view kOrders = "MUSTER_ORDERS";
 inline constexpr std::string_view kLog = "MUSTER_LOG";
+inline constexpr std::string_view kCopy = "MUSTER_COPY";
 inline constexpr std::string_view kRequest = "MUSTER_REQUEST";
 inline constexpr std::string_view kRestore = "MUSTER_RESTORE";
 inline constexpr std::string_view kAnswer = "MUSTER_ANSWER";
@@ -106,6 +108,8 @@ inline constexpr Channel kChannels[] = {
     {channel::kOrders, "orders_t", process_name::kWorld,
      "every tick of a mission that takes orders", 4 * kMiB},
     {channel::kLog, "log_status_t", process_name::kRecorder, "when the log grew", 64 * 1024},
+    {channel::kCopy, "log_status_t", process_name::kSecondMarks,
+     "when the second log grew; in no log itself", 64 * 1024, kNobody},
     {channel::kRequest, "request_t", "a process that starts again", "until answered", 1024,
      kWorldAndAgents},
     {channel::kRestore, "restore_t", "a process that holds the message", "until version 0.1.0",

@@ -153,8 +153,10 @@ namespace process_name {
 inline constexpr const char* kWorld = "world";
 inline constexpr const char* kScheduler = "scheduler";
 inline constexpr const char* kRecorder = "recorder";
-inline constexpr const char* kLauncher = "launcher";  ///< a sender with --logger muster
-inline constexpr const char* kLogger = "lcm-logger";  ///< in a fault's target; no sender
+inline constexpr const char* kSecondRecorder = "recorder-2";     ///< with a log of its own
+inline constexpr const char* kSecondMarks = "recorder-2-marks";  ///< its word on its log
+inline constexpr const char* kLauncher = "launcher";             ///< a sender with --logger muster
+inline constexpr const char* kLogger = "lcm-logger";             ///< in a fault's target; no sender
 
 /// Whether it is the name of one of several schedulers.
 constexpr bool IsOneOfSchedulers(std::string_view name) { return name.starts_with("scheduler-"); }

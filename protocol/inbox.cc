@@ -37,7 +37,7 @@ std::optional<Message> DecodeMessage(const Packet& packet) {
   if (name == channel::kProposal) return DecodeAs<proposal_t>(packet);
   if (name == channel::kEvent || name == channel::kDriver) return DecodeAs<event_t>(packet);
   if (name == channel::kProcess) return DecodeAs<process_status_t>(packet);
-  if (name == channel::kLog) return DecodeAs<log_status_t>(packet);
+  if (name == channel::kLog || name == channel::kCopy) return DecodeAs<log_status_t>(packet);
   if (name == channel::kRequest) return DecodeAs<request_t>(packet);
   if (name == channel::kRestore) return DecodeAs<restore_t>(packet);
   if (name == channel::kAnswer) return DecodeAs<answer_t>(packet);

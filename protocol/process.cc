@@ -17,6 +17,7 @@ void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vect
   }
   OnStep(now);
   sender_.Flush(now, out);
+  SayUnlogged(now, out);
 }
 
 void Process::Step(const Packet& packet, const std::optional<Message>& message, const Now& now,
@@ -24,6 +25,7 @@ void Process::Step(const Packet& packet, const std::optional<Message>& message, 
   if (inbox_.Admit(packet, message)) Take(*message, packet, now);
   OnStep(now);
   sender_.Flush(now, out);
+  SayUnlogged(now, out);
 }
 
 void Process::Compute(const std::function<void()>& computation) {
@@ -46,7 +48,8 @@ void Process::Beat(std::vector<Packet>* arrived, const Usage& usage, const Now& 
 }
 
 void Process::Take(const Message& message, const Packet& packet, const Now& now) {
-  if (const auto* status = std::get_if<log_status_t>(&message)) sender_.Acknowledge(*status);
+  const auto* marks = std::get_if<log_status_t>(&message);
+  if (marks != nullptr && packet.channel == channel::kLog) sender_.Acknowledge(*marks);
   OnMessage(message, packet, now);
 }
 

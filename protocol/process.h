@@ -82,6 +82,8 @@ class Process {
   virtual void OnMessage(const Message& message, const Packet& packet, const Now& now) = 0;
   /// Called after all that has arrived was handed to OnMessage.
   virtual void OnStep(const Now& now) = 0;
+  /// What it publishes besides what it numbers, and no log has.
+  virtual void SayUnlogged(const Now&, std::vector<Packet>*) {}
   virtual TimeUs OwnWakeUs() const = 0;
   virtual std::int64_t tick() const = 0;
   /// Messages of others that exist but did not arrive. A process that does not hear every channel

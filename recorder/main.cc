@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/check.h"
+#include "base/folder_lock.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "base/say.h"
@@ -16,6 +20,10 @@ namespace muster::recorder {
 namespace {
 
 constexpr int kDefaultWindow = 3;
+/// Of two recorders each hears with later marks what the other one has. New marks do not wait for
+/// that.
+constexpr int kWindowOfTwo = 1024;
+constexpr double kMostPatienceS = 1e6;
 constexpr TimeUs kLastWordUs = kSecondUs;
 constexpr TimeUs kLookUs = 20'000;
 
@@ -24,30 +32,80 @@ void SayLastWord(RecorderProcess* process, LossyBus* bus) {
   process->End();
   process->ReportStatus(HostUsage(), HostNow());
   const TimeUs deadline_us = MonotonicUs() + kLastWordUs;
+  std::vector<Packet> heard;
   while (!process->finished() && MonotonicUs() < deadline_us) {
     std::vector<Packet> out;
-    process->Step({}, HostNow(), &out);
+    process->Step(heard, HostNow(), &out);
     for (const Packet& packet : out) bus->Publish(packet);
-    bus->Receive(kLookUs);
+    heard = bus->Receive(kLookUs);
   }
+}
+
+/// The logs that are in the folder, in the order in which they were written, and the next one.
+struct LogFiles {
+  std::vector<std::string> earlier;
+  std::string next;
+};
+LogFiles FilesIn(const std::string& folder, std::optional<FolderLock>* lock) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw SystemError(fmt::format("cannot make folder {}: {}", folder, error.message()));
+  }
+  lock->emplace(folder);
+  const std::string first = (std::filesystem::path(folder) / "mission.lcm").string();
+  LogFiles files = {{}, first};
+  while (std::filesystem::exists(files.next)) {
+    files.earlier.push_back(files.next);
+    files.next = fmt::format("{}.{}", first, files.earlier.size());
+  }
+  return files;
+}
+
+LogFiles FilesOf(const Arguments& arguments, std::optional<FolderLock>* lock) {
+  if (arguments.Has("log") == arguments.Has("into")) {
+    throw InputError("command line", "LOG", arguments.Has("log") ? "LOG and --into" : "neither",
+                     "LOG or --into FOLDER: where to write");
+  }
+  if (arguments.Has("into")) return FilesIn(arguments.Get("into"), lock);
+  return {arguments.All("after"), arguments.Get("log")};
 }
 
 int Main(int argc, char** argv) {
   Options options("muster-recorder",
                   "The recorder of a mission: writes all messages to a log in lcm-logger's format, "
                   "and tells the other processes what it holds");
-  options.Positional("log", "LOG").Required("the file to write, which must not exist");
+  options.Positional("log", "LOG");
+  options.Add(
+      "into", "FOLDER",
+      "Write the next of mission.lcm, mission.lcm.1, ... in FOLDER, and continue those that "
+      "are there");
+  options
+      .Add(
+          "second-after", "S",
+          "There is a second recorder (--name recorder-2): messages count as logged when both have "
+          "them. One that is silent for S seconds counts no more")
+      .Number(Above0(kMostPatienceS));
   options
       .Add("after", "LOG", "The log of an earlier start of the recorder, which this one continues")
       .Repeated();
   AddProcessOptions(&options, process_name::kRecorder);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  ProcessFlags flags = ReadProcessFlags(*arguments, process_name::kRecorder);
-  if (flags.window == 0) flags.window = kDefaultWindow;
+  const bool is_second = arguments->Get("name") == process_name::kSecondRecorder;
+  ProcessFlags flags = ReadProcessFlags(
+      *arguments, is_second ? process_name::kSecondRecorder : process_name::kRecorder);
+  const Part part = is_second                        ? Part::kSecond
+                    : arguments->Has("second-after") ? Part::kFirst
+                                                     : Part::kOnly;
+  if (flags.window == 0) flags.window = part == Part::kOnly ? kDefaultWindow : kWindowOfTwo;
+  std::optional<FolderLock> lock;
+  const LogFiles files = FilesOf(*arguments, &lock);
+  const TimeUs patience_us =
+      part == Part::kFirst ? ToUs(arguments->Get<double>("second-after")) : 0;
 
-  RecorderProcess process(flags.identity, flags.window, flags.seal);
-  for (const std::string& earlier : arguments->All("after")) {
+  RecorderProcess process(flags.identity, flags.window, flags.seal, part, patience_us);
+  for (const std::string& earlier : files.earlier) {
     if (const std::int64_t torn = CutTornTail(earlier); torn > 0) {
       Say("{}: {} bytes of a torn event cut off\n", earlier, torn);
     }
@@ -56,12 +114,14 @@ int Main(int argc, char** argv) {
       process.OnLogged(flags.seal ? WithTag(std::move(event->packet), event->tag) : event->packet);
     }
   }
-  BatchLogWriter log(arguments->Get("log"));
+  BatchLogWriter log(files.next);
   LcmTap tap;
-  for (const std::string_view name : {channel::kClock, channel::kFault, channel::kProcess}) {
+  for (const std::string_view name :
+       {channel::kClock, channel::kFault, channel::kProcess, channel::kLog, channel::kCopy}) {
     tap.heard.emplace_back(name);
   }
   tap.on_message = [&](const Packet& packet) {
+    if (packet.channel == channel::kCopy) return;
     log.Add(HostNow().wall_us, packet);
     process.OnLogged(packet);
   };

@@ -36,7 +36,7 @@ bool Recorder::OnLogged(const Packet& event, const Now& now) {
   if (!header) return false;
   sim_us_ = std::max(sim_us_, header->sim_us);
   if (header->sender == sender_.identity().name) {
-    sender_.Acknowledge(follower_.Status());
+    if (marks_ != Marks::kOfTwoRecorders) sender_.Acknowledge(follower_.Status());
     if (unrecorded_own() == 0) has_news_out_ = false;
   } else {
     news_ = true;
@@ -90,6 +90,10 @@ void Recorder::OnHeard(const Packet& packet, const Now& now) {
     return;
   }
   ++heard_packets_;
+  if (marks_ == Marks::kOfTwoRecorders && packet.channel == channel::kLog) {
+    // The second log may lack what the first one has.
+    if (const auto marks = DecodeValid<log_status_t>(packet.bytes)) sender_.Acknowledge(*marks);
+  }
   const Start start(header->sender, header->boot_id);
   if (!follower_.Contains(*header)) kept_[start].try_emplace(header->seq, packet);
   std::int64_t& heard = heard_[start];
@@ -126,6 +130,7 @@ void Recorder::Finish(std::int64_t tick, const Usage& usage, const Now& now) {
 }
 
 std::int64_t Recorder::unrecorded_own() const {
+  if (marks_ == Marks::kOfTwoRecorders) return sender_.drained() ? 0 : 1;
   const Identity& own = sender_.identity();
   return sender_.next_seq() - follower_.next_seq(own.name, own.boot_id);
 }
@@ -164,7 +169,7 @@ void Recorder::Repeat(const Now& now) {
 
 void Recorder::Step(const Now& now, std::vector<Packet>* out) {
   const TimeUs time_us = now.monotonic_us;
-  if (marks_ == Marks::kOfRecorderProcess) {
+  if (marks_ != Marks::kOwn) {
     // It writes what it hears, and says so.
   } else if (news_ && !finishing_ && unrecorded_own() < kWindow) {
     newest_status_ = sender_.Send(channel::kLog, follower_.Status(), sim_us_, now);
@@ -209,7 +214,7 @@ TimeUs Recorder::AnswerUs() const { return std::max(repeated_us_, marks_us_) + k
 TimeUs Recorder::wake_us() const {
   TimeUs wake = sender_.wake_us();
   if (owes()) wake = std::min(wake, repair_.due_us());
-  if (marks_ == Marks::kOfRecorderProcess) return wake;
+  if (marks_ != Marks::kOwn) return wake;
   wake = std::min({wake, idle_.due_us(), PokeUs()});
   if (answer_wanted_) wake = std::min(wake, AnswerUs());
   return wake;

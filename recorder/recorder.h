@@ -33,7 +33,7 @@ namespace muster::recorder {
 class Recorder {
  public:
   /// The process that tells the others what the log holds.
-  enum class Marks { kOwn, kOfRecorderProcess };
+  enum class Marks { kOwn, kOfRecorderProcess, kOfTwoRecorders };
   explicit Recorder(Identity identity, Marks marks = Marks::kOwn);
 
   /// The log's next event. Returns true when it is of this run and the log did not hold it before.

@@ -67,6 +67,18 @@ TEST(RecorderProcess, SaysWhatTheLogHoldsAtOnce) {
   EXPECT_TRUE(told.recorder.finished());
 }
 
+TEST(RecorderProcess, RepeatsItsMarksFiveTimesASecondAndDoesNotAnswerItself) {
+  Told told;
+  told.Logs("uav", 0, kMemberWindow);
+  told.Marks();
+  std::size_t said = 0;
+  for (int ms = 0; ms < 1000; ++ms) {
+    told.Marks(1'000);
+    said += told.said;
+  }
+  EXPECT_EQ(said, 5u);
+}
+
 TEST(RecorderProcess, ALoneMessageWaitsForAMoment) {
   Told told;
   told.Marks();

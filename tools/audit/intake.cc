@@ -138,7 +138,7 @@ void Intake::Take(const Packet& packet) {
   if (name == channel::kFault) Admit<fault_t>(packet);
   if (name == channel::kProcess) Admit<process_status_t>(packet);
   if (name == channel::kOrder) Admit<order_t>(packet);
-  if (name == channel::kLog) Admit<log_status_t>(packet);
+  if (name == channel::kLog || name == channel::kCopy) Admit<log_status_t>(packet);
   if (name == channel::kRequest) Admit<request_t>(packet);
   if (name == channel::kRestore) Admit<restore_t>(packet);
   if (name == channel::kAnswer) Admit<answer_t>(packet);

@@ -10,6 +10,7 @@
 #include "tools/explain/redecide_command.h"
 #include "tools/graph/graph_commands.h"
 #include "tools/host/doctor_command.h"
+#include "tools/launch/resume_command.h"
 #include "tools/launch/run_command.h"
 #include "tools/live/live_command.h"
 #include "tools/log/log_command.h"
@@ -53,6 +54,7 @@ const std::vector<Command> kCommands = {
     {"redecide", "makes a run's decisions again from its log", RedecideCommand},
     {"replay", "plays a log back over LCM", ReplayCommand},
     {"report", "makes one page of one or several runs", ReportCommand},
+    {"resume", "goes on with a mission whose launcher has gone", ResumeCommand},
     {"road", "closes or opens roads of a running mission", RoadCommand},
     {"zone", "adds or lifts a zone that UAVs keep out of in a running mission", ZoneCommand},
     {"run", "runs a mission as processes over LCM", RunCommand},

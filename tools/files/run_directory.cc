@@ -48,6 +48,14 @@ RunDirectory RunDirectory::MakeNew(const std::string& root, const std::string& s
   }
 }
 
+RunDirectory RunDirectory::Open(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    throw InputError(fmt::format("{}: no such run directory", path));
+  }
+  return RunDirectory(path);
+}
+
 std::string RunDirectory::File(std::string_view name) const {
   return (fs::path(path_) / name).string();
 }

@@ -17,6 +17,9 @@ class RunDirectory {
   /// launchers may do so at the same time.
   static RunDirectory MakeNew(const std::string& root, const std::string& stem);
 
+  /// One that there is, of a mission that goes on. Throws InputError when it is no folder.
+  static RunDirectory Open(const std::string& path);
+
   const std::string& path() const { return path_; }
   std::string File(std::string_view name) const;
   /// Writes a whole file or, on failure (SystemError), none.

@@ -60,10 +60,11 @@ Host ReadHost(const ObjectReader& object) {
   return host;
 }
 
-/// The text as one word of a POSIX shell.
-std::string Quoted(std::string_view text) {
+}  // namespace
+
+std::string QuotedForShell(std::string_view word) {
   std::string quoted = "'";
-  for (const char c : text) {
+  for (const char c : word) {
     if (c == '\'') {
       quoted += "'\\''";
     } else {
@@ -72,8 +73,6 @@ std::string Quoted(std::string_view text) {
   }
   return quoted + "'";
 }
-
-}  // namespace
 
 const Host* HostList::Of(std::string_view process) const {
   for (const Host& host : hosts) {
@@ -167,7 +166,7 @@ ChildSpec OnHost(const Host& host, ChildSpec spec) {
     return spec;
   }
   std::string command;
-  for (const std::string& word : spec.argv) command += Quoted(word) + " ";
+  for (const std::string& word : spec.argv) command += QuotedForShell(word) + " ";
   // The remote end of stdin closes when ssh ends in any way: then the program is told to stop.
   // A key comes first; the shell's own read and echo keep it out of every command line.
   const std::string start =
@@ -183,7 +182,7 @@ ChildSpec OnHost(const Host& host, ChildSpec spec) {
                "-o",           "BatchMode=yes",
                "-o",           "ServerAliveInterval=5",
                "-o",           "ConnectTimeout=10",
-               host.ssh,       "sh -c " + Quoted(remote)};
+               host.ssh,       "sh -c " + QuotedForShell(remote)};
   spec.hold_stdin = true;
   return spec;
 }

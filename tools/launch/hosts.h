@@ -45,6 +45,9 @@ HostList LoadHosts(const std::string& file);
 void CheckHosts(const HostList& list, const std::string& file,
                 const std::vector<std::string>& processes, const FaultPlan& faults);
 
+/// A word as a shell takes it unchanged.
+std::string QuotedForShell(std::string_view word);
+
 /// The same program, started on that host. argv[0] and its arguments reach it unchanged,
 /// special characters included. Over ssh, the program ends when its ssh ends, and ssh with it.
 ChildSpec OnHost(const Host& host, ChildSpec spec);

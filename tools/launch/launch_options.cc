@@ -98,6 +98,9 @@ void AddLaunchOptions(Options* options) {
             "processors (docs/guide/running.md)")
       .OneOf({"lcm", "muster"})
       .Default("muster");
+  options->Add("second-log", "FOLDER",
+               "A second recorder writes the whole log there too: on another disk, or on the host "
+               "that has recorder-2 in its list (--hosts; docs/guide/resuming.md)");
   options->Flag("take-orders",
                 "Take orders while it goes on (muster task, muster agent, muster feed; "
                 "docs/guide/orders.md)");
@@ -260,6 +263,11 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   options.rate = arguments->Get("rate");
   options.drivers = ReadDrivers(arguments->All("driver"));
   options.logger = arguments->Get("logger") == "lcm" ? Logger::kLcm : Logger::kMuster;
+  arguments->Read("second-log", &options.second_log);
+  if (!options.second_log.empty() && options.logger == Logger::kLcm) {
+    throw InputError(kCommandLine, "--second-log", "--logger lcm",
+                     "--logger muster with it: stock lcm-logger knows of no second one");
+  }
   arguments->Read("deadline", &options.deadline_ms);
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);

@@ -33,6 +33,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::map<std::string, std::string> programs;
   std::vector<DriverPlan> drivers;
   Logger logger = Logger::kMuster;
+  std::string second_log;        ///< the folder of a second recorder's; "": there is none
   bool recorded = true;          ///< false: no log is written or waited for
   bool takes_orders = false;     ///< while it goes on
   bool control = false;          ///< the live page may give them

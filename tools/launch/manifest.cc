@@ -3,9 +3,13 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/object_reader.h"
 #include "base/sha256.h"
+#include "base/text_file.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "tools/host/build_info.h"
@@ -27,6 +31,23 @@ Json TypeHashes() {
 
 }  // namespace
 
+EarlierCommand ReadManifest(const std::string& run) {
+  const std::string file = (std::filesystem::path(run) / "manifest.json").string();
+  const JsonValue manifest = ParseJson(ReadTextFile(file, "how the mission was started"), file);
+  const ObjectReader top(manifest, "", file);
+  EarlierCommand earlier;
+  for (const JsonValue& word : top.Array("command_line")) earlier.command_line.push_back(word.text);
+  if (earlier.command_line.empty() || earlier.command_line.front() != "muster run") {
+    top.Fail("command_line", top.Required("command_line", "a command line"),
+             "the command line of a mission (muster run)");
+  }
+  earlier.run_id = top.Integer("run_id", 1, std::numeric_limits<std::int64_t>::max());
+  earlier.sealed = top.Boolean("sealed", false);
+  earlier.commit = top.String("commit");
+  if (top.Has("folder")) earlier.folder = top.String("folder");
+  return earlier;
+}
+
 std::string UtcText(std::int64_t wall_us) {
   return fmt::format("{:%Y-%m-%dT%H:%M:}{:02d}.{:03d}Z",
                      fmt::gmtime(static_cast<std::time_t>(wall_us / 1'000'000)),
@@ -37,6 +58,7 @@ std::string ManifestJson(const ManifestInput& input) {
   Json manifest;
   manifest["version"] = 1;
   manifest["command_line"] = input.command_line;
+  manifest["folder"] = input.folder;
   manifest["start"] = UtcText(input.start_wall_us);
   manifest["policy"] = input.policy;
   manifest["seed"] = input.seed;

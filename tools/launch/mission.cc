@@ -33,7 +33,9 @@ class RealHost : public MissionHost {
  public:
   RealHost(const MissionPrograms& programs, LossyBus* bus, const StopSignals& stop,
            ProgressPrinter* progress)
-      : programs_(programs), hosts_(programs.hosts), bus_(bus), stop_(stop), progress_(progress) {}
+      : programs_(programs), hosts_(programs.hosts), bus_(bus), stop_(stop), progress_(progress) {
+    for (const std::string& file : programs.earlier_logs) log_files_.push_back({file});
+  }
 
   Now now() const override { return HostNow(); }
   Usage usage() const override { return HostUsage(); }
@@ -53,8 +55,9 @@ class RealHost : public MissionHost {
 
   std::string NoRoom() const override;
   void SetDiskFull(bool full) override;
+  std::int64_t log_files() const override { return std::ssize(log_files_); }
   std::optional<std::pair<Packet, std::int64_t>> NextLogged() override;
-  std::string TornTail(std::int64_t starts) const override;
+  std::string TornTail(std::int64_t file) const override;
 
   void Say(const std::string& line) override;
   void Show(const MissionView& logged, std::int64_t lag_ticks, bool at_end) override;
@@ -105,8 +108,9 @@ void RealHost::Start(const std::string& name, std::int64_t starts) {
       }
     }
     // Always a new file: behind a torn event, what follows would be hidden.
-    log_files_.push_back(
-        {starts == 0 ? programs_.log_file : fmt::format("{}.{}", programs_.log_file, starts)});
+    log_files_.push_back({log_files_.empty()
+                              ? programs_.log_file
+                              : fmt::format("{}.{}", programs_.log_file, log_files_.size())});
     spec.argv.push_back(log_files_.back().path);
   }
   if (name != process_name::kLogger) {
@@ -210,11 +214,11 @@ std::optional<std::pair<Packet, std::int64_t>> RealHost::NextLogged() {
   return {};
 }
 
-std::string RealHost::TornTail(std::int64_t starts) const {
-  const LogFile& file = log_files_[static_cast<std::size_t>(starts)];
-  if (!file.reader) return "";
-  const std::int64_t bytes = file.reader->pending_bytes() + file.reader->garbage_bytes();
-  return bytes == 0 ? "" : fmt::format("{}: {} bytes belong to no event", file.path, bytes);
+std::string RealHost::TornTail(std::int64_t file) const {
+  const auto& [path, reader] = log_files_[static_cast<std::size_t>(file)];
+  if (!reader) return "";
+  const std::int64_t bytes = reader->pending_bytes() + reader->garbage_bytes();
+  return bytes == 0 ? "" : fmt::format("{}: {} bytes belong to no event", path, bytes);
 }
 
 void RealHost::Say(const std::string& line) {

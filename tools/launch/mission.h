@@ -22,6 +22,7 @@ struct MissionPrograms {
   std::string lcm_url = {};
   std::optional<SealKey> key = {};  ///< of the mission, where it is sealed
   std::string log_file;             ///< of the first logger; the next one's is log_file.1, ...
+  std::vector<std::string> earlier_logs = {};  ///< files of a mission that goes on
 };
 
 /// Supervises the mission with real processes over LCM until its end or the first of `stop`'s

@@ -49,11 +49,12 @@ class MissionHost {
   virtual std::string NoRoom() const { return ""; }
   /// The log's disk takes no further byte, or does again.
   virtual void SetDiskFull(bool full) = 0;
-  /// The next event that is on the disk, and of which start of the logger; none now.
+  /// How many files the log has: one for each start of the logger.
+  virtual std::int64_t log_files() const = 0;
+  /// The next event that is on the disk, and of which file; none now.
   virtual std::optional<std::pair<Packet, std::int64_t>> NextLogged() = 0;
-  /// After the last event: what in the file of that start of the logger belongs to no event; "":
-  /// nothing.
-  virtual std::string TornTail(std::int64_t starts) const = 0;
+  /// After the last event: what in that file belongs to no event; "": nothing.
+  virtual std::string TornTail(std::int64_t file) const = 0;
 
   /// For the display.
   virtual void Say(const std::string& line) = 0;

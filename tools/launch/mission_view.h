@@ -27,6 +27,8 @@ class MissionView {
   bool end_announced() const { return end_announced_; }
   /// Highest state that a process has reported of itself; kStarting before.
   ProcessState StateOf(const std::string& name) const;
+  /// All processes have ended and will start again.
+  void ForgetProcesses() { states_.clear(); }
 
  private:
   std::int64_t tick_ = -1;

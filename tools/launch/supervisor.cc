@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/program.h"
-#include "base/say.h"
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
@@ -47,19 +45,13 @@ std::vector<std::string> Confirming(const MissionPlan& plan) {
 
 }  // namespace
 
-std::string_view NameOf(Logger logger) {
-  return logger == Logger::kLcm ? process_name::kLogger : process_name::kRecorder;
-}
-std::string_view LauncherNameWith(Logger logger) {
-  return logger == Logger::kLcm ? process_name::kRecorder : process_name::kLauncher;
-}
-
 Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
     : plan_(plan),
       host_(host),
-      recorder_({plan.run_id, std::string(LauncherNameWith(plan.logger)), 0},
-                plan.logger == Logger::kLcm ? recorder::Recorder::Marks::kOwn
-                                            : recorder::Recorder::Marks::kOfRecorderProcess),
+      recorder_(LauncherOf(plan), plan.logger == Logger::kLcm ? recorder::Recorder::Marks::kOwn
+                                  : plan.has_second_log
+                                      ? recorder::Recorder::Marks::kOfTwoRecorders
+                                      : recorder::Recorder::Marks::kOfRecorderProcess),
       archive_(plan.scenario, plan.run_id, plan.goes_on),
       stall_watch_(Answering(plan), plan.scenario.rules.tick_us, plan.rate),
       injector_(plan.faults, Confirming(plan)),
@@ -67,15 +59,21 @@ Supervisor::Supervisor(const MissionPlan& plan, MissionHost* host)
                   [this] { return recorder_.log().strangers(); }),
       orders_(plan.orders),
       record_(plan.run_id) {
-  members_.push_back({std::string(NameOf(plan.logger))});
-  for (const std::string& name : plan.processes) members_.push_back({name});
+  const std::string logger(NameOf(plan.logger));
+  members_.push_back({logger, plan.StartsOf(logger)});
+  for (const std::string& name : plan.processes) members_.push_back({name, plan.StartsOf(name)});
+  if (plan.has_second_log) {
+    const std::string second = process_name::kSecondRecorder;
+    members_.push_back({second, plan.StartsOf(second)});
+  }
 }
 
 bool Supervisor::Ended() const {
   // A process that has been told to stop repairs nothing, so the log comes first.
   return logged_.end_announced() && injector_.Settled(*this) && !recorder_.behind() &&
          std::all_of(members_.begin() + 1, members_.end(), [this](const Member& member) {
-           return member.gone || logged_.StateOf(member.name) == ProcessState::kEnded;
+           return member.gone || is_second(member) ||
+                  logged_.StateOf(member.name) == ProcessState::kEnded;
          });
 }
 
@@ -87,10 +85,10 @@ TimeUs Supervisor::LookUs() const {
 void Supervisor::ReadLog(const Now& now) {
   if (plan_.logger == Logger::kMuster) read_us_ = now.monotonic_us + kReadUs;
   while (const auto logged = host_->NextLogged()) {
-    const auto& [packet, start] = *logged;
+    const auto& [packet, file] = *logged;
     record_.Add(packet);
     if (plan_.on_logged) plan_.on_logged(packet);
-    if (start == members_.front().starts - 1) NoteBack(&members_.front(), now);
+    if (file == host_->log_files() - 1) NoteBack(&members_.front(), now);
     if (!recorder_.OnLogged(packet, now)) continue;
     archive_.Add(packet);
     logged_.Add(packet);
@@ -151,6 +149,10 @@ void Supervisor::Turn() {
   const std::vector<Packet> heard = host_->bus().Receive(wait_us);
   now = host_->now();
   for (const Packet& packet : heard) {
+    if (packet.channel == channel::kCopy) {  // what two recorders have to say to each other
+      stall_watch_.OnHeard(packet, now.monotonic_us);
+      continue;
+    }
     recorder_.OnHeard(packet, now);
     const std::optional<header_t> header = DecodeHeader(packet);
     if (!header || header->run_id != plan_.run_id) continue;
@@ -169,6 +171,7 @@ void Supervisor::Turn() {
 void Supervisor::OnMember(const Packet& packet, const Now& now) {
   const std::optional<header_t> header = DecodeHeader(packet);
   if (!header || header->run_id != plan_.run_id) return;
+  LookForSuccessor(*header);
   stall_watch_.OnHeard(packet, now.monotonic_us);
   const auto member = std::find_if(members_.begin(), members_.end(),
                                    [&](const Member& m) { return m.name == header->sender; });
@@ -182,10 +185,13 @@ void Supervisor::AnswerFromArchive(const Packet& packet, const Now& now) {
   const auto request = DecodeValid<request_t>(packet.bytes);
   if (!request || request->header.run_id != plan_.run_id) return;
   std::vector<answer_t> answers = archive_.Answer(*request, now.monotonic_us);
-  if (!answers.empty() && !archive_.AnswersAtOnce(*request)) {
+  const header_t& asker = request->header;
+  // When a mission goes on from its log, nobody else can answer.
+  const bool is_news = asker.boot_id > plan_.StartsOf(asker.sender);
+  if (!answers.empty() && (is_news || plan_.starts.empty()) && !archive_.AnswersAtOnce(*request)) {
     Say(fmt::format(
         "no process answered {} about {}: the launcher answered with what it had heard last",
-        request->header.sender, request->channel));
+        asker.sender, request->channel));
   }
   for (answer_t& answer : answers) recorder_.Answer(std::move(answer), now);
 }
@@ -315,7 +321,9 @@ void Supervisor::Announce(EventKind kind, std::string detail, const Now& now) {
 void Supervisor::NoteBack(Member* member, const Now& now) {
   if (!member->back_due) return;
   member->back_due = false;
-  Say(fmt::format("{} is back", member->name));
+  if (member->starts - 1 > plan_.StartsOf(member->name)) {
+    Say(fmt::format("{} is back", member->name));
+  }
   Announce(EventKind::kProcessBack, fmt::format("{}, start {}", member->name, member->starts - 1),
            now);
 }
@@ -373,7 +381,7 @@ void Supervisor::TellRecorder(const Member& ended, const Now& now) {
 
 bool Supervisor::CanDoWithout(const Member& member) const {
   if (is_logger(member) || member.name == process_name::kWorld) return false;
-  if (plan_.goes_on) return true;
+  if (plan_.goes_on || is_second(member)) return true;
   // Of several schedulers one is enough.
   return process_name::IsOneOfSchedulers(member.name) &&
          std::any_of(members_.begin(), members_.end(), [&](const Member& other) {
@@ -401,12 +409,12 @@ bool Supervisor::KeepAlive() {
 
 void Supervisor::CloseLog() {
   ReadLog(host_->now());
-  const std::int64_t starts = members_.front().starts;
-  for (std::int64_t start = 0; start < starts; ++start) {
-    std::string text = host_->TornTail(start);
+  const std::int64_t files = host_->log_files();
+  for (std::int64_t file = 0; file < files; ++file) {
+    std::string text = host_->TornTail(file);
     if (text.empty()) continue;
     // A logger that was killed leaves a torn event; all of it is in the next file.
-    if (start == starts - 1) {
+    if (file == files - 1) {
       record_.NoteDamage(std::move(text));
     } else {
       record_.NoteTornTail(std::move(text));
@@ -416,6 +424,7 @@ void Supervisor::CloseLog() {
 
 MissionResult Supervisor::Run() {
   MissionResult result;
+  if (!plan_.starts.empty()) ReadEarlierLog();
   for (Member& member : members_) Start(&member);
 
   const TimeUs ready_by_us = host_->now().monotonic_us + kReadyUs;
@@ -432,10 +441,12 @@ MissionResult Supervisor::Run() {
     }
     LeaveBehind(host_->now());
     SeeToHosts(host_->now());
-    if (!KeepAlive() || NetworkIsGone()) break;
+    SeeToSecond(host_->now());
+    if (is_succeeded_ || !KeepAlive() || NetworkIsGone()) break;
     if (!ready && host_->now().monotonic_us >= ready_by_us) {
       for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-        if (logged_.StateOf(member->name) != ProcessState::kStarting) continue;
+        if (is_second(*member) || logged_.StateOf(member->name) != ProcessState::kStarting)
+          continue;
         problems_.push_back(fmt::format("no word of {} in the log within {} s", member->name,
                                         kReadyUs / kSecondUs));
       }
@@ -449,9 +460,9 @@ MissionResult Supervisor::Run() {
   stopping_ = true;
   Member& logger = members_.front();
   if (result.end == MissionEnd::kComplete && has_ended(logger)) Start(&logger);
-  std::vector<Member*> processes;
+  std::vector<Member*> processes, seconds;
   for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-    processes.push_back(&*member);
+    (is_second(*member) ? seconds : processes).push_back(&*member);
   }
   Stop(processes);
   finishing_ = true;
@@ -460,6 +471,7 @@ MissionResult Supervisor::Run() {
     recorder_.Finish(logged_.tick(), host_->usage(), host_->now());
     TurnUntil([&] { return recorder_.finished() || has_ended(logger); }, kSecondUs);
   }
+  Stop(seconds);
   Stop({&logger});
   CloseLog();
   Show(true);
@@ -471,25 +483,6 @@ MissionResult Supervisor::Run() {
   result.refused = host_->bus().refused();
   result.record = std::move(record_);
   return result;
-}
-
-int ExitCodeOf(const MissionResult& result) {
-  switch (result.end) {
-    case MissionEnd::kInterrupted:
-      return kExitInterrupted;
-    case MissionEnd::kFailed:
-      return kExitSystem;
-    case MissionEnd::kComplete:
-      break;
-  }
-  return result.without_effect.empty() && result.record.CheckComplete().complete ? kExitOk
-                                                                                 : kExitCheckFailed;
-}
-
-void PrintProblems(const MissionResult& result) {
-  for (const std::string& problem : result.problems) Say("muster: {}\n", problem);
-  for (const std::string& line : result.without_effect) Say("muster: {}\n", line);
-  if (result.end == MissionEnd::kInterrupted) Say("muster: interrupted\n");
 }
 
 MissionResult Supervise(const MissionPlan& plan, MissionHost* host) {

@@ -44,11 +44,16 @@ struct MissionPlan {
   FaultPlan faults = {};
   /// Called with every event of the log, as it is read; it must return soon.
   std::function<void(const Packet&)> on_logged = {};
-  bool goes_on = false;  ///< without agent processes and scheduler when they are lost
+  bool has_second_log = false;  ///< of process_name::kSecondRecorder
+  bool goes_on = false;         ///< without agent processes and scheduler when they are lost
   TimeUs lost_after_us =
       5 * kSecondUs;  ///< a process that is silent for longer after the end is not waited for
   OrderGate* orders = nullptr;  ///< where orders come in; null: nowhere
   double rate = 0;              ///< mission seconds per wall second; 0: as fast as it goes
+  /// How often each sender has started before, in a mission that goes on from its log.
+  std::map<std::string, std::int64_t> starts = {};
+
+  std::int64_t StartsOf(const std::string& sender) const;
 };
 
 enum class MissionEnd {
@@ -66,6 +71,9 @@ struct MissionResult {
   std::int64_t repeated_bytes = 0;  ///< of their copies in the log
   RunRecord record;                 ///< of all that the log holds
 };
+
+/// The launcher as it speaks in that mission.
+Identity LauncherOf(const MissionPlan& plan);
 
 /// The exit code of a mission: 0, 3 failed, 4 something is missing in its log or a fault hit
 /// nothing, 130 interrupted.

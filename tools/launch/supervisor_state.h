@@ -24,7 +24,7 @@
 
 namespace muster::tools {
 
-/// One mission from start to end: what Supervise() does. Of supervisor.cc and supervisor_waits.cc.
+/// One mission from start to end: what Supervise() does. Of supervisor*.cc.
 class Supervisor : private FaultActions {
  public:
   Supervisor(const MissionPlan& plan, MissionHost* host);
@@ -42,6 +42,8 @@ class Supervisor : private FaultActions {
   bool TurnUntil(Condition done, TimeUs longest_us);
   /// Notes the sender of a message of this mission.
   void OnMember(const Packet& packet, const Now& now);
+  /// Whether the message shows that another launcher has taken this one's place.
+  void LookForSuccessor(const header_t& header);
   /// Reports now and then what a mission waits for that has not begun, or has ended.
   void SayWait(const Now& now);
   /// The processes and messages that a mission that has ended still waits for.
@@ -51,6 +53,8 @@ class Supervisor : private FaultActions {
   /// Moves the processes of hosts from which nothing is heard any more to their standbys.
   void SeeToHosts(const Now& now);
   void MoveToStandby(const std::string& name);
+  /// Says that the second log will have a hole when its recorder is silent for long.
+  void SeeToSecond(const Now& now);
   /// Whether the mission may go on when that member has ended for good, or never ends.
   bool CanDoWithout(const Member& member) const;
   /// Gives up, after the end, messages that no process can send again.
@@ -61,9 +65,15 @@ class Supervisor : private FaultActions {
   /// How long at most to wait for packets before it looks at the log again.
   TimeUs LookUs() const;
   void ReadLog(const Now& now);
+  /// What was logged before this launcher started. Everybody has ended since.
+  void ReadEarlierLog();
   void AnswerFromArchive(const Packet& request, const Now& now);
   void Show(bool at_end);
   bool is_logger(const Member& member) const { return &member == &members_.front(); }
+  /// The second recorder: the mission can do without it, and it goes last but for the logger.
+  static bool is_second(const Member& member) {
+    return member.name == process_name::kSecondRecorder;
+  }
   void Start(Member* member);
   /// Looks for members that should be there and are not, and starts again those whose time has
   /// come. False: one has ended for good.
@@ -77,7 +87,9 @@ class Supervisor : private FaultActions {
   /// What the world tells of a process.
   void SayOfProcess(const event_t& said);
   void SayOfDriver(const event_t& said);
-  void Say(const std::string& line) { host_->Say(line); }
+  void Say(const std::string& line) {
+    if (!reads_earlier_) host_->Say(line);
+  }
   Member* Find(const std::string& name);
   SentPacket Publish(const fault_t& fault) override;
   void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
@@ -127,6 +139,10 @@ class Supervisor : private FaultActions {
   TimeUs heartbeat_us_ = 0;
   TimeUs foreign_us_ = 0;
   std::uint64_t foreign_sent_ = 0;
+  bool reads_earlier_ = false;
+  bool is_second_lost_ = false;
+  std::int64_t later_seq_ = -1;  ///< a number of a later launcher's
+  bool is_succeeded_ = false;
   bool stopping_ = false;
   bool finishing_ = false;
 };

@@ -21,7 +21,10 @@ constexpr TimeUs kHostGoneUs = 10 * kSecondUs;
 std::string Supervisor::Open() const {
   std::vector<std::string> open;
   for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-    if (member->gone || logged_.StateOf(member->name) == ProcessState::kEnded) continue;
+    if (member->gone || is_second(*member) ||
+        logged_.StateOf(member->name) == ProcessState::kEnded) {
+      continue;
+    }
     open.push_back(fmt::format("{} to say that it has ended", member->name));
   }
   if (!logged_.end_announced() || recorder_.behind()) {
@@ -58,7 +61,8 @@ void Supervisor::SayWait(const Now& now) {
   } else {
     std::vector<std::string> silent;
     for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-      if (logged_.StateOf(member->name) == ProcessState::kStarting) silent.push_back(member->name);
+      if (!is_second(*member) && logged_.StateOf(member->name) == ProcessState::kStarting)
+        silent.push_back(member->name);
     }
     Say(fmt::format("the mission has not begun after {:.0f} s: it waits for {}", waited_s,
                     !silent.empty()
@@ -109,7 +113,7 @@ void Supervisor::LeaveBehind(const Now& now) {
   const TimeUs silent_us = std::max(plan_.lost_after_us, kHeartbeatsUs);
   if (end_heard_us_ == kNever || now.monotonic_us < end_heard_us_ + silent_us) return;
   for (auto member = members_.begin() + 1; member != members_.end(); ++member) {
-    if (member->gone || !CanDoWithout(*member) ||
+    if (member->gone || is_second(*member) || !CanDoWithout(*member) ||
         logged_.StateOf(member->name) == ProcessState::kEnded ||
         stall_watch_.SilentUs(member->name, now.monotonic_us) < silent_us) {
       continue;

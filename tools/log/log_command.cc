@@ -16,6 +16,7 @@
 #include "tools/log/export.h"
 #include "tools/log/log_edit.h"
 #include "tools/log/log_info.h"
+#include "tools/log/log_merge.h"
 #include "tools/log/log_orders.h"
 
 namespace muster::tools {
@@ -39,6 +40,19 @@ int Info(int argc, const char* const* argv) {
   return kExitOk;
 }
 
+/// Says what is missing in a log; returns the exit code.
+int SayGaps(const std::string& log) {
+  int code = kExitOk;
+  for (const auto& [key, sender] : ReadLogInfo(log).senders) {
+    for (const IntervalSet::Range& gap : sender.Gaps()) {
+      code = kExitCheckFailed;
+      fmt::print("{} (start {}): seq {} to {} are lost\n", std::get<1>(key), std::get<2>(key),
+                 gap.first, gap.last);
+    }
+  }
+  return code;
+}
+
 int Repair(int argc, const char* const* argv) {
   Options options =
       MakeOptions(argv[0], "Writes one clean log from a damaged one, from copies or from parts.");
@@ -51,13 +65,29 @@ int Repair(int argc, const char* const* argv) {
   const EditResult result = RepairLog(&source, out);
   fmt::print("{}: {} of {} messages, {} bytes of garbage left out\n", out, result.written,
              result.read, source.garbage_bytes());
-  for (const auto& [key, sender] : ReadLogInfo(out).senders) {
-    for (const IntervalSet::Range& gap : sender.Gaps()) {
-      fmt::print("{} (start {}): seq {} to {} are lost\n", std::get<1>(key), std::get<2>(key),
-                 gap.first, gap.last);
-    }
-  }
+  SayGaps(out);
   return kExitOk;
+}
+
+int Merge(int argc, const char* const* argv) {
+  Options options(argv[0],
+                  "Makes one log of several of the same mission, such as those of two recorders. "
+                  "Exit code 4 if a message is in none of them.");
+  options.Positional("run", "RUN RUN...").Repeated().Required("run directories or log files");
+  options.Out("FILE", "New log file").Required("a new path");
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  const std::vector<std::string> runs = arguments->All("run");
+  const std::string out = arguments->Get("out");
+  const MergeResult result = MergeLogs(runs, out);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    fmt::print("{}: {} messages{}\n", runs[i], result.added[i],
+               i == 0 ? "" : " that those before it lack");
+  }
+  const int code = SayGaps(out);
+  fmt::print("{}: {} messages, {}\n", out, result.written,
+             code == kExitOk ? "no gap in any sender's numbers" : "with gaps");
+  return code;
 }
 
 int Cut(int argc, const char* const* argv) {
@@ -157,12 +187,13 @@ int LogCommand(int argc, const char* const* argv) {
   static const std::vector<Command> commands = {
       {"info", "sums a log up by channel and sender", Info},
       {"repair", "writes one clean log from a damaged one, from copies or from parts", Repair},
+      {"merge", "makes one log of those of two recorders", Merge},
       {"cut", "copies the part between two mission times", Cut},
       {"orders", "prints the orders that a mission took", Orders},
       {"export", "to CSV, GeoJSON or MCAP", Export},
   };
-  return RunCommandOf(argv[0], "Sums up, repairs, cuts and exports the logs of runs", commands,
-                      argc, argv);
+  return RunCommandOf(argv[0], "Sums up, repairs, merges, cuts and exports the logs of runs",
+                      commands, argc, argv);
 }
 
 }  // namespace muster::tools

@@ -30,10 +30,16 @@ bool IsSame(const Person& a, const Person& b) {
 
 }  // namespace
 
-PersonsDesk::PersonsDesk(std::string file, std::int64_t run_id, std::int64_t wall_us)
-    : file_(std::move(file)), run_id_(run_id), looked_us_(wall_us), wall_us_(wall_us) {
+PersonsDesk::PersonsDesk(std::string file, std::int64_t run_id, std::int64_t wall_us,
+                         SigningKey key)
+    : file_(std::move(file)), run_id_(run_id), key_(key), looked_us_(wall_us), wall_us_(wall_us) {
   mark_ = Mark();
   listed_ = ReadPersons(file_);
+}
+
+void PersonsDesk::GoOn(const std::vector<Person>& persons, std::int64_t start) {
+  for (const Person& person : persons) told_[person.name] = person;
+  ids_ = fmt::format("{}.", start);
 }
 
 std::string PersonsDesk::Mark() const {
@@ -62,7 +68,7 @@ world::PlannedOrder PersonsDesk::OrderOf(const Person& person) {
   if (!person.key.empty()) json["key"] = person.key;
   if (!person.why.empty()) json["why"] = person.why;
   world::PlannedOrder planned{ParseOrder(json.dump(), "order"), json.dump()};
-  planned.order.id = fmt::format("person:{}:{}", person.name, ++n_);
+  planned.order.id = fmt::format("person:{}:{}{}", person.name, ids_, ++n_);
   planned.order.issuer = kLauncherPerson;
   told_[person.name] = person;
   return planned;

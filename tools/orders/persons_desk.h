@@ -30,8 +30,13 @@ class NotAllowed : public std::runtime_error {
 /// gave it. The file is read again when it changes: who is taken out of it may do nothing more.
 class PersonsDesk {
  public:
-  /// Throws InputError where the file is not right.
-  PersonsDesk(std::string file, std::int64_t run_id, std::int64_t wall_us);
+  /// Signs with `key`. Throws InputError where the file is not right.
+  PersonsDesk(std::string file, std::int64_t run_id, std::int64_t wall_us, SigningKey key);
+  /// For the launcher's `start`-th start after the first, of a mission that was told of `persons`.
+  void GoOn(const std::vector<Person>& persons, std::int64_t start);
+
+  /// The secret key that it signs with.
+  std::string Secret() const { return key_.Secret(); }
 
   /// What the mission is to know when it begins: an order for the launcher and for each person.
   std::vector<world::PlannedOrder> Planned();
@@ -57,12 +62,13 @@ class PersonsDesk {
 
   const std::string file_;
   const std::int64_t run_id_;
-  const SigningKey key_ = SigningKey::Fresh();
+  const SigningKey key_;
   std::vector<ListedPerson> listed_;
   std::map<std::string, Person> told_;  ///< to the mission, by name
   std::string mark_;
   std::int64_t looked_us_ = 0, wall_us_ = 0;
-  int n_ = 0;  ///< orders of its own so far
+  std::string ids_;  ///< what the numbers of its own orders begin with
+  int n_ = 0;        ///< orders of its own so far
 };
 
 }  // namespace muster::tools

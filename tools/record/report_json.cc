@@ -158,6 +158,7 @@ ordered_json Processes(const RunRecord& record) {
     std::int64_t received = 0, lost = 0, rejected = 0, resent = 0, rss = 0;
     double cpu_s = 0;
     const process_status_t* newest = nullptr;
+    int starts = 0;
     for (; it != record.processes().end() && it->first.first == name; ++it) {
       const process_status_t& status = it->second;
       received += status.received;
@@ -167,6 +168,7 @@ ordered_json Processes(const RunRecord& record) {
       cpu_s += status.cpu_s;
       rss = std::max(rss, status.rss_bytes);
       newest = &status;
+      ++starts;
     }
     list.push_back({{"name", newest->name},
                     {"host", newest->host},
@@ -174,7 +176,7 @@ ordered_json Processes(const RunRecord& record) {
                     {"lost", lost},
                     {"rejected", rejected},
                     {"resent", resent},
-                    {"restarts", newest->header.boot_id},
+                    {"restarts", starts - 1},
                     {"ended", newest->state == ProcessState::kEnded},
                     {"cpu_s", Number(cpu_s)},
                     {"rss_bytes", rss}});

@@ -79,6 +79,7 @@ class VirtualHost : public MissionHost {
   }
 
   void SetDiskFull(bool full) override;
+  std::int64_t log_files() const override { return std::ssize(log_files_); }
   std::optional<std::pair<Packet, std::int64_t>> NextLogged() override;
   std::string TornTail(std::int64_t) const override { return ""; }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -116,33 +117,31 @@ class HostsRunTest : public ::testing::Test {
            {"netns", lan_.Name("room")},
            {"processes", {"world", "scheduler"}}}}}};
   }
-  Child Start(const std::vector<std::string>& more) {
-    std::vector<std::string> argv = {"/usr/bin/env",
-                                     "ip",
-                                     "netns",
-                                     "exec",
-                                     lan_.Name("base"),
-                                     MUSTER_PROGRAM,
-                                     "run",
-                                     "--hosts",
-                                     folder_.File("hosts.json"),
-                                     folder_.File("scenario.json"),
-                                     "--policy",
-                                     policy_,
-                                     "--out",
-                                     folder_.File("run")};
-    argv.insert(argv.end(), more.begin(), more.end());
-    return Child({"muster", argv, folder_.File("output")});
+  Child StartOn(const std::string& host, const std::vector<std::string>& arguments,
+                const std::string& output) {
+    std::vector<std::string> argv = {"/usr/bin/env",  "ip",          "netns", "exec",
+                                     lan_.Name(host), MUSTER_PROGRAM};
+    argv.insert(argv.end(), arguments.begin(), arguments.end());
+    return Child({"muster", argv, folder_.File(output)});
   }
-  void ExpectTheUndisturbedMission(Child* muster) {
+  Child Start(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "run",   "--hosts", folder_.File("hosts.json"), folder_.File("scenario.json"), "--policy",
+        policy_, "--out",   folder_.File("run")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return StartOn("base", arguments, "output");
+  }
+  void ExpectTheUndisturbedMission(Child* muster, const std::string& run = "run",
+                                   const std::string& output = "output") {
     ASSERT_TRUE(Eventually([&] { return muster->Poll().has_value(); }));
-    EXPECT_TRUE(muster->Poll()->clean()) << TextOf(folder_.File("output"));
+    EXPECT_TRUE(muster->Poll()->clean()) << TextOf(folder_.File(output));
     RunRecord expected;
     Simulate(json_, policy_, [&](const Packet& packet) { expected.Add(packet); });
-    const Json report = Json::parse(TextOf(folder_.File("run/report.json")));
+    const Json report = Json::parse(TextOf(folder_.File(run + "/report.json")), nullptr, false);
+    ASSERT_TRUE(report.is_object()) << TextOf(folder_.File(output));
     EXPECT_EQ(report["digest"], Digest(expected));
     EXPECT_TRUE(report["log"]["complete"].get<bool>());
-    CheckRun(folder_.File("run"), folder_.File("output"));
+    CheckRun(folder_.File(run), folder_.File(output));
   }
 
   Lan lan_{{"base", "field", "road", "room"}};
@@ -262,6 +261,57 @@ TEST_F(HostsRunTest, WithoutASchedulerAHostOfAgentsIsReplaced) {
   EXPECT_NE(TextOf(folder_.File("output")).find("host field is gone: uav, worker run on road"),
             std::string::npos)
       << TextOf(folder_.File("output"));
+}
+
+/// The launcher's host and its log are cut off for good. Its second log is on `room`, where another
+/// launcher waits. When the cable is back, the first launcher sees that it has a successor.
+TEST_F(HostsRunTest, WhenTheLaunchersHostIsGoneTheMissionGoesOnFromTheSecondLog) {
+  const auto write_hosts = [&](const std::string& file, const std::vector<std::string>& room) {
+    Json hosts = {
+        {{"name", "field"}, {"netns", lan_.Name("field")}, {"processes", {"uav", "worker"}}},
+        {{"name", "road"}, {"netns", lan_.Name("road")}, {"processes", {"vehicle"}}}};
+    if (!room.empty()) {
+      hosts.push_back({{"name", "room"}, {"netns", lan_.Name("room")}, {"processes", room}});
+    }
+    std::ofstream(folder_.File(file)) << Json{{"version", 1}, {"hosts", hosts}};
+  };
+  write_hosts("hosts.json", {"world", "recorder-2"});
+  write_hosts("later.json", {});
+  const std::string second = folder_.File("second");
+  Child muster = Start({"--rate", "1800", "--second-log", second});
+  ASSERT_TRUE(Eventually([&] { return LastTick(second + "/mission.lcm") > 50; }))
+      << TextOf(folder_.File("output"));
+  Child standby = StartOn(
+      "room", {"resume", second, "--when-gone", "--hosts", folder_.File("later.json")}, "standby");
+  lan_.Pull("base");
+  muster.Signal(SIGSTOP);  // over ssh it could start nothing elsewhere, and here it could
+  ASSERT_TRUE(Eventually([&] { return LastTick(second + "/mission.lcm.1") > 0 || standby.Poll(); }))
+      << TextOf(folder_.File("standby"));
+  lan_.PutBack("base");
+  muster.Signal(SIGCONT);
+  ExpectTheUndisturbedMission(&standby, "second", "standby");
+  ASSERT_TRUE(Eventually([&] { return muster.Poll().has_value(); }));
+  EXPECT_FALSE(muster.Poll()->clean());
+  EXPECT_NE(TextOf(folder_.File("output")).find("has gone on with another launcher: this one ends"),
+            std::string::npos)
+      << TextOf(folder_.File("output"));
+}
+
+TEST_F(HostsRunTest, AStoppedMissionIsNotTakenOver) {
+  std::ofstream(folder_.File("hosts.json")) << Json{
+      {"version", 1},
+      {"hosts",
+       {{{"name", "room"}, {"netns", lan_.Name("room")}, {"processes", {"world", "recorder-2"}}}}}};
+  const std::string second = folder_.File("second");
+  Child muster = Start({"--rate", "1800", "--second-log", second});
+  ASSERT_TRUE(Eventually([&] { return LastTick(second + "/mission.lcm") > 20; }))
+      << TextOf(folder_.File("output"));
+  Child standby = StartOn("room", {"resume", second, "--when-gone"}, "standby");
+  muster.Signal(SIGINT);
+  ASSERT_TRUE(Eventually([&] { return standby.Poll().has_value(); }));
+  EXPECT_TRUE(standby.Poll()->clean()) << TextOf(folder_.File("standby"));
+  EXPECT_NE(TextOf(folder_.File("standby")).find("this mission was stopped"), std::string::npos)
+      << TextOf(folder_.File("standby"));
 }
 
 }  // namespace

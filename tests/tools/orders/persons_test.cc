@@ -122,7 +122,7 @@ TEST_F(PersonsTest, AKeyFileIsItsOwnersAlone) {
 
 /// What is taken, and what is refused, with the reason.
 TEST_F(PersonsTest, EachMisuseIsRefusedAndNamed) {
-  PersonsDesk desk(file_, kRun, kNow);
+  PersonsDesk desk(file_, kRun, kNow, SigningKey::Fresh());
   desk.Planned();
   OrderGate gate(std::nullopt, &desk);
   const auto why = [&](const std::string& json, const std::string& token) -> std::string {
@@ -178,7 +178,7 @@ TEST_F(PersonsTest, EachMisuseIsRefusedAndNamed) {
 }
 
 TEST_F(PersonsTest, WhoIsTakenOutOfTheFileMayOrderNothingMore) {
-  PersonsDesk desk(file_, kRun, kNow);
+  PersonsDesk desk(file_, kRun, kNow, SigningKey::Fresh());
   EXPECT_EQ(desk.Planned().size(), 6U);
   EXPECT_TRUE(desk.Changes(kNow + 2'000'000).empty());
   Ordered persons = Everybody();
@@ -210,7 +210,7 @@ TEST_F(PersonsTest, WhoIsTakenOutOfTheFileMayOrderNothingMore) {
 /// The world looks at each order once more, because any program on the mission's network can send
 /// one.
 TEST_F(PersonsTest, TheWorldTakesWhatIsSignedAndNothingElse) {
-  PersonsDesk persons(file_, kRun, kNow);
+  PersonsDesk persons(file_, kRun, kNow, SigningKey::Fresh());
   const std::string lines = folder_.File("orders.jsonl");
   std::ofstream(lines) << persons.SignedLines(persons.Planned());
   Scenario scenario = Generate(PresetByName("Random_1"), 1);
@@ -295,7 +295,7 @@ TEST_F(PersonsTest, TheWorldTakesWhatIsSignedAndNothingElse) {
 }
 
 TEST_F(PersonsTest, TheServerSaysWhoMayNot) {
-  PersonsDesk desk(file_, kRun, kNow);
+  PersonsDesk desk(file_, kRun, kNow, SigningKey::Fresh());
   OrderGate gate(std::nullopt, &desk);
   LiveFeed feed("run");
   LiveServer server(0);
