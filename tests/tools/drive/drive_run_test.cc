@@ -21,7 +21,8 @@ class DriveRunTest : public MissionTest {
   static std::string DriverOf(const std::string& agent, const std::string& options = "") {
     return fmt::format("{}=python3 {} {}", agent, MUSTER_EXAMPLES "/uav.py", options);
   }
-  /// Its report.json. It is audited and decided again.
+  /// Its report.json. It is audited and decided again. Without --rate it waits for its drivers: by
+  /// default for 5 s, which may be too short for a python3 to start on a busy machine.
   Json Fly(std::vector<std::string> options, std::string* output = nullptr) {
     std::filesystem::remove_all(folder_.File("run"));
     options.insert(options.begin(), {"run", scenario_, "--quiet", "--out", folder_.File("run")});
@@ -34,9 +35,10 @@ class DriveRunTest : public MissionTest {
 
 TEST_F(DriveRunTest, OnTimeTheMissionIsTheComputedOne) {
   EXPECT_EQ(Fly({"--driver", DriverOf("uav:3"), "--driver", DriverOf("worker:4"), "--driver",
-                 DriverOf("vehicle:1")})["digest"],
+                 DriverOf("vehicle:1"), "--lost-after", "60"})["digest"],
             undisturbed_);
-  EXPECT_EQ(Fly({"--driver", DriverOf("uav:3"), "--logger", "lcm", "--drop", "0.1"})["digest"],
+  EXPECT_EQ(Fly({"--driver", DriverOf("uav:3"), "--logger", "lcm", "--drop", "0.1", "--lost-after",
+                 "60"})["digest"],
             undisturbed_);
 }
 
@@ -45,10 +47,10 @@ TEST_F(DriveRunTest, DeathsOfOurProcessesChangeNothing) {
                                                          {"scheduler", "recorder"}};
   for (const auto& [first, second] : victims) {
     SCOPED_TRACE(first);
-    EXPECT_EQ(
-        Fly({"--driver", DriverOf("uav:3"), "--fault", fmt::format("process_killed:{}@26", first),
-             "--fault", fmt::format("process_killed:{}@60.5", second)})["digest"],
-        undisturbed_);
+    EXPECT_EQ(Fly({"--driver", DriverOf("uav:3"), "--lost-after", "60", "--fault",
+                   fmt::format("process_killed:{}@26", first), "--fault",
+                   fmt::format("process_killed:{}@60.5", second)})["digest"],
+              undisturbed_);
   }
 }
 

@@ -23,10 +23,9 @@ using Json = nlohmann::json;
 
 class FaultRunTest : public MissionTest {
  protected:
-  /// The report of a mission with these faults. Where somebody is to be back in a mission that goes
-  /// on without him, `more` has a rate: as fast as it can, the mission may be over before.
+  /// The report of a mission with these faults.
   Json Run(const std::vector<std::string>& faults, const std::string& name = "run",
-           const std::vector<std::string>& more = {}) {
+           const std::vector<std::string>& more = InTime()) {
     std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File(name)};
     for (const std::string& fault : faults) arguments.insert(arguments.end(), {"--fault", fault});
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -43,7 +42,7 @@ class FaultRunTest : public MissionTest {
   void ExpectABadNetworkChangesNothing(const std::string& logger, int processes) {
     const Json report =
         Run({"loss:*@0=0.3", "duplication:*@0=0.1", "reordering:*@0=0.2", "delay:worker@60+10=3"},
-            logger, {"--logger", logger});
+            logger, InTime({"--logger", logger}));
     EXPECT_EQ(report["digest"], undisturbed_);
     // All processes' worth of three faults, and one.
     EXPECT_EQ(report["events"]["fault_applied"], 3 * processes + 1);
@@ -85,7 +84,7 @@ TEST_F(FaultRunTest, KilledStoppedAndCutOffProcessesChangeNoDecision) {
         Run({"process_killed:uav@10", "process_killed:world@30", "process_stopped:vehicle@50+0.3s",
              "partition:uav+worker|world@70+0.3s", "process_killed:scheduler@90+0.5s",
              "process_killed:lcm-logger@110"},
-            logger, {"--logger", logger});
+            logger, InTime({"--logger", logger}));
     EXPECT_EQ(report["digest"], undisturbed_);
     EXPECT_EQ(report["events"]["process_lost"], 4);
     EXPECT_EQ(report["events"]["process_back"], 4);
@@ -94,7 +93,7 @@ TEST_F(FaultRunTest, KilledStoppedAndCutOffProcessesChangeNoDecision) {
 
 TEST_F(FaultRunTest, AFullDiskHoldsTheMissionAndLosesNothing) {
   for (const std::string logger : {"muster", "lcm"}) {
-    const Json report = Run({"disk_full:lcm-logger@60+0.5s"}, logger, {"--logger", logger});
+    const Json report = Run({"disk_full:lcm-logger@60+0.5s"}, logger, InTime({"--logger", logger}));
     EXPECT_EQ(report["digest"], undisturbed_);
     EXPECT_TRUE(std::filesystem::exists(folder_.File(logger) + "/mission.lcm.1"));
   }
@@ -157,7 +156,7 @@ TEST_F(FaultRunTest, WhoIsStoppedOrCutOffForMinutesComesBack) {
 TEST_F(FaultRunTest, AMissionThatStandsSaysForWhom) {
   Muster muster(folder_, "run",
                 {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--fault",
-                 "process_stopped:vehicle@60+4s"});
+                 "process_stopped:vehicle@60+4s", "--rate", "1800"});
   EXPECT_EQ(muster.Wait(), 0) << muster.output();
   const std::string said = muster.output();
   EXPECT_NE(said.find("it waits for vehicle (silent for"), std::string::npos) << said;

@@ -16,6 +16,7 @@
 #include "base/random.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/live_log.h"
 #include "tests/tools/launch/muster_process.h"
@@ -43,8 +44,11 @@ TEST_F(LongFreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
                                    "scheduler", "launcher", "logger"};
   constexpr std::array kHeld_s = {1, 5, 20};
   std::ofstream(scenario_) << ScenarioToJson(Generate(PresetByName("Random_1"), 1));
-  Muster simulate(folder_, "simulate",
-                  {"simulate", scenario_, "--quiet", "--out", folder_.File("simulated")});
+  // A scheduler is held while it decides, too.
+  const std::string policy(scheduler::kDefaultPolicy);
+  Muster simulate(
+      folder_, "simulate",
+      {"simulate", scenario_, "--policy", policy, "--quiet", "--out", folder_.File("simulated")});
   ASSERT_EQ(simulate.Wait(), 0) << simulate.output();
   const Json expected = Report("simulated")["digest"];
   const char* const text = std::getenv("MUSTER_MISSIONS");
@@ -58,10 +62,10 @@ TEST_F(LongFreezeTest, WhoeverIsHeldAtAnyTickComesBackOrIsLeftBehind) {
     const std::int64_t at = 5 + random.Below(350);  // of 361 ticks
     SCOPED_TRACE(fmt::format("mission {}: {} held for {} s at tick {}, {}, {}", i, victim, held_s,
                              at, goes_on ? "continue" : "wait", lcm ? "lcm-logger" : "recorder"));
-    Muster muster(
-        folder_, "run",
-        {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--rate", "3600", "--on-loss",
-         goes_on ? "continue" : "wait", "--lost-after", "3", "--logger", lcm ? "lcm" : "muster"});
+    Muster muster(folder_, "run",
+                  {"run", scenario_, "--policy", policy, "--quiet", "--out", folder_.File("run"),
+                   "--rate", "3600", "--on-loss", goes_on ? "continue" : "wait", "--lost-after",
+                   "3", "--logger", lcm ? "lcm" : "muster"});
     LiveLog log(folder_.File("run"));
     const auto pid = [&] {
       if (victim == "launcher") return muster.child().pid();

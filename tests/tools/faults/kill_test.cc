@@ -15,6 +15,7 @@
 #include "lcmtypes/bus/multicast.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/faults/mission_test.h"
 #include "tests/tools/launch/live_log.h"
@@ -29,6 +30,12 @@ using Json = nlohmann::json;
 
 class KillTest : public MissionTest {
  protected:
+  /// By the default policy: its decisions take long enough for a death while one is made.
+  void KillAllByTheDefaultPolicy(const std::vector<std::string>& victims, std::uint64_t seed) {
+    const std::string policy(scheduler::kDefaultPolicy);
+    undisturbed_ = Undisturbed(policy);
+    KillAll(victims, seed, {"--policy", policy});
+  }
   /// A mission in which each of `victims` is killed at a random tick of its own.
   void KillAll(const std::vector<std::string>& victims, std::uint64_t seed,
                const std::vector<std::string>& more = {}) {
@@ -81,17 +88,18 @@ TEST_F(KillTest, World) { KillAll({"world"}, 1); }
 TEST_F(KillTest, Uav) { KillAll({"uav"}, 2); }
 TEST_F(KillTest, Worker) { KillAll({"worker"}, 3); }
 TEST_F(KillTest, Vehicle) { KillAll({"vehicle"}, 4); }
-TEST_F(KillTest, Scheduler) { KillAll({"scheduler"}, 5); }
+TEST_F(KillTest, Scheduler) { KillAllByTheDefaultPolicy({"scheduler"}, 5); }
 TEST_F(KillTest, Recorder) { KillAll({"recorder"}, 6); }
 TEST_F(KillTest, LcmLogger) { KillAll({"lcm-logger"}, 6); }
 TEST_F(KillTest, EachOnceInOneMission) {
-  KillAll({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
+  KillAllByTheDefaultPolicy({"uav", "lcm-logger", "world", "worker", "scheduler", "vehicle"}, 7);
 }
 TEST_F(KillTest, AllAtOnce) {
   const std::vector<std::string> victims = {"world",   "uav",       "worker",
                                             "vehicle", "scheduler", "lcm-logger"};
-  std::vector<std::string> arguments = {
-      "run", scenario_, "--quiet", "--out", folder_.File("run"), "--logger", "lcm"};
+  std::vector<std::string> arguments = {"run",   scenario_,           "--quiet",
+                                        "--out", folder_.File("run"), "--rate",
+                                        "1800",  "--logger",          "lcm"};
   for (const std::string& victim : victims) {
     arguments.insert(arguments.end(), {"--fault", fmt::format("process_killed:{}@80.5", victim)});
   }
@@ -144,7 +152,6 @@ TEST_F(KillTest, WhoIsFrozenIsLeftBehind) {
 
 // In the place of the frozen launcher: its log tells nobody what it holds.
 TEST_F(KillTest, WhoeverTheLogHoldsIsNotLost) {
-  undisturbed_ = Undisturbed(kQuickPolicy);
   std::vector<std::string> arguments = {"run", scenario_, "--quiet", "--out", folder_.File("run")};
   for (const std::string& argument : GoingOn()) arguments.push_back(argument);
   const std::string fault = fmt::format("process_stopped:lcm-logger@60+{}s", 4 * kSlowness);

@@ -10,7 +10,6 @@
 
 #include "model/generator.h"
 #include "model/scenario_json.h"
-#include "scheduler/policies/registry.h"
 #include "tests/base/sanitized.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
@@ -21,13 +20,17 @@ namespace muster::tools {
 /// By how much a sanitizer's build needs longer for a decision.
 inline constexpr double kSlowness = kSanitized ? 8 : 1;
 
-/// A decision of it takes milliseconds.
-inline constexpr const char* kQuickPolicy = "horizon-steps";
+/// A mission at half an hour a second: as fast as it can, it may be over before the launcher hears
+/// of the minute of a fault.
+inline std::vector<std::string> InTime(std::vector<std::string> more = {}) {
+  more.insert(more.end(), {"--rate", "1800"});
+  return more;
+}
 
 /// A mission at half an hour a second that goes on without who is silent for a second: who starts
-/// again while the mission makes up for that second has to be there before its end. Its policy is a
-/// quick one: on a busy machine others decide for longer than that second, and the scheduler would
-/// be lost.
+/// again while the mission makes up for that second has to be there before its end. Its policy has
+/// to be a quick one: on a busy machine others decide for longer than that second, and the
+/// scheduler would be lost.
 inline std::vector<std::string> GoingOn() {
   return {"--policy",     kQuickPolicy,
           "--on-loss",    "continue",
@@ -35,7 +38,8 @@ inline std::vector<std::string> GoingOn() {
           "--rate",       fmt::to_string(1800 / kSlowness)};
 }
 
-/// Missions of Random_1, and the digest that each of them has when nothing disturbs it.
+/// Missions of Random_1, and the digest that each of them has when nothing disturbs it (by
+/// kQuickPolicy, as every mission of Muster that names no policy).
 class MissionTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -44,8 +48,7 @@ class MissionTest : public ::testing::Test {
     undisturbed_ = Undisturbed();
   }
   /// The digest that the mission has by that policy when nothing disturbs it.
-  std::string Undisturbed(
-      const std::string& policy = std::string(scheduler::kDefaultPolicy)) const {
+  std::string Undisturbed(const std::string& policy = kQuickPolicy) const {
     Muster simulate(folder_, "simulate",
                     {"simulate", scenario_, "--quiet", "--policy", policy, "--out",
                      folder_.File("simulated-" + policy)});

@@ -139,18 +139,17 @@ TEST_F(RecorderRunTest, AllAtOnce) {
   for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler", "recorder"}) {
     faults.insert(faults.end(), {"--fault", fmt::format("process_killed:{}@80.5", victim)});
   }
-  EXPECT_EQ(Mission(faults)["events"]["process_lost"], 6);
+  EXPECT_EQ(Mission(InTime(faults))["events"]["process_lost"], 6);
 }
 
 TEST_F(RecorderRunTest, EverybodysPacketsAreLostAndStrangersSpeak) {
   const Json report =
-      Mission({"--fault", "loss:*@30+30=0.2", "--fault", "duplication:*@0=0.1", "--fault",
-               "corruption:recorder@20+20=0.1", "--fault", "foreign:*@10+100"});
+      Mission(InTime({"--fault", "loss:*@30+30=0.2", "--fault", "duplication:*@0=0.1", "--fault",
+                      "corruption:recorder@20+20=0.1", "--fault", "foreign:*@10+100"}));
   for (const Json& fault : report["faults"]) EXPECT_GT(fault["packets"], 0) << fault;
 }
 
 TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
-  undisturbed_ = Undisturbed(kQuickPolicy);
   std::vector<std::string> more = GoingOn();
   more.insert(more.end(),
               {"--fault", fmt::format("process_stopped:recorder@60+{}s", 4 * kSlowness)});
@@ -159,7 +158,7 @@ TEST_F(RecorderRunTest, WhomItHoldsUpIsNotLost) {
 }
 
 TEST_F(RecorderRunTest, SealsAndIsSealed) {
-  Muster muster(folder_, "run", With({"--seal", "--fault", "process_killed:recorder@60"}));
+  Muster muster(folder_, "run", With(InTime({"--seal", "--fault", "process_killed:recorder@60"})));
   ASSERT_EQ(muster.Wait(), 0) << muster.output();
   EXPECT_EQ(Report()["digest"], undisturbed_);
   EXPECT_NE(muster.output().find("0 packets without the right tag"), std::string::npos)

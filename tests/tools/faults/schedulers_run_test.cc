@@ -43,9 +43,9 @@ class SchedulersRunTest : public MissionTest {
 };
 
 TEST_F(SchedulersRunTest, EachOfThreeMayDie) {
-  const Json report =
-      Run({"--processes", "scheduler=3", "--fault", "process_killed:scheduler-1@30", "--fault",
-           "process_killed:scheduler-2@60", "--fault", "process_killed:scheduler-3@90"});
+  const Json report = Run(
+      InTime({"--processes", "scheduler=3", "--fault", "process_killed:scheduler-1@30", "--fault",
+              "process_killed:scheduler-2@60", "--fault", "process_killed:scheduler-3@90"}));
   EXPECT_EQ(report["digest"], undisturbed_);
   EXPECT_EQ(report["events"]["process_lost"], 3) << said_;
   EXPECT_FALSE(report["events"].contains("decisions_differ")) << said_;
@@ -53,10 +53,10 @@ TEST_F(SchedulersRunTest, EachOfThreeMayDie) {
 
 TEST_F(SchedulersRunTest, WithoutASchedulerEachProcessOfAgentsMayDie) {
   const Json report =
-      Run({"--policy", "neighbours", "--reach", "8", "--processes", "worker=2", "--fault",
-           "process_killed:uav@30", "--fault", "process_killed:worker-2@60", "--fault",
-           "process_killed:world@75", "--fault", "process_killed:vehicle@90", "--fault",
-           "loss:scheduler-1@100+20=0.4"});
+      Run(InTime({"--policy", "neighbours", "--reach", "8", "--processes", "worker=2", "--fault",
+                  "process_killed:uav@30", "--fault", "process_killed:worker-2@60", "--fault",
+                  "process_killed:world@75", "--fault", "process_killed:vehicle@90", "--fault",
+                  "loss:scheduler-1@100+20=0.4"}));
   EXPECT_EQ(report["digest"], Undisturbed("neighbours:reach=8"));
   EXPECT_EQ(report["events"]["process_lost"], 4) << said_;
   EXPECT_FALSE(report["events"].contains("decisions_differ")) << said_;

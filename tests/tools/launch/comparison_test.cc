@@ -5,10 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "scheduler/policies/registry.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
@@ -30,8 +32,9 @@ class Comparison : public ::testing::Test {
 
   /// report.json of `muster COMMAND SCENARIO MORE...`.
   Json Report(const std::string& command, const std::string& scenario,
-              const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {command, scenario, "--out", folder_.File(command)};
+              const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {command, scenario, "--policy",
+                                          policy_, "--out",  folder_.File(command)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Muster muster(folder_, command, arguments);
     EXPECT_EQ(muster.Wait(), 0) << muster.output();
@@ -40,7 +43,7 @@ class Comparison : public ::testing::Test {
 
   void ExpectTheSame(const std::string& scenario,
                      const std::vector<std::string>& more_for_run = {}) {
-    const Json simulated = Report("simulate", scenario);
+    const Json simulated = Report("simulate", scenario, {});
     const Json ran = Report("run", scenario, more_for_run);
     ASSERT_TRUE(simulated.is_object() && ran.is_object());
     EXPECT_GT(simulated["tasks_done"], 0);
@@ -59,13 +62,19 @@ class Comparison : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::string policy_ = kQuickPolicy;
 };
+
+/// The default policy, and four that take a twentieth of its time or less.
+constexpr std::string_view kPolicies[] = {scheduler::kDefaultPolicy, kQuickPolicy, "certified",
+                                          "mpq", "kwta"};
 
 class ComparisonBySeed : public Comparison, public ::testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Random1, ComparisonBySeed, ::testing::Range(1, 6),
                          [](const auto& seed) { return "Seed" + std::to_string(seed.param); });
 
 TEST_P(ComparisonBySeed, RunAndSimulateDecideTheSame) {
+  policy_ = kPolicies[GetParam() - 1];
   ExpectTheSame(Generated("Random_1", static_cast<std::uint64_t>(GetParam())));
 }
 
@@ -76,7 +85,10 @@ TEST_F(Comparison, EveryProcessLosingThirtyPercentChangesNothing) {
 }
 
 using LongComparison = Comparison;
-TEST_F(LongComparison, OnTheLargestPreset) { ExpectTheSame(Generated("Random_29", 1)); }
+TEST_F(LongComparison, OnTheLargestPreset) {
+  policy_ = scheduler::kDefaultPolicy;
+  ExpectTheSame(Generated("Random_29", 1));
+}
 
 }  // namespace
 }  // namespace muster::tools

@@ -22,6 +22,7 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "recorder/log_follower.h"
+#include "scheduler/policies/registry.h"
 #include "tests/lcmtypes/test_network.h"
 #include "tests/tools/launch/muster_process.h"
 #include "tests/tools/launch/process_test_util.h"
@@ -97,7 +98,7 @@ class RunTest : public ::testing::Test {
 };
 
 TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
-  Muster muster = Start({});
+  Muster muster = Start({"--policy", std::string(scheduler::kDefaultPolicy)});
   ASSERT_EQ(muster.Wait(), 0) << muster.output();
   for (const char* name :
        {"mission.lcm", "scenario.json", "manifest.json", "report.json", "world.stderr",
@@ -120,6 +121,15 @@ TEST_F(RunTest, WholeMissionLeavesACompleteLogAndReport) {
   EXPECT_NE(TextOf(folder_.File("run.output.audit")).find("passed: every rule holds"),
             std::string::npos);
   EXPECT_NE(TextOf(folder_.File("run.output.redecide")).find("bit for bit"), std::string::npos);
+}
+
+TEST_F(RunTest, WithoutAPolicyTheDefaultOneDecides) {
+  // Not a Muster, which would name one.
+  const std::string said = folder_.File("said");
+  Child muster({"run", MusterArgv({"run", scenario_, "--limit", "10", "--out", Out()}), said});
+  ASSERT_TRUE(Eventually([&] { return muster.Poll().has_value(); }));
+  EXPECT_TRUE(muster.Poll()->clean()) << TextOf(said);
+  EXPECT_EQ(Report()["policy"], std::string(scheduler::kDefaultPolicy));
 }
 
 TEST_F(RunTest, StockLcmLoggerLeavesTheSame) {

@@ -30,10 +30,11 @@ class FeedsRunTest : public MissionTest {
     std::ofstream(here_) << scenario;
     fs::create_directory(folder_.File("inbox"));
   }
+  /// An hour. Slow enough for a task that a feed adds at once not to be done before the next one.
   void Start(const std::string& rate) {
     mission_.emplace(folder_, "mission",
                      std::vector<std::string>{"run", here_, "--quiet", "--take-orders", "--rate",
-                                              rate, "--out", Run()});
+                                              rate, "--limit", "60", "--out", Run()});
     ASSERT_TRUE(Eventually([&] { return fs::exists(Run() + "/orders.sock"); }))
         << mission_->output();
   }
@@ -61,7 +62,7 @@ class FeedsRunTest : public MissionTest {
 };
 
 TEST_F(FeedsRunTest, AlertsAreTakenOnceChangedAndCancelled) {
-  Start("600");
+  Start("200");
   const std::vector<std::string> look = {folder_.File("inbox"), "--format", "cap"};
   Write("1.xml", "Alert", "1", "", "Extreme");
   EXPECT_EQ(Feed(look), "1 taken, 0 refused\n");
@@ -107,7 +108,7 @@ TEST_F(FeedsRunTest, AServerIsAskedAgainUntilTheMissionEnds) {
   const int port = server.bind_to_any_port("127.0.0.1");
   std::thread serving([&] { server.listen_after_bind(); });
   std::ofstream(folder_.File("token")) << "secret\n";
-  Start("1200");
+  Start("400");
   const std::string output =
       Feed({fmt::format("http://127.0.0.1:{}/data.json", port), "--format", "kobo", "--every",
             "0.3", "--token-file", folder_.File("token"), "--task-name", "what"});
@@ -143,7 +144,7 @@ TEST_F(FeedsRunTest, EveryPageOfAFormIsReadFromTheServerThatWasNamed) {
   const int port = server.bind_to_any_port("127.0.0.1");
   host = fmt::format("127.0.0.1:{}", port);
   std::thread serving([&] { server.listen_after_bind(); });
-  Start("1200");
+  Start("400");
   EXPECT_EQ(Feed({"http://" + host + "/data.json", "--format", "kobo"}), "3 taken, 0 refused\n");
   EXPECT_NE(Feed({"http://" + host + "/elsewhere.json", "--format", "kobo"})
                 .find("it links to another server: http://192.0.2.1/data.json"),
@@ -158,7 +159,7 @@ TEST_F(FeedsRunTest, EveryPageOfAFormIsReadFromTheServerThatWasNamed) {
 }
 
 TEST_F(FeedsRunTest, RowsAreTakenOnceAndFollowTheirTable) {
-  Start("600");
+  Start("200");
   const auto table = [&](const std::string& rows) {
     std::ofstream(folder_.File("cases.csv")) << "case,lat,lon,what,priority\n" << rows;
   };

@@ -44,7 +44,8 @@ class OrdersRunTest : public MissionTest {
 
 TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
   Muster mission(folder_, "mission",
-                 {"run", scenario_, "--quiet", "--take-orders", "--rate", "1200", "--out", Run()});
+                 {"run", scenario_, "--quiet", "--take-orders", "--rate", "400", "--limit", "60",
+                  "--out", Run()});
   ASSERT_TRUE(Eventually([&] { return fs::exists(Run() + "/orders.sock"); })) << mission.output();
   std::string output;
   EXPECT_EQ(Command({"task", "add", Run(), "--at", "3,4", "--priority", "emergency", "--due-in",
@@ -135,8 +136,8 @@ TEST_F(OrdersRunTest, AnyDeathInTheMiddleChangesNothing) {
     SCOPED_TRACE(first);
     fs::remove_all(Run());
     Muster mission(folder_, "mission",
-                   {"run", scenario_, "--quiet", "--orders", orders, "--out", Run(), "--fault",
-                    fmt::format("process_killed:{}@26", first), "--fault",
+                   {"run", scenario_, "--quiet", "--orders", orders, "--out", Run(), "--rate",
+                    "1800", "--fault", fmt::format("process_killed:{}@26", first), "--fault",
                     fmt::format("process_killed:{}@60.5", second)});
     ASSERT_EQ(mission.Wait(), 0) << mission.output();
     EXPECT_EQ(Report()["digest"], Report("calm")["digest"]) << mission.output();
