@@ -247,7 +247,9 @@ std::vector<Packet> RoadPackets(Scenario* at_end) {
 
 /// What orders have added is there, at its place, and the room for more is not.
 TEST_F(LogTest, ExportsHoldWhatOrdersAddedAndNotTheRoomForMore) {
-  Scenario scenario = Generate(PresetByName("Random_1"), 1);
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 20 * kMinuteUs;  // the orders come at 5 min
+  Scenario scenario = Generate(settings, 1);
   scenario.origin = Origin{18.5, -72.3};
   const std::size_t tasks = scenario.tasks.size(), uavs = scenario.uavs.size();
   AddRoom({5, {4, 4, 4}}, &scenario);
