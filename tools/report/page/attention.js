@@ -111,7 +111,21 @@ export function troubleOf({ kind, status, range, fullRange }, t, since, nearest)
     : { kind: "range", harm: -range / fullRange, note: `${km(range)} of ${km(fullRange)} left` };
 }
 
+/** Kept until another time is asked for: the first panel and the map both ask. */
 function agentsInTrouble(run, t) {
+  const kept = run.once("agents in trouble", () => ({ t: null, found: null }));
+  if (kept.t !== t) Object.assign(kept, { t, found: findTrouble(run, t) });
+  return kept.found;
+}
+
+/** The agents that an alert names at t. */
+export function agentsWithAlerts(run, t) {
+  const found = new Set(agentsInTrouble(run, t).map(({ item }) => run.agents[item.index]));
+  for (const { a, b } of closePairs(run, t)) found.add(a).add(b);
+  return found;
+}
+
+function findTrouble(run, t) {
   return run.agents.flatMap((agent) => {
     const place = agent.kind === UAV ? placeAt(agent, t) : null;
     const known = { kind: agent.kind, status: statusAt(agent, t), range: place?.range, fullRange: agent.fullRange };
@@ -122,9 +136,10 @@ function agentsInTrouble(run, t) {
   });
 }
 
+const closePairs = (run, t) => (run.ended && t >= run.nowMs ? [] : comingClose(run, t));
+
 function nearPairs(run, t) {
-  if (run.ended && t >= run.nowMs) return [];
-  return comingClose(run, t).map(({ a, b, ...approach }) => ({ kind: "near", harm: -approach.inS, note: approachText(approach),
+  return closePairs(run, t).map(({ a, b, ...approach }) => ({ kind: "near", harm: -approach.inS, note: approachText(approach),
     item: { type: "agent", index: a.index }, text: `${a.label} and ${b.label}` }));
 }
 

@@ -1,23 +1,35 @@
 import { fit, oncePerFrame } from "./canvas.js";
+import { ClusterKeys } from "./cluster_keys.js";
+import { agentsWithRoom, apart, clusterWords, levelOf, roomIn } from "./clusters.js";
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { bindDrag } from "./drag.js";
 import { homeView } from "./home_view.js";
-import { MOST_SYMBOLS, cellWords, countCells } from "./layers/crowd.js";
-import { LAYERS, makeLegend } from "./layers/index.js";
+import { badgeOf } from "./layers/clusters.js";
+import { BELOW, STILL } from "./layers/below.js";
+import { LAYERS, PRESENT, makeLegend } from "./layers/index.js";
 import { placeOf } from "./layers/selected.js";
 import { placeWords } from "./place.js";
-import { placeAt, statusAt, taskStatusAt } from "./run.js";
+import { Present, selectedOf } from "./present.js";
 import { frameOf, linear } from "./scale.js";
 import { Sprites } from "./sprites.js";
-import { OFFLINE, UAV, UNREPORTED, VEHICLE } from "./words.js";
-import { bindZoom } from "./zoom.js";
+import { Still } from "./still.js";
+import { UAV, VEHICLE } from "./words.js";
+import { MOST, bindZoom } from "./zoom.js";
 
 const MARGIN = 26;
 const NEAR_PX = 12;
 const SOURCE_PX = 16; // of the line that says whose map it is
 const FLY_SCALE = 2;
 const FLY_MS = 350;
+const EDGE_PX = 20; // a symbol whose middle is so far outside is still seen
+const MOST_WAYS = 4000; // of more agents, the ways of those in view alone are drawn
+const AROUND = 1.3; // what a click on a cluster shows: the cluster, and some more
+
+const moved = (scale, by) => Object.assign((value) => scale(value) + by, { invert: (place) => scale.invert(place - by) });
+
+/** A map that is larger by so many pixels on each side. */
+const widened = (map, wide, high) => ({ ...map, x: moved(map.x, wide), y: moved(map.y, high), width: map.width + 2 * wide, height: map.height + 2 * high });
 
 /** The map: everything where it is at the clock's time. */
 export class MapView {
@@ -27,9 +39,19 @@ export class MapView {
     this.canvas = byId("map");
     this.tip = byId("map-tip");
     this.chosen = null; // what the user looks at; null: what is there
+    this.present = new Present(state);
     this.sprites = new Sprites();
+    this.stills = { ground: new Still(), present: new Still() };
+    this.changes = 0; // of anything but the view
+    this.clusters = [];
+    this.pointed = null; // the key of the cluster that the keyboard is at
+    this.keys = new ClusterKeys(this);
     this.fitLegend = makeLegend(byId("map-legend"));
-    this.draw = oncePerFrame(() => this.#draw());
+    this.move = oncePerFrame(() => this.#draw()); // the same from another view
+    this.draw = () => {
+      ++this.changes;
+      this.move();
+    };
     this.drops = null; // what becomes of an agent that is dropped: drops(agent, goal, place); null: agents cannot be dragged
     bindDrag(this.canvas, { grab: (event) => this.#grab(event), moved: (drag) => this.#drag(drag), dropped: (agent, event) => this.#drop(agent, event) });
     bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
@@ -43,9 +65,13 @@ export class MapView {
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
+    state.on("run data theme", () => this.stills.ground.clear());
     state.on("run data selection classes theme trails differ layers", this.draw);
     state.on("run data", () => this.#showSource());
-    document.addEventListener("basemap", this.draw);
+    document.addEventListener("basemap", () => {
+      this.stills.ground.clear();
+      this.draw();
+    });
     new ResizeObserver(this.draw).observe(this.canvas);
   }
 
@@ -73,7 +99,7 @@ export class MapView {
   #look(view) {
     this.gliding = null;
     this.view = view;
-    this.draw();
+    this.move();
   }
 
   /** Takes what is selected to the middle, near enough to tell it from its neighbours. */
@@ -82,14 +108,14 @@ export class MapView {
     this.goTo(selected && placeOf(run, selected, this.clock.t));
   }
 
-  /** The same with a place in metres. */
-  goTo(place) {
+  /** The same with a place in metres, to zoom `k` where that is given. */
+  goTo(place, zoom = null) {
     const { run } = this.state;
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!place || width === 0) return;
     const { view } = this;
     const { x, y } = this.#scales(width, height, view);
-    const k = Math.max(view.k, FLY_SCALE);
+    const k = zoom ?? Math.max(view.k, FLY_SCALE);
     const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
     const { width_m: w, height_m: h } = run.scenario;
     // The area's border comes no further in than the map's, where the area is larger than the map.
@@ -99,7 +125,7 @@ export class MapView {
     const top = within(height / 2 - k * at(y, place.y, view.top), at(y, h, view.top), at(y, 0, view.top), height);
     const to = { k, left, top };
     const inView = x(place.x) > 0.15 * width && x(place.x) < 0.85 * width && y(place.y) > 0.15 * height && y(place.y) < 0.85 * height;
-    if (inView && view.k >= FLY_SCALE) return;
+    if (zoom === null && inView && view.k >= FLY_SCALE) return;
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.#look(to);
     else this.#glide(view, to, performance.now());
   }
@@ -112,7 +138,7 @@ export class MapView {
       const ease = share * (2 - share);
       const mix = (key) => from[key] + ease * (to[key] - from[key]);
       this.view = share === 1 ? to : { k: mix("k"), left: mix("left"), top: mix("top") };
-      this.draw();
+      this.move();
       if (share < 1) requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
@@ -135,10 +161,6 @@ export class MapView {
     return { x: within(x, [0, w], view.left), y: within(y, [0, h], view.top), perMetre: perMetre * view.k };
   }
 
-  #visible(agent) {
-    return this.state.classes[agent.kind];
-  }
-
   #draw() {
     const { run } = this.state;
     const { context: c, width, height } = fit(this.canvas);
@@ -154,45 +176,69 @@ export class MapView {
     const room = run.baseMap?.info.source ? height - SOURCE_PX : height;
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
-    this.#gather(x, y, t);
-    const { near, drawn, sites, cells } = this;
-    // A city's ways are drawn of those in view alone.
-    Object.assign(this.shown, { near, sites, cells, ways: drawn.length > MOST_SYMBOLS ? near : drawn });
-    for (const layer of LAYERS) {
-      if (!this.state.off.has(layer.id) && (!layer.shows || layer.shows(this.shown))) layer.draw(c, this.shown);
-    }
+    const began = performance.now();
+    if (this.present.look(t)) this.fitLegend(run);
+    Object.assign(this.shown, this.#within(0, 0), { pointed: this.pointed });
+    Object.assign(this, { near: this.shown.near, sites: this.shown.sites, points: this.shown.points, clusters: this.shown.clusters });
+    byId("map-crowd").hidden = this.clusters.length === 0;
+    const gathered = performance.now();
+    this.#paint(c);
+    this.took = { data: gathered - began, draw: performance.now() - gathered };
+    this.keys.follow();
   }
 
-  /** Finds who and what is in view, in `drawn` and `sites`; where they are too many for symbols of their own, `cells`. */
-  #gather(x, y, t) {
-    const { run } = this.state;
-    this.drawn = []; // who is not in view may have a way that is
-    this.near = [];
-    for (const agent of run.agents) {
-      if (!this.#visible(agent)) continue;
-      const status = statusAt(agent, t);
-      if (status === OFFLINE) continue;
-      const place = placeAt(agent, t);
-      if (!place) continue;
-      const one = { agent, status, place, px: x(place.x), py: y(place.y) };
-      this.drawn.push(one);
-      if (this.#inView(one.px, one.py)) this.near.push(one);
-    }
-    this.sites = [];
-    for (const task of run.tasks) {
-      const px = x(task.x);
-      const py = y(task.y);
-      const status = taskStatusAt(task, t);
-      if (status !== UNREPORTED && !this.state.off.has("tasks") && this.#inView(px, py)) this.sites.push({ task, status, px, py });
-    }
-    const crowd = this.near.length + this.sites.length > MOST_SYMBOLS;
-    this.cells = crowd ? countCells(this.near, this.sites, this.shown) : null;
-    byId("map-crowd").hidden = !crowd;
-    this.fitLegend(run);
+  #paint(c) {
+    const { shown, state: { off }, stills: { ground, present } } = this;
+    const { perMetre, r, width, height } = shown;
+    const layers = LAYERS.filter((layer) => !off.has(layer.id) && (!layer.shows || layer.shows(shown)));
+    const draw = (list, context, map = shown) => list.forEach((layer) => layer.draw(context, map));
+    const still = layers.filter((layer) => STILL.includes(layer));
+    const key = [perMetre, r, width, height, window.devicePixelRatio].join();
+    if (still.length > 1) ground.draw(c, shown, `${key} ${still.map(({ id }) => id)}`, (on, wide, high) => draw(still, on, widened(shown, wide, high)));
+    else draw(still, c); // the ground alone
+    draw(layers.filter((layer) => BELOW.includes(layer) && !still.includes(layer)), c);
+    present.draw(c, shown, `${key} ${this.changes}`, (on, wide, high) => {
+      on.save();
+      on.translate(wide, high);
+      draw(layers.filter((layer) => PRESENT.includes(layer)), on, { ...shown, ...this.#within(wide, high), ways: this.#waysWithin(wide, high) });
+      on.restore();
+    });
+    draw(layers.filter((layer) => !BELOW.includes(layer) && !PRESENT.includes(layer)), c);
+  }
+
+  /** The squares in view or at most so many pixels outside: { all, squares (those), room (for symbols in each), edges, box (in metres) }. */
+  #squaresWithin(wide, high) {
+    const { x, y, width, height, perMetre } = this.shown;
+    const level = levelOf(perMetre);
+    const all = this.present.squares(level);
+    const edges = { left: -EDGE_PX - wide, right: width + EDGE_PX + wide, top: -EDGE_PX - high, bottom: height + EDGE_PX + high };
+    const box = { west: x.invert(edges.left), east: x.invert(edges.right), south: y.invert(edges.bottom), north: y.invert(edges.top) };
+    return { all, squares: all.within(box), room: roomIn(level, perMetre), edges, box };
+  }
+
+  /** Gives an item its place on the screen. */
+  #put(item) {
+    return Object.assign(item, { px: this.shown.x(item.x), py: this.shown.y(item.y) });
+  }
+
+  /** What is there: agents as `near`, tasks as `sites`, charging `points`, and `clusters` of those that have no room. */
+  #within(wide, high) {
+    const { all, squares, room, edges: { left, right, top, bottom } } = this.#squaresWithin(wide, high);
+    const seen = squares.flatMap((square) => apart(square, room)).map((item) => this.#put(item))
+      .filter(({ px, py }) => px > left && py > top && px < right && py < bottom);
+    return { near: seen.filter(({ agent }) => agent), sites: seen.filter(({ task }) => task), points: seen.filter(({ point }) => point),
+      clusters: squares.filter(({ crowd }) => crowd.length > room).map((square) => all.clusterOf(square)) };
+  }
+
+  /** Whose ways are drawn: those that have room. Who is not there may have a way that is. */
+  #waysWithin(wide, high) {
+    const { all, squares, room, box } = this.#squaresWithin(wide, high);
+    const roomy = this.present.agents > MOST_WAYS ? agentsWithRoom(squares, room) : all.roomyAgents(room);
+    return roomy.filter((item) => this.present.wayMeets(item, box)).map((item) => this.#put(item));
   }
 
   #inView(px, py) {
-    return px > -20 && py > -20 && px < this.shown.width + 20 && py < this.shown.height + 20;
+    return px > -EDGE_PX && py > -EDGE_PX && px < this.shown.width + EDGE_PX && py < this.shown.height + EDGE_PX;
   }
 
   /**
@@ -215,7 +261,7 @@ export class MapView {
   }
 
   #grab(event) {
-    const found = this.drops && !this.picking && !this.cells ? this.#find(event) : null;
+    const found = this.drops && !this.picking ? this.#find(event) : null;
     return found?.type === "agent" ? this.state.run.agents[found.index] : null;
   }
 
@@ -250,35 +296,53 @@ export class MapView {
 
   #click(event) {
     if (this.picking && this.shown) this.picking({ x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
-    else this.state.select(this.#find(event));
+    else if (!this.#enterAt(event)) this.state.select(this.#find(event));
+  }
+
+  /** Enters the cluster at the pointer, unless a symbol is over it; whether there is one. */
+  #enterAt(event) {
+    const cluster = this.#find(event) ? null : this.#clusterAt(event);
+    if (cluster) this.enter(cluster);
+    return cluster !== null;
+  }
+
+  /** Takes the map to a cluster, so near that it parts. Where the map cannot go nearer, its members are selected in turn. */
+  enter({ box, items }) {
+    const { width, height, perMetre } = this.shown;
+    const { k } = this.view;
+    const place = { x: (box.west + box.east) / 2, y: (box.south + box.north) / 2 };
+    const fits = Math.min(width / (AROUND * (box.east - box.west)), height / (AROUND * (box.north - box.south))) / perMetre;
+    if (k < MOST) return this.goTo(place, Math.min(MOST, k * Math.max(2, fits)));
+    return this.state.select(selectedOf(this.present.after(items)));
   }
 
   /** What is nearest to the pointer, agents first; null when nothing is near. */
   #find(event) {
     if (!this.shown) return null;
-    const { run } = this.state;
-    const { x, y } = this.shown;
-    let best = null;
-    let nearest = NEAR_PX ** 2;
-    const look = (px, py, found) => {
-      const d = (px - event.offsetX) ** 2 + (py - event.offsetY) ** 2;
-      if (d < nearest) {
-        nearest = d;
-        best = found;
-      }
-    };
-    for (const { agent, px, py } of this.near) look(px, py, { type: "agent", index: agent.index });
-    if (best) return best;
-    for (const { task, px, py } of this.sites) look(px, py, { type: "task", id: task.id });
-    for (const point of run.charging) look(x(point.x), y(point.y), { type: "charge", id: point.id });
-    return best;
+    const far = ({ px, py }) => Math.hypot(px - event.offsetX, py - event.offsetY);
+    const nearest = (items) => items.reduce((best, item) => (far(item) < (best ? far(best) : NEAR_PX) ? item : best), null);
+    const found = nearest(this.near) ?? nearest([...this.sites, ...this.points]);
+    return found && selectedOf(found);
+  }
+
+  /** The clusters in view with their badges: { cluster, left, top, wide, high }. */
+  badges() {
+    return this.clusters.map((cluster) => ({ cluster, ...badgeOf(cluster, this.shown) }));
+  }
+
+  /** The cluster whose badge is at the pointer; null: none is. */
+  #clusterAt({ offsetX, offsetY }) {
+    return this.badges().find(({ left, top, wide, high }) =>
+      offsetX >= left && offsetX <= left + wide && offsetY >= top && offsetY <= top + high)?.cluster ?? null;
   }
 
   #hover(event) {
-    const found = this.cells ? null : this.#find(event);
-    const words = found ? describe(this.state.run, found, this.clock.t) : this.cells ? cellWords(this.cells, event.offsetX, event.offsetY) : "";
-    this.canvas.style.cursor = this.picking ? "crosshair" : found || words ? "pointer" : "grab";
-    if (this.shown) byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
+    if (!this.shown) return;
+    const found = this.#find(event);
+    const cluster = found ? null : this.#clusterAt(event);
+    const words = found ? describe(this.state.run, found, this.clock.t) : cluster ? clusterWords(cluster) : "";
+    this.canvas.style.cursor = this.picking ? "crosshair" : words ? "pointer" : "grab";
+    byId("map-cursor").textContent = placeWords(this.state.run, { x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
     this.#say(words, event.offsetX, event.offsetY);
   }
 

@@ -1,3 +1,5 @@
+const MOST = 3000; // that are kept
+
 /** Small pictures, drawn once and stamped often: thousands of them a frame cost little. */
 export class Sprites {
   constructor() {
@@ -15,6 +17,7 @@ export class Sprites {
   stamp(context, key, reach, x, y, draw) {
     let sprite = this.made.get(key);
     if (!sprite) {
+      if (this.made.size === MOST) this.clear();
       const ratio = window.devicePixelRatio || 1;
       const side = Math.ceil(reach) * 2;
       const canvas = new OffscreenCanvas(Math.ceil(side * ratio), Math.ceil(side * ratio));

@@ -1,5 +1,5 @@
 const LEAST = 0.8;
-const MOST = 60;
+export const MOST = 60;
 const DRAG_PX = 3;
 
 /** What is at scale 1 at x is on the screen at left + k x; y alike with top. */

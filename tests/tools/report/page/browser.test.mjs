@@ -4,7 +4,7 @@ import { spawn } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { MUSTER_PROGRAM, MUSTER_SCENARIOS, accessible, browser, file, json, muster, open, picture, raw, scrub, soon, text } from "./support.mjs";
+import { MUSTER_PROGRAM, MUSTER_SCENARIOS, browser, file, json, muster, open, picture, raw, scrub, soon, text } from "./support.mjs";
 
 test("the figures are those of report.json", async (t) => {
   const page = await open(t, "a.html");
@@ -254,29 +254,4 @@ test("a mission that runs is shown until its end, with the numbers of its report
   assert.equal(await ended, 0);
   await page.waitForFunction(() => document.getElementById("live-state").textContent === "closed");
   assert.deepEqual(wrong, []);
-});
-
-test("more than can be told apart stand together on the map until it is zoomed", async (t) => {
-  muster("scenario", "--preset", "Random_1", "--tasks", "6000", "--limit", "30", "--out", file("crowd.json"));
-  muster("simulate", file("crowd.json"), "--policy", "greedy-nearest", "--log", "--out", file("crowd"));
-  muster("report", file("crowd"), "--reasons", "0", "--out", file("crowd.html"));
-  const page = await open(t, "crowd.html", {}, "#t=600");
-  const [note, tip, map] = ["#map-crowd", "#map-tip", "#map"].map((id) => page.locator(id));
-  const box = await map.boundingBox();
-  const pointAt = (dx = 0, dy = 0) => page.mouse.move(box.x + box.width / 2 + dx, box.y + box.height / 2 + dy);
-  await soon(async () => assert.ok(await note.isVisible()));
-  await pointAt();
-  assert.match(await tip.innerText(), /^[\d, a-zA-Z]*\d+ tasks to do$/);
-  await accessible(page, "a crowd");
-  for (let i = 0; i < 2; ++i) await page.mouse.wheel(0, -500);
-  await soon(async () => assert.ok(!await note.isVisible()));
-  await soon(async () => { // what is near the pointer is one of them
-    for (let i = 0; i < 100; ++i) {
-      await pointAt(12 * (i % 10), 12 * Math.floor(i / 10));
-      if (await tip.isVisible() && /^(task|uav:|worker:|vehicle:|charging)/.test(await tip.innerText())) return;
-    }
-    assert.fail("nothing is told alone");
-  });
-  await page.locator("#map-reset").click();
-  await soon(async () => assert.ok(await note.isVisible()));
 });

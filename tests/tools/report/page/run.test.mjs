@@ -6,7 +6,6 @@ import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
 import { Altitudes, nearestPairs } from "../../../../tools/report/page/air.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
-import { cellWords, countCells } from "../../../../tools/report/page/layers/crowd.js";
 import { closuresAt } from "../../../../tools/report/page/layers/roads.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
 import { placeLabels } from "../../../../tools/report/page/map_labels.js";
@@ -431,17 +430,6 @@ test("labels keep apart: another side where one is taken, none where all are", (
   for (const [i, a] of boxes.entries()) for (const b of boxes.slice(i + 1)) assert.ok(a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1], `${a} ${b}`);
   const crowd = placeLabels(Array.from({ length: 9 }, (_, i) => at(`${i}`, 100, 100)), () => 30, { width: 400, height: 200 });
   assert.equal(crowd.length, 4);
-});
-
-test("a crowd on the map is counted by squares", () => {
-  const at = (kind, px, py, status = 2) => ({ agent: { kind }, status, px, py });
-  const cells = countCells([at(0, 5, 5), at(0, 29, 29), at(1, 31, 5), at(2, 5, 5, 6), at(1, -3, 5), at(1, 5, 95)],
-    [{ status: 0, px: 5, py: 5 }, { status: 3, px: 5, py: 5 }], { width: 90, height: 90 });
-  assert.equal(cellWords(cells, 10, 10), "2 UAVs, 1 failed, 1 task to do");
-  assert.equal(cellWords(cells, 40, 10), "1 worker");
-  assert.equal(cellWords(cells, 80, 80), "", "nothing is there");
-  assert.equal(cellWords(cells, 95, 10), "", "outside");
-  assert.equal(cells.most, 2);
 });
 
 test("the wall's time is told where the mission kept step with it", () => {

@@ -44,7 +44,6 @@ export const agents = {
     { mark: '<circle cx="6" cy="6" r="5" class="l-dots"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: "dots: waiting" },
     { mark: '<path d="M2 2 10 10M2 10 10 2" class="l-failed"/>', words: "failed" },
   ],
-  shows: ({ cells }) => !cells,
   draw(c, { near, r, sprites }) {
     for (const kind of [2, 1, 0]) {
       for (const { agent, status, place, px, py } of near) {

@@ -5,6 +5,7 @@ const FONT = "system-ui, sans-serif";
 
 /** What a file says is there (`muster report --background`). */
 export const background = {
+  shows: ({ run }) => run.background,
   draw(c, map) {
     for (const shape of backgroundOf(map.run)) drawShape(c, shape, map);
   },

@@ -6,5 +6,8 @@ import { ground } from "./ground.js";
 import { roads } from "./roads.js";
 import { water } from "./water.js";
 
+/** Those that look the same wherever the map is moved to, the lowest first. */
+export const STILL = [ground, water, baseMap, background, roads];
+
 /** The layers of the ground, the lowest first: the map and the scene have them. */
-export const BELOW = [ground, water, baseMap, background, roads, grid, degrees];
+export const BELOW = [...STILL, grid, degrees];

@@ -17,12 +17,7 @@ export const charging = {
   id: "charging",
   title: "Charging points",
   legend: [{ mark: '<path d="M1.5 1.5h9v9h-9ZM6 4v4M4 6h4" class="l-charging"/>', words: "charging point" }],
-  shows: ({ cells }) => !cells,
-  draw(c, { run, x, y, r, sprites, inView }) {
-    for (const point of run.charging) {
-      const px = x(point.x);
-      const py = y(point.y);
-      if (inView(px, py)) sprites.stamp(c, `charging ${r}`, r * 2 + 3, px, py, (s) => mark(s, r));
-    }
+  draw(c, { points, r, sprites }) {
+    for (const { px, py } of points) sprites.stamp(c, `charging ${r}`, r * 2 + 3, px, py, (s) => mark(s, r));
   },
 };

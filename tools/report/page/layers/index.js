@@ -2,7 +2,7 @@ import { agents } from "./agents.js";
 import { baseMap } from "./base_map.js";
 import { BELOW } from "./below.js";
 import { charging } from "./charging.js";
-import { crowd } from "./crowd.js";
+import { clusters } from "./clusters.js";
 import { differences } from "./differences.js";
 import { labels } from "./labels.js";
 import { marked } from "./marked.js";
@@ -15,11 +15,14 @@ import { water } from "./water.js";
 import { ways } from "./ways.js";
 import { zones } from "./zones.js";
 
+/** Those over the ground that are the same wherever the map is moved to, the lowest first. */
+export const PRESENT = [closed, zones, trails, ways, clusters, charging, tasks, agents, differences];
+
 /**
  * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend? }. `map` is what MapView says is in view. A layer
  * without `shows` is always drawn.
  */
-export const LAYERS = [...BELOW, closed, zones, crowd, trails, charging, tasks, ways, agents, differences, selected, labels, marked, scaleBar];
+export const LAYERS = [...BELOW, ...PRESENT, selected, labels, marked, scaleBar];
 
 /** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
 const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways];

@@ -3,6 +3,7 @@ import { drawLabels } from "../map_labels.js";
 import { theme } from "../theme.js";
 import { CANCELLED, DONE } from "../words.js";
 import { baseMapNames } from "./base_map.js";
+import { badgeOf } from "./clusters.js";
 import { scaleBoxes } from "./scale_bar.js";
 import { placeOf } from "./selected.js";
 
@@ -24,11 +25,11 @@ export const labels = {
     const named = selected?.type === "agent" ? selected.index : -1;
     const agents = map.near.length > room + 1 ? map.near : map.near.filter(({ agent }) => agent.index !== named);
     const tasks = map.sites.filter(({ task, status }) => ![DONE, CANCELLED].includes(status) && !(selected?.type === "task" && selected.id === task.id));
-    if (!map.cells && agents.length <= room) {
+    if (agents.length <= room) {
       for (const { agent, px, py } of agents) put(agent.label, px, py, theme.kinds[agent.kind]);
       if (k >= 1.5 && agents.length + tasks.length <= room) for (const { task, px, py } of tasks) put(`${task.id}`, px, py, theme.muted);
     }
     for (const { text, x: px, y: py } of baseMapNames(map)) put(text, x(px), y(py), theme.muted);
-    drawLabels(c, found, map, theme.bg, scaleBoxes(map.perMetre, map.frame));
+    drawLabels(c, found, map, theme.bg, [...scaleBoxes(map.perMetre, map.frame), ...map.clusters.map((cluster) => badgeOf(cluster, map))]);
   },
 };

@@ -63,6 +63,7 @@ export const roads = {
   title: "Roads",
   legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => `road (${run.scenario.roads?.source})`,
     shows: (run) => run.scenario.roads !== undefined }],
+  shows: ({ run }) => run.scenario.roads,
   draw(c, { run, x, y }) {
     if (!run.scenario.roads) return;
     const perM = x(1) - x(0);

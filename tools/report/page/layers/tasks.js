@@ -52,7 +52,6 @@ export const tasks = {
     { id: "held", mark: '<path d="M6 1 11 6 6 11 1 6ZM5 4v4M7 4v4" class="l-task"/>', words: "held", shows: (run) => run.hasOrders },
     { id: "cancelled", mark: '<path d="M6 1 11 6 6 11 1 6ZM0 6H12" class="l-done"/>', words: "cancelled", shows: (run) => run.hasOrders },
   ],
-  shows: ({ cells }) => !cells,
   draw(c, { r, sites, sprites }) {
     for (const { status, px, py } of [...sites].sort((a, b) => b.status - a.status)) {
       sprites.stamp(c, `task${status} ${r}`, r * 2 + 3, px, py, (s) => mark(s, status, r));

@@ -18,7 +18,7 @@ export function trace(c, { x, y }, agent, from, t) {
 /** Where agents have been of late. */
 export const trails = {
   legend: [{ mark: '<path d="M1 9 12 3 23 6" class="l-trail"/>', long: true, words: "trail" }],
-  shows: ({ cells, state }) => !cells && state.trailMs > 0,
+  shows: ({ state }) => state.trailMs > 0,
   draw(c, map) {
     const { run, state, t } = map;
     c.lineWidth = 1.3;

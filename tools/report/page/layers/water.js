@@ -4,6 +4,7 @@ import { coastOf, drawCoast } from "../coast.js";
 export const water = {
   id: "water",
   title: "Water",
+  shows: ({ run }) => coastOf(run)?.water,
   draw: (c, map) => drawCoast(c, map.run, map),
   legend: [{ id: "water", mark: '<path d="M.5 .5h11v11H.5Z" class="l-water"/>', words: (run) => `water (${run.coast?.source})`,
     shows: (run) => coastOf(run)?.water }],

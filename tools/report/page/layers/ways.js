@@ -14,7 +14,6 @@ export const ways = {
   id: "ways",
   title: "Ways ahead",
   legend: [{ mark: '<path d="M1 6H23" class="l-dash"/>', long: true, words: "on the way to" }],
-  shows: ({ cells }) => !cells,
   draw(c, map) {
     const { run, x, y } = map;
     const crowded = run.agents.length > 500;
