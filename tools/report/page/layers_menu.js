@@ -1,14 +1,15 @@
 import { byId, element } from "./dom.js";
 import { LAYERS } from "./layers/index.js";
 
-const KEPT = "muster.layers"; // in the browser's storage
+const KEPT = { off: "muster.layers", extra: "muster.extra-layers" }; // in the browser's storage
 
 export const MENU = LAYERS.filter(({ title }) => title);
 
-/** The ids of layers that a text names, like "roads,tasks". */
-export const layerIds = (text) => (text ?? "").split(",").filter((id) => MENU.some((layer) => layer.id === id));
+/** The ids of layers that a text names, like "roads,tasks"; of those that are shown only when asked for, or of the others. */
+export const layerIds = (text, extra = false) =>
+  (text ?? "").split(",").filter((id) => MENU.some((layer) => layer.id === id && (layer.extra ?? false) === extra));
 
-/** Switches the map's layers off and on; the browser remembers it. A link that says which are off goes first. */
+/** Switches the map's layers off and on; the browser remembers it. A link that says which are goes first. */
 export class LayersMenu {
   constructor(state) {
     this.state = state;
@@ -28,26 +29,26 @@ export class LayersMenu {
   }
 
   #show() {
-    const { run, off } = this.state;
-    const there = MENU.filter(({ legend }) => !legend || legend.some(({ shows }) => !shows || shows(run)));
+    const { run } = this.state;
+    const there = MENU.filter(({ legend, extra }) => extra || !legend || legend.some(({ shows }) => !shows || shows(run)));
     const key = there.map(({ id }) => id).join();
     if (key !== this.shown) { // else what has the focus keeps it
       this.shown = key;
-      this.box.replaceChildren(...there.map(({ id, title }) =>
-        element("label", {}, element("input", { type: "checkbox", "data-layer": id, onchange: () => this.state.toggleLayer(id) }), ` ${title}`)));
+      this.box.replaceChildren(...there.map((layer) => element("label", {},
+        element("input", { type: "checkbox", "data-layer": layer.id, onchange: () => this.state.toggleLayer(layer) }), ` ${layer.title}`)));
     }
-    for (const input of this.box.querySelectorAll("input")) input.checked = !off.has(input.dataset.layer);
+    this.box.querySelectorAll("input").forEach((input, i) => { input.checked = this.state.showsLayer(there[i]); });
   }
 
   #keep() {
     try {
-      localStorage.setItem(KEPT, [...this.state.off].join());
+      for (const [ids, key] of Object.entries(KEPT)) localStorage.setItem(key, [...this.state[ids]].join());
     } catch { /* a browser that keeps nothing */ }
   }
 
   #restore() {
     try {
-      this.state.off = new Set(layerIds(localStorage.getItem(KEPT)));
+      for (const [ids, key] of Object.entries(KEPT)) this.state[ids] = new Set(layerIds(localStorage.getItem(key), ids === "extra"));
     } catch { /* the same */ }
   }
 }

@@ -19,22 +19,23 @@ export function itemOf(run, name) {
   return null;
 }
 
-/** "#t=4800&sel=uav:2&look=scene&off=roads,tasks" as { tMs, sel, run, look, off }; what it does not say is null. */
+/** "#t=4800&sel=uav:2&look=scene&off=roads,tasks&on=coverage" as { tMs, sel, run, look, off, on }; what it does not say is null. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const number = (key) => (/^\d+(\.\d+)?$/.test(values.get(key) ?? "") ? Number(values.get(key)) : null);
   const t = number("t");
   const look = ["scene", "time"].find((name) => name === values.get("look")) ?? null;
-  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off") };
+  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on") };
 }
 
-export function writeLink({ tMs, sel, run, look, off }) {
+export function writeLink({ tMs, sel, run, look, off, on }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
   if (run) parts.push(`run=${run}`);
   if (look && look !== "map") parts.push(`look=${look}`);
   if (off) parts.push(`off=${off}`);
+  if (on) parts.push(`on=${on}`);
   return `#${parts.join("&")}`;
 }
 
@@ -74,8 +75,9 @@ export class Link {
   }
 
   #address() {
-    const { run, selected, current, looks, off } = this.state;
-    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current, look: looks, off: [...off].join() });
+    const { run, selected, current, looks, off, extra } = this.state;
+    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current, look: looks,
+      off: [...off].join(), on: [...extra].join() });
   }
 
   #later() {

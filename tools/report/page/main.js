@@ -85,10 +85,10 @@ function tellMoment({ t, why }) {
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run, look, off }) {
+function show({ tMs, sel, run, look, off, on }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
   state.look(look ?? "map");
-  if (off !== null) state.setOff(layerIds(off));
+  if (off !== null || on !== null) state.setLayers({ off: off !== null ? layerIds(off) : null, extra: on !== null ? layerIds(on, true) : null });
   const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;
   if (moment) {
     clock.seek(moment.t);

@@ -177,7 +177,7 @@ export class MapView {
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
     const began = performance.now();
-    if (this.present.look(t)) this.fitLegend(run);
+    if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra });
     Object.assign(this.shown, this.#within(0, 0), { pointed: this.pointed });
     Object.assign(this, { near: this.shown.near, sites: this.shown.sites, points: this.shown.points, clusters: this.shown.clusters });
     byId("map-crowd").hidden = this.clusters.length === 0;
@@ -188,9 +188,9 @@ export class MapView {
   }
 
   #paint(c) {
-    const { shown, state: { off }, stills: { ground, present } } = this;
+    const { shown, state, stills: { ground, present } } = this;
     const { perMetre, r, width, height } = shown;
-    const layers = LAYERS.filter((layer) => !off.has(layer.id) && (!layer.shows || layer.shows(shown)));
+    const layers = LAYERS.filter((layer) => state.showsLayer(layer) && (!layer.shows || layer.shows(shown)));
     const draw = (list, context, map = shown) => list.forEach((layer) => layer.draw(context, map));
     const still = layers.filter((layer) => STILL.includes(layer));
     const key = [perMetre, r, width, height, window.devicePixelRatio].join();
@@ -200,7 +200,7 @@ export class MapView {
     present.draw(c, shown, `${key} ${this.changes}`, (on, wide, high) => {
       on.save();
       on.translate(wide, high);
-      draw(layers.filter((layer) => PRESENT.includes(layer)), on, { ...shown, ...this.#within(wide, high), ways: this.#waysWithin(wide, high) });
+      draw(layers.filter((layer) => PRESENT.includes(layer)), on, { ...shown, ...this.#around(wide, high) });
       on.restore();
     });
     draw(layers.filter((layer) => !BELOW.includes(layer) && !PRESENT.includes(layer)), c);
@@ -219,6 +219,11 @@ export class MapView {
   /** Gives an item its place on the screen. */
   #put(item) {
     return Object.assign(item, { px: this.shown.x(item.x), py: this.shown.y(item.y) });
+  }
+
+  /** What is drawn with the view and so many pixels around it: #within, the agents whose `ways` are seen, and the `edges`. */
+  #around(wide, high) {
+    return { ...this.#within(wide, high), ways: this.#waysWithin(wide, high), edges: this.#squaresWithin(wide, high).edges };
   }
 
   /** What is there: agents as `near`, tasks as `sites`, charging `points`, and `clusters` of those that have no room. */

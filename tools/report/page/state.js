@@ -12,6 +12,7 @@ export class State {
     this.other = null; // the run whose decisions the map shows as well
     this.trailMs = 20 * 60000;
     this.off = new Set(); // ids of the map's layers that are not shown
+    this.extra = new Set(); // ids of those that are shown only when asked for
     this.looks = "map"; // "scene": in 3D; "time": space and time
     this.listeners = new Map();
   }
@@ -75,14 +76,21 @@ export class State {
     this.emit("trails");
   }
 
-  setOff(ids) {
-    this.off = new Set(ids);
+  /** What is not shown, and what is shown because it was asked for; null leaves either as it is. */
+  setLayers({ off, extra }) {
+    if (off) this.off = new Set(off);
+    if (extra) this.extra = new Set(extra);
     this.emit("layers");
   }
 
-  toggleLayer(id) {
-    if (!this.off.delete(id)) this.off.add(id);
+  toggleLayer({ id, extra }) {
+    const ids = extra ? this.extra : this.off;
+    if (!ids.delete(id)) ids.add(id);
     this.emit("layers");
+  }
+
+  showsLayer({ id, extra }) {
+    return extra ? this.extra.has(id) : !this.off.has(id);
   }
 
   /** Shows what run `i` decided otherwise; null: nothing. */

@@ -83,7 +83,7 @@ test("what is selected, agents with alerts and emergencies stand alone", () => {
   state.emit("data");
   assert.equal(present.look(1000), true);
   assert.deepEqual(alone(), ["uav:0", "worker:0", "charge:0"], "the emergency is over");
-  state.toggleLayer("tasks");
+  state.toggleLayer({ id: "tasks" });
   present.look(1000);
   assert.ok(!present.items.some(({ task }) => task));
 });

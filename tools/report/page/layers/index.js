@@ -4,6 +4,7 @@ import { BELOW } from "./below.js";
 import { charging } from "./charging.js";
 import { clusters } from "./clusters.js";
 import { differences } from "./differences.js";
+import { covered, openTasks, response } from "./heat.js";
 import { labels } from "./labels.js";
 import { marked } from "./marked.js";
 import { closed, roads } from "./roads.js";
@@ -16,16 +17,19 @@ import { ways } from "./ways.js";
 import { zones } from "./zones.js";
 
 /** Those over the ground that are the same wherever the map is moved to, the lowest first. */
-export const PRESENT = [closed, zones, trails, ways, clusters, charging, tasks, agents, differences];
+export const PRESENT = [covered, openTasks, response, closed, zones, trails, ways, clusters, charging, tasks, agents, differences];
 
 /**
- * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend? }. `map` is what MapView says is in view. A layer
- * without `shows` is always drawn.
+ * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend?, extra? }. `map` is what MapView says is in view. A layer
+ * without `shows` is always drawn, one that is `extra` when it is asked for.
  */
 export const LAYERS = [...BELOW, ...PRESENT, selected, labels, marked, scaleBar];
 
-/** The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. */
-const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways];
+/**
+ * The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. Those of
+ * layers that are shown when asked for are told { t, extra }, too: the time, and which of them are shown.
+ */
+const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways, openTasks, response, covered];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {
@@ -36,8 +40,8 @@ export function makeLegend(box) {
     if (id) span.id = `legend-${id}`;
     return span.appendChild(document.createTextNode(typeof words === "string" ? words : ""));
   });
-  return (run) => entries.forEach(({ words, shows }, i) => {
-    if (shows) box.children[i].hidden = !shows(run);
-    if (typeof words !== "string") texts[i].data = words(run);
+  return (run, now) => entries.forEach(({ words, shows }, i) => {
+    if (shows) box.children[i].hidden = !shows(run, now);
+    if (typeof words !== "string" && !box.children[i].hidden) texts[i].data = words(run, now);
   });
 }
