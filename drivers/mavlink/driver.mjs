@@ -47,6 +47,8 @@ export class Driver {
   isHandsOff = false;
   /** It has not been in the air yet. */
   isPreparing = false;
+  /** Its way may be straight. */
+  isFree = true;
   #work = null;
   #task = null;  // at which it is, or to which it is on its way
   #heartbeat_s = -Infinity;
@@ -184,7 +186,10 @@ export class Driver {
   #take(line) {
     this.reporter?.tell(line.mission_s, false);
     if (!this.isEnding) this.order = line;
-    if (line.type === "goto") this.#task = line.task ?? null;
+    if (line.type === "goto") {
+      this.#task = line.task ?? null;
+      this.isFree = !line.via && line.altitude_m === undefined;
+    }
     if (this.plan && Number.isFinite(line.altitude_m)) this.plan.altitude_m = line.altitude_m;
     this.step();
   }
@@ -216,15 +221,10 @@ export class Driver {
     yield* this.flight.prepare(true);
     this.isPreparing = false;
     this.edge.note(`ready: ${this.vehicle.kind.name}, ${this.vehicle.battery_percent} %, at ${this.plan.altitude_m} m`);
-    for (let done = null; ; ) {
-      const order = this.order;
-      if (order?.type === "bye") break;
-      if (order === null || order === done) {
-        yield;
-        continue;
-      }
-      yield* this.#do(order, () => this.order !== order);
-      done = order;
+    while (this.order?.type !== "bye") {
+      const order = this.order, isReplaced = () => this.order !== order;
+      if (order) yield* this.#do(order, isReplaced);
+      yield* this.#rest(isReplaced);
     }
     yield* this.#end("home");
   }
@@ -261,6 +261,30 @@ export class Driver {
     } else if (flight.isFlying) {
       yield* flight.hold();
     }
+  }
+
+  /** Has nothing to do until it is told something else. When that takes long it lands where it set out from. */
+  *#rest(isReplaced) {
+    const from_s = this.talk.now();
+    while (!isReplaced()) {
+      if (this.#mayGoHome && this.talk.now() - from_s >= this.options.landIdle) yield* this.#landAtHome(isReplaced);
+      else yield;
+    }
+  }
+
+  /**
+   * Nobody waits for it in the air, and it may fly straight: in a mission that keeps UAVs apart or has zones only the mission knows
+   * where it may.
+   */
+  get #mayGoHome() {
+    const waits = ["sense", "charge"].includes(this.order?.then);
+    return this.options.landIdle > 0 && this.flight.isFlying && !waits && this.isFree;
+  }
+
+  *#landAtHome(isReplaced) {
+    const { flight, plan, edge } = this;
+    edge.note("nothing to do: it lands at home until it is sent somewhere");
+    if (yield* flight.follow([], plan.map.toMetres(plan.home), isReplaced)) yield* flight.land();
   }
 
   /** It is there. The mission is told so when the scenario's speed allows it. */

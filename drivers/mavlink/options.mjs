@@ -14,6 +14,7 @@ Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that s
   --altitude-step M   each further UAV flies so much higher (default: 5)
   --ceiling M         no UAV flies higher (default: 120)
   --reserve PERCENT   it comes home with so much battery left, and has no range 10 % above (default: 25)
+  --land-idle S       with nothing to do for so long it lands at home, until it is sent somewhere; 0: never (default: 120)
   --confirm HOW       that the battery was changed: FILE, which somebody makes then, or battery, its report alone, for
                       simulators (default: system-N.changed in the folder of --keep)
   --cells N           of the battery, in series, 1 to 24 (default: what PX4 has set; with ArduPilot it has to be said)
@@ -50,7 +51,7 @@ function link(text) {
 /** The options; null: help was asked for, and given. Throws UsageError. */
 export function readOptions(argv) {
   const defaults = {
-    connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", confirm: "", charged: "90", cells: "0", camera: "digicam",
+    connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", "land-idle": "120", confirm: "", charged: "90", cells: "0", camera: "digicam",
     run: "", speedup: "1", "own-system": "255", after: "0", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
@@ -70,6 +71,7 @@ export function readOptions(argv) {
   return {
     link: connect, system, ownSystem: number(values, "own-system", 1, 255), altitude: number(values, "altitude", 5, 1000),
     altitudeStep: number(values, "altitude-step", 0, 100), ceiling: number(values, "ceiling", 5, 1000), reserve: number(values, "reserve", 10, 80),
+    landIdle: number(values, "land-idle", 0, 86400),
     confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), cells: number(values, "cells", 0, 24), camera: values.camera,
     run: values.run || null, speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
     after: number(values, "after", 0, 2 ** 31),

@@ -14,7 +14,7 @@ export const START = { x_m: 500, y_m: 400 };
 const SPEED_M_S = 12, FULL_M = 20000;
 
 const OPTIONS = {
-  system: 3, ownSystem: 255, altitude: 40, altitudeStep: 5, ceiling: 120, reserve: 25, confirm: "battery", charged: 90, cells: 4, camera: "digicam", speedup: 1,
+  system: 3, ownSystem: 255, altitude: 40, altitudeStep: 5, ceiling: 120, reserve: 25, landIdle: 120, confirm: "battery", charged: 90, cells: 4, camera: "digicam", speedup: 1,
 };
 
 export class Box {

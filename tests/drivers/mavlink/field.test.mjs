@@ -52,6 +52,29 @@ test("the field test: three places sensed, the battery changed once", { skip: NO
   await flight.one.line((line) => line.endsWith("RTL disarmed"));
 }));
 
+/** Two places, of which the second has its worker later, and few decisions. */
+function withPause(folder) {
+  const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
+  const [uav] = scenario.uavs, [worker] = scenario.workers, [first, second] = scenario.tasks;
+  Object.assign(scenario, { interval_min: 5, limit_min: 20, tasks: [first, second] });
+  uav.range_km = uav.full_range_km;
+  scenario.workers = [{ ...worker, x_km: first.x_km, y_km: first.y_km, online_until_min: 8 },
+    { ...worker, id: 1, x_km: second.x_km, y_km: second.y_km, online_from_min: 9 }];
+  const path = join(folder, "scenario.json");
+  writeFileSync(path, JSON.stringify(scenario));
+  return path;
+}
+
+test("a UAV with nothing to do stands at home until its next task", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, withPause(programs.folder), []);
+  const report = await reportOf(flight, programs.start);
+  assert.deepEqual(report.failed_agents, []);
+  assert.equal(report.tasks_done, 2);
+  const doing = flight.one.lines.filter((line) => /armed$/.test(line)).map((line) => line.split(" ").slice(1).join(" "));
+  const landed = doing.indexOf("LAND disarmed");
+  assert.ok(landed > 0 && doing.indexOf("GUIDED armed", landed) > landed, doing.join("\n"));
+}));
+
 /** The first place of the field test, with a second UAV, computed, that comes after two minutes. */
 function withSecond(folder) {
   const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));

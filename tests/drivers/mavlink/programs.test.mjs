@@ -172,6 +172,8 @@ test("a command line that cannot be is refused", () => {
     [["--connect", "tcp:5760", "--system", "1"], /--connect/], [["--connect", "udpin:1", "--system", "1", "--camera", "x"], /--camera/],
     [["--connect", "udpin:99999", "--system", "1"], /--connect/], [["--connect", "udpin:1", "--system", "1", "--none"], /none/],
     [["--connect", "udpin:1", "--system", "1", "--reserve", "5"], /--reserve: found '5', expected a number from 10 to 80/],
+    [["--connect", "udpin:1", "--system", "1", "--land-idle", "-1"], /--land-idle/],
+    [["--connect", "udpin:1", "--system", "1", "--land-idle", "soon"], /--land-idle: found 'soon', expected a number from 0 to 86400/],
   ];
   for (const [words, reason] of cases) {
     const { status, stderr } = run(...words);
