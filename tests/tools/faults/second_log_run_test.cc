@@ -22,13 +22,9 @@ using Json = nlohmann::json;
 
 class SecondLogRunTest : public MissionTest {
  protected:
-  void SetUp() override {
-    MissionTest::SetUp();
-    wanted_ = Undisturbed(kQuickPolicy);
-  }
   std::vector<std::string> RunArguments(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments = {"run",      scenario_,    "--quiet",      "--out", run_,
-                                          "--policy", kQuickPolicy, "--second-log", second_};
+    std::vector<std::string> arguments = {"run", scenario_,      "--quiet", "--out",
+                                          run_,  "--second-log", second_};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -43,7 +39,6 @@ class SecondLogRunTest : public MissionTest {
     CheckRun(log, folder_.File("checked"));
   }
   std::string run_ = folder_.File("run"), second_ = folder_.File("second");
-  std::string wanted_;
 };
 
 TEST_F(SecondLogRunTest, BothLogsAreCompleteUnderLossAndDeaths) {
@@ -52,7 +47,7 @@ TEST_F(SecondLogRunTest, BothLogsAreCompleteUnderLossAndDeaths) {
       RunArguments({"--rate", "1800", "--fault", "loss:*@0+180=0.2", "--fault",
                     "process_killed:recorder-2@40", "--fault", "process_killed:recorder@90"}));
   ASSERT_EQ(muster.Wait(), 0) << muster.output();
-  EXPECT_EQ(Report()["digest"], wanted_);
+  EXPECT_EQ(Report()["digest"], undisturbed_);
   ExpectWhole(run_);
   ExpectWhole(second_);
   EXPECT_TRUE(fs::exists(second_ + "/mission.lcm.1"));
@@ -76,7 +71,7 @@ TEST_F(SecondLogRunTest, GoesOnFromTheSecondLogWhenTheFirstIsGone) {
   ASSERT_EQ(resumed.Wait(), 0) << resumed.output();
   EXPECT_NE(resumed.output().find("was the second log: there is none from here on"),
             std::string::npos);
-  EXPECT_EQ(Report("second")["digest"], wanted_);
+  EXPECT_EQ(Report("second")["digest"], undisturbed_);
   ExpectWhole(second_);
   const std::string merged = folder_.File("merged.lcm");
   Muster merge(folder_, "merge", {"log", "merge", first_part, second_, "--out", merged});
@@ -94,7 +89,7 @@ TEST_F(SecondLogRunTest, WithoutTheSecondRecorderTheMissionGoesOnAndAMergeCloses
   ASSERT_EQ(muster.Wait(), 0) << muster.output();
   EXPECT_NE(muster.output().find("does not wait for the second log any more"), std::string::npos)
       << muster.output();
-  EXPECT_EQ(Report()["digest"], wanted_);
+  EXPECT_EQ(Report()["digest"], undisturbed_);
   ExpectWhole(run_);
   EXPECT_GT(Gaps(second_), 0u);
   const std::string merged = folder_.File("merged.lcm");
