@@ -81,6 +81,11 @@ int Main(int argc, char** argv) {
       "Write the next of mission.lcm, mission.lcm.1, ... in FOLDER, and continue those that "
       "are there");
   options
+      .Add("first-boot", "N",
+           "Leave out what starts below N say: an earlier launcher's, which has a successor")
+      .Integer(0)
+      .Default(0);
+  options
       .Add(
           "second-after", "S",
           "There is a second recorder (--name recorder-2): messages count as logged when both have "
@@ -104,6 +109,7 @@ int Main(int argc, char** argv) {
   const TimeUs patience_us =
       part == Part::kFirst ? ToUs(arguments->Get<double>("second-after")) : 0;
 
+  const auto first_boot = arguments->Get<std::int64_t>("first-boot");
   RecorderProcess process(flags.identity, flags.window, flags.seal, part, patience_us);
   for (const std::string& earlier : files.earlier) {
     if (const std::int64_t torn = CutTornTail(earlier); torn > 0) {
@@ -121,7 +127,7 @@ int Main(int argc, char** argv) {
     tap.heard.emplace_back(name);
   }
   tap.on_message = [&](const Packet& packet) {
-    if (packet.channel == channel::kCopy) return;
+    if (!process.Wants(packet, first_boot)) return;
     log.Add(HostNow().wall_us, packet);
     process.OnLogged(packet);
   };

@@ -39,6 +39,15 @@ RecorderProcess::RecorderProcess(const Identity& identity, int window, std::opti
   set_state(ProcessState::kReady);
 }
 
+bool RecorderProcess::Wants(const Packet& packet, std::int64_t first_boot) const {
+  if (packet.channel == channel::kCopy) return false;
+  if (first_boot == 0) return true;
+  Packet opened = packet;
+  if (seal_ && !seal_->Open(&opened)) return true;
+  const std::optional<header_t> header = DecodeHeader(opened);
+  return !header || header->run_id != identity().run_id || header->boot_id >= first_boot;
+}
+
 void RecorderProcess::OnLogged(const Packet& packet) {
   std::optional<Packet> opened;
   if (seal_) {

@@ -30,6 +30,8 @@ class RecorderProcess : public Process {
   RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal,
                   Part part = Part::kOnly, TimeUs patience_us = 0);
 
+  /// Whether that message belongs into the log: it is of no start below `first_boot`.
+  bool Wants(const Packet& packet, std::int64_t first_boot) const;
   /// The log holds that message, as it came over the wire, when this process steps next.
   void OnLogged(const Packet& packet);
 

@@ -17,6 +17,9 @@
 namespace muster::tools {
 namespace {
 
+/// No launcher starts a process so often.
+constexpr std::int64_t kApart = 100;
+
 void AddClock(const clock_t& clock, EarlierRun* earlier) {
   if (clock.phase == ClockPhase::kReady) return;
   earlier->has_ended |= clock.phase == ClockPhase::kEnded;
@@ -51,6 +54,12 @@ Scenario ScenarioInLog(const std::string& run) {
     }
   }
   throw InputError(fmt::format("{}: no scenario in its log", run));
+}
+
+void EarlierRun::KeepApart() {
+  for (const auto& [sender, count] : starts) first_boot = std::max(first_boot, count);
+  first_boot = (first_boot / kApart + 1) * kApart;
+  for (auto& [sender, count] : starts) count = first_boot;
 }
 
 EarlierRun ReadEarlierRun(const std::string& run, const Scenario& scenario, std::int64_t run_id) {

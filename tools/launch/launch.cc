@@ -150,6 +150,7 @@ MissionPrograms FindPrograms(const Launch& launch, const std::vector<ProcessPlan
     command = {(folder / "muster-recorder").string(), "--lcm-url", mission.lcm_url, "--run-id",
                fmt::to_string(mission.run_id)};
     if (mission.key) command.insert(command.end(), {"--key", "-"});
+    command.insert(command.end(), {"--first-boot", fmt::to_string(launch.earlier.first_boot)});
     if (!options.second_log.empty()) {
       programs.processes.push_back(SecondRecorder(command, options.second_log, directory));
       command.insert(command.end(), {"--second-after", fmt::to_string(options.lost_after_s)});

@@ -33,9 +33,6 @@ namespace fs = std::filesystem;
 constexpr TimeUs kGoneUs = 5 * kSecondUs;
 constexpr int kLookUs = 200'000;
 
-/// The starts of two launchers do not have the same numbers.
-constexpr std::int64_t kApart = 100;
-
 /// What may differ from the command line that the mission was started with.
 constexpr const char* kReplaceable[] = {"rate", "hosts", "live", "second-log"};
 
@@ -111,7 +108,7 @@ void LeaveOutOwnFolder(const std::string& run, LaunchOptions* options, EarlierRu
   Say("muster: {} was the second log: there is none from here on, unless --second-log names one\n",
       run);
   options->second_log.clear();
-  for (auto& [sender, starts] : earlier->starts) starts += kApart;
+  earlier->KeepApart();
   for (Host& host : options->hosts.hosts) {
     std::erase(host.processes, process_name::kSecondRecorder);
   }
