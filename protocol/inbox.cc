@@ -80,7 +80,10 @@ bool Inbox::Admit(const Packet& packet, const std::optional<Message>& message) {
     return false;
   }
   ++counters_.received;
-  return true;
+  // The marks of a recorder that has a successor tell of another log.
+  const auto later = starts_.upper_bound({header.sender, header.boot_id});
+  return !std::holds_alternative<log_status_t>(*message) || later == starts_.end() ||
+         later->first.first != header.sender;
 }
 
 bool Inbox::Count(const Message& message) {

@@ -59,7 +59,7 @@ Scenario ScenarioInLog(const std::string& run) {
 void EarlierRun::KeepApart() {
   for (const auto& [sender, count] : starts) first_boot = std::max(first_boot, count);
   first_boot = (first_boot / kApart + 1) * kApart;
-  for (auto& [sender, count] : starts) count = first_boot;
+  for (auto& [sender, count] : starts) count = first_boot + 1;
 }
 
 EarlierRun ReadEarlierRun(const std::string& run, const Scenario& scenario, std::int64_t run_id) {

@@ -17,12 +17,14 @@ struct EarlierRun {
   TimeUs tick_us = -1;                         ///< its time; -1: no tick yet
   bool has_ended = false;                      ///< the mission's end is in the log
   bool was_stopped = false;                    ///< the launcher has ended in order
-  std::int64_t first_boot = 0;                 ///< what starts below it say is not logged any more
-  std::vector<Person> persons;                 ///< who may order, as the mission was told last
+  std::int64_t first_boot = 0;  ///< of KeepApart: below it nothing is logged any more
+  std::vector<Person> persons;  ///< who may order, as the mission was told last
 
   /// How often that sender has started.
   std::int64_t StartsOf(const std::string& sender) const;
-  /// Gives all senders numbers that the earlier launcher, which may live on, does not reach.
+  /// Processes of the earlier launcher may live on, on other hosts: gives all senders numbers that
+  /// it does not reach. The first of them, first_boot, is that of no start: those who hear of it
+  /// end.
   void KeepApart();
 };
 

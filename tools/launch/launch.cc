@@ -106,6 +106,7 @@ MissionPlan PlanMission(const LaunchOptions& options, const std::vector<ProcessP
   std::copy_if(options.faults.begin(), options.faults.end(), std::back_inserter(plan.faults),
                [&](const PlannedFault& fault) { return fault.at_us > earlier.tick_us; });
   plan.starts = earlier.starts;
+  plan.first_boot = earlier.first_boot;
   plan.goes_on = options.on_loss == "continue";
   plan.lost_after_us = ToUs(options.lost_after_s);
   plan.scenario = scenario;

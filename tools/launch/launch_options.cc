@@ -192,6 +192,17 @@ std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {
   return drivers;
 }
 
+void ReadSeal(const Arguments& arguments, LaunchOptions* options) {
+  options->key_file = arguments.Has("key") ? arguments.Get("key") : "";
+  options->sealed = arguments.Has("seal") || arguments.Has("key") || arguments.Has("hosts");
+  if (!arguments.Has("no-seal")) return;
+  if (arguments.Has("seal") || arguments.Has("key")) {
+    throw InputError(kCommandLine, "--no-seal", arguments.Has("key") ? "--key" : "--seal",
+                     "one of the two");
+  }
+  options->sealed = false;
+}
+
 Room ReadRoom(const std::vector<std::string>& entries) {
   Room room = {1000, {20, 20, 20}};
   for (const std::string& entry : entries) {
@@ -286,15 +297,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     }
     options.lcm_url = options.hosts.lcm_url;
   }
-  options.key_file = arguments->Has("key") ? arguments->Get("key") : "";
-  options.sealed = arguments->Has("seal") || arguments->Has("key") || arguments->Has("hosts");
-  if (arguments->Has("no-seal")) {
-    if (arguments->Has("seal") || arguments->Has("key")) {
-      throw InputError(kCommandLine, "--no-seal", arguments->Has("key") ? "--key" : "--seal",
-                       "one of the two");
-    }
-    options.sealed = false;
-  }
+  ReadSeal(*arguments, &options);
   options.control = arguments->Has("control");
   if (options.control && !arguments->Has("live")) {
     throw InputError(kCommandLine, "--control", "no --live", "--live with it: the page that may");

@@ -102,13 +102,12 @@ LaunchOptions OptionsOf(const EarlierCommand& earlier, const Arguments& argument
 
 /// RUN may be what was the second log: then there is none from here on, and the earlier launcher
 /// may live on and start processes.
-void LeaveOutOwnFolder(const std::string& run, LaunchOptions* options, EarlierRun* earlier) {
+void LeaveOutOwnFolder(const std::string& run, LaunchOptions* options) {
   std::error_code error;
   if (options->second_log.empty() || !fs::equivalent(options->second_log, run, error)) return;
   Say("muster: {} was the second log: there is none from here on, unless --second-log names one\n",
       run);
   options->second_log.clear();
-  earlier->KeepApart();
   for (Host& host : options->hosts.hosts) {
     std::erase(host.processes, process_name::kSecondRecorder);
   }
@@ -160,7 +159,7 @@ int ResumeCommand(int argc, const char* const* argv) {
   const auto arguments = Parse(argc, argv);
   if (!arguments) return kExitOk;
   const std::string run = fs::absolute(arguments->Get("run")).string();
-  const RunDirectory directory = RunDirectory::Open(run);
+  RunDirectory directory = RunDirectory::Open(run);
   const EarlierCommand earlier = ReadManifest(run);
   if (earlier.commit != kCommit) {
     Say("muster: this mission was started by another build ({}, this is {}): it may decide "
@@ -177,7 +176,8 @@ int ResumeCommand(int argc, const char* const* argv) {
   }
   ReturnToFolder(earlier.folder);
   launch.options = OptionsOf(earlier, *arguments);
-  LeaveOutOwnFolder(run, &launch.options, &launch.earlier);
+  LeaveOutOwnFolder(run, &launch.options);
+  if (!launch.options.lcm_url.empty()) launch.earlier.KeepApart();
   MarkDriven(launch.options.drivers, &launch.scenario);
   PrepareLaunch(&launch);
   const StopSignals stop;

@@ -344,7 +344,7 @@ bool Supervisor::OnEnd(Member* member, const Now& now) {
     if (member->starts > 1) {
       text += fmt::format("\nit was started again {} times", member->starts - 1);
     }
-    if (CanDoWithout(*member) && !end.usage_error()) {
+    if (CanDoWithout(*member) && (is_second(*member) || !end.usage_error())) {
       member->gone = true;
       Say(fmt::format("{}\nthe mission goes on without it", text));
       Announce(EventKind::kProcessLost, fmt::format("{} {}, for good", name, end.Text()), now);
@@ -425,6 +425,7 @@ void Supervisor::CloseLog() {
 MissionResult Supervisor::Run() {
   MissionResult result;
   if (!plan_.starts.empty()) ReadEarlierLog();
+  if (plan_.first_boot > 0) EndEarlier();
   for (Member& member : members_) Start(&member);
 
   const TimeUs ready_by_us = host_->now().monotonic_us + kReadyUs;

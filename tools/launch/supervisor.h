@@ -52,6 +52,8 @@ struct MissionPlan {
   double rate = 0;              ///< mission seconds per wall second; 0: as fast as it goes
   /// How often each sender has started before, in a mission that goes on from its log.
   std::map<std::string, std::int64_t> starts = {};
+  /// Starts below it may live on and end first; 0: there are none.
+  std::int64_t first_boot = 0;
 
   std::int64_t StartsOf(const std::string& sender) const;
 };

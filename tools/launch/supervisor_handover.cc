@@ -1,9 +1,19 @@
 // Launchers before and after this one, and the second log that another may go on from.
 #include <fmt/format.h>
 
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 #include "tools/launch/supervisor_state.h"
 
 namespace muster::tools {
+namespace {
+
+/// Living processes say something each second.
+constexpr TimeUs kSilentUs = 2 * kSecondUs;
+constexpr TimeUs kEndEarlierUs = 10 * kSecondUs;
+constexpr TimeUs kSayAgainUs = 200'000;
+
+}  // namespace
 
 void Supervisor::ReadEarlierLog() {
   const Now now = host_->now();
@@ -17,6 +27,35 @@ void Supervisor::ReadEarlierLog() {
     if (member.starts == 0) continue;
     Announce(EventKind::kProcessLost, fmt::format("{} ended with the launcher", member.name), now);
     if (member.name != process_name::kLogger) TellRecorder(member, now);
+  }
+}
+
+void Supervisor::EndEarlier() {
+  std::vector<Sender> successors;
+  for (const Member& member : members_) {
+    successors.emplace_back(Identity{plan_.run_id, member.name, plan_.first_boot}, 0);
+  }
+  const TimeUs begun_us = host_->now().monotonic_us;
+  TimeUs heard_us = begun_us;
+  for (Now now = host_->now(); now.monotonic_us < begun_us + kEndEarlierUs &&
+                               now.monotonic_us < heard_us + kSilentUs && host_->stops_asked() == 0;
+       now = host_->now()) {
+    for (Sender& successor : successors) {
+      process_status_t status{};
+      status.name = successor.identity().name;
+      status.host = host_->usage().host;
+      status.pid = host_->usage().pid;
+      successor.Send(channel::kProcess, std::move(status), heard_us_, now);
+      successor.Flush(now, &out_);
+    }
+    for (const Packet& packet : out_) host_->bus().Publish(packet);
+    out_.clear();
+    for (const Packet& packet : host_->bus().Receive(kSayAgainUs)) {
+      const std::optional<header_t> header = DecodeHeader(packet);
+      const bool is_earlier =
+          header && header->run_id == plan_.run_id && header->boot_id < plan_.first_boot;
+      if (is_earlier) heard_us = host_->now().monotonic_us;
+    }
   }
 }
 

@@ -42,6 +42,9 @@ class Supervisor : private FaultActions {
   bool TurnUntil(Condition done, TimeUs longest_us);
   /// Notes the sender of a message of this mission.
   void OnMember(const Packet& packet, const Now& now);
+  /// Has the processes of an earlier launcher end, wherever they live on: the log does not have all
+  /// that they know.
+  void EndEarlier();
   /// Whether the message shows that another launcher has taken this one's place.
   void LookForSuccessor(const header_t& header);
   /// Reports now and then what a mission waits for that has not begun, or has ended.
