@@ -109,8 +109,8 @@ int Main(int argc, char** argv) {
   const TimeUs patience_us =
       part == Part::kFirst ? ToUs(arguments->Get<double>("second-after")) : 0;
 
-  const auto first_boot = arguments->Get<std::int64_t>("first-boot");
   RecorderProcess process(flags.identity, flags.window, flags.seal, part, patience_us);
+  process.SetFirstBoot(arguments->Get<std::int64_t>("first-boot"));
   for (const std::string& earlier : files.earlier) {
     if (const std::int64_t torn = CutTornTail(earlier); torn > 0) {
       Say("{}: {} bytes of a torn event cut off\n", earlier, torn);
@@ -127,7 +127,7 @@ int Main(int argc, char** argv) {
     tap.heard.emplace_back(name);
   }
   tap.on_message = [&](const Packet& packet) {
-    if (!process.Wants(packet, first_boot)) return;
+    if (!process.Wants(packet)) return;
     log.Add(HostNow().wall_us, packet);
     process.OnLogged(packet);
   };

@@ -90,9 +90,7 @@ void Recorder::OnHeard(const Packet& packet, const Now& now) {
     return;
   }
   ++heard_packets_;
-  const auto later = heard_.upper_bound({header->sender, header->boot_id});
-  const bool has_successor = later != heard_.end() && later->first.first == header->sender;
-  if (marks_ == Marks::kOfTwoRecorders && packet.channel == channel::kLog && !has_successor) {
+  if (marks_ == Marks::kOfTwoRecorders && packet.channel == channel::kLog) {
     // The second log may lack what the first one has.
     if (const auto marks = DecodeValid<log_status_t>(packet.bytes)) sender_.Acknowledge(*marks);
   }

@@ -39,13 +39,13 @@ RecorderProcess::RecorderProcess(const Identity& identity, int window, std::opti
   set_state(ProcessState::kReady);
 }
 
-bool RecorderProcess::Wants(const Packet& packet, std::int64_t first_boot) const {
+bool RecorderProcess::Wants(const Packet& packet) const {
   if (packet.channel == channel::kCopy) return false;
-  if (first_boot == 0) return true;
+  if (first_boot_ == 0) return true;
   Packet opened = packet;
   if (seal_ && !seal_->Open(&opened)) return true;
   const std::optional<header_t> header = DecodeHeader(opened);
-  return !header || header->run_id != identity().run_id || header->boot_id >= first_boot;
+  return !header || header->run_id != identity().run_id || header->boot_id >= first_boot_;
 }
 
 void RecorderProcess::OnLogged(const Packet& packet) {
@@ -63,6 +63,8 @@ void RecorderProcess::OnLogged(const Packet& packet) {
     answer_wanted_ |= follower_.doubles() > doubles && DecodeHeader(message)->sender != own.name;
     return;
   }
+  // Only the mission's key can say so.
+  has_successor_ |= seal_ && header->boot_id >= first_boot_ + kLauncherApart;
   if (part_ == Part::kFirst && message.channel == channel::kLog) NoteTold(message);
   if (header->sender != own.name) {
     news_ = true;
@@ -189,7 +191,7 @@ void RecorderProcess::OnStep(const Now& now) {
   if (counts_second() && news_) news_ = MarksOfOthers() != said_marks_;
   if (news_ && news_us_ == kNever) news_us_ = time_us;
   has_room_ = out < window_;
-  if (part_ == Part::kSecond) return;
+  if (part_ == Part::kSecond || has_successor_) return;
   if (IsNewsDue(time_us)) {
     marks_ = sender().Send(channel::kLog, Marks(), sim_us_, now);
     if (part_ == Part::kFirst) said_marks_ = MarksOfOthers();
@@ -202,7 +204,7 @@ void RecorderProcess::OnStep(const Now& now) {
 }
 
 void RecorderProcess::SayUnlogged(const Now& now, std::vector<Packet>* out) {
-  if (part_ != Part::kSecond) return;
+  if (part_ != Part::kSecond || has_successor_) return;
   if (!IsNewsDue(now.monotonic_us) && now.monotonic_us < AgainUs()) return;
   copy_sender_.Send(channel::kCopy, Marks(), sim_us_, now);
   copy_sender_.Flush(now, out);

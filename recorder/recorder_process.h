@@ -12,6 +12,10 @@
 
 namespace muster::recorder {
 
+/// The starts of two launchers of a mission, one after the other, are apart by so much at least: no
+/// launcher starts a process so often.
+inline constexpr std::int64_t kLauncherApart = 1'000'000;
+
 /// How the recorders of a mission share their work.
 enum class Part {
   kOnly,    ///< there is one
@@ -30,8 +34,11 @@ class RecorderProcess : public Process {
   RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal,
                   Part part = Part::kOnly, TimeUs patience_us = 0);
 
-  /// Whether that message belongs into the log: it is of no start below `first_boot`.
-  bool Wants(const Packet& packet, std::int64_t first_boot) const;
+  /// Starts below `boot` are an earlier launcher's, and those from kLauncherApart above it on a
+  /// later one's.
+  void SetFirstBoot(std::int64_t boot) { first_boot_ = boot; }
+  /// Whether that message belongs into the log: it is of no earlier launcher's start.
+  bool Wants(const Packet& packet) const;
   /// The log holds that message, as it came over the wire, when this process steps next.
   void OnLogged(const Packet& packet);
 
@@ -93,12 +100,14 @@ class RecorderProcess : public Process {
   LogFollower follower_;
   std::int64_t tick_ = -1;
   TimeUs sim_us_ = 0;
-  SentPacket marks_;         ///< the newest log_status_t, but for the second of two
-  Sender copy_sender_;       ///< of the second's marks, with numbers of their own
-  bool news_ = true;         ///< the log has grown since
-  TimeUs news_us_ = kNever;  ///< when that was seen first
-  bool has_room_ = true;     ///< in its window
-  bool is_urgent_ = true;    ///< and a sender may have to wait soon
+  SentPacket marks_;    ///< the newest log_status_t, but for the second of two
+  Sender copy_sender_;  ///< of the second's marks, with numbers of their own
+  std::int64_t first_boot_ = 0;
+  bool has_successor_ = false;  ///< what its log holds is of no use to the mission any more
+  bool news_ = true;            ///< the log has grown since
+  TimeUs news_us_ = kNever;     ///< when that was seen first
+  bool has_room_ = true;        ///< in its window
+  bool is_urgent_ = true;       ///< and a sender may have to wait soon
   /// What the log holds of a start beyond what the marks say.
   struct Unsaid {
     int messages = 0;

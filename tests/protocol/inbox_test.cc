@@ -110,23 +110,6 @@ TEST(Inbox, AHeartbeatMayHaveHeardMoreThanAWorldThatStartsAgainKnows) {
   EXPECT_FALSE(inbox.Open({"MUSTER_SCHEDULE", Encode(schedule)}));
 }
 
-TEST(Inbox, MarksOfARecorderThatHasASuccessorTellOfAnotherLog) {
-  const auto marks = [](std::int64_t boot_id, std::int64_t seq) {
-    log_status_t status{};
-    status.header.run_id = 1;
-    status.header.sender = "recorder";
-    status.header.boot_id = boot_id;
-    status.header.seq = seq;
-    return Packet{"MUSTER_LOG", Encode(status)};
-  };
-  Inbox inbox(1, "uav");
-  EXPECT_TRUE(inbox.Open(marks(0, 5)));
-  EXPECT_TRUE(inbox.Open(marks(1, 0)));
-  EXPECT_FALSE(inbox.Open(marks(0, 6)));
-  EXPECT_TRUE(inbox.Open(marks(1, 1)));
-  EXPECT_EQ(inbox.counters().rejected, 0);
-}
-
 TEST(Inbox, OwnMessagesAreNeitherTakenNorCounted) {
   Inbox inbox(1, "world");
   EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));

@@ -79,6 +79,25 @@ TEST(RecorderProcess, RepeatsItsMarksFiveTimesASecondAndDoesNotAnswerItself) {
   EXPECT_EQ(said, 5u);
 }
 
+TEST(RecorderProcess, TellsNobodyAnythingOnceALaterLauncherHasStarted) {
+  for (const bool sealed : {true, false}) {
+    const Seal seal(SealKey::Fresh(1));
+    Told told(sealed ? std::optional(seal) : std::nullopt);
+    const auto log = [&](const std::string& sender, std::int64_t boot_id) {
+      Packet packet = MessageOf(sender, 0, boot_id);
+      if (sealed) packet = seal.Closed(std::move(packet));
+      told.recorder.OnLogged(packet);
+    };
+    told.hears_itself = false;
+    log("uav", 0);
+    EXPECT_TRUE(told.Marks(kSecondUs).contains({"uav", 0}));
+    log("worker", kLauncherApart);
+    told.Marks();
+    // Without a seal a damaged number may say so.
+    EXPECT_EQ(told.Marks(kSecondUs).contains({"worker", kLauncherApart}), !sealed);
+  }
+}
+
 TEST(RecorderProcess, ALoneMessageWaitsForAMoment) {
   Told told;
   told.Marks();

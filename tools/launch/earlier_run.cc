@@ -12,13 +12,11 @@
 #include "protocol/inbox.h"
 #include "protocol/order_book.h"
 #include "protocol/scenario_reader.h"
+#include "recorder/recorder_process.h"
 #include "tools/files/log_files.h"
 
 namespace muster::tools {
 namespace {
-
-/// No launcher starts a process so often.
-constexpr std::int64_t kApart = 100;
 
 void AddClock(const clock_t& clock, EarlierRun* earlier) {
   if (clock.phase == ClockPhase::kReady) return;
@@ -58,7 +56,7 @@ Scenario ScenarioInLog(const std::string& run) {
 
 void EarlierRun::KeepApart() {
   for (const auto& [sender, count] : starts) first_boot = std::max(first_boot, count);
-  first_boot = (first_boot / kApart + 1) * kApart;
+  first_boot = (first_boot / recorder::kLauncherApart + 1) * recorder::kLauncherApart;
   for (auto& [sender, count] : starts) count = first_boot + 1;
 }
 

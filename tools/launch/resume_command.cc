@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include "tools/launch/launch.h"
 #include "tools/launch/manifest.h"
 #include "tools/live/live_server.h"
+#include "tools/orders/order_socket.h"
 
 namespace muster::tools {
 namespace {
@@ -31,7 +33,7 @@ namespace fs = std::filesystem;
 
 /// A second recorder that has ended by itself would be started again sooner if its launcher lived.
 constexpr TimeUs kGoneUs = 5 * kSecondUs;
-constexpr int kLookUs = 200'000;
+constexpr int kLookAgainUs = 200'000;
 
 /// What may differ from the command line that the mission was started with.
 constexpr const char* kReplaceable[] = {"rate", "hosts", "live", "second-log"};
@@ -59,7 +61,7 @@ std::optional<Arguments> Parse(int argc, const char* const* argv) {
 /// Waits until the folder has been free for kGoneUs, and takes it.
 FolderLock LockWhenGone(const std::string& run) {
   Say("waiting until nobody writes in {}\n", run);
-  for (TimeUs free_since_us = MonotonicUs();; usleep(kLookUs)) {
+  for (TimeUs free_since_us = MonotonicUs();; usleep(kLookAgainUs)) {
     try {
       FolderLock lock(run);
       if (MonotonicUs() >= free_since_us + kGoneUs) return lock;
@@ -100,8 +102,7 @@ LaunchOptions OptionsOf(const EarlierCommand& earlier, const Arguments& argument
   return *std::move(options);
 }
 
-/// RUN may be what was the second log: then there is none from here on, and the earlier launcher
-/// may live on and start processes.
+/// RUN may be what was the second log: then there is none from here on.
 void LeaveOutOwnFolder(const std::string& run, LaunchOptions* options) {
   std::error_code error;
   if (options->second_log.empty() || !fs::equivalent(options->second_log, run, error)) return;
@@ -169,6 +170,9 @@ int ResumeCommand(int argc, const char* const* argv) {
   Launch launch;
   const bool waits = arguments->Has("when-gone");
   launch.lock.emplace(waits ? LockWhenGone(run) : FolderLock(run));
+  // A launcher that was killed has left its socket.
+  std::error_code none;
+  fs::remove(fs::path(run) / kOrderSocket, none);
   ReadRun(run, earlier, &launch);
   if (waits && (launch.earlier.has_ended || launch.earlier.was_stopped)) {
     Say("{}: this mission {}\n", run, launch.earlier.has_ended ? "has ended" : "was stopped");

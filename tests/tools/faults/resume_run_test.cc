@@ -128,6 +128,40 @@ TEST_F(ResumeRunTest, FaultsOfThePlanThatAreStillToComeCome) {
   CheckRun(run_, folder_.File("checked"));
 }
 
+TEST_F(ResumeRunTest, PersonsAndOrdersStay) {
+  const std::string persons = folder_.File("persons.json");
+  std::string said;
+  const auto ask = [&](const std::vector<std::string>& arguments) {
+    Muster command(folder_, "command", arguments);
+    const int code = command.Wait();
+    said = command.output();
+    return code;
+  };
+  const auto add_person = [&](const std::string& name) {
+    return ask(
+        {"person", "add", persons, name, "--role", "order", "--key-file", folder_.File(name)});
+  };
+  const auto add_task = [&](const std::string& by) {
+    return ask({"task", "add", run_, "--at", "5,5", "--sign", folder_.File(by)});
+  };
+  ASSERT_EQ(add_person("Radio") + add_person("Old"), 0) << said;
+  {
+    Muster muster(folder_, "muster",
+                  {"run", scenario_, "--quiet", "--out", run_, "--rate", "600", "--limit", "90",
+                   "--persons", persons});
+    ASSERT_TRUE(Eventually([&] { return add_task("Radio") == 0; })) << said;
+    KillAt(20, &muster);
+  }
+  ASSERT_EQ(ask({"person", "remove", persons, "Old"}) + add_person("New"), 0) << said;
+  Muster resumed(folder_, "resumed", {"resume", run_, "--quiet"});
+  ASSERT_TRUE(Eventually([&] { return add_task("Radio") == 0; })) << said;
+  EXPECT_EQ(add_task("New"), 0) << said;
+  EXPECT_EQ(add_task("Old"), 4);
+  EXPECT_NE(said.find("Old may not order any more"), std::string::npos) << said;
+  ASSERT_EQ(resumed.Wait(), 0) << resumed.output();
+  CheckRun(run_, folder_.File("checked"));
+}
+
 TEST_F(ResumeRunTest, WhatCannotGoOnIsRefused) {
   const auto refusal = [&](const std::string& run) {
     Muster resume(folder_, "refused", {"resume", run});
