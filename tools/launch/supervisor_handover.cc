@@ -36,9 +36,10 @@ void Supervisor::EndEarlier() {
     successors.emplace_back(Identity{plan_.run_id, member.name, plan_.first_boot}, 0);
   }
   const TimeUs begun_us = host_->now().monotonic_us;
-  TimeUs heard_us = begun_us;
-  for (Now now = host_->now(); now.monotonic_us < begun_us + kEndEarlierUs &&
-                               now.monotonic_us < heard_us + kSilentUs && host_->stops_asked() == 0;
+  TimeUs last_heard_us = begun_us;
+  for (Now now = host_->now();
+       now.monotonic_us < begun_us + kEndEarlierUs &&
+       now.monotonic_us < last_heard_us + kSilentUs && host_->stops_asked() == 0;
        now = host_->now()) {
     for (Sender& successor : successors) {
       process_status_t status{};
@@ -54,7 +55,7 @@ void Supervisor::EndEarlier() {
       const std::optional<header_t> header = DecodeHeader(packet);
       const bool is_earlier =
           header && header->run_id == plan_.run_id && header->boot_id < plan_.first_boot;
-      if (is_earlier) heard_us = host_->now().monotonic_us;
+      if (is_earlier) last_heard_us = host_->now().monotonic_us;
     }
   }
 }

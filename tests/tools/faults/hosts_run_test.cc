@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -295,6 +296,24 @@ TEST_F(HostsRunTest, WhenTheLaunchersHostIsGoneTheMissionGoesOnFromTheSecondLog)
   EXPECT_NE(TextOf(folder_.File("output")).find("has gone on with another launcher: this one ends"),
             std::string::npos)
       << TextOf(folder_.File("output"));
+}
+
+// A stand-in for ssh runs the commands here.
+TEST_F(HostsRunTest, TheSecondLogIsPreparedOverSsh) {
+  const std::string ssh = folder_.File("ssh");
+  std::ofstream(ssh) << "#!/bin/sh\nfor last; do :; done\nexec sh -c \"$last\"\n";
+  std::filesystem::permissions(ssh, std::filesystem::perms::owner_all);
+  setenv("PATH", fmt::format("{}:{}", folder_.path().string(), getenv("PATH")).c_str(), 1);
+  std::ofstream(folder_.File("hosts.json"))
+      << Json{{"version", 1},
+              {"hosts", {{{"name", "room"}, {"ssh", "ops@room"}, {"processes", {"recorder-2"}}}}}};
+  const std::string second = folder_.File("the second log");
+  Child muster = Start({"--rate", "3600", "--second-log", second});
+  ExpectTheUndisturbedMission(&muster);
+  for (const std::string file : {"/manifest.json", "/seal.key"}) {
+    EXPECT_EQ(TextOf(second + file), TextOf(folder_.File("run") + file)) << file;
+  }
+  CheckRun(second, folder_.File("second"));
 }
 
 TEST_F(HostsRunTest, AStoppedMissionIsNotTakenOver) {
