@@ -70,10 +70,12 @@ function(muster_program name)
   target_precompile_headers(${name} REUSE_FROM muster_precompiled)
 endfunction()
 
-# muster_test(NAME LABEL label [HAS_LONG] SOURCES ... LINK ...): GoogleTest program NAME, every case a
-# CTest test with that label. With HAS_LONG the cases of suites named Long... have the label slow.
+# muster_test(NAME LABEL label [HAS_LONG] [MANY_CASES FILTER] SOURCES ... LINK ...): GoogleTest program
+# NAME, every case a CTest test with that label. With HAS_LONG the cases of suites named Long... have the
+# label slow. With MANY_CASES those that the filter names run once more, labelled slow, with many draws
+# (tests/cases.h).
 function(muster_test name)
-  cmake_parse_arguments(ARG "HAS_LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "HAS_LONG" "LABEL;TIMEOUT;MANY_CASES" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE muster_options ${ARG_LINK} GTest::gtest GTest::gtest_main)
   target_compile_options(${name} PRIVATE -O1)
@@ -91,6 +93,11 @@ function(muster_test name)
     set(short TEST_FILTER "-Long*:*/Long*")
     gtest_discover_tests(${name} TEST_FILTER "Long*:*/Long*" DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
                          PROPERTIES LABELS slow TIMEOUT 14400)
+  endif()
+  if(ARG_MANY_CASES)
+    add_test(NAME ManyCases.${name} COMMAND ${name} "--gtest_filter=${ARG_MANY_CASES}")
+    set_tests_properties(ManyCases.${name} PROPERTIES
+      LABELS slow TIMEOUT 14400 ENVIRONMENT MUSTER_MANY_CASES=1)
   endif()
   # Names alone: the value of a parameter may be an address.
   gtest_discover_tests(${name} ${short} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES

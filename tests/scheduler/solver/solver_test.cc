@@ -6,6 +6,7 @@
 #include <string>
 
 #include "scheduler/solver/build.h"
+#include "tests/cases.h"
 #include "tests/scheduler/solver/explicit_graph.h"
 #include "tests/scheduler/solver/generated_situation.h"
 
@@ -19,15 +20,10 @@ using testing::RandomInstance;
 
 /// Weights and bounds differ from another solver's by the order of additions alone.
 constexpr double kSame = 1e-6;
-#ifdef MUSTER_LONG_SOLVER
-constexpr bool kLong = true;
-#else
-constexpr bool kLong = false;
-#endif
 
 TEST(Solver, FindsAndProvesTheOptimumOfSmallInstances) {
-  int pairs = 0, not_proven = 0;
-  for (std::uint64_t seed = 0; seed < (kLong ? 1500 : 200); ++seed) {
+  std::uint64_t pairs = 0, not_proven = 0;
+  for (std::uint64_t seed = 0; seed < Cases(200, 1500); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Instance instance =
         RandomInstance(seed, 1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed / 4 % 4),
@@ -40,12 +36,12 @@ TEST(Solver, FindsAndProvesTheOptimumOfSmallInstances) {
     not_proven += solution.bound > optimum + kSame;
     for (const auto& choice : solution.assignment.uavs) pairs += choice.partner_arc >= 0;
   }
-  EXPECT_EQ(not_proven, 0);
-  EXPECT_GT(pairs, kLong ? 500 : 60);
+  EXPECT_EQ(not_proven, 0U);
+  EXPECT_GT(pairs, Cases(60, 500));
 }
 
 TEST(Solver, BoundHoldsAtAnyWorkLimit) {
-  for (std::uint64_t seed = 0; seed < (kLong ? 1000 : 150); ++seed) {
+  for (std::uint64_t seed = 0; seed < Cases(150, 1000); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Instance instance = RandomInstance(seed, 4, 4, 3);
     SolverLimits limits;
@@ -65,7 +61,7 @@ TEST(Solver, AnyDeadlineGivesAValidAnswerAndABound) {
     limits.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(microseconds);
     return limits;
   };
-  for (std::uint64_t seed = 0; seed < (kLong ? 300 : 60); ++seed) {
+  for (std::uint64_t seed = 0; seed < Cases(60, 300); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Instance instance = RandomInstance(seed, 4, 4, 3);
     const SolverResult solution = Solve(instance, after(static_cast<int>(seed % 30)));
@@ -119,7 +115,7 @@ TEST(Solver, EqualsCbcOnMissionsUpTo10000Nodes) {
 }
 
 TEST(Solver, EqualsCbcOnDenseRandomInstances) {
-  for (std::uint64_t seed = 0; seed < (kLong ? 25 : 4); ++seed) {
+  for (std::uint64_t seed = 0; seed < Cases(4, 25); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Instance instance = RandomInstance(seed, 8, 9, 7);
     const auto optimum = CbcOptimum(instance, 20);

@@ -16,25 +16,17 @@
 namespace muster::tools {
 namespace {
 
-ChildResult Muster(const std::vector<std::string>& arguments) {
-  return RunInChild([&]() -> int { Exec(MUSTER_PROGRAM, arguments); });
-}
-
 std::string TextOf(const std::string& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
 }
 
-bool Contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class CommandLine : public testing::Test {
  protected:
   void SetUp() override {
     const ChildResult made =
-        Muster({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",
+        RunMuster({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",
                 "--charging-points", "1", "--limit", "30", "-o", scenario_});
     ASSERT_EQ(made.exit_code, 0) << made.output;
   }
@@ -42,7 +34,7 @@ class CommandLine : public testing::Test {
   /// A run directory with a log.
   std::string MakeRun() {
     const std::string run = folder_.File("run");
-    const ChildResult result = Muster({"simulate", scenario_, "--log", "--out", run});
+    const ChildResult result = RunMuster({"simulate", scenario_, "--log", "--out", run});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return run;
   }
@@ -70,25 +62,25 @@ TEST_F(CommandLine, NamesWhatTheUserMayHaveMeant) {
       {{"faults", "random", scenario_, "--kinds", "los"}, "(did you mean 'loss'?)\n"},
   };
   for (const auto& c : cases) {
-    const ChildResult result = Muster(c.arguments);
+    const ChildResult result = RunMuster(c.arguments);
     EXPECT_EQ(result.exit_code, 2) << result.output;
     EXPECT_TRUE(result.output.ends_with(c.meant)) << result.output;
   }
 }
 
 TEST_F(CommandLine, HelpOfACommandIsItsHelp) {
-  EXPECT_EQ(Muster({"help"}).output, Muster({"--help"}).output);
-  EXPECT_EQ(Muster({"help", "run"}).output, Muster({"run", "--help"}).output);
-  EXPECT_EQ(Muster({"help", "log", "cut"}).output, Muster({"log", "cut", "--help"}).output);
-  EXPECT_EQ(Muster({"log", "help", "cut"}).output, Muster({"log", "cut", "--help"}).output);
-  EXPECT_EQ(Muster({"-v"}).output, Muster({"--version"}).output);
-  const ChildResult cut = Muster({"log", "cut", "--help"});
+  EXPECT_EQ(RunMuster({"help"}).output, RunMuster({"--help"}).output);
+  EXPECT_EQ(RunMuster({"help", "run"}).output, RunMuster({"run", "--help"}).output);
+  EXPECT_EQ(RunMuster({"help", "log", "cut"}).output, RunMuster({"log", "cut", "--help"}).output);
+  EXPECT_EQ(RunMuster({"log", "help", "cut"}).output, RunMuster({"log", "cut", "--help"}).output);
+  EXPECT_EQ(RunMuster({"-v"}).output, RunMuster({"--version"}).output);
+  const ChildResult cut = RunMuster({"log", "cut", "--help"});
   EXPECT_EQ(cut.exit_code, 0);
   EXPECT_TRUE(cut.output.starts_with("Usage: muster log cut [OPTION...] RUN\n\n")) << cut.output;
-  EXPECT_TRUE(Muster({"bench", "--help"}).output.starts_with("Usage: muster bench [OPTION...]\n"));
-  const ChildResult none = Muster({});
+  EXPECT_TRUE(RunMuster({"bench", "--help"}).output.starts_with("Usage: muster bench [OPTION...]\n"));
+  const ChildResult none = RunMuster({});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_EQ(none.output, Muster({"--help"}).output);
+  EXPECT_EQ(none.output, RunMuster({"--help"}).output);
 }
 
 TEST_F(CommandLine, WhatIsExpectedIsATaskRateOfAPolicyThatLooksAhead) {
@@ -102,11 +94,11 @@ TEST_F(CommandLine, WhatIsExpectedIsATaskRateOfAPolicyThatLooksAhead) {
   };
   for (std::vector<std::string> arguments : bad) {
     arguments.insert(arguments.begin(), {"simulate", scenario_, "--out", out});
-    const ChildResult result = Muster(arguments);
+    const ChildResult result = RunMuster(arguments);
     EXPECT_EQ(result.exit_code, 2) << result.output;
     EXPECT_FALSE(std::filesystem::exists(out));
   }
-  EXPECT_EQ(Muster({"bench", "--suite", "arrivals", "--instances", "haiti"}).exit_code, 2);
+  EXPECT_EQ(RunMuster({"bench", "--suite", "arrivals", "--instances", "haiti"}).exit_code, 2);
 }
 
 TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
@@ -114,7 +106,7 @@ TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
   const std::string garbage = folder_.File("garbage.json");
   std::ofstream(garbage) << R"({"version": 1, "name": "x"})";
   const std::string plan = folder_.File("plan.json");
-  std::ofstream(plan) << Muster({"faults", "random", scenario_}).output;
+  std::ofstream(plan) << RunMuster({"faults", "random", scenario_}).output;
   const std::string out = folder_.File("out");
   const std::vector<std::vector<std::string>> commands = {
       {"run"},
@@ -134,7 +126,7 @@ TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
       } else {
         command.push_back(scenario);
       }
-      const ChildResult result = Muster(command);
+      const ChildResult result = RunMuster(command);
       EXPECT_EQ(result.exit_code, 2) << command[0] << " " << scenario << "\n" << result.output;
       EXPECT_TRUE(Contains(result.output, scenario)) << result.output;
       if (scenario == run) {
@@ -147,19 +139,19 @@ TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {
   for (const char* command : {"explain", "audit", "redecide", "replay"}) {
     std::vector<std::string> arguments = {command, folder_.File("none")};
     if (arguments[0] == "explain") arguments.insert(arguments.end(), {"--task", "0"});
-    EXPECT_EQ(Muster(arguments).exit_code, 2) << command;
+    EXPECT_EQ(RunMuster(arguments).exit_code, 2) << command;
   }
 }
 
 TEST_F(CommandLine, SimulatePrintsItsReportAsJson) {
   const std::string run = folder_.File("run");
-  const ChildResult result = Muster({"simulate", scenario_, "--json", "-o", run});
+  const ChildResult result = RunMuster({"simulate", scenario_, "--json", "-o", run});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(result.output, TextOf(run + "/report.json"));
 }
 
 TEST_F(CommandLine, TopTellsOneSnapshotAsJson) {
-  const ChildResult result = Muster({"top", MakeRun(), "--json"});
+  const ChildResult result = RunMuster({"top", MakeRun(), "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const auto top = nlohmann::json::parse(result.output);
   EXPECT_EQ(top["version"], 1);
@@ -180,15 +172,15 @@ TEST_F(CommandLine, TopTellsOneSnapshotAsJson) {
 TEST_F(CommandLine, ReportWritesOverPagesOnly) {
   const std::string run = MakeRun();
   const std::string page = folder_.File("page.html");
-  const ChildResult first = Muster({"report", run, "-o", page});
+  const ChildResult first = RunMuster({"report", run, "-o", page});
   if (Contains(first.output, "built without esbuild")) GTEST_SKIP() << first.output;
   EXPECT_EQ(first.exit_code, 0) << first.output;
-  EXPECT_EQ(Muster({"report", run, "-o", page}).exit_code, 0) << "a page may be made again";
+  EXPECT_EQ(RunMuster({"report", run, "-o", page}).exit_code, 0) << "a page may be made again";
   std::ofstream(page, std::ios::trunc).close();
-  EXPECT_EQ(Muster({"report", run, "-o", page}).exit_code, 0) << "an empty file too";
+  EXPECT_EQ(RunMuster({"report", run, "-o", page}).exit_code, 0) << "an empty file too";
 
   const std::string scenario = TextOf(scenario_);
-  const ChildResult refused = Muster({"report", run, "-o", scenario_});
+  const ChildResult refused = RunMuster({"report", run, "-o", scenario_});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_TRUE(Contains(refused.output, "--out: found " + scenario_)) << refused.output;
   EXPECT_EQ(TextOf(scenario_), scenario);
@@ -196,26 +188,26 @@ TEST_F(CommandLine, ReportWritesOverPagesOnly) {
 
 TEST_F(CommandLine, ReportSaysWhatItCannotPaint) {
   const std::string run = MakeRun();
-  const ChildResult nothing = Muster({"report", run, run});
+  const ChildResult nothing = RunMuster({"report", run, run});
   if (Contains(nothing.output, "built without esbuild")) GTEST_SKIP() << nothing.output;
   EXPECT_EQ(nothing.exit_code, 2) << nothing.output;
   EXPECT_TRUE(Contains(nothing.output, "--out")) << nothing.output;
-  const ChildResult suffix = Muster({"report", run, "--scene", folder_.File("scene.gif")});
+  const ChildResult suffix = RunMuster({"report", run, "--scene", folder_.File("scene.gif")});
   EXPECT_EQ(suffix.exit_code, 2) << suffix.output;
   EXPECT_TRUE(Contains(suffix.output, "FILE.png or FILE.webm")) << suffix.output;
-  const ChildResult show = Muster({"report", run, "-o", folder_.File("a.html"), "--show", "t=60"});
+  const ChildResult show = RunMuster({"report", run, "-o", folder_.File("a.html"), "--show", "t=60"});
   EXPECT_EQ(show.exit_code, 2) << show.output;
 
   const std::string picture = folder_.File("scene.png");
   std::ofstream(picture) << "a letter";
-  const ChildResult other = Muster({"report", run, "--scene", picture});
+  const ChildResult other = RunMuster({"report", run, "--scene", picture});
   EXPECT_EQ(other.exit_code, 2) << other.output;
   if (Contains(other.output, "built without three.js")) GTEST_SKIP() << other.output;
   EXPECT_EQ(TextOf(picture), "a letter");
 
   const std::string path = std::getenv("PATH") == nullptr ? "" : std::getenv("PATH");
   setenv("PATH", folder_.File("nowhere").c_str(), 1);
-  const ChildResult missing = Muster({"report", run, "--scene", folder_.File("new.png")});
+  const ChildResult missing = RunMuster({"report", run, "--scene", folder_.File("new.png")});
   setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(missing.exit_code, 3) << missing.output;
   EXPECT_TRUE(Contains(missing.output, "apt-get install chromium")) << missing.output;

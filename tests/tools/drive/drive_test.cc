@@ -17,10 +17,6 @@ namespace {
 
 const std::string kExample = MUSTER_EXAMPLES "/uav.py";
 
-ChildResult Muster(const std::vector<std::string>& arguments) {
-  return RunInChild([&]() -> int { Exec(MUSTER_PROGRAM, arguments); });
-}
-
 class Drive : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -105,21 +101,21 @@ TEST_F(Drive, WhoNeverSaysThatHeIsThereIsGivenUp) {
 }
 
 TEST_F(Drive, ACommandTellsItWithItsExitCode) {
-  const ChildResult good = Muster({"drive", "--check", "python3 " + kExample, "--json"});
+  const ChildResult good = RunMuster({"drive", "--check", "python3 " + kExample, "--json"});
   EXPECT_EQ(good.exit_code, 0) << good.output;
   const auto told = nlohmann::json::parse(good.output);
   EXPECT_EQ(told["name"], "uav.py");
   EXPECT_EQ(told["steps"].size(), 7U);
   EXPECT_TRUE(told["wrong"].empty());
   const ChildResult late =
-      Muster({"drive", "--check", "python3 " + kExample + " --silent 2:12", "--rate", "900"});
+      RunMuster({"drive", "--check", "python3 " + kExample + " --silent 2:12", "--rate", "900"});
   EXPECT_EQ(late.exit_code, 0) << late.output;  // ten minutes are soon over
   EXPECT_NE(late.output.find("% late"), std::string::npos) << late.output;
-  const ChildResult bad = Muster({"drive", "--check", "python3 " + kExample + " --dies 3"});
+  const ChildResult bad = RunMuster({"drive", "--check", "python3 " + kExample + " --dies 3"});
   EXPECT_EQ(bad.exit_code, 4);
   EXPECT_NE(bad.output.find("WRONG     at "), std::string::npos) << bad.output;
-  EXPECT_EQ(Muster({"drive", "--check", "no-such-program-there"}).exit_code, 2);
-  EXPECT_EQ(Muster({"drive"}).exit_code, 2);
+  EXPECT_EQ(RunMuster({"drive", "--check", "no-such-program-there"}).exit_code, 2);
+  EXPECT_EQ(RunMuster({"drive"}).exit_code, 2);
 }
 
 }  // namespace

@@ -18,6 +18,17 @@ ChildResult RunInChild(const std::function<int()>& body);
 /// Replaces the process by `program`, which must be a path; never returns.
 [[noreturn]] void Exec(const std::string& program, const std::vector<std::string>& arguments);
 
+#ifdef MUSTER_PROGRAM
+/// Runs `muster` with these arguments.
+inline ChildResult RunMuster(const std::vector<std::string>& arguments) {
+  return RunInChild([&]() -> int { Exec(MUSTER_PROGRAM, arguments); });
+}
+#endif
+
+inline bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 /// A network that refuses private ones for real: a user namespace whose limit on network namespaces
 /// is 0, where this process is root. With `route`, multicast is routed over lo as on a host set up
 /// for it; without, there is no network at all. False where the kernel forbids making it. Only in a

@@ -22,10 +22,6 @@ int RunDoctor(const std::vector<std::string>& arguments = {}) {
   Exec(MUSTER_PROGRAM, all);
 }
 
-bool Contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST(Doctor, ExitsWithFourExactlyWhenACheckFailed) {
   const ChildResult result = RunInChild([] { return RunDoctor(); });
   EXPECT_EQ(result.exit_code, Contains(result.output, " fail ") ? 4 : 0) << result.output;

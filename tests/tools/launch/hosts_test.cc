@@ -12,7 +12,7 @@
 namespace muster::tools {
 namespace {
 
-std::string ErrorOf(const std::string& json) {
+std::string HostsError(const std::string& json) {
   try {
     CheckHosts(ParseHosts(json, "hosts.json"), "hosts.json", {"world", "uav", "scheduler"}, {});
   } catch (const InputError& error) {
@@ -45,41 +45,41 @@ TEST(Hosts, ALinkMayHaveARate) {
   };
   EXPECT_EQ(ParseHosts(with("12.5"), "hosts.json").hosts[0].mbit_s, 12.5);
   for (const std::string rate : {"0", "-1", "\"fast\"", "1e999"}) {
-    EXPECT_NE(ErrorOf(with(rate)).find("hosts.json: "), std::string::npos) << rate;
+    EXPECT_NE(HostsError(with(rate)).find("hosts.json: "), std::string::npos) << rate;
   }
-  EXPECT_EQ(ErrorOf(with("0")), "hosts.json: hosts[0].mbit_s: found 0, expected a number above 0");
+  EXPECT_EQ(HostsError(with("0")), "hosts.json: hosts[0].mbit_s: found 0, expected a number above 0");
 }
 
 TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]})")), "");
-  EXPECT_EQ(ErrorOf("{}"), "hosts.json: version: found no such key, expected 1");
-  EXPECT_EQ(ErrorOf(R"({"version": 2, "hosts": []})"), "hosts.json: version: found 2, expected 1");
-  EXPECT_EQ(ErrorOf(R"({"version": 1, "hosts": []})"),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]})")), "");
+  EXPECT_EQ(HostsError("{}"), "hosts.json: version: found no such key, expected 1");
+  EXPECT_EQ(HostsError(R"({"version": 2, "hosts": []})"), "hosts.json: version: found 2, expected 1");
+  EXPECT_EQ(HostsError(R"({"version": 1, "hosts": []})"),
             "hosts.json: hosts: found an array of 0, expected a list that is not empty");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "processes": ["uav"]})")),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "processes": ["uav"]})")),
             "hosts.json: hosts[0].ssh: found neither ssh nor netns, expected one of the two");
   EXPECT_EQ(
-      ErrorOf(Hosts(R"({"name": "a", "ssh": "-oProxyCommand=x", "processes": ["uav"]})")),
+      HostsError(Hosts(R"({"name": "a", "ssh": "-oProxyCommand=x", "processes": ["uav"]})")),
       "hosts.json: hosts[0].ssh: found \"-oProxyCommand=x\", expected a text that does not begin "
       "with -");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uavs"]})")),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "processes": ["uavs"]})")),
             "hosts.json: host a: processes: found uavs, expected processes of the mission: world, "
             "uav, scheduler");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]},
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]},
                              {"name": "b", "netns": "b", "processes": ["uav"]})")),
             "hosts.json: host b: processes: found uav, expected a process on one host: it is on a, "
             "too");
-  EXPECT_EQ(ErrorOf(R"({"version": 1, "lcm_url": "udpm://239.255.76.67:7667?ttl=0", "hosts": [
+  EXPECT_EQ(HostsError(R"({"version": 1, "lcm_url": "udpm://239.255.76.67:7667?ttl=0", "hosts": [
                         {"name": "a", "netns": "a", "processes": ["uav"]}]})"),
             "hosts.json: lcm_url (line 1, column 27): found udpm://239.255.76.67:7667?ttl=0, "
             "expected a URL with ttl=1 "
             "or more: ttl=0 leaves no host");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
             "hosts.json: hosts[0]: found the unknown key \"port\", expected only name, ssh, netns, "
             "folder, processes, mbit_s, standby");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["uav"]})")),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["uav"]})")),
             "hosts.json: host a: standby: found b, expected the name of another host, or here");
-  EXPECT_EQ(ErrorOf(Hosts(R"({"name": "a", "netns": "a", "standby": "a", "processes": ["uav"]})")),
+  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "a", "processes": ["uav"]})")),
             "hosts.json: host a: standby: found a, expected the name of another host, or here");
 }
 

@@ -17,7 +17,7 @@ Scenario OneMeasured() {
   return scenario;
 }
 
-agent_t At(double x_m, std::int32_t decision, TimeUs arrive_us) {
+agent_t StandsAt(double x_m, std::int32_t decision, TimeUs arrive_us) {
   agent_t agent{};
   agent.id = 0;
   agent.x_m = x_m;
@@ -50,11 +50,11 @@ TEST(MeasuredLegs, ArePlannedFromWhereTheAgentWasAndArriveAsTold) {
     const bool is_there = tick >= 2;
     legs.Take(
         scenario, AgentKind::kUav, tick,
-        At(is_there ? 600 : 0, tick == 0 ? -1 : 0, tick == 1 ? 120 * kSecondUs : 95 * kSecondUs));
+        StandsAt(is_there ? 600 : 0, tick == 0 ? -1 : 0, tick == 1 ? 120 * kSecondUs : 95 * kSecondUs));
   }
   // Sent back 300 m at 10 min, and elsewhere before it was there.
-  legs.Take(scenario, AgentKind::kUav, 10, At(600, -1, 0));
-  legs.Take(scenario, AgentKind::kUav, 11, At(500, 1, 12 * kMinuteUs));
+  legs.Take(scenario, AgentKind::kUav, 10, StandsAt(600, -1, 0));
+  legs.Take(scenario, AgentKind::kUav, 11, StandsAt(500, 1, 12 * kMinuteUs));
   const auto list = legs.List(scenario, {{0, Sends(0, -1, 600, 4)}, {1, Sends(0, -1, 300, -1)}});
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].task, 4);
@@ -74,18 +74,18 @@ TEST(MeasuredLegs, ArePlannedFromWhereTheAgentWasAndArriveAsTold) {
 TEST(MeasuredLegs, LeaveOutComputedAgentsAndWhoWasThere) {
   const Scenario scenario = OneMeasured();
   MeasuredLegs legs;
-  legs.Take(scenario, AgentKind::kWorker, 0, At(0, -1, 0));
-  legs.Take(scenario, AgentKind::kWorker, 1, At(60, 0, kMinuteUs));
-  legs.Take(scenario, AgentKind::kUav, 10, At(597, -1, 0));
-  legs.Take(scenario, AgentKind::kUav, 11, At(600, 1, 10 * kMinuteUs));
+  legs.Take(scenario, AgentKind::kWorker, 0, StandsAt(0, -1, 0));
+  legs.Take(scenario, AgentKind::kWorker, 1, StandsAt(60, 0, kMinuteUs));
+  legs.Take(scenario, AgentKind::kUav, 10, StandsAt(597, -1, 0));
+  legs.Take(scenario, AgentKind::kUav, 11, StandsAt(600, 1, 10 * kMinuteUs));
   EXPECT_TRUE(legs.List(scenario, {{0, Sends(-1, 0, 60, -1)}, {1, Sends(0, -1, 600, 4)}}).empty());
 }
 
 TEST(MeasuredLegs, DoNotCountAnArrivalOfWhoHasFailed) {
   const Scenario scenario = OneMeasured();
   MeasuredLegs legs;
-  legs.Take(scenario, AgentKind::kUav, 0, At(0, -1, 0));
-  agent_t failed = At(100, 0, 30 * kSecondUs);
+  legs.Take(scenario, AgentKind::kUav, 0, StandsAt(0, -1, 0));
+  agent_t failed = StandsAt(100, 0, 30 * kSecondUs);
   failed.status = NumberOf(AgentStatus::kFailed);
   legs.Take(scenario, AgentKind::kUav, 1, failed);
   const auto list = legs.List(scenario, {{0, Sends(0, -1, 600, -1)}});
