@@ -11,6 +11,7 @@
 #include "model/generator.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
+#include "tests/cases.h"
 #include "tests/simulation/archivist.h"
 #include "tests/simulation/audited.h"
 #include "tests/simulation/crew.h"
@@ -229,7 +230,7 @@ TEST(Changes, AnyOneProcessMayBeKilledAtAnyTime) {
   undisturbed.RunToEnd();
   Random random(1, Stream::kTest);
   for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-    for (int i = 0; i < 12; ++i) {
+    for (std::uint64_t i = 0; i < Cases(4, 12); ++i) {
       const auto at =
           static_cast<int>(random.Below(static_cast<std::uint32_t>(undisturbed.sent())));
       SCOPED_TRACE(fmt::format("{} killed after packet {}", victim, at));
@@ -248,7 +249,7 @@ TEST(Changes, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
   const Scenario scenario = Undisturbed();
   const std::string expected = WholeDigest(scenario);
   Random random(2, Stream::kTest);
-  for (int i = 0; i < 40; ++i) {
+  for (std::uint64_t i = 0; i < Cases(12, 40); ++i) {
     std::vector<std::string> victims = kNames;
     random.Shuffle(victims);
     victims.resize(2 + random.Below(4));

@@ -8,6 +8,7 @@
 #include "model/scenario_json.h"
 #include "scheduler/process/scheduler_process.h"
 #include "simulation/simulator.h"
+#include "tests/cases.h"
 #include "tests/simulation/archivist.h"
 #include "tests/simulation/audited.h"
 #include "tests/simulation/crew.h"
@@ -105,7 +106,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledAtAnyTime) {
     const int sent = RunOver(faults, 1, json).sent;
     Random random(1, Stream::kTest);
     for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-      for (int i = 0; i < 8; ++i) {
+      for (std::uint64_t i = 0; i < Cases(3, 8); ++i) {
         const int kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
         const Outcome outcome = RunOver(faults, 1, json, Kill{{victim}, kill_at});
         ASSERT_TRUE(outcome.ended)
@@ -124,7 +125,7 @@ TEST(Lockstep, WhoIsKilledOnAFreeMoveGoesOnToTheSamePlace) {
   for (const char* policy : {"greedy-sum", "horizon"}) {
     const std::string expected = SimulatedDigest(json, policy);
     const int sent = RunOver(faults, 1, json, {}, policy).sent;
-    for (int i = 0; i < 24; ++i) {
+    for (std::uint64_t i = 0; i < Cases(12, 24); ++i) {
       std::vector<std::string> victims = {i % 2 == 0 ? "uav" : "worker"};
       if (i % 4 >= 2) victims.push_back(i % 3 == 0 ? "scheduler" : "world");
       const auto kill_at = static_cast<int>(random.Below(static_cast<std::uint32_t>(sent)));
@@ -141,7 +142,7 @@ TEST(Lockstep, AnyOneProcessMayBeKilledBeforeTheMissionBegins) {
   const std::string json = ScenarioToJson(SmallScenario());
   const std::string expected = SimulatedDigest(json);
   for (const char* victim : {"world", "uav", "worker", "vehicle", "scheduler"}) {
-    for (int kill_at = 0; kill_at < 20; kill_at += 2) {
+    for (int kill_at = 0; kill_at < 20; kill_at += static_cast<int>(Cases(4, 2))) {
       const Outcome outcome = RunOver({}, 1, json, Kill{{victim}, kill_at});
       ASSERT_TRUE(outcome.ended) << victim << " killed after packet " << kill_at;
       ASSERT_EQ(outcome.digest, expected) << victim << " killed after packet " << kill_at;
@@ -155,7 +156,7 @@ TEST(Lockstep, AnyNumberOfProcessesMayBeKilledAtOnceWhereSomebodyListens) {
   const PacketFaults faults = Lossy(0, 0, 150);
   const int sent = RunOver(faults, 1, json).sent;
   Random random(2, Stream::kTest);
-  for (int i = 0; i < 36; ++i) {
+  for (std::uint64_t i = 0; i < Cases(12, 36); ++i) {
     std::vector<std::string> victims = {"world", "uav", "worker", "vehicle", "scheduler"};
     random.Shuffle(victims);
     victims.resize(2 + random.Below(4));

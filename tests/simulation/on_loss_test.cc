@@ -8,6 +8,7 @@
 #include "model/own_rule.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
+#include "tests/cases.h"
 #include "tests/simulation/archivist.h"
 #include "tests/simulation/crew.h"
 #include "tests/tools/explain/mission_log.h"
@@ -182,7 +183,7 @@ TEST_P(OnLoss, WhoIsBackAfterTheLastVerdictStandsWhereItSays) {
 
 TEST_P(OnLoss, NothingChangesWhereNobodyIsLost) {
   const std::string expected = UndisturbedDigest();
-  for (std::uint64_t seed = 101; seed <= 110; ++seed) {
+  for (std::uint64_t seed = 101; seed <= Cases(103, 110); ++seed) {
     SCOPED_TRACE(seed);
     LossyMission mission(Lossy(0.3, 0.1, 2950), seed);
     ASSERT_TRUE(mission.RunToEnd());
@@ -394,7 +395,7 @@ TEST_P(OnLoss, AWorldThatDiesInTheTickOfADecisionChangesNothing) {
   const std::string expected = UndisturbedDigest();
   for (const std::string_view said : {channel::kClock, channel::kWorkers, channel::kWorld,
                                       channel::kRulings, channel::kSchedule}) {
-    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (std::uint64_t seed = 1; seed <= Cases(2, 6); ++seed) {
       SCOPED_TRACE(fmt::format("{}, seed {}", said, seed));
       LossyMission mission(Lossy(seed % 2 == 0 ? 0.2 : 0, 0, 150), seed);
       for (const int decision : {3, 4, 9}) {
@@ -495,7 +496,7 @@ TEST_P(OnLoss, AWorldThatStartsAgainGoesOnWithoutWhoeverIsLost) {
 
 TEST_P(OnLoss, LossesAtRandomBreakNoInvariant) {
   Random random(1, Stream::kTest);
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= Cases(6, 20); ++seed) {
     SCOPED_TRACE(seed);
     LossyMission mission(Lossy(random.Uniform() * 0.3, 0, 450), seed);
     TimeUs t = 0;

@@ -11,6 +11,7 @@
 #include "scheduler/policies/rollout/forward_model.h"
 #include "scheduler/solver/candidates.h"
 #include "simulation/simulator.h"
+#include "tests/cases.h"
 #include "tests/simulation/audited.h"
 #include "tests/temporary_folder.h"
 #include "tools/bound/bound_command.h"
@@ -153,7 +154,7 @@ std::int64_t Done(const Scenario& scenario, const std::string& policy) {
 }
 
 TEST(UpperBound, HoldsForEveryPolicyUnderAllRulesAndDisturbances) {
-  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+  for (std::uint64_t seed = 1; seed <= Cases(12, 24); ++seed) {
     GeneratorSettings settings = PresetByName("Random_1");
     settings.width_km = settings.height_km = 4 + static_cast<double>(seed % 4) * 3;
     settings.uavs = 6;

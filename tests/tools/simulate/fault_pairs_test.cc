@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "model/generator.h"
 #include "simulation/start_process.h"
+#include "tests/cases.h"
 #include "tools/record/digest.h"
 #include "tools/simulate/virtual_mission.h"
 
@@ -103,7 +104,7 @@ TEST(FaultPairs, TheRecorderIsNeitherKilledNorDamaged) {
 // One flipped bit in a name, a time or a number of starts must not last.
 TEST(FaultPairs, MissionsWithDamagedPacketsEnd) {
   for (const char* target : {"world", "uav", "worker", "vehicle", "scheduler", "*"}) {
-    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (std::uint64_t seed = 1; seed <= Cases(2, 6); ++seed) {
       VirtualMission mission;
       mission.scenario = Generate(PresetByName("Random_1"), 1);
       mission.policy = "mpq";

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "tests/cases.h"
 #include "tests/model/manhattan_ways.h"
 #include "tests/tools/trials/each_policy.h"
 #include "tools/audit/ways.h"
@@ -67,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, BentWays, ::testing::ValuesIn(AllPolicies()),
 TEST(BentWays, MissionsWithKillsAndLossAreAuditedAndDecidedAgain) {
   const InManhattan bent;
   const audit::ScopedDefaultWays audited(std::make_shared<const AuditedManhattan>());
-  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+  for (std::uint64_t seed = 1; seed <= Cases(6, 15); ++seed) {
     // Not with free moves: a process that starts again finds the goal of one, but not where it
     // began, and so tells it anew from where it was last seen.
     CampaignSettings settings;
