@@ -65,6 +65,7 @@ void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
                            std::string_view why) {
   if (over_) return;
   agent_ = taken_ = agent;
+  TellZones(at);
   if (agent_.action == ActionKind::kNone) {
     if (open_) Cancel(at, why);
     activity_told_ = false;
@@ -157,6 +158,27 @@ void DriverSession::GoTo(TimeUs at) {
     }
   }
   Order(Command::Kind::kGoTo, line);
+}
+
+void DriverSession::TellZones(TimeUs at) {
+  if (agent_.kind != AgentKind::kUav) return;
+  std::set<std::string> in_force;
+  for (const Closure& closure : scenario_.closures) {
+    if (!closure.zone) continue;
+    in_force.insert(closure.order);
+    if (!zones_.insert(closure.order).second) continue;
+    Json rings = Json::array();
+    for (const std::vector<Point>& ring : closure.zone->rings) {
+      Json& corners = rings.emplace_back(Json::array());
+      for (const Point corner : ring) corners.push_back({{"x_m", corner.x_m}, {"y_m", corner.y_m}});
+    }
+    Say({{"type", "zone"}, {"mission_s", ToSeconds(at)}, {"id", closure.order}, {"rings", rings}});
+  }
+  for (const std::string& id : std::set(zones_)) {
+    if (in_force.contains(id)) continue;
+    zones_.erase(id);
+    Say({{"type", "zone_lift"}, {"mission_s", ToSeconds(at)}, {"id", id}});
+  }
 }
 
 void DriverSession::BeginActivity() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -81,6 +82,8 @@ class DriverSession {
   /// Says it with an id of its own.
   void Order(Command::Kind kind, const nlohmann::ordered_json& line);
   void GoTo(TimeUs at);
+  /// Says which zones a UAV has to keep out of from now on, and which not any more.
+  void TellZones(TimeUs at);
   void TellAltitude(TimeUs at);
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
@@ -104,6 +107,7 @@ class DriverSession {
   bool asked_ = false;                   ///< the last of them is not answered
   bool open_ = false;                    ///< what it began is neither finished nor cancelled
   bool activity_told_ = false;
+  std::set<std::string> zones_;  ///< ids of those in force, as told
   std::optional<Clearance> clearance_;
   bool altitude_told_ = true;
   std::int32_t sent_ = -1;  ///< decision that the last goto is about

@@ -11,6 +11,7 @@ import { Settings } from "./settings.mjs";
 import { Streams } from "./streams.mjs";
 import { Talk, Trouble } from "./talk.mjs";
 import { Vehicle } from "./vehicle.mjs";
+import { ZoneFence } from "./zone_fence.mjs";
 
 const HEARTBEAT_S = 1;
 const LANDING_S = 900;
@@ -21,7 +22,8 @@ const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
 export class Driver {
   /**
    * `options`: of options.mjs. `edge`: {now() in the vehicle's seconds, say(object), send(bytes), note(words), kept (settings.mjs),
-   * isChanged(): whether somebody has said, since the last call, that the battery was changed, keepPicture(of) (pictures.mjs)}.
+   * isChanged(): whether somebody has said, since the last call, that the battery was changed, keepPicture(of) (pictures.mjs),
+   * signing (signing.mjs) or null}.
    */
   constructor(options, edge) {
     Object.assign(this, { options, edge });
@@ -29,7 +31,7 @@ export class Driver {
     // Where time runs faster nothing is given up sooner, by the wall, than it would be at life's pace, up to 3 s.
     const patience = (seconds) => (speedup > 1 ? Math.max(seconds, speedup * Math.min(seconds, 3)) : seconds);
     const now = edge.now;
-    this.writer = new FrameWriter(options.ownSystem, OUR_COMPONENT);
+    this.writer = new FrameWriter(options.ownSystem, OUR_COMPONENT, edge.signing);
     this.vehicle = new Vehicle(options.system);
     this.safety = new Safety({ vehicle: this.vehicle, now, patience, reserve_percent: options.reserve });
     this.talk = new Talk({ vehicle: this.vehicle, now, patience, send: (message) => this.#send(message), mayCommand: () => this.safety.mayCommand() });
@@ -47,6 +49,8 @@ export class Driver {
   isHandsOff = false;
   /** It has not been in the air yet. */
   isPreparing = false;
+  /** It has a fence, and may take off. */
+  isReady = false;
   /** Its way may be straight. */
   isFree = true;
   #work = null;
@@ -94,6 +98,8 @@ export class Driver {
       return this.edge.note("a line of the mission is no JSON");
     }
     const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason) };
+    take.zone = () => this.fence?.zones.add(line);
+    take.zone_lift = () => this.fence?.zones.lift(line);
     for (const type of ["goto", "sense", "charge", "cancel", "altitude"]) take[type] = () => this.#take(line);
     if (line && Object.hasOwn(take, line.type)) take[line.type]();
   }
@@ -135,6 +141,7 @@ export class Driver {
     const trouble = this.plan && !this.isHandsOff && this.safety.check(this.plan.area, this.plan.map);
     // On its way home or down only somebody else in command matters.
     if (trouble && (trouble.then === "off" || !this.isEnding)) this.#fail(trouble);
+    if (this.isReady && !this.isEnding && !isDeaf) this.fence.step(this.flight.place, heard);
     try {
       this.#work?.next(heard);
     } catch (error) {
@@ -153,6 +160,7 @@ export class Driver {
       return this.#fail(error);
     }
     this.pictures = new Pictures({ keep: this.edge.keepPicture, note: this.edge.note, map: this.plan.map });
+    this.fence = new ZoneFence({ ...this, ...this.plan, note: this.edge.note });
     this.flight = new Flight({ ...this, note: this.edge.note, plan: this.plan });
     this.#work = this.#life();
     this.step();
@@ -220,6 +228,7 @@ export class Driver {
     this.isPreparing = true;
     yield* this.flight.prepare(true);
     this.isPreparing = false;
+    this.isReady = true;
     this.edge.note(`ready: ${this.vehicle.kind.name}, ${this.vehicle.battery_percent} %, at ${this.plan.altitude_m} m`);
     while (this.order?.type !== "bye") {
       const order = this.order, isReplaced = () => this.order !== order;
@@ -311,11 +320,13 @@ export class Driver {
       yield;
       if (isReplaced()) return false;
     }
+    this.isReady = false;
     vehicle.forget();
     // The power may have been cut: it is heard anew.
     if (!(yield* this.talk.await(() => this.talk.now() - vehicle.heartbeat_s < 2, 120))) throw new Trouble("it is not heard after its battery was changed", "off");
     yield* this.flight.prepare(false);
     safety.isServiced = this.isHandled = this.isConfirmed = false;
+    this.isReady = true;
     return true;
   }
 

@@ -3,10 +3,14 @@ import { common } from "./frames.mjs";
 import { Trouble } from "./talk.mjs";
 
 const FENCE = common.MavMissionType.FENCE;
-const VERTEX = 5001;  // MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+/** MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION and _EXCLUSION: it has to stay in, or out. */
+export const STAY_IN = 5001, STAY_OUT = 5002;
 const MOST_ITEMS = 200;
 const TIMES = 3;
 const FIELDS = ["command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z"];
+
+/** Of an item that was written, as it is read back. */
+const SAME = ["command", "param1", "x", "y"];
 
 const isOfFence = (heard, ...names) => names.includes(heard?.name) && heard.message.missionType === FENCE;
 
@@ -25,17 +29,23 @@ export function* readFence(talk) {
   return items;
 }
 
-/** Items of a polygon that it has to stay in. */
-export function polygon(corners) {
+/** Items of a polygon. `command`: STAY_IN or STAY_OUT. */
+export function polygon(command, corners) {
   return corners.map(({ latitude_deg, longitude_deg }) => ({
-    command: VERTEX, frame: 0, param1: corners.length, x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: 0,
+    command, frame: 0, param1: corners.length, x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: 0,
   }));
 }
 
-/** Writes it; it has no other then. When the last answer is lost nobody answers any more: then it is written again. */
+/**
+ * Writes it, and reads it back; it has no other then. When the last answer is lost nobody answers any more: then it is written again.
+ */
 export function* writeFence(talk, items) {
   for (let n = 0; n < TIMES; ++n) {
-    if (yield* writeOnce(talk, items)) return;
+    if (!(yield* writeOnce(talk, items))) continue;
+    const has = yield* readFence(talk);
+    const isSame = has.length === items.length && items.every((item, i) => SAME.every((name) => item[name] === has[i][name]));
+    if (!isSame) throw new Trouble("its fence is not as it was written");
+    return;
   }
   throw new Trouble("its fence cannot be written: no answer");
 }

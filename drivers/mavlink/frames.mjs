@@ -2,6 +2,8 @@
 // streams into calls, so that a driver is a function of what it hears and of the time.
 import { ardupilotmega, common, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, minimal } from "node-mavlink";
 
+import { SIGNED } from "./signing.mjs";
+
 export { ardupilotmega, common, minimal };
 
 const MESSAGES = { ...minimal.REGISTRY, ...common.REGISTRY, ...ardupilotmega.REGISTRY };
@@ -25,13 +27,20 @@ class Splitter extends MavLinkPacketSplitter {
 /** Finds the messages in bytes. Whatever else is in them is passed over. */
 export class FrameReader {
   #splitter = new Splitter();
+  #signing;
+
+  /** `signing`: of signing.mjs, which says what to believe; null: everything. */
+  constructor(signing = null) {
+    this.#signing = signing;
+  }
 
   /** Of a stream: what is not complete waits for the rest. Returns [{system, component, name, message}]. */
   read(bytes) {
     this.#splitter._transform(bytes, "buffer", () => {});
     const rest = this.#splitter.rest;
     if (rest.length && !rest.includes(MavLinkProtocolV1.START_BYTE) && !rest.includes(MavLinkProtocolV2.START_BYTE)) this.#splitter.drop();
-    return this.#splitter.found.splice(0).flatMap(decode);
+    const frames = this.#splitter.found.splice(0);
+    return frames.filter((frame) => !this.#signing || this.#signing.believes(frame)).flatMap(decode);
   }
 
   /** Of a datagram, which holds whole frames only. */
@@ -49,19 +58,21 @@ function decode(bytes) {
   return [{ system: header.sysid, component: header.compid, name: type.MSG_NAME, message: protocol.data(protocol.payload(bytes), type) }];
 }
 
-/** Makes frames of messages, in MAVLink 2. */
+/** Makes frames of messages, in MAVLink 2. `signing`: of signing.mjs; null: they are not signed. */
 export class FrameWriter {
   #protocol;
+  #signing;
   #number = 0;
 
-  constructor(system, component) {
-    this.#protocol = new MavLinkProtocolV2(system, component);
+  constructor(system, component, signing = null) {
+    this.#protocol = new MavLinkProtocolV2(system, component, signing ? SIGNED : 0);
+    this.#signing = signing;
   }
 
   write(message) {
     const bytes = this.#protocol.serialize(message, this.#number);
     this.#number = (this.#number + 1) & 255;
-    return bytes;
+    return this.#signing ? this.#signing.sign(bytes) : bytes;
   }
 }
 

@@ -117,7 +117,10 @@ async function run(options) {
   const { Driver } = await import("./driver.mjs");
   const { FrameReader } = await import("./frames.mjs");
   const { openLink } = await import("./link.mjs");
-  const reader = new FrameReader();
+  const { Signing } = await import("./signing.mjs");
+  const { signKey } = options, signing = signKey && new Signing(signKey.bytes, Date.now);
+  if (signKey?.isOpen) note(`others can read the key: chmod 600 ${signKey.path}`);
+  const reader = new FrameReader(signing);
   const now = () => (performance.now() / 1000) * options.speedup;
   let link = null;
   const driver = new Driver(options, {
@@ -128,10 +131,12 @@ async function run(options) {
     kept,
     isChanged: () => takeFile(options.confirm),
     keepPicture: pictureKeeper(options.run),
+    signing,
   });
   const endWhenOver = () => {
     if (driver.exitCode === null) return;
     clearInterval(timer);
+    if (signing?.dropped) note(`${signing.dropped} messages were not signed with our key, or were old: they were passed over`);
     link?.close();
     process.stdin.destroy();
     process.exitCode = driver.exitCode;

@@ -1,4 +1,5 @@
 // The command line.
+import { readFileSync, statSync } from "node:fs";
 import { homedir } from "node:os";
 import { join } from "node:path";
 import { parseArgs } from "node:util";
@@ -23,12 +24,17 @@ Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that s
                       none (default: digicam)
   --run DIR           the mission's run directory: of each picture that the autopilot or its camera reports a file of what is known
                       of it goes to DIR/photos (default: none)
+  --sign-key FILE     signs what is sent, and believes only what is signed with this key: a file of 64 hex digits that nobody
+                      else can read (default: no signatures)
   --speedup X         the vehicle is simulated, and its time runs X times as fast (default: 1)
   --own-system N      our own system id; the autopilot's SYSID_MYGCS (default: 255)
   --keep FOLDER       where the settings that were changed are kept until they are put back (default: ~/.local/state/muster)
   --restore           only puts them back
   --after PID         with --restore: when that program has ended and the UAV has landed, up to 15 minutes later
 `;
+
+/** Of a file's mode: what it lets others than its owner do. */
+const OTHERS = 0o077;
 
 export class UsageError extends Error {}
 
@@ -48,11 +54,24 @@ function link(text) {
   return { kind, host, number: Number(last), text };
 }
 
+/** {bytes, path, isOpen}: 32 bytes, and whether others can read the file; null: none is named. */
+function key(path) {
+  if (!path) return null;
+  let text;
+  try {
+    text = readFileSync(path, "utf8").trim();
+  } catch (error) {
+    throw new UsageError(`--sign-key: ${path} cannot be read (${error.code}), expected a file of 64 hex digits`);
+  }
+  if (/^[0-9a-f]{64}$/i.test(text)) return { bytes: Buffer.from(text, "hex"), path, isOpen: (statSync(path).mode & OTHERS) !== 0 };
+  throw new UsageError(`--sign-key: ${path}: found ${text.length} characters, expected 64 hex digits`);
+}
+
 /** The options; null: help was asked for, and given. Throws UsageError. */
 export function readOptions(argv) {
   const defaults = {
     connect: "", system: "", altitude: "40", "altitude-step": "5", ceiling: "120", reserve: "25", "land-idle": "120", confirm: "", charged: "90", cells: "0", camera: "digicam",
-    run: "", speedup: "1", "own-system": "255", after: "0", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
+    run: "", speedup: "1", "sign-key": "", "own-system": "255", after: "0", keep: join(process.env.XDG_STATE_HOME || join(homedir(), ".local", "state"), "muster"),
   };
   const options = Object.fromEntries(Object.entries(defaults).map(([name, value]) => [name, { type: "string", default: value }]));
   let values;
@@ -73,7 +92,7 @@ export function readOptions(argv) {
     altitudeStep: number(values, "altitude-step", 0, 100), ceiling: number(values, "ceiling", 5, 1000), reserve: number(values, "reserve", 10, 80),
     landIdle: number(values, "land-idle", 0, 86400),
     confirm: values.confirm || join(values.keep, `system-${system}.changed`), charged: number(values, "charged", 1, 100), cells: number(values, "cells", 0, 24), camera: values.camera,
-    run: values.run || null, speedup: number(values, "speedup", 1, 1000), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
+    run: values.run || null, speedup: number(values, "speedup", 1, 1000), signKey: key(values["sign-key"]), kept: join(values.keep, `system-${system}.json`), restore: values.restore === true,
     after: number(values, "after", 0, 2 ** 31),
   };
 }

@@ -158,6 +158,43 @@ TEST(DriverSession, GreetsWithTheAltitudesOfAMissionThatKeepsUavsApart) {
   EXPECT_FALSE(hello(AgentKind::kWorker).contains("altitudes"));
 }
 
+TEST(DriverSession, TellsAUavWhichZonesToKeepOutOf) {
+  Scenario scenario = Small();
+  UseAir(ScenarioAir(), &scenario);
+  const auto told = [&](AgentKind kind) {
+    return std::make_unique<DriverSession>(
+        scenario, StartOf(kind, 0, scenario.agents(kind)[0], *scenario.ways), 0, 0,
+        DriverSession::Rules{});
+  };
+  const auto uav = told(AgentKind::kUav), worker = told(AgentKind::kWorker);
+  const auto tell = [&](DriverSession* session, AgentKind kind, TimeUs at_s) {
+    session->TakeLines();
+    session->Follow(StartOf(kind, 0, scenario.agents(kind)[0], *scenario.ways), at_s * kSecondUs,
+                    0);
+    std::vector<json> lines;
+    for (const std::string& line : session->TakeLines()) lines.push_back(json::parse(line));
+    return lines;
+  };
+  EXPECT_TRUE(tell(uav.get(), AgentKind::kUav, 0).empty());
+  Zone zone;
+  zone.rings = {{{1000, 1000}, {2000, 1000}, {2000, 2000}}};
+  Closure& heli = scenario.closures.emplace_back();
+  heli.order = "heli";
+  heli.zone = std::make_shared<const Zone>(std::move(zone));
+  const json corners = json::parse(
+      R"([[{"x_m":1000.0,"y_m":1000.0},{"x_m":2000.0,"y_m":1000.0},{"x_m":2000.0,"y_m":2000.0}]])");
+  const auto added = tell(uav.get(), AgentKind::kUav, 30);
+  ASSERT_EQ(added.size(), 1U);
+  EXPECT_EQ(added[0],
+            (json{{"type", "zone"}, {"mission_s", 30.0}, {"id", "heli"}, {"rings", corners}}));
+  EXPECT_TRUE(tell(uav.get(), AgentKind::kUav, 60).empty()) << "once";
+  EXPECT_TRUE(tell(worker.get(), AgentKind::kWorker, 60).empty());
+  scenario.closures.clear();
+  const auto lifted = tell(uav.get(), AgentKind::kUav, 90);
+  ASSERT_EQ(lifted.size(), 1U);
+  EXPECT_EQ(lifted[0], (json{{"type", "zone_lift"}, {"mission_s", 90.0}, {"id", "heli"}}));
+}
+
 TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   Session session;
   session.Told();

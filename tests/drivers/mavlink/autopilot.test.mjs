@@ -186,7 +186,7 @@ test("the pilot brakes: that is the pilot", () => {
 test("the last answer to its fence is lost: it is written again", () => {
   const box = new Box();
   let lost = 0;
-  box.loses = ({ name, message }) => name === "MISSION_ACK" && message.type === 0 && box.protocol.heard.some(([, heard]) => heard === "MISSION_ITEM_INT") && ++lost <= 1;
+  box.loses = ({ direction, name, message }) => direction === "down" && name === "MISSION_ACK" && message.type === 0 && box.protocol.heard.some(([, heard]) => heard === "MISSION_ITEM_INT") && ++lost <= 1;
   box.ready();
   assert.equal(lost, 2, "the first is lost, the second is not");
   assert.ok(box.copter.fence.length > 3);

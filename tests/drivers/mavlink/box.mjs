@@ -2,12 +2,15 @@
 // to the driver. Time is a number: an hour takes a second, and every run is the same.
 import { Driver } from "../../../drivers/mavlink/driver.mjs";
 import { FrameReader } from "../../../drivers/mavlink/frames.mjs";
+import { Signing } from "../../../drivers/mavlink/signing.mjs";
 import { MissionMap } from "../../../drivers/places.mjs";
 import { Copter } from "./copter.mjs";
 import { CopterProtocol } from "./copter_protocol.mjs";
 import { Referee } from "./referee.mjs";
 
 const STEP_S = 0.02, TICK_S = 30;
+/** Of the wall, at the beginning. */
+const BEGUN_MS = Date.UTC(2026, 10, 27);
 export const ORIGIN = { latitude_deg: 52.2, longitude_deg: 0.1 };
 export const AREA = { width_m: 4000, height_m: 3000 };
 export const START = { x_m: 500, y_m: 400 };
@@ -29,16 +32,20 @@ export class Box {
   loses = () => false;
   /** So much later than it is the mission tells the time, of a tick's number. */
   tickLate_s = () => 0;
+  /** What was sent, by direction: bytes. */
+  sent = { up: [], down: [] };
   #onTheWay = [];
   #ids = 0;
   #told_s = 0;
   #readers = { up: new FrameReader(), down: new FrameReader() };
 
-  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hello = {} } = {}) {
+  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hello = {}, key = null, copterKey = key } = {}) {
     this.map = new MissionMap(ORIGIN);
     this.copter = new Copter({ kind, at: this.map.toDegrees(at), drain_percent_s, ready_s });
     if (battery !== undefined) this.copter.battery_percent = battery;
-    this.protocol = new CopterProtocol(this.copter, { system: 3, send: (bytes) => this.#put("down", bytes) });
+    const signs = copterKey && new Signing(copterKey, () => this.unix_ms);
+    this.protocol = new CopterProtocol(this.copter, { system: 3, send: (bytes) => this.#put("down", bytes), signing: signs });
+    this.key = key;
     this.startDriver({ ...OPTIONS, ...options });
     this.greeting = {
       type: "hello", version: 1, agent: "uav:3", class: "uav", speed_m_s: SPEED_M_S, full_range_m: FULL_M, range_m: FULL_M, at: START,
@@ -48,7 +55,13 @@ export class Box {
     this.tell(this.greeting);
   }
 
+  get unix_ms() {
+    return BEGUN_MS + 1000 * this.now;
+  }
+
   startDriver(options) {
+    this.signing = this.key && new Signing(this.key, () => this.unix_ms);
+    this.reader = new FrameReader(this.signing);
     this.driver = new Driver(options, {
       now: () => this.now,
       say: (line) => {
@@ -60,14 +73,21 @@ export class Box {
       kept: { load: () => structuredClone(this.kept), save: (object) => (this.kept = structuredClone(object)), drop: () => (this.kept = null) },
       isChanged: () => this.isChanged && ((this.isChanged = false), true),
       keepPicture: (of) => this.pictures.push(of),
+      signing: this.signing,
     });
     this.isDead = false;
   }
 
   #put(direction, bytes) {
+    this.sent[direction].push(bytes);
     const frames = this.#readers[direction].readDatagram(bytes);
     if (frames.some(({ name, message }) => this.loses({ direction, name, message }))) return;
     this.#onTheWay.push({ direction, bytes, due: this.now + this.delay_s });
+  }
+
+  /** The driver hears that; returns whether it believes some of it. */
+  hear(bytes) {
+    return this.reader.readDatagram(bytes).filter((frame) => this.driver.hearFrame(frame)).length > 0;
   }
 
   tell(line) {
@@ -105,7 +125,7 @@ export class Box {
     for (const { direction, bytes } of due) {
       if (direction === "up") {
         if (!this.isPowerCut) this.protocol.hear(bytes);
-      } else if (!this.isDead) for (const frame of this.#readers.down.readDatagram(bytes)) this.driver.hearFrame(frame);
+      } else if (!this.isDead) this.hear(bytes);
     }
     this.copter.step(this.now);
     if (!this.isPowerCut) this.protocol.step();

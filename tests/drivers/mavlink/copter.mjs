@@ -29,6 +29,13 @@ const SETTINGS = {
   },
 };
 
+function isInside(corners, { east, north }) {
+  return corners.filter((a, i) => {
+    const b = corners[(i + 1) % corners.length];
+    return a.north > north !== b.north > north && east < ((b.east - a.east) * (north - a.north)) / (b.north - a.north) + a.east;
+  }).length % 2 === 1;
+}
+
 export class Copter {
   /** `kind`: "ardupilot" or "px4". `at`: {latitude_deg, longitude_deg} of where it stands. */
   constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S, ready_s = 0 }) {
@@ -137,11 +144,18 @@ export class Copter {
   isInFence({ east, north, up = 0 }) {
     const ceiling = this.kind === "px4" ? this.settings.GF_MAX_VER_DIST || Infinity : this.settings.FENCE_ALT_MAX;
     if (up > ceiling) return false;
-    const corners = this.fence.map((item) => this.toMetres({ latitude_deg: item.x / 1e7, longitude_deg: item.y / 1e7 }));
-    return corners.length === 0 || corners.filter((a, i) => {
-      const b = corners[(i + 1) % corners.length];
-      return a.north > north !== b.north > north && east < ((b.east - a.east) * (north - a.north)) / (b.north - a.north) + a.east;
-    }).length % 2 === 1;
+    return this.polygons.every(({ isOut, corners }) => isOut !== isInside(corners, { east, north }));
+  }
+
+  /** Of its fence: an item says how many corners its polygon has. `isOut`: it has to stay out of it. */
+  get polygons() {
+    const polygons = [];
+    for (let i = 0; i < this.fence.length; i += this.fence[i].param1) {
+      const items = this.fence.slice(i, i + this.fence[i].param1);
+      const corners = items.map((item) => this.toMetres({ latitude_deg: item.x / 1e7, longitude_deg: item.y / 1e7 }));
+      polygons.push({ isOut: items[0].command === 5002, corners });
+    }
+    return polygons;
   }
 
   /** Goes on until that time. */

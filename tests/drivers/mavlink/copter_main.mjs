@@ -6,6 +6,7 @@
 //   --loss SHARE, --delay S (of the wall), --cut FROM:UNTIL     of the link
 //   --pilot-at S, --no-fix-at S                                 the pilot takes over; its position is lost
 //   --ready S                                                   its estimator takes so long
+//   --sign-key HEX                                              signs, and believes nobody who does not
 // Times are its own seconds since it was started. It ends when its standard input does. Prints what it does.
 import dgram from "node:dgram";
 import { openSync } from "node:fs";
@@ -14,13 +15,14 @@ import tty from "node:tty";
 import { parseArgs } from "node:util";
 import { Copter } from "./copter.mjs";
 import { CopterProtocol } from "./copter_protocol.mjs";
+import { Signing } from "../../../drivers/mavlink/signing.mjs";
 
 const STEP_MS = 5, UP_M = 10;
 const text = (value) => ({ type: "string", default: value });
 const { values } = parseArgs({
   options: {
     at: text("52.2,0.1"), udp: text(""), tcp: text(""), serial: text(""), kind: text("ardupilot"), system: text("1"), speedup: text("1"), battery: text("100"),
-    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"),
+    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"), "sign-key": text(""),
   },
 });
 const number = (name) => Number(values[name]);
@@ -38,7 +40,8 @@ const isLost = () => Math.random() < number("loss") || (now() >= cut_from && now
 const later = (act) => !isLost() && (number("delay") ? setTimeout(act, 1000 * number("delay")) : act());
 
 let put = () => {};
-const protocol = new CopterProtocol(copter, { system: number("system"), send: (bytes) => later(() => put(bytes)) });
+const signing = values["sign-key"] ? new Signing(Buffer.from(values["sign-key"], "hex"), Date.now) : null;
+const protocol = new CopterProtocol(copter, { system: number("system"), send: (bytes) => later(() => put(bytes)), signing });
 const hear = (bytes, isDatagram) => later(() => (copter.step(now()), protocol.hear(bytes, isDatagram), protocol.step()));
 
 if (values.udp) {
@@ -60,7 +63,7 @@ if (values.udp) {
   put = (bytes) => output.write(bytes);
 }
 
-let told = "", idle_s = 0, last_s = 0;
+let told = "", zones = 0, idle_s = 0, last_s = 0;
 const once = new Set();
 function at(name, act) {
   if (once.has(name) || now() < number(name)) return;
@@ -80,6 +83,8 @@ setInterval(() => {
   at("no-fix-at", () => (copter.hasFix = false));
   protocol.step();
   const doing = `${copter.mode} ${copter.armed ? "armed" : "disarmed"}`;
+  const keepsOut = copter.polygons.filter(({ isOut }) => isOut).length;
+  if (keepsOut !== zones) process.stdout.write(`${time.toFixed(1)} keeps out of ${(zones = keepsOut)}\n`);
   if (doing !== told) process.stdout.write(`${time.toFixed(1)} ${(told = doing)}\n`);
 }, STEP_MS);
 process.stdin.on("end", () => process.exit(0)).resume();

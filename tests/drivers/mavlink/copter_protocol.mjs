@@ -4,7 +4,7 @@ import { ardupilotmega, common, FrameReader, FrameWriter, make, minimal } from "
 import { MODES } from "./copter.mjs";
 
 const { MavCmd, MavResult } = common;
-const FENCE = 1, FENCE_VERTEX = 5001;
+const FENCE = 1, FENCE_VERTICES = [5001, 5002];
 const CAMERA = 100, SHUTTER_S = 0.3;
 /** Its clock starts then: 2026-11-23. */
 const EPOCH_US = 1_795_392_000_000_000n;
@@ -14,16 +14,17 @@ const PREARM_CHECK = 0x10000000;  // of MAV_SYS_STATUS_SENSOR
 const INTEGERS = /^(NAV_DLL_ACT|COM_DL_LOSS_T|COM_RC_OVERRIDE|COM_LOW_BAT_ACT|RTL_TYPE|RTL_CONE_ANG|GF_ACTION)$/;
 
 export class CopterProtocol {
-  /** `send(bytes)`: to whoever listens. */
-  constructor(copter, { system = 1, send }) {
+  /** `send(bytes)`: to whoever listens. `signing`: of signing.mjs; null: anybody may speak. */
+  constructor(copter, { system = 1, send, signing = null }) {
     Object.assign(this, { copter, system, send });
-    this.reader = new FrameReader();
-    this.writer = new FrameWriter(system, 1);
+    this.reader = new FrameReader(signing);
+    this.writer = new FrameWriter(system, 1, signing);
     this.heard = [];     // [seconds, name, message] of what was for it, commands and settings
     this.refusals = [];  // {command, result, words, times}
+    this.shift = 0;      // its fence is elsewhere when it is read back
     this.busy_s = 0;     // so long it takes to answer a command, and says that it is at it
     this.late = [];
-    this.camera = new FrameWriter(system, CAMERA);  // one with a link of its own
+    this.camera = new FrameWriter(system, CAMERA, signing);  // one with a link of its own
     this.taken = [];     // pictures that are not told of yet
     this.boot();
   }
@@ -149,7 +150,10 @@ export class CopterProtocol {
       this.#value(message.paramId);
     },
     MISSION_REQUEST_LIST: () => this.#mission(common.MissionCount, { count: this.copter.fence.length }),
-    MISSION_REQUEST_INT: ({ seq }) => this.copter.fence[seq] && this.#mission(common.MissionItemInt, { ...this.copter.fence[seq], seq }),
+    MISSION_REQUEST_INT: ({ seq }) => {
+      const item = this.copter.fence[seq];
+      if (item) this.#mission(common.MissionItemInt, { ...item, x: item.x + this.shift, seq });
+    },
     MISSION_CLEAR_ALL: () => {
       this.copter.fence = [];
       this.#mission(common.MissionAck, { type: 0 });
@@ -182,7 +186,7 @@ export class CopterProtocol {
 
   #item({ seq, command, frame, param1, x, y, z }) {
     if (!this.upload || seq !== this.upload.items.length) return;
-    if (command !== FENCE_VERTEX || param1 !== this.upload.count) {
+    if (!FENCE_VERTICES.includes(command) || !this.#isNext(command, param1)) {
       this.upload = null;
       return this.#mission(common.MissionAck, { type: 3 });  // MAV_MISSION_UNSUPPORTED
     }
@@ -191,6 +195,15 @@ export class CopterProtocol {
     this.copter.fence = this.upload.items;
     this.upload = null;
     this.#mission(common.MissionAck, { type: 0 });
+  }
+
+  /** Whether such an item goes on with the polygon that is being written, or begins another that is whole. */
+  #isNext(command, corners) {
+    const { items, count } = this.upload;
+    let begun = 0;
+    while (begun < items.length && begun + items[begun].param1 <= items.length) begun += items[begun].param1;
+    if (begun < items.length) return items[begun].command === command && items[begun].param1 === corners;
+    return corners >= 3 && items.length + corners <= count;
   }
 
   #command(message, isInt) {

@@ -14,8 +14,11 @@ const ROOT = join(dirname(fileURLToPath(import.meta.url)), "../../..");
 const FIELD_TEST = join(ROOT, "scenarios/field_test.json");
 const FOLLOWER = `python3 '${join(ROOT, "examples/drivers/uav.py")}'`;  // goes where it is sent, as fast as it is told
 
-/** A copter where the scenario has uav:0, and muster run with a driver for it; `more`: other words of the copter. */
-async function fly({ start, copter, folder }, scenario, more, drivers = {}) {
+/**
+ * A copter where the scenario has uav:0, and muster run with a driver for it. `more`: other words of the copter; `options`: of
+ * muster run.
+ */
+async function fly({ start, copter, folder }, scenario, more, drivers = {}, options = []) {
   const { origin, uavs } = JSON.parse(readFileSync(scenario, "utf8"));
   const at = new MissionMap(origin).toDegrees({ x_m: 1000 * uavs[0].x_km, y_m: 1000 * uavs[0].y_km });
   const port = await freePort();
@@ -24,7 +27,7 @@ async function fly({ start, copter, folder }, scenario, more, drivers = {}) {
   const words = [process.execPath, MAIN, "--connect", `udpin:${port}`, "--system", "1", "--speedup", RATE, "--keep", folder, "--cells", "4", "--confirm", "battery"];
   const command = `sh -c 'echo $$ > "${folder}/driver.pid"; exec ${words.map((word) => `"${word}"`).join(" ")}'`;
   const run = join(folder, "run");
-  const mission = start(MUSTER, ["run", scenario, "--rate", String(RATE), "--quiet", "--out", run,
+  const mission = start(MUSTER, ["run", scenario, "--rate", String(RATE), "--quiet", "--out", run, ...options,
     ...Object.entries({ "uav:0": command, ...drivers }).flatMap(([agent, driver]) => ["--driver", `${agent}=${driver}`])]);
   return { one, mission, run };
 }
@@ -50,6 +53,30 @@ test("the field test: three places sensed, the battery changed once", { skip: NO
   const landings = flight.one.lines.filter((line) => line.endsWith("LAND disarmed"));
   // At the charging point, and at home, as there is nothing left to do.
   assert.equal(landings.length, 2, flight.one.lines.join("\n"));
+}));
+
+/** The last place of the field test, and its worker beside it, in a mission that takes zones. */
+function withZones(folder) {
+  const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
+  const [first] = scenario.uavs, { cost_km, ...place } = scenario.tasks[2];
+  first.range_km = first.full_range_km;
+  Object.assign(scenario, { version: 2, air: {}, limit_min: 16, tasks: [{ ...place, id: 0, cost_km }] });
+  Object.assign(scenario.workers[0], { x_km: place.x_km - 0.02, y_km: place.y_km });
+  const path = join(folder, "scenario.json");
+  writeFileSync(path, JSON.stringify(scenario));
+  return path;
+}
+
+test("a zone is added in flight between the UAV and its place: it is in its fence, and it flies around it", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, withZones(programs.folder), [], { "worker:0": FOLLOWER, "vehicle:0": FOLLOWER }, ["--take-orders"]);
+  await flight.one.line((line) => line.endsWith("is up"));
+  const order = programs.start(MUSTER, ["zone", "add", flight.run, "--circle", "0.38,0.275,0.04", "--id", "heli"]);
+  assert.equal(await order.ended, 0, order.lines.join("\n"));
+  await flight.one.line((line) => line.endsWith("keeps out of 1"));
+  // It would come home by itself if it touched the zone.
+  const report = await reportOf(flight, programs.start);
+  assert.deepEqual(report.failed_agents, []);
+  assert.equal(report.tasks_done, 1);
 }));
 
 /** Two places, of which the second has its worker later, and few decisions. */

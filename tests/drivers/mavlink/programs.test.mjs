@@ -1,7 +1,7 @@
 // The driver as a program, over UDP, TCP and a serial line, in muster drive --check, and killed.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, readFileSync } from "node:fs";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { setTimeout } from "node:timers/promises";
@@ -163,6 +163,30 @@ test("two UAVs, one driver each, by system id", () => withPrograms(async ({ star
   const altitudes = drivers.map((driver) => driver.lines.find((line) => line.includes(" ready: ")));
   assert.match(altitudes[0], /at 40 m/);
   assert.match(altitudes[1], /at 45 m/);
+}));
+
+test("signs with a key, believes nobody who does not, and says what it has passed over", () => withPrograms(async ({ start, copter, folder }) => {
+  const port = await freePort(), hex = "0123456789abcdef".repeat(4), path = join(folder, "key");
+  writeFileSync(path, `${hex}\n`, { mode: 0o644 });
+  const words = driverWords(`udpin:${port}`, folder, "--speedup", String(SPEEDUP), "--sign-key", path);
+  const stranger = await copter(["--udp", `127.0.0.1:${port}`]);
+  const driver = start(process.execPath, words);
+  await driver.line((line) => line === `mavlink: others can read the key: chmod 600 ${path}`);
+  await flies(driver, await copter(["--udp", `127.0.0.1:${port}`, "--speedup", String(SPEEDUP), "--sign-key", hex]));
+  assert.match(await driver.line((line) => line.includes("passed over")), /^mavlink: \d+ messages were not signed with our key/);
+  assert.deepEqual(stranger.lines.map((line) => line.split(" ").slice(1).join(" ")), ["STABILIZE disarmed"], "it is told nothing");
+}));
+
+test("a key that is none is refused", () => withPrograms(async ({ folder }) => {
+  const path = join(folder, "key");
+  const run = () => spawnSync(process.execPath, [MAIN, "--connect", "udpin:1", "--system", "1", "--sign-key", path], { encoding: "utf8", input: "" });
+  assert.match(run().stderr, /--sign-key: .*key cannot be read \(ENOENT\), expected a file of 64 hex digits/);
+  for (const text of ["", "0123", "x".repeat(64), "0".repeat(65)]) {
+    writeFileSync(path, text);
+    const { status, stderr } = run();
+    assert.equal(status, 2);
+    assert.match(stderr, new RegExp(`--sign-key: .*key: found ${text.length} characters, expected 64 hex digits`));
+  }
 }));
 
 test("a command line that cannot be is refused", () => {

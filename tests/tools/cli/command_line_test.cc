@@ -27,7 +27,7 @@ class CommandLine : public testing::Test {
   void SetUp() override {
     const ChildResult made =
         RunMuster({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",
-                "--charging-points", "1", "--limit", "30", "-o", scenario_});
+                   "--charging-points", "1", "--limit", "30", "-o", scenario_});
     ASSERT_EQ(made.exit_code, 0) << made.output;
   }
 
@@ -77,7 +77,8 @@ TEST_F(CommandLine, HelpOfACommandIsItsHelp) {
   const ChildResult cut = RunMuster({"log", "cut", "--help"});
   EXPECT_EQ(cut.exit_code, 0);
   EXPECT_TRUE(cut.output.starts_with("Usage: muster log cut [OPTION...] RUN\n\n")) << cut.output;
-  EXPECT_TRUE(RunMuster({"bench", "--help"}).output.starts_with("Usage: muster bench [OPTION...]\n"));
+  EXPECT_TRUE(
+      RunMuster({"bench", "--help"}).output.starts_with("Usage: muster bench [OPTION...]\n"));
   const ChildResult none = RunMuster({});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_EQ(none.output, RunMuster({"--help"}).output);
@@ -195,7 +196,8 @@ TEST_F(CommandLine, ReportSaysWhatItCannotPaint) {
   const ChildResult suffix = RunMuster({"report", run, "--scene", folder_.File("scene.gif")});
   EXPECT_EQ(suffix.exit_code, 2) << suffix.output;
   EXPECT_TRUE(Contains(suffix.output, "FILE.png or FILE.webm")) << suffix.output;
-  const ChildResult show = RunMuster({"report", run, "-o", folder_.File("a.html"), "--show", "t=60"});
+  const ChildResult show =
+      RunMuster({"report", run, "-o", folder_.File("a.html"), "--show", "t=60"});
   EXPECT_EQ(show.exit_code, 2) << show.output;
 
   const std::string picture = folder_.File("scene.png");

@@ -47,13 +47,15 @@ TEST(Hosts, ALinkMayHaveARate) {
   for (const std::string rate : {"0", "-1", "\"fast\"", "1e999"}) {
     EXPECT_NE(HostsError(with(rate)).find("hosts.json: "), std::string::npos) << rate;
   }
-  EXPECT_EQ(HostsError(with("0")), "hosts.json: hosts[0].mbit_s: found 0, expected a number above 0");
+  EXPECT_EQ(HostsError(with("0")),
+            "hosts.json: hosts[0].mbit_s: found 0, expected a number above 0");
 }
 
 TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
   EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "processes": ["uav"]})")), "");
   EXPECT_EQ(HostsError("{}"), "hosts.json: version: found no such key, expected 1");
-  EXPECT_EQ(HostsError(R"({"version": 2, "hosts": []})"), "hosts.json: version: found 2, expected 1");
+  EXPECT_EQ(HostsError(R"({"version": 2, "hosts": []})"),
+            "hosts.json: version: found 2, expected 1");
   EXPECT_EQ(HostsError(R"({"version": 1, "hosts": []})"),
             "hosts.json: hosts: found an array of 0, expected a list that is not empty");
   EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "processes": ["uav"]})")),
@@ -77,10 +79,12 @@ TEST(Hosts, NamesFileKeyValueAndWhatIsExpected) {
   EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "port": 1, "processes": ["uav"]})")),
             "hosts.json: hosts[0]: found the unknown key \"port\", expected only name, ssh, netns, "
             "folder, processes, mbit_s, standby");
-  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["uav"]})")),
-            "hosts.json: host a: standby: found b, expected the name of another host, or here");
-  EXPECT_EQ(HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "a", "processes": ["uav"]})")),
-            "hosts.json: host a: standby: found a, expected the name of another host, or here");
+  EXPECT_EQ(
+      HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "b", "processes": ["uav"]})")),
+      "hosts.json: host a: standby: found b, expected the name of another host, or here");
+  EXPECT_EQ(
+      HostsError(Hosts(R"({"name": "a", "netns": "a", "standby": "a", "processes": ["uav"]})")),
+      "hosts.json: host a: standby: found a, expected the name of another host, or here");
 }
 
 TEST(Hosts, ThoseOfAHostThatIsGoneAreOnItsStandby) {

@@ -48,9 +48,9 @@ TEST(MeasuredLegs, ArePlannedFromWhereTheAgentWasAndArriveAsTold) {
   // Sent 600 m away at once: planned for 60 s, told to be 95 s. Words on later ticks say the same.
   for (const std::int64_t tick : {3, 2, 0, 1}) {
     const bool is_there = tick >= 2;
-    legs.Take(
-        scenario, AgentKind::kUav, tick,
-        StandsAt(is_there ? 600 : 0, tick == 0 ? -1 : 0, tick == 1 ? 120 * kSecondUs : 95 * kSecondUs));
+    legs.Take(scenario, AgentKind::kUav, tick,
+              StandsAt(is_there ? 600 : 0, tick == 0 ? -1 : 0,
+                       tick == 1 ? 120 * kSecondUs : 95 * kSecondUs));
   }
   // Sent back 300 m at 10 min, and elsewhere before it was there.
   legs.Take(scenario, AgentKind::kUav, 10, StandsAt(600, -1, 0));

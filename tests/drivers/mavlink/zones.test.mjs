@@ -1,0 +1,117 @@
+// The mission's zones in the autopilot's fence.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Box } from "./box.mjs";
+
+const AREA_ITEMS = 6;
+const around = (x_m, y_m, r_m = 100) => [[-r_m, -r_m], [r_m, -r_m], [r_m, r_m], [-r_m, r_m]].map(([x, y]) => ({ x_m: x_m + x, y_m: y_m + y }));
+const add = (box, id, ...rings) => box.tell({ type: "zone", mission_s: box.now, id, rings });
+const lift = (box, id) => box.tell({ type: "zone_lift", mission_s: box.now, id });
+const zonesOf = (box) => box.copter.fence.filter(({ command }) => command === 5002);
+
+/** Corners of its zones, to metres. */
+function cornersOf(box) {
+  return zonesOf(box).map(({ x, y }) => box.map.toMetres({ latitude_deg: x / 1e7, longitude_deg: y / 1e7 }))
+    .map(({ x_m, y_m }) => ({ x_m: Math.round(x_m), y_m: Math.round(y_m) }));
+}
+
+for (const kind of ["ardupilot", "px4"]) {
+  test(`${kind}: zones that are known before it takes off are in its fence`, () => {
+    const box = new Box({ kind });
+    add(box, "zone:0", around(2000, 400));
+    add(box, "zone:1", around(3000, 2000, 50));
+    box.ready();
+    assert.equal(box.copter.fence.length, AREA_ITEMS + 8);
+    assert.deepEqual(cornersOf(box), [...around(2000, 400), ...around(3000, 2000, 50)]);
+    assert.ok(!box.copter.isInFence(box.copter.toMetres(box.map.toDegrees({ x_m: 2000, y_m: 400 }))));
+    box.tell({ type: "bye", reason: "over" });
+    box.until(() => box.driver.exitCode !== null, 60);
+    assert.deepEqual(box.copter.fence, [], "and not any more");
+  });
+
+  test(`${kind}: zones come and go while it flies`, () => {
+    const box = new Box({ kind }).flying();
+    add(box, "heli", around(2000, 1000));
+    box.until(() => zonesOf(box).length === 4, 5, "in its fence");
+    add(box, "crowd", around(2500, 1000));
+    box.until(() => zonesOf(box).length === 8, 5, "the second, too");
+    lift(box, "heli");
+    box.until(() => zonesOf(box).length === 4, 5, "lifted");
+    assert.deepEqual(cornersOf(box), around(2500, 1000));
+    box.until(() => box.said("arrived", 1).length, 300);
+    assert.equal(box.failure, null);
+  });
+
+  test(`${kind}: it is blown into a zone: its autopilot comes home by itself`, () => {
+    const box = new Box({ kind }).flying();
+    add(box, "heli", around(2000, 1000));
+    box.until(() => zonesOf(box).length === 4, 5, "in its fence");
+    Object.assign(box.copter.at, box.copter.toMetres(box.map.toDegrees({ x_m: 2000, y_m: 1000 })));
+    box.until(() => box.failure, 2, "failed");
+    assert.match(box.failure, /by itself \(Fence Breached\)|its fence is touched/);
+    assert.equal(box.copter.breaches, 1);
+    box.landed();
+  });
+
+  test(`${kind}: a zone around it is in its fence when it has left it`, () => {
+    const box = new Box({ kind }).flying();
+    box.until(() => box.said("arrived", 1).length, 300);
+    add(box, "crowd", around(1500, 400));
+    box.run(20);
+    assert.equal(zonesOf(box).length, 0, "it may leave it");
+    box.goTo(1500, 1000);
+    box.until(() => zonesOf(box).length === 4, 60, "in its fence");
+    assert.ok(box.place.y_m > 500);
+    assert.equal(box.failure, null);
+  });
+
+  test(`${kind}: after its battery was changed, with the power off, its fence has the zones of then`, () => {
+    const box = new Box({ kind, options: { confirm: "a file" }, drain_percent_s: 0.25 });
+    add(box, "zone:0", around(2000, 2000));
+    box.ready();
+    const to = box.goTo(800, 900, "charge");
+    box.until(() => box.said("arrived", to).length, 300);
+    const charge = box.order("charge", 30);
+    box.copter.drain_percent_s = 0.02;
+    box.cutPower();
+    add(box, "heli", around(3000, 2000));
+    box.run(30);
+    box.restorePower();
+    box.copter.fence = [];
+    box.isChanged = true;
+    box.until(() => box.said("done", charge).length, 120);
+    assert.deepEqual(cornersOf(box), [...around(2000, 2000), ...around(3000, 2000)]);
+  });
+}
+
+test("what is read back is not what was written: it does not fly; in flight it says so, and tries again", () => {
+  const box = new Box();
+  add(box, "zone:0", around(2000, 2000));
+  box.protocol.shift = 1;
+  box.until(() => box.failure, 60, "failed");
+  assert.equal(box.failure, "its fence is not as it was written");
+  assert.equal(box.copter.armed, false);
+
+  const inFlight = new Box().flying();
+  inFlight.protocol.shift = 1;
+  add(inFlight, "heli", around(2000, 1000));
+  inFlight.until(() => inFlight.notes.includes("the zones are not in its fence: its fence is not as it was written"), 10);
+  const from = inFlight.protocol.heard.length;
+  inFlight.protocol.shift = 0;
+  inFlight.until(() => inFlight.protocol.heard.slice(from).some(([, name]) => name === "MISSION_COUNT"), 15, "written again");
+  inFlight.until(() => inFlight.said("arrived", 1).length, 300);
+  assert.equal(inFlight.failure, null);
+});
+
+test("zones that its fence has no room for, and those with holes, are named; lines that no mission says are passed over", () => {
+  const box = new Box();
+  const circle = Array.from({ length: 250 }, (_, i) => ({ x_m: 2000 + 100 * Math.cos(i / 40), y_m: 2000 + 100 * Math.sin(i / 40) }));
+  add(box, "round", circle);
+  add(box, "ring", around(2000, 1000, 200), around(2000, 1000));
+  add(box, "small", around(3000, 2000));
+  for (const rings of [undefined, null, 7, [[]], [[{ x_m: 1 }, {}, null]], [around(1, 1), "x"]]) box.tell({ type: "zone", id: "none", rings });
+  box.ready();
+  assert.deepEqual(cornersOf(box), around(3000, 2000));
+  assert.ok(box.notes.includes("zone round is not in its fence: it has 250 corners, and there is room for 194"), box.notes.join("; "));
+  assert.ok(box.notes.includes("zone ring is not in its fence: it has holes"));
+});
