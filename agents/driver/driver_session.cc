@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,6 +18,15 @@ using Json = nlohmann::ordered_json;
 
 /// A driver's clock and ours: lines take their time, which is much where the mission runs fast.
 constexpr TimeUs kClockErrorUs = kSecondUs / 4;
+
+/// Metres of the way of a UAV from there to the nearest charging point; none: none can be reached.
+std::optional<double> OnToChargeM(const Scenario& scenario, Point from) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const ChargingPoint& point : scenario.charging_points) {
+    least_m = std::min(least_m, scenario.ways->Length(AgentKind::kUav, from, point.at));
+  }
+  return std::isfinite(least_m) ? std::optional(least_m) : std::nullopt;
+}
 
 std::string NameOf(AgentKind kind, std::int32_t id) {
   return fmt::format("{}:{}", ToString(kind), id);
@@ -134,6 +145,10 @@ void DriverSession::GoTo(TimeUs at) {
   if (const auto& tasks = scenario_.tasks;
       to_task && !tasks[static_cast<std::size_t>(agent_.target)].name.empty()) {
     line["task_name"] = tasks[static_cast<std::size_t>(agent_.target)].name;
+  }
+  if (const auto on_m =
+          agent_.kind == AgentKind::kUav ? OnToChargeM(scenario_, agent_.to) : std::nullopt) {
+    line["on_to_charge_m"] = *on_m;
   }
   if (IsPair(agent_.action)) {
     const bool senses = agent_.action == ActionKind::kSense;

@@ -243,6 +243,7 @@ export class Driver {
     if (order.type === "goto") {
       const metres = (place) => (Number.isFinite(place.x_m) ? place : this.plan.map.toMetres(place));
       const to = metres(order.to);
+      reporter.charging = Number.isFinite(order.on_to_charge_m) ? { by: to, on_m: order.on_to_charge_m } : null;
       if (!flight.isFlying && distance_m(flight.place, to) < 3 && !this.vehicle.armed && order.then === "charge") {
         return yield* this.#arrive(order, to, isReplaced);
       }

@@ -1,6 +1,7 @@
 // What the mission is told of the UAV: where it is, how far it can go, when it will be there.
 import { distance_m, towards } from "../places.mjs";
 import { Phase } from "./safety.mjs";
+import { Use } from "./use.mjs";
 
 /** A place no sooner after the one before, of the mission and of the wall. */
 const EVERY_S = 0.5;
@@ -11,6 +12,8 @@ const MARGIN_PERCENT = 10;
 const OLD_S = 3;
 /** It stands where it was: its range does not fall. */
 const STANDS_M = 2;
+/** Places are known to so much. */
+const PLACE_M = 50;
 /** Places differ by rounding. */
 const SAME_M = 1e-6;
 /**
@@ -22,6 +25,9 @@ const CLIMB_M_S = 1.5, DESCENT_M_S = 0.9, TURN_S = 5;
 export class Reporter {
   /** Where it is sent: {order, to, isThere}; null: nowhere. */
   goal = null;
+  /** {by, on_m}: from its last goal it is so far to the nearest charging point; null: none is known. */
+  charging = null;
+  #use = new Use();
   #last = null;  // {at, mission_s} told last
   #told_at = 0;  // our time
   #isQuiet = false;
@@ -118,20 +124,29 @@ export class Reporter {
    */
   #range(at) {
     const way_m = distance_m(this.range_at, at);
+    this.#use.hear(this.driver.vehicle.battery_percent);
     if (way_m > STANDS_M) {
+      this.#use.count(way_m);
       this.range_m = Math.max(0, this.range_m - way_m);
       this.range_at = at;
     }
-    const left_m = this.#batteryRange();
+    const left_m = this.#batteryRange(at);
     if (left_m >= this.range_m) return undefined;
     this.range_m = left_m;
     return left_m;
   }
 
-  #batteryRange() {
+  /**
+   * By what was measured where that is dearer than the scenario has it. It may always be sent to the nearest charging point that its
+   * battery allows: without the margin, if need be.
+   */
+  #batteryRange(at) {
     const { vehicle, options } = this.driver;
-    const empty = options.reserve + MARGIN_PERCENT;
-    return (this.hello.full_range_m * Math.max(0, vehicle.battery_percent - empty)) / (100 - empty);
+    const above = vehicle.battery_percent - options.reserve;
+    const percent_m = Math.max((100 - options.reserve - MARGIN_PERCENT) / this.hello.full_range_m, this.#use.percent_m);
+    const metres = (percent) => Math.max(0, percent) / percent_m;
+    const charging_m = this.charging ? distance_m(at, this.charging.by) + this.charging.on_m + PLACE_M : 0;
+    return Math.max(metres(above - MARGIN_PERCENT), Math.min(metres(above), charging_m));
   }
 
   /** It is at its goal. */
@@ -148,6 +163,9 @@ export class Reporter {
 
   /** It has sensed. The mission has computed what that takes of its range; here is what it took. */
   done(order) {
+    this.#use.count(order.for_s * this.hello.speed_m_s);
+    this.#use.hear(this.driver.vehicle.battery_percent);
+    this.#use.settle();
     this.driver.edge.say({ type: "done", id: order.id, range_m: this.#range(this.#last.at) ?? this.range_m });
   }
 
@@ -156,6 +174,7 @@ export class Reporter {
    * so much it knows of at least.
    */
   charged(order) {
+    this.#use.begin();
     const took_s = this.mission_s - order.mission_s, most_s = Math.max(order.for_s, this.#ticked_s + 2 * this.#tick_s - order.mission_s);
     this.range_m += (this.hello.full_range_m - this.range_m) * Math.min(1, took_s / most_s);
     this.range_at = this.#last.at;

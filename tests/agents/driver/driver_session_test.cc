@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -210,6 +211,7 @@ TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   EXPECT_EQ(sent["task_name"], "School");
   EXPECT_TRUE(sent["charging_point"].is_null());
   EXPECT_EQ(sent["expected_s"], 500.0);
+  EXPECT_DOUBLE_EQ(sent["on_to_charge_m"], std::hypot(3000, 3000));
   session.Time(510);
   EXPECT_FALSE(session->answered());
   EXPECT_EQ(session.Hear({{"type", "arrived"}, {"id", 1}}), "");

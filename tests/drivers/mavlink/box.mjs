@@ -39,9 +39,9 @@ export class Box {
   #told_s = 0;
   #readers = { up: new FrameReader(), down: new FrameReader() };
 
-  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hello = {}, key = null, copterKey = key } = {}) {
+  constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hover, hello = {}, key = null, copterKey = key } = {}) {
     this.map = new MissionMap(ORIGIN);
-    this.copter = new Copter({ kind, at: this.map.toDegrees(at), drain_percent_s, ready_s });
+    this.copter = new Copter({ kind, at: this.map.toDegrees(at), drain_percent_s, ready_s, hover });
     if (battery !== undefined) this.copter.battery_percent = battery;
     const signs = copterKey && new Signing(copterKey, () => this.unix_ms);
     this.protocol = new CopterProtocol(this.copter, { system: 3, send: (bytes) => this.#put("down", bytes), signing: signs });

@@ -37,9 +37,9 @@ function isInside(corners, { east, north }) {
 }
 
 export class Copter {
-  /** `kind`: "ardupilot" or "px4". `at`: {latitude_deg, longitude_deg} of where it stands. */
-  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S, ready_s = 0 }) {
-    Object.assign(this, { kind, origin: at, now, drain_percent_s, unused_s, ready_s });
+  /** `kind`: "ardupilot" or "px4". `at`: {latitude_deg, longitude_deg} of where it stands. `hover`: in one place it uses so many times as much. */
+  constructor({ kind = "ardupilot", at, now = 0, drain_percent_s = 0.02, unused_s = UNUSED_S, ready_s = 0, hover = 1 }) {
+    Object.assign(this, { kind, origin: at, now, drain_percent_s, unused_s, ready_s, hover });
     const s = Math.sin((at.latitude_deg * Math.PI) / 180), w = 1 - E2 * s * s, degree = Math.PI / 180;
     this.scale = { north: (G_M * (1 - E2)) / w ** 1.5 * degree, east: (G_M / Math.sqrt(w)) * Math.sqrt(1 - s * s) * degree };
     this.settings = Object.fromEntries(Object.entries(SETTINGS[kind]).map(([name, value]) => [name, Math.fround(value)]));
@@ -165,8 +165,9 @@ export class Copter {
       this.now += dt;
       if (!this.home && this.isEstimating) this.home = { ...this.place, up: 0 };  // until it is set, or armed elsewhere
       if (!this.armed) continue;
-      this.battery_percent = Math.max(0, this.battery_percent - this.drain_percent_s * dt);
-      this.charge_percent = Math.max(0, this.charge_percent - this.drain_percent_s * dt);
+      const used = this.drain_percent_s * dt * (Math.hypot(this.speed.east, this.speed.north) < 1 ? this.hover : 1);
+      this.battery_percent = Math.max(0, this.battery_percent - used);
+      this.charge_percent = Math.max(0, this.charge_percent - used);
       this.#failsafes();
       this.#fly(dt);
       this.#disarm();

@@ -5,7 +5,7 @@ import { AREA, Box, START } from "./box.mjs";
 
 for (const kind of ["ardupilot", "px4"]) {
   test(`${kind}: flies to a place, senses, has its battery changed, comes home`, () => {
-    const box = new Box({ kind, drain_percent_s: 0.05 });
+    const box = new Box({ kind, drain_percent_s: 0.035 });
     const factory = { ...box.copter.settings };
     box.ready();
     const first = box.goTo(1500, 900, "sense");
@@ -25,13 +25,14 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.ok(!box.copter.armed && box.copter.isLanded, "it has landed when it has arrived");
     const told = box.said("state").filter((line) => line.range_m !== undefined).at(-1).range_m;
     const left = (20000 * (Math.floor(box.copter.battery_percent) - 35)) / 65;
-    assert.ok(told < 18000 && Math.abs(told - left) < 600, "as its battery says");
+    assert.ok(told < left + 600 && told > 0.7 * left, `${told} m: as its battery says, ${left} m, or less, as it took off and waited`);
     const charge = box.order("charge", 30);
     box.run(60);
     assert.equal(box.said("done", charge).length, 0, "nobody has changed the battery");
     box.copter.battery_percent = 100;
     box.until(() => box.said("done", charge).length, 60);
-    assert.equal(box.said("done", charge)[0].range_m, undefined, "full: as the mission computes it");
+    const { range_m } = box.said("done", charge)[0];
+    assert.ok(range_m > told && range_m < 20000, `full: ${range_m} m, as the battery before has shown`);
 
     const last = box.goTo(900, 1500);
     box.until(() => box.said("arrived", last).length, 300);
