@@ -6,7 +6,7 @@ import { degreesOf } from "../../tools/report/page/place.js";
 import { actionsOf, placeAt, statusAt, taskStatusAt } from "../../tools/report/page/run.js";
 import { PRIORITIES, arrivalAt, taskNow } from "../../tools/report/page/story.js";
 import { timeText } from "../../tools/report/page/time.js";
-import { BEING_SENSED, CANCELLED, CHARGING, DONE, EXPIRED, HELD, LAST_STAY, MOVING, OFFLINE, OPEN, RESERVED, SENSING, UAV, UNREPORTED, WAITING } from "../../tools/report/page/words.js";
+import { BEING_SENSED, CANCELLED, CHARGING, DONE, EXPIRED, HELD, LAST_STAY, MOVING, OFFLINE, OPEN, RESERVED, SENSING, UAV, UNREPORTED, WAITING, WORKER } from "../../tools/report/page/words.js";
 import { deletion, event, route } from "./cot.mjs";
 
 const AGENT_TYPES = ["a-f-A-M-H-Q", "a-f-G-U-C", "a-f-G-E-V-C"]; // drone, ground unit, vehicle
@@ -132,7 +132,7 @@ export class Picture {
     const detail = {
       contact: { $: { callsign: agent.label } }, uid: { $: { Droid: agent.label } },
       track: { $: { course: moves ? ((Math.atan2(dx, dy) * 180 / Math.PI + 360) % 360).toFixed(1) : "0.0", speed: (Math.hypot(dx, dy) / (run.tickMs / 1000)).toFixed(2) } },
-      ...(agent.kind === UAV ? {} : { __group: { $: { name: agent.kind === 1 ? "Cyan" : "Orange", role: "Team Member" } } }),
+      ...(agent.kind === UAV ? {} : { __group: { $: { name: agent.kind === WORKER ? "Cyan" : "Orange", role: "Team Member" } } }),
       ...(battery === null ? {} : { status: { $: { battery: String(battery) } } }),
       remarks,
     };
@@ -178,7 +178,7 @@ export class Picture {
     if (said?.key === key && now < said.until) return null;
     this.#said.set(uid, { key, until: now + AGENT_HOLDS_MS / 2 });
     this.#ways.add(agent.index);
-    return route({ uid, callsign, places: places.map((one) => this.at(one)), now, holds: AGENT_HOLDS_MS, isOnFoot: agent.kind === 1 });
+    return route({ uid, callsign, places: places.map((one) => this.at(one)), now, holds: AGENT_HOLDS_MS, isOnFoot: agent.kind === WORKER });
   }
 
   /** Takes in the decisions that came since. */

@@ -228,6 +228,7 @@ ordered_json Words() {
           {"statuses", kNames<AgentStatus>},
           {"tasks", kNames<TaskStatus>},
           {"actions", kNames<ActionKind>},
+          {"activities", kNames<ActivityKind>},
           {"processes", kNames<ProcessState>}};
 }
 

@@ -1,7 +1,7 @@
 import { number } from "./dom.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { rowAt } from "./time.js";
-import { CHARGE, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, VEHICLE, WAITING, WORKER } from "./words.js";
+import { CHARGE, CHARGES, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, VEHICLE, WAITING, WORKER } from "./words.js";
 
 const ACTION = 9;
 const ACTIVITY = 6;
@@ -19,7 +19,7 @@ export function activities(run) {
     const all = [];
     for (let i = 0; i < rows.length; i += ACTIVITY) {
       const [kind, uav, partner, site, start, end] = rows.slice(i, i + ACTIVITY);
-      const activity = { charging: kind === 1, uav, partner, site, start, end, aborted: null };
+      const activity = { charging: kind === CHARGES, uav, partner, site, start, end, aborted: null };
       all.push(activity);
       put(byAgent, run.agentIndex(UAV, uav), activity);
       put(byAgent, run.agentIndex(activity.charging ? VEHICLE : WORKER, partner), activity);
@@ -135,7 +135,7 @@ export function agentNow(run, agent, t) {
   const command = latest(commandsOf(run, agent), t);
   const mine = activities(run).byAgent.get(agent.index) ?? [];
   const running = mine.find((a) => a.end > t && (a.aborted === null || a.aborted > t));
-  const pair = command && command.kind >= 7 && command.kind <= 8;
+  const pair = command && [SENSE, CHARGE].includes(command.kind);
   // One that a later decision makes is not known at t.
   const activity = running && (running.start <= t || (pair && running.site === (command.task >= 0 ? command.task : command.charge))) ? running : null;
   const busy = activity !== null || span.status === MOVING || span.status === WAITING;

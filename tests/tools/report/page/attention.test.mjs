@@ -10,7 +10,7 @@ import { readWords } from "../../../../tools/report/page/words.js";
 const CLASSES = ["uav", "worker", "vehicle"];
 const STATUSES = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
 const TASKS = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
-readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [],
+readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [], activities: [],
   processes: ["starting", "ready", "running", "degraded", "ended", "deciding"] });
 
 test("the trouble of an agent is that of the terminal", () => {

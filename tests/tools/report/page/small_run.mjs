@@ -10,7 +10,7 @@ export const WORDS = {
   agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"],
   tasks: ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"],
   actions: ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"],
-  processes: ["starting", "ready", "running", "degraded", "ended", "deciding"],
+  activities: ["sensing", "charging"], processes: ["starting", "ready", "running", "degraded", "ended", "deciding"],
 };
 
 /** The run, with what `more` has of its first chunk. */

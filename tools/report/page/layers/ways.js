@@ -1,6 +1,6 @@
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
-import { MOVING } from "../words.js";
+import { MOVING, UAV } from "../words.js";
 
 /** Traces the rest of a way with corners, by road or around zones, as far as it is known: on a live page, to its next corner. */
 function traceAhead(c, { x, y, t }, agent) {
@@ -26,7 +26,7 @@ export const ways = {
       for (const { agent, status, place, px, py } of map.ways) {
         if (agent.kind !== kind || status !== MOVING) continue;
         c.moveTo(px, py);
-        if (kind === 0 ? run.scenario.air : run.scenario.roads) traceAhead(c, map, agent);
+        if (kind === UAV ? run.scenario.air : run.scenario.roads) traceAhead(c, map, agent);
         else c.lineTo(x(place.toX), y(place.toY));
       }
       c.stroke();

@@ -20,7 +20,7 @@ const glass = () => new MeshBasicMaterial({ transparent: true, opacity: 0.34, si
 export class Actors {
   constructor(scene) {
     this.kinds = [uavShape(), workerShape(), vehicleShape()].map((shape, kind) =>
-      new Crowd(scene, shape, kind === 0 ? new MeshLambertMaterial({ side: DoubleSide }) : lit()));
+      new Crowd(scene, shape, kind === UAV ? new MeshLambertMaterial({ side: DoubleSide }) : lit()));
     this.failed = new Crowd(scene, failedShape(), lit());
     this.tasks = new Crowd(scene, taskShape(), lit());
     this.done = new Crowd(scene, doneShape(), plain());

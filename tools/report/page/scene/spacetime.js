@@ -1,7 +1,7 @@
 import { Color, MeshBasicMaterial, Plane as Cut, Vector3 } from "three";
 import { statusAt } from "../run.js";
 import { theme } from "../theme.js";
-import { FAILED, OFFLINE } from "../words.js";
+import { CHARGES, FAILED, OFFLINE } from "../words.js";
 import { Crowd } from "./crowd.js";
 import { Lines } from "./lines.js";
 import { SIZE } from "./plane.js";
@@ -59,13 +59,13 @@ export class SpaceTime {
   }
 
   #meetings(run, plane) {
-    const colours = [new Color(theme.sensing), new Color(theme.charging)];
+    const sensing = new Color(theme.sensing), charging = new Color(theme.charging);
     for (let i = 0; i < run.activities.length; i += 6) {
       const [kind, , , site, start, end] = run.activities.slice(i, i + 6);
-      const at = (kind === 0 ? run.tasks : run.charging)[site];
+      const at = (kind === CHARGES ? run.charging : run.tasks)[site];
       if (!at) continue;
       const [x, z] = [plane.x(at.x), plane.z(at.y)];
-      for (const bars of this.bars) bars.lay([x, this.heightOf(run, start), z], [x, this.heightOf(run, end), z], 1.1, colours[kind === 0 ? 0 : 1]);
+      for (const bars of this.bars) bars.lay([x, this.heightOf(run, start), z], [x, this.heightOf(run, end), z], 1.1, kind === CHARGES ? charging : sensing);
       ++this.meetings;
     }
   }
