@@ -12,6 +12,9 @@ const FIELDS = ["command", "frame", "param1", "param2", "param3", "param4", "x",
 /** Of an item that was written, as it is read back. */
 const SAME = ["command", "param1", "x", "y"];
 
+/** The autopilot has no room for so many items. */
+export class NoRoom extends Trouble {}
+
 const isOfFence = (heard, ...names) => names.includes(heard?.name) && heard.message.missionType === FENCE;
 
 /** The items that it has, to be written again. */
@@ -64,6 +67,7 @@ function* writeOnce(talk, items) {
   }
   if (!heard) return false;
   const result = heard.message.type;
+  if (result === common.MavMissionResult.NO_SPACE) throw new NoRoom(`its fence is refused: it has no room for ${items.length} corners`);
   if (result !== 0) throw new Trouble(`its fence is refused: ${common.MavMissionResult[result] ?? `result ${result}`}`);
   return true;
 }

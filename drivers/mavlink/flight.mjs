@@ -55,7 +55,7 @@ export class Flight {
     if (isFirst) yield* this.#checkCamera();
     if (isFirst) this.#checkLaunch();
     yield* this.#setHome(true);
-    const set = yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), this.fence.items(this.place));
+    const set = yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), () => this.fence.write(this.place));
     plan.cruise_m_s = vehicle.kind.cruise_m_s(set);
     if (isFirst && plan.cruise_m_s < plan.speed_m_s - SLOWER_M_S) {
       this.note(`it flies ${plan.cruise_m_s.toFixed(1)} m/s, as it is set; the scenario counts on ${plan.speed_m_s.toFixed(1)}: it will be late`);

@@ -1,6 +1,6 @@
 // An autopilot's settings and its fence: what a flight relies on is set, what was there before is put back. Until then it is
 // kept in a file, so that a driver that is killed loses nothing: the next one, or --restore, finds it.
-import { readFence, writeFence } from "./fence.mjs";
+import { readFence, writeFence as writeItems } from "./fence.mjs";
 import { isClose, Trouble } from "./talk.mjs";
 
 export class Settings {
@@ -9,8 +9,8 @@ export class Settings {
     Object.assign(this, { talk, kept, note });
   }
 
-  /** Sets what a flight needs; returns it, by name. `wanted`: of autopilots.mjs; `fence`: its items. */
-  *apply(wanted, fence) {
+  /** Sets what a flight needs; returns it, by name. `wanted`: of autopilots.mjs; `writeFence()`: does that. */
+  *apply(wanted, writeFence) {
     const before = this.kept.load() ?? { settings: {}, fence: yield* readFence(this.talk) };
     const plans = [];
     for (const setting of wanted) {
@@ -21,7 +21,7 @@ export class Settings {
     for (const { name, now, type } of plans) before.settings[name] ??= { value: now, type };
     this.kept.save(before);
     yield* this.#write(plans.filter((plan) => !plan.afterFence));
-    yield* writeFence(this.talk, fence);
+    yield* writeFence();
     yield* this.#write(plans.filter((plan) => plan.afterFence));
     return Object.fromEntries(plans.map(({ name, to }) => [name, to]));
   }
@@ -35,7 +35,7 @@ export class Settings {
       if (!(yield* this.talk.write(name, value, type))) missing.push(name);
     }
     try {
-      yield* writeFence(this.talk, before.fence);
+      yield* writeItems(this.talk, before.fence);
     } catch (error) {
       if (!(error instanceof Trouble)) throw error;
       missing.push("its fence");

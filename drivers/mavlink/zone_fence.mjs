@@ -1,5 +1,5 @@
 // The fence as it is wanted: the area to stay in, and the zones to stay out of, which come and go while it flies.
-import { polygon, STAY_IN, STAY_OUT, writeFence } from "./fence.mjs";
+import { NoRoom, polygon, STAY_IN, STAY_OUT, writeFence } from "./fence.mjs";
 import { Trouble } from "./talk.mjs";
 import { Zones } from "./zones.mjs";
 
@@ -15,10 +15,22 @@ export class ZoneFence {
     Object.assign(this, { talk, area, map, note, zones: new Zones(note) });
   }
 
-  /** Of the fence for where it is now, to be written. */
-  items(place) {
+  /** Writes it for where it is now. If the autopilot has no room for all zones, the last ones are left out. */
+  *write(place) {
+    for (;;) {
+      const items = this.#items(place), corners = items.length - this.area.corners().length;
+      try {
+        return yield* writeFence(this.talk, items);
+      } catch (error) {
+        if (!(error instanceof NoRoom) || corners === 0) throw error;
+        this.zones.room = corners - 1;
+      }
+    }
+  }
+
+  #items(place) {
     const corners = this.area.corners();
-    const zones = this.zones.around(place, corners.length);
+    const zones = this.zones.around(place);
     this.#written = idsOf(zones);
     const outlines = zones.map(([, outline]) => outline.map((corner) => this.map.toDegrees(corner)));
     return [...polygon(STAY_IN, corners), ...outlines.flatMap((outline) => polygon(STAY_OUT, outline))];
@@ -27,8 +39,8 @@ export class ZoneFence {
   /** Goes on writing it where the zones are others than it has. `heard`: as Driver.step() has it. */
   step(place, heard) {
     const now = this.talk.now();
-    if (!this.#work && now >= this.#again_s && idsOf(this.zones.around(place, this.area.corners().length)) !== this.#written) {
-      this.#work = writeFence(this.talk, this.items(place));
+    if (!this.#work && now >= this.#again_s && idsOf(this.zones.around(place)) !== this.#written) {
+      this.#work = this.write(place);
     }
     try {
       if (this.#work?.next(heard).done) this.#work = null;

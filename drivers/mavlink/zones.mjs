@@ -1,7 +1,7 @@
 // The mission's zones, which UAVs keep out of. They go into the autopilot's fence, which steps in only when we did not.
 
-/** Of the area and all zones together: autopilots have room for not many more. */
-const MOST_CORNERS = 200;
+/** Of all zones together, unless the autopilot has less room. */
+const MOST_CORNERS = 190;
 
 function holds(ring, { x_m, y_m }) {
   return ring.filter((a, i) => {
@@ -16,6 +16,8 @@ const isRing = (ring) => Array.isArray(ring) && ring.length >= 3 && ring.every(i
 export class Zones {
   #zones = new Map();  // id -> outline
   #isTold = new Set();
+  /** For so many corners the fence has room. */
+  room = MOST_CORNERS;
 
   /** `note`: takes words for people. */
   constructor(note) {
@@ -35,11 +37,10 @@ export class Zones {
   }
 
   /**
-   * [id, outline] of those that are to be in its fence while it is there, with so many other corners. A zone around it is not: it has
-   * to be let out of it.
+   * [id, outline] of those that are to be in its fence while it is there. A zone around it is not: it has to be let out of it.
    */
-  around(place, corners) {
-    let left = MOST_CORNERS - corners;
+  around(place) {
+    let left = this.room;
     return [...this.#zones].filter(([id, outline]) => {
       if (holds(outline, place)) return false;
       const fits = outline.length <= left;

@@ -21,6 +21,7 @@ export class CopterProtocol {
     this.writer = new FrameWriter(system, 1, signing);
     this.heard = [];     // [seconds, name, message] of what was for it, commands and settings
     this.refusals = [];  // {command, result, words, times}
+    this.room = 250;     // for corners of its fence
     this.shift = 0;      // its fence is elsewhere when it is read back
     this.busy_s = 0;     // so long it takes to answer a command, and says that it is at it
     this.late = [];
@@ -159,6 +160,7 @@ export class CopterProtocol {
       this.#mission(common.MissionAck, { type: 0 });
     },
     MISSION_COUNT: ({ count }) => {
+      if (count > this.room) return this.#mission(common.MissionAck, { type: 4 });  // MAV_MISSION_NO_SPACE
       this.upload = { count, items: [] };
       this.#askItem();
     },
