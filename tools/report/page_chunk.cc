@@ -224,12 +224,9 @@ ordered_json Places(const Scenario& scenario) {
 
 /// The names of the numbers that the page's rows hold.
 ordered_json Words() {
-  return {{"agents", kNames<AgentKind>},
-          {"statuses", kNames<AgentStatus>},
-          {"tasks", kNames<TaskStatus>},
-          {"actions", kNames<ActionKind>},
-          {"activities", kNames<ActivityKind>},
-          {"processes", kNames<ProcessState>}};
+  return {{"agents", kNames<AgentKind>},        {"statuses", kNames<AgentStatus>},
+          {"tasks", kNames<TaskStatus>},        {"actions", kNames<ActionKind>},
+          {"activities", kNames<ActivityKind>}, {"processes", kNames<ProcessState>}};
 }
 
 ordered_json Numbers(const RunRecord& record) {
