@@ -267,7 +267,7 @@ export class Attention {
   }
 
   #row(kind, found) {
-    const chosen = found.item && JSON.stringify(found.item) === JSON.stringify(this.state.selected);
+    const chosen = found.item && this.state.isSelected(found.item);
     return element("button", { type: "button", class: `alarm a-${kind.id}`, "aria-pressed": found.item ? String(Boolean(chosen)) : null,
       "data-attention": `${kind.id} ${found.text}`, onclick: () => (found.item ? this.state.flyTo(found.item) : this.clock.seek(found.t ?? this.clock.t)) },
     element("i", { "aria-hidden": "true" }, kind.mark), element("b", {}, found.text), found.note ? element("small", {}, found.note) : null);

@@ -1,5 +1,6 @@
 import { oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
+import { describe } from "./describe.js";
 import { directiveWords, directivesOf } from "./directives.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { itemOf, nameOf } from "./link.js";
@@ -67,6 +68,7 @@ export class Card {
       this.factsKey = key;
       this.facts.replaceChildren(...now.facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, ...this.#linked(run, value))]));
     }
+    this.#others(run, t);
     this.#why(run, selected, t);
     const shown = `${run.name} ${nameOf(run, selected)} ${run.decisions.length} ${run.activities.length} ${run.ended}`;
     if (shown !== this.shown) {
@@ -77,6 +79,19 @@ export class Card {
     }
     const cursor = byId("range-cursor");
     cursor?.setAttribute("transform", `translate(${(300 * t) / run.limitMs} 0)`);
+  }
+
+  /** What else is selected: a line for each, which makes it the one that this card is about, or selects it no longer. */
+  #others(run, t) {
+    const { others } = this.state;
+    const words = others.map((item) => describe(run, item, t));
+    const key = JSON.stringify(words);
+    if (key === this.othersKey) return;
+    this.othersKey = key;
+    byId("card-others").hidden = others.length === 0;
+    byId("card-others").replaceChildren(element("h3", {}, `Selected too: ${others.length}`), element("ul", {}, ...others.map((item, i) => element("li", {},
+      element("button", { type: "button", class: "name", onclick: () => this.state.lead(item) }, words[i]),
+      element("button", { type: "button", class: "quiet", "aria-label": `Select ${nameOf(run, item)} no longer`, onclick: () => this.state.select(item, true) }, "×")))));
   }
 
   /** Why the task is not done: what the decision in force did without it, then all decisions. */

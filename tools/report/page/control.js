@@ -11,6 +11,8 @@ import { CANCELLED, DONE, EXPIRED, FAILED, OFFLINE, UAV } from "./words.js";
 const KEPT = "muster-token";
 /** What a click on the map chooses, by the button that was pressed before. */
 const PICKED = { "order-add": "the place of the new task", "order-road": "the roads", "order-zone": "the middle of the zone, or a zone to lift", "go-to": "where it is to go" };
+/** What can be ordered of several at once. */
+const TO_SEVERAL = ["task_hold", "task_resume", "task_cancel", "charge_now", "agent_recall", "agent_leave"];
 const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
 
 /** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
@@ -199,15 +201,38 @@ export class Control {
     return ordersOf("task", status).map(([text, order]) => [text, acts[order] ?? (() => this.form.simple({ order, task: task.id }))]);
   }
 
+  /** What can be ordered of several that are selected: [button, act] each, which orders it of all of whom it can be ordered. */
+  #choicesOfAll(run, items) {
+    const byText = new Map();
+    for (const item of items) {
+      for (const [text, order] of this.#alike(run, item)) byText.set(text, [...(byText.get(text) ?? []), order]);
+    }
+    return [...byText].filter(([, orders]) => orders.length > 1).map(([text, orders]) => [`${text}: ${orders.length}`, () => this.form.several(orders)]);
+  }
+
+  /** Orders to one of several: those that have nothing to write. */
+  #alike(run, { type, index, id }) {
+    const named = (on, status, who) => ordersOf(on, status).filter(([, order]) => TO_SEVERAL.includes(order))
+      .map(([text, order]) => [text, { order, ...who }]);
+    if (type === "task") return this.#isOpen(run.tasks[id]) ? named("task", taskStatusAt(run.tasks[id], run.nowMs), { task: id }) : [];
+    if (type !== "agent") return [];
+    const { kind, label } = run.agents[index], status = statusAt(run.agents[index], run.nowMs);
+    if (status === FAILED) return [];
+    return [...(kind === UAV ? named("uav", status, { agents: [label] }) : []), ...named("agent", status, { agent: label })];
+  }
+
   #drawCard() {
-    const { run, selected } = this.state;
-    const box = byId("card-orders");
-    const choices = this.allowed && selected ? this.#choices(run, selected) : [];
-    box.hidden = choices.length === 0;
-    const key = JSON.stringify([selected, choices.map(([text]) => text)]);
+    const { run, selected, others, allSelected } = this.state;
+    const isAllowed = this.allowed && selected !== null;
+    const choices = isAllowed ? this.#choices(run, selected) : [];
+    const ofAll = isAllowed && others.length > 0 ? this.#choicesOfAll(run, allSelected) : [];
+    const key = JSON.stringify([allSelected, choices.map(([text]) => text), ofAll.map(([text]) => text)]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
-    box.replaceChildren(...choices.map(([text, act]) => element("button", { type: "button", onclick: act }, text)));
+    for (const [id, list] of [["card-orders", choices], ["card-all", ofAll]]) {
+      byId(id).hidden = list.length === 0;
+      byId(id).replaceChildren(...list.map(([text, act]) => element("button", { type: "button", onclick: act }, text)));
+    }
   }
 
   #onOrder(entry) {

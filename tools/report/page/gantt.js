@@ -142,8 +142,8 @@ export class Gantt {
   }
 
   #drawRow(c, x, width, agent, top, h, i) {
-    const { run, selected } = this.state;
-    if (selected?.type === "agent" && selected.index === agent.index) {
+    const { run } = this.state;
+    if (this.state.isSelected({ type: "agent", index: agent.index })) {
       c.fillStyle = theme.band;
       c.fillRect(0, top, width, h);
     }

@@ -7,6 +7,11 @@ export function nameOf(run, selected) {
   return run.agents[selected.index].label;
 }
 
+/** "uav:2,task:17" of all that is selected, what was selected last first; null of nothing. */
+export function namesOf({ run, allSelected }) {
+  return allSelected.map((one) => nameOf(run, one)).join() || null;
+}
+
 /** What a name selects in a run; null: it has no such thing. */
 export function itemOf(run, name) {
   const [, type, digits] = /^([a-z]+):(\d+)$/.exec(name ?? "") ?? [];
@@ -19,7 +24,7 @@ export function itemOf(run, name) {
   return null;
 }
 
-/** "#t=4800&sel=uav:2&look=scene&off=roads,tasks&on=coverage" as { tMs, sel, run, look, off, on }; what it does not say is null. */
+/** "#t=4800&sel=uav:2,task:17&look=scene&off=roads,tasks&on=coverage" as { tMs, sel, run, look, off, on }; what it does not say is null. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const number = (key) => (/^\d+(\.\d+)?$/.test(values.get(key) ?? "") ? Number(values.get(key)) : null);
@@ -69,14 +74,14 @@ export class Link {
     clearTimeout(this.timer);
     this.ready = false;
     this.show(readLink(location.hash));
-    this.shown = nameOf(this.state.run, this.state.selected);
+    this.shown = namesOf(this.state);
     this.shownRun = this.state.current;
     this.ready = true;
   }
 
   #address() {
-    const { run, selected, current, looks, off, extra } = this.state;
-    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: nameOf(run, selected), run: current, look: looks,
+    const { current, looks, off, extra } = this.state;
+    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: namesOf(this.state), run: current, look: looks,
       off: [...off].join(), on: [...extra].join() });
   }
 
@@ -88,7 +93,7 @@ export class Link {
 
   #step() {
     if (!this.ready) return;
-    const name = nameOf(this.state.run, this.state.selected);
+    const name = namesOf(this.state);
     if (name === this.shown && this.state.current === this.shownRun) return;
     this.shown = name;
     this.shownRun = this.state.current;

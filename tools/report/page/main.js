@@ -94,9 +94,9 @@ function show({ tMs, sel, run, look, off, on }) {
     clock.seek(moment.t);
     tellMoment(moment);
   } else if (tMs !== null) clock.seek(tMs);
-  const item = itemOf(state.run, sel);
-  if (item) state.flyTo(item);
-  else state.select(null);
+  const items = (sel ?? "").split(",").map((name) => itemOf(state.run, name)).filter(Boolean);
+  state.select(null);
+  for (const item of items.reverse()) state.flyTo(item, true);
 }
 
 function showLive(how, text = "") {

@@ -301,7 +301,7 @@ export class MapView {
 
   #click(event) {
     if (this.picking && this.shown) this.picking({ x: this.shown.x.invert(event.offsetX), y: this.shown.y.invert(event.offsetY) });
-    else if (!this.#enterAt(event)) this.state.select(this.#find(event));
+    else if (!this.#enterAt(event)) this.state.select(this.#find(event), event.shiftKey);
   }
 
   /** Enters the cluster at the pointer, unless a symbol is over it; whether there is one. */

@@ -126,6 +126,15 @@ export class OrderForm {
     this.#ask(order, null);
   }
 
+  /** Several of them, asked back together. */
+  several(orders) {
+    this.#show(`Give these ${orders.length} orders?`, [element("ul", { class: "asked" }, ...orders.map((order) => element("li", {}, this.words(order))))], [
+      ["Give the orders", () => {
+        this.dialog.close();
+        for (const order of orders) this.send(order);
+      }], ["Cancel", () => this.dialog.close()]]);
+  }
+
   #write(title, parts, read) {
     const problem = element("p", { class: "wrong", role: "alert" });
     this.#show(title, [...parts, problem], [["Next", () => {

@@ -2,6 +2,7 @@ import { agentsWithAlerts } from "./attention.js";
 import { CHARGING_POINT, OVER, Squares, classOfTask } from "./clusters.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { PRIORITIES } from "./story.js";
+import { isSame } from "./state.js";
 import { rowAt } from "./time.js";
 import { OFFLINE, UNREPORTED } from "./words.js";
 
@@ -49,11 +50,13 @@ export class Present {
 
   /** What is selected stands alone, as do agents with alerts and emergencies. */
   #mark() {
-    const { selected } = this.state;
-    const isSelected = ({ agent, task, point }) => (selected.type === "agent" ? agent?.index === selected.index
-      : selected.type === "task" ? task?.id === selected.id : point?.id === selected.id);
-    this.chosen = selected ? this.items.findIndex(isSelected) : -1;
-    this.items.forEach((item, i) => { item.alone = item.urgent || i === this.chosen; });
+    const { selected, allSelected } = this.state;
+    this.chosen = -1;
+    this.items.forEach((item, i) => {
+      const found = allSelected.find((one) => isSame(one, selectedOf(item)));
+      item.alone = item.urgent || found !== undefined;
+      if (found && found === selected) this.chosen = i;
+    });
     this.made = null;
   }
 

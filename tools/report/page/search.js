@@ -99,19 +99,19 @@ export class Search {
     if (step && this.found.length > 0) {
       this.active = (this.active + step + this.found.length) % this.found.length;
       this.#show();
-    } else if (event.key === "Enter") this.#choose(this.active);
+    } else if (event.key === "Enter") this.#choose(this.active, event.shiftKey);
     else if (event.key === "Escape") this.input.blur();
     else return;
     event.preventDefault();
     event.stopPropagation();
   }
 
-  #choose(i) {
+  #choose(i, more = false) {
     const one = this.found[i];
     if (!one) return;
     this.input.value = "";
     this.input.blur();
-    if (one.item) this.state.flyTo(one.item);
+    if (one.item) this.state.flyTo(one.item, more);
     else this.map.goTo(one.place);
   }
 }

@@ -1,9 +1,15 @@
+/** Whether two selections are of the same thing. */
+export function isSame(a, b) {
+  return a.type === b.type && a.index === b.index && a.id === b.id;
+}
+
 /** What the user has chosen, and who wants to know. */
 export class State {
   constructor() {
     this.runs = [];
     this.current = 0;
     this.selected = null; // { type: "agent", index } or { type: "task" | "charge", id }
+    this.others = []; // what is selected besides
     this.classes = [true, true, true];
     this.filter = ""; // part of an agent's name
     this.view = null; // [from, to] in ms of the current run; null: all of it
@@ -33,15 +39,40 @@ export class State {
     for (const listener of this.listeners.get(what) ?? []) listener();
   }
 
-  select(selected) {
-    this.selected = selected;
+  /** `more`: besides what is selected so far; what is selected already is then no longer. */
+  select(selected, more = false) {
+    if (!more || !this.selected) {
+      this.selected = selected;
+      this.others = [];
+    } else if (selected) {
+      const kept = this.allSelected.filter((one) => !isSame(one, selected));
+      if (kept.length === this.allSelected.length) kept.unshift(selected);
+      [this.selected = null, ...this.others] = kept;
+    }
     this.emit("selection");
+  }
+
+  /** The one that was selected last comes first. */
+  get allSelected() {
+    return this.selected ? [this.selected, ...this.others] : [];
+  }
+
+  /** Of all that is selected, that one comes first from now on. */
+  lead(item) {
+    this.others = this.allSelected.filter((one) => !isSame(one, item));
+    this.selected = item;
+    this.emit("selection");
+  }
+
+  isSelected(item) {
+    return this.allSelected.some((one) => isSame(one, item));
   }
 
   /** Shows run `i`. */
   open(i) {
     this.current = i;
     this.selected = null;
+    this.others = [];
     this.emit("run");
     this.emit("selection");
   }
@@ -55,9 +86,9 @@ export class State {
     return agent.label.includes(this.filter);
   }
 
-  /** Selects, and takes the map there. */
-  flyTo(selected) {
-    this.select(selected);
+  /** Selects, and takes the map there. `more`: see select(). */
+  flyTo(selected, more = false) {
+    this.select(selected, more);
     this.emit("fly");
   }
 

@@ -112,7 +112,7 @@ export class TaskTable {
     this.count = element("output", { id: "task-count", class: "muted" });
     this.heads = COLUMNS.map((column) => element("th", { scope: "col", class: column.number ? "n" : null },
       element("button", { type: "button", class: "sorter", onclick: () => this.#sortBy(column.id) }, column.title)));
-    this.body = element("tbody", { onkeydown: (e) => this.#key(e), onclick: (e) => this.#choose(e.target.closest("tr")) });
+    this.body = element("tbody", { onkeydown: (e) => this.#key(e), onclick: (e) => this.#choose(e.target.closest("tr"), e.shiftKey) });
     this.rest = element("p", { class: "empty", hidden: true });
     return element("div", { id: "task-table" },
       element("div", { class: "table-tools" }, element("label", { class: "choice" }, "Show ", this.choice),
@@ -184,10 +184,10 @@ export class TaskTable {
     return this.body.querySelector(`tr[data-task="${id}"]`);
   }
 
-  /** The selected task's row is marked and, when asked for, in view; one row takes the focus. */
+  /** The rows of selected tasks are marked, and the last of them is in view when asked for; one row takes the focus. */
   #mark(reveal) {
     if (!this.visible) return;
-    const { selected } = this.state;
+    const { selected, others } = this.state;
     const chosen = selected?.type === "task" ? this.#row(selected.id) : null;
     for (const row of this.body.querySelectorAll('[aria-selected="true"], [tabindex="0"]')) {
       row.removeAttribute("aria-selected");
@@ -195,21 +195,22 @@ export class TaskTable {
     }
     (chosen ?? this.body.firstElementChild)?.setAttribute("tabindex", "0");
     chosen?.setAttribute("aria-selected", "true");
+    for (const { type, id } of others) if (type === "task") this.#row(id)?.setAttribute("aria-selected", "true");
     if (!chosen || !reveal) return;
     const scroller = this.root.parentElement;
     const [row, box] = [chosen.getBoundingClientRect(), scroller.getBoundingClientRect()];
     if (row.top < box.top + 60 || row.bottom > box.bottom) scroller.scrollTop += row.top - box.top - box.height / 2;
   }
 
-  #choose(row) {
-    if (row) this.state.flyTo({ type: "task", id: Number(row.dataset.task) });
+  #choose(row, more) {
+    if (row) this.state.flyTo({ type: "task", id: Number(row.dataset.task) }, more);
   }
 
   #key(event) {
     const row = event.target.closest("tr");
     const to = { ArrowDown: row.nextElementSibling, ArrowUp: row.previousElementSibling,
       Home: this.body.firstElementChild, End: this.body.lastElementChild }[event.key];
-    if (event.key === "Enter" || event.key === " ") this.#choose(row);
+    if (event.key === "Enter" || event.key === " ") this.#choose(row, event.shiftKey);
     else if (!["ArrowDown", "ArrowUp", "Home", "End"].includes(event.key)) return;
     event.preventDefault();
     event.stopPropagation();

@@ -180,6 +180,44 @@ test("an agent is recalled and leaves; an order that is not answered is asked fo
   assert.deepEqual(order, { order: "agent_leave", agent });
 });
 
+test("several are selected by Shift, and each is given the order that is asked back once", async (t) => {
+  const run = liveRun("o.html", MINUTES);
+  const { url, given } = await serve(html, run, (order) => taken(order));
+  const page = await openLive(t, `${url}#token=${TOKEN}`);
+  const labels = await page.evaluate(() => window.muster.state.run.agents.filter(({ kind, spans }) => kind === 0 && spans.at(-1) === 2).map(({ label }) => label).slice(0, 3));
+  assert.equal(labels.length, 3, "UAVs that are under way");
+  for (const label of labels) {
+    await page.keyboard.press("/");
+    await page.keyboard.type(label);
+    await page.keyboard.press("Shift+Enter");
+  }
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), labels[2]));
+  assert.equal(await page.locator("#card-others li").count(), 2);
+  await page.waitForFunction((sel) => location.hash.includes(sel), `sel=${[...labels].reverse().join()}`);
+  // A click with Shift on the map selects one of them no longer.
+  await page.keyboard.press("f");
+  await page.waitForFunction((label) => window.muster.parts.map.near.some(({ agent }) => agent.label === label), labels[0]);
+  const at = await page.evaluate((label) => {
+    const { px, py } = window.muster.parts.map.near.find(({ agent }) => agent.label === label);
+    return { x: px, y: py };
+  }, labels[0]);
+  await page.locator("#map").click({ position: at, modifiers: ["Shift"] });
+  await soon(async () => assert.equal(await page.locator("#card-others li").count(), 1));
+  await accessible(page, "two are selected");
+  await page.locator("#card-all").getByRole("button", { name: "Recall: 2" }).click();
+  await soon(async () => assert.equal(await page.locator("#order-title").innerText(), "Give these 2 orders?"));
+  assert.match(await page.locator("#order .asked").innerText(), new RegExp(`recall ${labels[2]}: .*\n.*recall ${labels[1]}: `));
+  await accessible(page, "two orders are asked back");
+  await press(page, "Give the orders");
+  await soon(async () => assert.equal(given.length, 2));
+  assert.deepEqual(given.map(({ order, agent }) => [order, agent]), [["agent_recall", labels[2]], ["agent_recall", labels[1]]]);
+  assert.notEqual(given[0].id, given[1].id);
+  await page.locator("#card-others").getByRole("button", { name: `${labels[1]}:` }).click();
+  await soon(async () => assert.equal(await page.locator("#card-title").innerText(), labels[1]));
+  await page.keyboard.press("Escape");
+  await soon(async () => assert.ok(!(await page.locator("#card").isVisible())));
+});
+
 test("who does a task is decided on its card, who charges and who goes where on an agent's", async (t) => {
   const run = liveRun("o.html", MINUTES);
   const { url, given, tell } = await serve(html, run, (order) => taken(order));

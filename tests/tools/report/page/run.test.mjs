@@ -9,7 +9,7 @@ import { firstDifference, numbersOf } from "../../../../tools/report/page/compar
 import { closuresAt } from "../../../../tools/report/page/layers/roads.js";
 import { Orders, orderWords, tokenOf } from "../../../../tools/report/page/orders.js";
 import { placeLabels } from "../../../../tools/report/page/map_labels.js";
-import { itemOf, nameOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
+import { itemOf, nameOf, namesOf, readLink, writeLink } from "../../../../tools/report/page/link.js";
 import { tellingMoment } from "../../../../tools/report/page/moment.js";
 import { eventRows } from "../../../../tools/report/page/panels.js";
 import { degreesOf, placeWords, planeOf } from "../../../../tools/report/page/place.js";
@@ -225,6 +225,8 @@ test("a link says a moment, a selection and a run, and what it has not is null",
     [{ type: "agent", index: 2 }, { type: "task", id: 1 }, { type: "charge", id: 0 }]);
   assert.deepEqual(["uav:1", "task:2", "car:0", "uav:", null].map((name) => itemOf(run, name)), [null, null, null, null, null]);
   assert.equal(nameOf(run, { type: "agent", index: 2 }), "vehicle:0");
+  assert.equal(namesOf({ run, allSelected: [{ type: "agent", index: 2 }, { type: "task", id: 1 }] }), "vehicle:0,task:1");
+  assert.equal(namesOf({ run, allSelected: [] }), null);
 });
 
 const sensing = (more = {}) => begun({ now_ms: 3600000, ended: true,
