@@ -17,6 +17,11 @@ export class ZoneFence {
 
   /** Writes it for where it is now. If the autopilot has no room for all zones, the last ones are left out. */
   *write(place) {
+    this.#work = null;  // what was begun in flight is of another time
+    return yield* this.#write(place);
+  }
+
+  *#write(place) {
     for (;;) {
       const items = this.#items(place), corners = items.length - this.area.corners().length;
       try {
@@ -40,7 +45,7 @@ export class ZoneFence {
   step(place, heard) {
     const now = this.talk.now();
     if (!this.#work && now >= this.#again_s && idsOf(this.zones.around(place)) !== this.#written) {
-      this.#work = this.write(place);
+      this.#work = this.#write(place);
     }
     try {
       if (this.#work?.next(heard).done) this.#work = null;

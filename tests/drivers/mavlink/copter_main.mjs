@@ -2,8 +2,7 @@
 // The test copter as a program, over UDP, TCP or a terminal: node copter_main.mjs --at LATITUDE,LONGITUDE [OPTION...]
 //   --udp HOST:PORT      sends there, as autopilots do          --tcp PORT   waits for one who connects, on 127.0.0.1
 //   --serial PATH        a terminal                             --kind ardupilot|px4, --system N, --speedup X
-//   --battery PERCENT, --drain PERCENT_A_SECOND, --hover X      in one place X times as much
-//   --changed-after S: of standing with the motors off it is full
+//   --battery PERCENT, --drain PERCENT_A_SECOND                 --changed-after S: of standing with the motors off it is full
 //   --loss SHARE, --delay S (of the wall), --cut FROM:UNTIL     of the link
 //   --pilot-at S, --no-fix-at S                                 the pilot takes over; its position is lost
 //   --ready S                                                   its estimator takes so long
@@ -23,7 +22,7 @@ const text = (value) => ({ type: "string", default: value });
 const { values } = parseArgs({
   options: {
     at: text("52.2,0.1"), udp: text(""), tcp: text(""), serial: text(""), kind: text("ardupilot"), system: text("1"), speedup: text("1"), battery: text("100"),
-    drain: text("0.02"), hover: text("1"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"), "sign-key": text(""),
+    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"), "sign-key": text(""),
   },
 });
 const number = (name) => Number(values[name]);
@@ -34,7 +33,7 @@ const now = () => ((performance.now() - started) / 1000) * number("speedup");
 
 // Ten seconds without a take-off are nothing by the wall where time runs fast.
 const unused_s = Math.max(10, 3 * number("speedup"));
-const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain"), unused_s, ready_s: number("ready"), hover: number("hover") });
+const copter = new Copter({ kind: values.kind, at: { latitude_deg, longitude_deg }, drain_percent_s: number("drain"), unused_s, ready_s: number("ready") });
 copter.battery_percent = number("battery");
 
 const isLost = () => Math.random() < number("loss") || (now() >= cut_from && now() < cut_until);

@@ -55,15 +55,6 @@ test("the field test: three places sensed, the battery changed once", { skip: NO
   assert.equal(landings.length, 2, flight.one.lines.join("\n"));
 }));
 
-test("hovering takes 2.5 times as much as flying: its battery is changed in time", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
-  const drivers = { "worker:0": FOLLOWER, "vehicle:0": FOLLOWER };
-  const flight = await fly(programs, FIELD_TEST, ["--battery", "90", "--hover", "2.5"], drivers);
-  const report = await reportOf(flight, programs.start);
-  assert.deepEqual(report.failed_agents, [], "it never came home for its reserve");
-  assert.ok(report.charges >= 1);
-  assert.ok(report.tasks_done >= 2);
-}));
-
 /** The last place of the field test, and its worker beside it, in a mission that takes zones. */
 function withZones(folder) {
   const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));

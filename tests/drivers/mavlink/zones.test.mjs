@@ -87,13 +87,13 @@ for (const kind of ["ardupilot", "px4"]) {
 test("what is read back is not what was written: it does not fly; in flight it says so, and tries again", () => {
   const box = new Box();
   add(box, "zone:0", around(2000, 2000));
-  box.protocol.shift = 1;
+  box.protocol.shift = 10;
   box.until(() => box.failure, 60, "failed");
   assert.equal(box.failure, "its fence is not as it was written");
   assert.equal(box.copter.armed, false);
 
   const inFlight = new Box().flying();
-  inFlight.protocol.shift = 1;
+  inFlight.protocol.shift = 10;
   add(inFlight, "heli", around(2000, 1000));
   inFlight.until(() => inFlight.notes.includes("the zones are not in its fence: its fence is not as it was written"), 10);
   const from = inFlight.protocol.heard.length;
@@ -117,6 +117,31 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.failure, null);
   });
 }
+
+test("an autopilot that rounds places by a centimetre flies", () => {
+  const box = new Box();
+  box.protocol.shift = 1;
+  box.ready();
+  assert.equal(box.failure, null);
+});
+
+test("a zone comes and goes while its battery is changed: its fence is that of now", () => {
+  const box = new Box({ options: { confirm: "a file" }, drain_percent_s: 0.25 }).ready();
+  const to = box.goTo(800, 900, "charge");
+  box.until(() => box.said("arrived", to).length, 300);
+  const charge = box.order("charge", 30);
+  box.run(1);
+  box.copter.drain_percent_s = 0.02;
+  box.copter.battery_percent = box.copter.charge_percent = 100;
+  box.run(2);
+  add(box, "heli", around(3000, 2000));
+  box.isChanged = true;
+  box.run(0.1);
+  lift(box, "heli");
+  box.until(() => box.said("done", charge).length, 120);
+  box.run(20);
+  assert.deepEqual(cornersOf(box), []);
+});
 
 test("an autopilot without room for the area does not fly", () => {
   const box = new Box();
