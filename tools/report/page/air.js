@@ -1,4 +1,5 @@
 // How high UAVs fly that are kept apart, and which come near each other.
+import { say } from "./language.js";
 import { placeAt, statusAt, velocityAt } from "./run.js";
 import { rowAt } from "./time.js";
 import { FAILED, OFFLINE } from "./words.js";
@@ -67,8 +68,8 @@ export function approachOf(a, b, { horizontal_m, vertical_m }) {
 /** "40 m across and 0 m up from each other in 1:20" */
 export function approachText({ inS, across, up }) {
   const seconds = Math.round(inS);
-  const when = seconds === 0 ? "now" : `in ${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
-  return `${across.toFixed(0)} m across and ${up.toFixed(0)} m up from each other ${when}`;
+  const far = { across: across.toFixed(0), up: up.toFixed(0), time: `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}` };
+  return say(seconds === 0 ? "{across} m across and {up} m up from each other now" : "{across} m across and {up} m up from each other in {time}", far);
 }
 
 /** The pairs of a measured UAV, which may stray, and any other that come too close: [{ a, b, ...approach }]. */

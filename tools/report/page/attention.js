@@ -1,6 +1,8 @@
 import { approachText, comingClose } from "./air.js";
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, isolated, number } from "./dom.js";
+import { fill, say, sayParts } from "./language.js";
+import { taskName } from "./names.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { PRIORITIES, spanAt, taskNow, undoneTasks } from "./story.js";
@@ -14,17 +16,17 @@ const SILENT_MS = 5000;
 
 /** Kinds of what needs attention, the most harmful first. `more` is the filter of the task table that shows all of them. */
 export const KINDS = [
-  { id: "process", title: "Processes lost", mark: "!" },
-  { id: "log", title: "Log behind", mark: "!" },
-  { id: "differ", title: "Schedulers disagree", mark: "!" },
-  { id: "fault", title: "Faults in force", mark: "!" },
-  { id: "failed", title: "Agents failed", mark: "×" },
-  { id: "near", title: "UAVs come too close", mark: "!" },
-  { id: "stranded", title: "Cannot reach a charging point", mark: "×" },
-  { id: "undone", title: "Not done", mark: "◇", more: "never" },
-  { id: "risk", title: "At risk", mark: "◇", more: "open" },
-  { id: "wait", title: "Waiting for a partner", mark: "…" },
-  { id: "range", title: "Low range", mark: "▾" },
+  { id: "process", title: say("Processes lost"), mark: "!" },
+  { id: "log", title: say("Log behind"), mark: "!" },
+  { id: "differ", title: say("Schedulers disagree"), mark: "!" },
+  { id: "fault", title: say("Faults in force"), mark: "!" },
+  { id: "failed", title: say("Agents failed"), mark: "×" },
+  { id: "near", title: say("UAVs come too close"), mark: "!" },
+  { id: "stranded", title: say("Cannot reach a charging point"), mark: "×" },
+  { id: "undone", title: say("Not done"), mark: "◇", more: "never" },
+  { id: "risk", title: say("At risk"), mark: "◇", more: "open" },
+  { id: "wait", title: say("Waiting for a partner"), mark: "…" },
+  { id: "range", title: say("Low range"), mark: "▾" },
 ];
 
 const minutes = (ms) => `${number(ms / 60000)} min`;
@@ -33,7 +35,7 @@ const minutes = (ms) => `${number(ms / 60000)} min`;
 const weightOf = (task) => 10 * (task.priority ?? 0);
 
 /** "task 17, emergency: School" */
-const taskText = ({ id, name, priority }) => `task ${id}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}${name ? `: ${isolated(name)}` : ""}`;
+const taskText = ({ id, name, priority }) => `${taskName(id)}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}${name ? `: ${isolated(name)}` : ""}`;
 
 /**
  * Why a task will be late or lost, from its due time and expiry: { harm, note }; null when nothing speaks for it. Soon is
@@ -45,15 +47,15 @@ export function timeRisk(run, task, now, t) {
   const soon = 2 * run.intervalMs;
   const start = now.status === RESERVED ? now.activity?.start ?? null : null;
   if (start !== null) {
-    if (expires !== null && start >= expires) return { harm: 7, note: `starts at ${clockText(start)}, expires at ${clockText(expires)}` };
-    return due !== null && start > due ? { harm: 3, note: `starts at ${clockText(start)}, ${minutes(start - due)} too late` } : null;
+    if (expires !== null && start >= expires) return { harm: 7, note: say("starts at {start}, expires at {end}", { start: clockText(start), end: clockText(expires) }) };
+    return due !== null && start > due ? { harm: 3, note: say("starts at {start}, {late} too late", { start: clockText(start), late: minutes(start - due) }) } : null;
   }
   if (now.status === RESERVED) return null; // a live page may not have heard when it starts
-  const nobody = now.status === HELD ? "held by an order" : "nobody is on the way";
+  const nobody = now.status === HELD ? say("held by an order") : say("nobody is on the way");
   const nearness = (left) => 1 - left / soon;
-  if (expires !== null && expires - t <= soon) return { harm: 6 + nearness(Math.max(0, expires - t)), note: `expires in ${minutes(Math.max(0, expires - t))}, ${nobody}` };
+  if (expires !== null && expires - t <= soon) return { harm: 6 + nearness(Math.max(0, expires - t)), note: say("expires in {left}, {nobody}", { left: minutes(Math.max(0, expires - t)), nobody }) };
   if (due === null || due - t > soon) return null;
-  return due <= t ? { harm: 5, note: `was due ${minutes(t - due)} ago, ${nobody}` } : { harm: 4 + nearness(due - t), note: `due in ${minutes(due - t)}, ${nobody}` };
+  return due <= t ? { harm: 5, note: say("was due {late} ago, {nobody}", { late: minutes(t - due), nobody }) } : { harm: 4 + nearness(due - t), note: say("due in {left}, {nobody}", { left: minutes(due - t), nobody }) };
 }
 
 /** Tasks that are or will be late or lost. Reports: one that is never done is known before the end. */
@@ -65,7 +67,7 @@ function tasksAtRisk(run, t) {
     if ([DONE, UNREPORTED, CANCELLED].includes(taskStatusAt(task, t))) continue;
     const now = taskNow(run, task, t);
     if (now.status === EXPIRED) {
-      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1 + weightOf(task), text: taskText(task), note: "expired: sensing had not begun" });
+      found.push({ kind: "undone", item: { type: "task", id: task.id }, harm: 1 + weightOf(task), text: taskText(task), note: say("expired: sensing had not begun") });
       continue;
     }
     if (now.doneAt !== null && now.doneAt <= t) continue;
@@ -75,9 +77,9 @@ function tasksAtRisk(run, t) {
       found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: risk.harm + weightOf(task), text: taskText(task), note: risk.note });
     } else if (never) {
       found.push({ kind: last ? "undone" : "risk", item: { type: "task", id: task.id }, harm: (now.status === OPEN ? 2 : 1) + weightOf(task),
-        text: taskText(task), note: (now.status === OPEN && why(run, task, t)) || (last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
+        text: taskText(task), note: (now.status === OPEN && why(run, task, t)) || say(last ? "never done" : now.status === OPEN ? "nobody is sent: it will not be done" : "somebody is sent, in vain") });
     } else if (behind && now.status === OPEN) {
-      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: weightOf(task), text: taskText(task), note: "nobody is sent" });
+      found.push({ kind: "risk", item: { type: "task", id: task.id }, harm: weightOf(task), text: taskText(task), note: say("nobody is sent") });
     }
   }
   return found;
@@ -98,17 +100,17 @@ const late = (run, t) => forecastAt(run, t).done < run.tasksKnownAt(t);
  * point; null: there is none) are asked for where they matter. The terminal has the same rule (TroubleOf in tools/top/attention.h).
  */
 export function troubleOf({ kind, status, range, fullRange }, t, since, nearest) {
-  if (status === FAILED) return { kind: "failed", harm: -since() / 1000, note: `since ${clockText(since())}` };
+  if (status === FAILED) return { kind: "failed", harm: -since() / 1000, note: say("since {time}", { time: clockText(since()) }) };
   if (status === WAITING) {
     const waited = t - since();
-    return waited < LONG_WAIT_MS ? null : { kind: "wait", harm: waited / 1000, note: `for ${minutes(waited)}` };
+    return waited < LONG_WAIT_MS ? null : { kind: "wait", harm: waited / 1000, note: say("for {time}", { time: minutes(waited) }) };
   }
   if (kind !== UAV || status === OFFLINE || status === CHARGING || !(range < LOW_RANGE * fullRange)) return null;
   const km = (m) => `${number(m / 1000, 1)} km`;
   const far = nearest();
   return far !== null && range < far
-    ? { kind: "stranded", harm: far - range, note: `${km(range)} left, ${km(far)} to the nearest` }
-    : { kind: "range", harm: -range / fullRange, note: `${km(range)} of ${km(fullRange)} left` };
+    ? { kind: "stranded", harm: far - range, note: say("{left} left, {far} to the nearest", { left: km(range), far: km(far) }) }
+    : { kind: "range", harm: -range / fullRange, note: say("{left} of {full} left", { left: km(range), full: km(fullRange) }) };
 }
 
 /** Kept until another time is asked for: the first panel and the map both ask. */
@@ -140,7 +142,7 @@ const closePairs = (run, t) => (run.ended && t >= run.nowMs ? [] : comingClose(r
 
 function nearPairs(run, t) {
   return closePairs(run, t).map(({ a, b, ...approach }) => ({ kind: "near", harm: -approach.inS, note: approachText(approach),
-    item: { type: "agent", index: a.index }, text: `${a.label} and ${b.label}` }));
+    item: { type: "agent", index: a.index }, text: say("{a} and {b}", { a: a.label, b: b.label }) }));
 }
 
 /** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
@@ -166,17 +168,17 @@ export function attentionAt(run, t, silentMs = 0) {
     const lasts = band.open || (band.to === band.from ? t - band.to <= run.tickMs : t < band.to);
     if (band.kind === "agent" || band.from > t || !lasts) continue;
     const kind = band.kind === "process" ? "process" : "fault";
-    found.push({ kind, item: null, t: band.from, harm: -band.from, text: band.label.replace(/^lost: /, ""), note: `since ${clockText(band.from)}` });
+    found.push({ kind, item: null, t: band.from, harm: -band.from, text: band.lost ?? band.label, note: say("since {time}", { time: clockText(band.from) }) });
   }
   const disputes = run.events.filter((event) => event.kind === "decisions_differ" && event.t <= t);
   if (disputes.length > 0) {
-    found.push({ kind: "differ", item: null, harm: 0, t: disputes.at(-1).t, text: disputes.length === 1 ? "once" : `${number(disputes.length)} times`, note: disputes.at(-1).detail });
+    found.push({ kind: "differ", item: null, harm: 0, t: disputes.at(-1).t, text: say(disputes.length === 1 ? "once" : "{n} times", { n: number(disputes.length) }), note: disputes.at(-1).detail });
   }
   if (silentMs > SILENT_MS && !run.ended) {
-    found.push({ kind: "log", item: null, harm: 0, text: `nothing heard for ${number(silentMs / 1000)} s`, note: "" });
+    found.push({ kind: "log", item: null, harm: 0, text: say("nothing heard for {n} s", { n: number(silentMs / 1000) }), note: "" });
   }
   if (t >= run.nowMs && run.ended && run.report && !run.report.log.complete) {
-    found.push({ kind: "log", item: null, harm: 0, text: "the log is incomplete", note: `${number(run.report.log.n_missing)} messages missing` });
+    found.push({ kind: "log", item: null, harm: 0, text: say("the log is incomplete"), note: say("{n} messages missing", { n: number(run.report.log.n_missing) }) });
   }
   const rank = new Map(KINDS.map((kind, i) => [kind.id, i]));
   return found.sort((a, b) => rank.get(a.kind) - rank.get(b.kind) || b.harm - a.harm);
@@ -227,11 +229,11 @@ export class Attention {
       selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
-    byId("attention-count").textContent = `${found.length === 0 ? "nothing" : number(found.length)}${seen ? `, ${number(seen)} acknowledged` : ""}`;
+    byId("attention-count").textContent = `${found.length === 0 ? say("nothing") : number(found.length)}${seen ? `, ${say("{n} acknowledged", { n: number(seen) })}` : ""}`;
     const focused = document.activeElement?.dataset?.attention;
     byId("attention-list").replaceChildren(...KINDS.flatMap((kind, i) => this.#group(kind, groups[i])));
-    if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, seen ? "Nothing else needs attention now." : "Nothing needs attention now."));
-    if (seen) byId("attention-list").append(element("p", {}, element("button", { type: "button", class: "quiet", id: "attention-again", onclick: () => this.#again() }, `Show ${number(seen)} acknowledged again`)));
+    if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, say(seen ? "Nothing else needs attention now." : "Nothing needs attention now.")));
+    if (seen) byId("attention-list").append(element("p", {}, element("button", { type: "button", class: "quiet", id: "attention-again", onclick: () => this.#again() }, say("Show {n} acknowledged again", { n: number(seen) }))));
     if (focused) [...byId("attention-list").querySelectorAll("[data-attention]")].find((row) => row.dataset.attention === focused)?.focus({ preventScroll: true });
     byId("forecast").replaceChildren(...this.#forecast(run, t));
   }
@@ -259,10 +261,10 @@ export class Attention {
     return [
       element("h3", {}, kind.title, " ", element("b", {}, number(found.length))),
       element("ul", {}, ...found.slice(0, SHOWN).map((f) => element("li", { class: this.state.live ? "live" : null }, this.#row(kind, f),
-        this.state.live ? element("button", { type: "button", class: "quiet seen", title: "Acknowledge", "aria-label": `Acknowledge ${f.text}`, onclick: () => this.#acknowledge(f) }, "✓") : null)),
+        this.state.live ? element("button", { type: "button", class: "quiet seen", title: say("Acknowledge"), "aria-label": say("Acknowledge {what}", { what: f.text }), onclick: () => this.#acknowledge(f) }, "✓") : null)),
       more > 0 ? element("li", {}, kind.more
-        ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, `${number(more)} more in the table`)
-        : element("span", { class: "muted" }, `and ${number(more)} more`)) : null),
+        ? element("button", { type: "button", class: "quiet more", onclick: () => this.showTasks(kind.more) }, say("{n} more in the table", { n: number(more) }))
+        : element("span", { class: "muted" }, say("and {n} more", { n: number(more) }))) : null),
     ];
   }
 
@@ -276,10 +278,12 @@ export class Attention {
   #forecast(run, t) {
     if (t < 3 * run.intervalMs || t >= run.limitMs || (run.ended && t >= run.nowMs)) return [];
     const { done, total } = forecastAt(run, t);
-    const parts = ["Forecast: ", element("b", {}, `${number(done)} of ${number(total)}`), " tasks done by the end, at the rate of the last three decisions."];
+    const parts = sayParts("Forecast: {share} tasks done by the end, at the rate of the last three decisions.", {
+      share: element("b", {}, say("{n} of {total}", { n: number(done), total: number(total) })) });
     if (run.ended) {
       const off = done - run.tasksDone;
-      parts.push(` It was ${number(run.tasksDone)}: ${off === 0 ? "exact" : `${number(Math.abs(off))} too ${off > 0 ? "many" : "few"}`}.`);
+      const text = off === 0 ? say("It was {n}: exact.") : off > 0 ? say("It was {n}: {off} too many.") : say("It was {n}: {off} too few.");
+      parts.push(` ${fill(text, { n: number(run.tasksDone), off: number(Math.abs(off)) })}`);
     }
     return parts;
   }

@@ -1,9 +1,11 @@
 import { oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
-import { describe } from "./describe.js";
+import { describe, rangeWords, roomWords } from "./describe.js";
 import { directiveWords, directivesOf } from "./directives.js";
 import { byId, element, isolated, number } from "./dom.js";
-import { itemOf, nameOf } from "./link.js";
+import { say } from "./language.js";
+import { nameOf } from "./link.js";
+import { mentions, pointName, taskName } from "./names.js";
 import { placeWords } from "./place.js";
 import { reasonAt, storyOf } from "./reasons.js";
 import { decisionAt, placeAt } from "./run.js";
@@ -17,21 +19,45 @@ const MOST_RANGE_POINTS = 600;
 
 /** When a task was reported, is due and expires, and how much it matters. */
 function timeFacts(run, task) {
-  const facts = [["priority", PRIORITIES[task.priority]], ["reported", timeText(run, task.reported)]];
-  if (task.due !== null) facts.push(["due", `sensing should begin by ${timeText(run, task.due)}`]);
-  if (task.expires !== null) facts.push(["expires", `sensing must begin before ${timeText(run, task.expires)}`]);
+  const facts = [[say("priority"), PRIORITIES[task.priority]], [say("reported"), timeText(run, task.reported)]];
+  if (task.due !== null) facts.push([say("due"), say("sensing should begin by {time}", { time: timeText(run, task.due) })]);
+  if (task.expires !== null) facts.push([say("expires"), say("sensing must begin before {time}", { time: timeText(run, task.expires) })]);
   return facts;
 }
 
 /** "in 6:30" */
 function within(ms) {
   const s = Math.max(0, Math.round(ms / 1000));
-  return s >= 3600 ? `in ${clockText(ms)}` : `in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}`;
+  return say("in {time}", { time: s >= 3600 ? clockText(ms) : `${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}` });
 }
 
-export function siteName(site) {
-  return site.charging ? `charging point ${site.site}` : `task ${site.site}`;
+const siteName = (site) => (site.charging ? pointName(site.site) : taskName(site.site));
+
+/** "moving to task 17": what an agent does and where, as far as that is known. */
+function doingWords(run, { status, site, to }) {
+  const values = { status: say(run.words.statuses[status]), id: site?.site };
+  if (site?.charging) return say(status === MOVING ? "{status} to charging point {id}" : "{status} at charging point {id}", values);
+  if (site) return say(status === MOVING ? "{status} to task {id}" : "{status} at task {id}", values);
+  return to && status === MOVING ? say("{status} to {place}", { ...values, place: placeWords(run, to) }) : values.status;
 }
+
+/** Beginning and end of an activity that has not begun, or the end of one that has. */
+function activityWords(run, { charging, start, end }, t) {
+  const values = { from: timeText(run, start), to: timeText(run, end), within: within(end - t) };
+  if (start > t) return say(charging ? "charging {from} to {to}" : "sensing {from} to {to}", values);
+  return say(charging ? "charging until {to}, {within}" : "sensing until {to}, {within}", values);
+}
+
+/** What an agent does next: a command that it will get, or an activity. */
+function nextWords(run, { command, activity }) {
+  if (command) return say("{what} (decision {index}, {time})", { what: commandWords(command), index: command.decision.index, time: clockText(command.decision.t) });
+  const { charging, site, start } = activity;
+  const what = say(charging ? "{status} at charging point {id}" : "{status} at task {id}", { status: say(charging ? "charging" : "sensing"), id: site });
+  return `${what}, ${timeText(run, start)}`;
+}
+
+/** "uav:3 and worker:7" */
+const pairWords = ({ charging, uav, partner }) => say("{a} and {b}", { a: `uav:${uav}`, b: `${charging ? "vehicle" : "worker"}:${partner}` });
 
 /** `muster explain` writes task:17 where the page writes task 17. */
 const taskWords = (line) => line.replace(/\btask:(\d+)/g, "task $1");
@@ -60,7 +86,7 @@ export class Card {
     const t = this.clock.t;
     const now = this.#now(run, selected, t);
     const local = localWords(run, t);
-    if (local) now.facts.push(["time", local]);
+    if (local) now.facts.push([say("time"), local]);
     byId("card-title").textContent = now.title;
     byId("selection").textContent = `${now.title}: ${now.state}`;
     const key = JSON.stringify(now.facts);
@@ -89,9 +115,9 @@ export class Card {
     if (key === this.othersKey) return;
     this.othersKey = key;
     byId("card-others").hidden = others.length === 0;
-    byId("card-others").replaceChildren(element("h3", {}, `Selected too: ${others.length}`), element("ul", {}, ...others.map((item, i) => element("li", {},
+    byId("card-others").replaceChildren(element("h3", {}, say("Selected too: {n}", { n: others.length })), element("ul", {}, ...others.map((item, i) => element("li", {},
       element("button", { type: "button", class: "name", onclick: () => this.state.lead(item) }, words[i]),
-      element("button", { type: "button", class: "quiet", "aria-label": `Select ${nameOf(run, item)} no longer`, onclick: () => this.state.select(item, true) }, "×")))));
+      element("button", { type: "button", class: "quiet", "aria-label": say("Select {what} no longer", { what: nameOf(run, item) }), onclick: () => this.state.select(item, true) }, "×")))));
   }
 
   /** Why the task is not done: what the decision in force did without it, then all decisions. */
@@ -106,17 +132,17 @@ export class Card {
     this.whyKey = key;
     const undone = task !== null && run.ended && taskNow(run, run.tasks[task], run.nowMs).doneAt === null;
     if (!story) {
-      box.replaceChildren(...(undone ? [element("p", { class: "empty" }, `muster explain ${run.name} --task ${task} says why not.`)] : []));
+      box.replaceChildren(...(undone ? [element("p", { class: "empty" }, say("{command} says why not.", { command: `muster explain ${run.name} --task ${task}` }))] : []));
       return;
     }
     const open = box.querySelector("details")?.open ?? false;
     box.replaceChildren(
-      element("h3", {}, reason ? `Why not, at decision ${reason.index}` : "Why not"),
+      element("h3", {}, reason ? say("Why not, at decision {index}", { index: reason.index }) : say("Why not")),
       ...(reason?.lines ?? []).map((line) => element("p", {}, ...this.#linked(run, taskWords(line)))),
-      element("details", { open }, element("summary", {}, "All decisions"),
+      element("details", { open }, element("summary", {}, say("All decisions")),
         ...story.head.slice(1).map((line) => element("p", {}, line)),
         element("ol", {}, ...story.decisions.map((d) => element("li", {},
-          element("button", { type: "button", class: "name", onclick: () => this.clock.seek(run.decisions.find((other) => other.index === d.index)?.t ?? t) }, `decision ${d.index}`),
+          element("button", { type: "button", class: "name", onclick: () => this.clock.seek(run.decisions.find((other) => other.index === d.index)?.t ?? t) }, say("decision {index}", { index: d.index })),
           " ", ...this.#linked(run, taskWords(d.lines.join("; ")))))),
         ...story.tail.map((line) => element("p", {}, line))));
   }
@@ -139,16 +165,14 @@ export class Card {
 
   /** Names of things in a text are buttons that select them. */
   #linked(run, text) {
-    return String(text).split(/((?:uav|worker|vehicle):\d+|task \d+|charging point \d+)/).filter(Boolean).map((part) => {
-      const item = itemOf(run, part.replace("charging point ", "charge:").replace("task ", "task:"));
-      return item ? element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, part) : part;
-    });
+    return mentions(run, String(text)).map(({ text: part, item }) =>
+      (item ? element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, part) : part));
   }
 
   /** What is so now, with what the commander has decided about it. */
   #now(run, selected, t) {
     const now = this.#facts(run, selected, t);
-    for (const one of directivesOf(run, selected, t)) now.facts.push(["directed", directiveWords(one)]);
+    for (const one of directivesOf(run, selected, t)) now.facts.push([say("directed"), directiveWords(one)]);
     return now;
   }
 
@@ -160,58 +184,60 @@ export class Card {
       const { activity } = agentNow(run, agent, t);
       return activity?.charging && activity.site === point.id && activity.start <= t;
     });
-    const room = point.capacity === null ? "any number of UAVs" : `${point.capacity} UAV${point.capacity === 1 ? "" : "s"}`;
-    return { title: `charging point ${point.id}`, state: `${number(there.length)} charging`,
-      facts: [["now", there.length ? there.map((agent) => agent.label).join(", ") : "nobody charges"], ["room for", `${room} at a time`], ["place", placeWords(run, point)]] };
+    return { title: pointName(point.id), state: say("{n} charging", { n: number(there.length) }),
+      facts: [[say("now"), there.length ? there.map((agent) => agent.label).join(", ") : say("nobody charges")], [say("room for"), roomWords(point)],
+        [say("place"), placeWords(run, point)]] };
   }
 
   #agentNow(run, agent, t) {
     const now = agentNow(run, agent, t);
-    const { activity, site, arrival } = now;
-    const status = run.words.statuses[now.status];
-    const facts = [];
-    const doing = site ? ` ${now.status === MOVING ? "to" : "at"} ${siteName(site)}` : now.to && now.status === MOVING ? ` to ${placeWords(run, now.to)}` : "";
-    facts.push(["now", `${status}${doing}, since ${timeText(run, now.since)}`]);
-    if (now.partner) facts.push(["with", now.partner]);
-    if (arrival) facts.push(["arrives", `${arrival.known ? "" : "about "}${timeText(run, arrival.t)}, ${within(arrival.t - t)}, ${way(arrival.left)} left`]);
+    const { activity, arrival } = now;
+    const doing = doingWords(run, now);
+    const facts = [[say("now"), say("{what}, since {time}", { what: doing, time: timeText(run, now.since) })]];
+    if (now.partner) facts.push([say("with"), now.partner]);
+    if (arrival) {
+      const values = { time: timeText(run, arrival.t), within: within(arrival.t - t), way: way(arrival.left) };
+      facts.push([say("arrives"), say(arrival.known ? "{time}, {within}, {way} left" : "about {time}, {within}, {way} left", values)]);
+    }
     if (activity) {
-      const what = activity.charging ? "charging" : "sensing";
-      facts.push(["then", activity.start > t ? `${what} ${timeText(run, activity.start)} to ${timeText(run, activity.end)}` : `${what} until ${timeText(run, activity.end)}, ${within(activity.end - t)}`]);
-      if (activity.aborted !== null) facts.push(["but", `broken off at ${timeText(run, activity.aborted)}`]);
-    } else if (now.until !== null && !arrival) facts.push(["until", timeText(run, now.until)]);
+      facts.push([say("then"), activityWords(run, activity, t)]);
+      if (activity.aborted !== null) facts.push([say("but"), say("broken off at {time}", { time: timeText(run, activity.aborted) })]);
+    } else if (now.until !== null && !arrival) facts.push([say("until"), timeText(run, now.until)]);
     const next = now.status === FAILED ? null : agentNext(run, agent, now, t);
-    if (next?.command) facts.push(["next", `${commandWords(next.command)} (decision ${next.command.decision.index}, ${clockText(next.command.decision.t)})`]);
-    else if (next) facts.push(["next", `${next.activity.charging ? "charging" : "sensing"} at ${siteName(next.activity)}, ${timeText(run, next.activity.start)}`]);
+    if (next) facts.push([say("next"), nextWords(run, next)]);
     const place = now.status === OFFLINE ? null : placeAt(agent, t);
     const up = agent.kind === UAV ? run.altitudes.at(agent.id, t) : null;
-    if (up !== null) facts.push(["altitude", up > 0 ? `${number(up)} m above the ground` : "on the ground"]);
-    if (place && agent.kind === UAV) facts.push(["range", `${km(place.range)} of ${km(agent.fullRange)} (${number((100 * place.range) / agent.fullRange)} %)`]);
-    if (place) facts.push(["place", placeWords(run, place)]);
-    const range = place && agent.kind === UAV ? `, ${(place.range / 1000).toFixed(1)} of ${(agent.fullRange / 1000).toFixed(0)} km left` : "";
-    return { title: agent.label, state: `${status}${doing}${range}`, facts };
+    if (up !== null) facts.push([say("altitude"), up > 0 ? say("{n} m above the ground", { n: number(up) }) : say("on the ground")]);
+    if (place && agent.kind === UAV) {
+      facts.push([say("range"), `${say("{n} of {total}", { n: km(place.range), total: km(agent.fullRange) })} (${number((100 * place.range) / agent.fullRange)} %)`]);
+    }
+    if (place) facts.push([say("place"), placeWords(run, place)]);
+    const range = place && agent.kind === UAV ? `, ${rangeWords(agent, place)}` : "";
+    return { title: agent.label, state: `${doing}${range}`, facts };
   }
 
   #taskNow(run, task, t) {
     const now = taskNow(run, task, t);
     const facts = [];
-    const status = run.words.tasks[now.status];
-    const pair = now.activity ? `uav:${now.activity.uav} and worker:${now.activity.partner}` : null;
-    if (now.status === DONE) facts.push(["now", `done at ${timeText(run, now.doneAt)}${pair ? ` by ${pair}` : ""}`]);
+    const status = say(run.words.tasks[now.status]);
+    const pair = now.activity ? pairWords(now.activity) : null;
+    if (now.status === DONE) facts.push([say("now"), say(pair ? "done at {time} by {pair}" : "done at {time}", { time: timeText(run, now.doneAt), pair })]);
     else if (now.activity && now.status !== OPEN) {
-      facts.push(["now", now.activity.start <= t ? `sensed by ${pair}` : `reserved for ${pair}`]);
-      facts.push(["sensing", `${timeText(run, now.activity.start)} to ${timeText(run, now.activity.end)}`]);
+      facts.push([say("now"), say(now.activity.start <= t ? "sensed by {pair}" : "reserved for {pair}", { pair })]);
+      facts.push([say("sensing"), say("{from} to {to}", { from: timeText(run, now.activity.start), to: timeText(run, now.activity.end) })]);
       if (now.activity.start > t) {
         for (const [kind, id] of [[0, now.activity.uav], [1, now.activity.partner]]) {
           const agent = run.agents[run.agentIndex(kind, id)];
           const arrival = arrivalAt(run, agent, t, task.x, task.y);
-          if (arrival) facts.push(["arrival", `${agent.label} ${arrival.left < 2 ? "is there" : `${arrival.known ? "" : "about "}${timeText(run, arrival.t)}`}`]);
+          const values = { agent: agent.label, time: arrival && timeText(run, arrival.t) };
+          if (arrival) facts.push([say("arrival"), arrival.left < 2 ? say("{agent} is there", values) : arrival.known ? `${values.agent} ${values.time}` : say("{agent} about {time}", values)]);
         }
       }
-    } else facts.push(["now", `${status}: nobody is sent for it`]);
-    if (now.status !== DONE && run.ended) facts.push(["in the end", now.doneAt === null ? "never done" : `done at ${timeText(run, now.doneAt)}`]);
+    } else facts.push([say("now"), say("{status}: nobody is sent for it", { status })]);
+    if (now.status !== DONE && run.ended) facts.push([say("in the end"), now.doneAt === null ? say("never done") : say("done at {time}", { time: timeText(run, now.doneAt) })]);
     if (run.timed) facts.push(...timeFacts(run, task));
-    facts.push(["takes", `${km(task.cost)} of range`], ["place", placeWords(run, task)]);
-    return { title: `task ${task.id}${task.name ? ` ${isolated(task.name)}` : ""}`, state: status, facts };
+    facts.push([say("takes"), say("{km} of range", { km: km(task.cost) })], [say("place"), placeWords(run, task)]);
+    return { title: `${taskName(task.id)}${task.name ? ` ${isolated(task.name)}` : ""}`, state: status, facts };
   }
 
   #more(run, selected) {
@@ -222,9 +248,11 @@ export class Card {
     const history = (agent ? byAgent.get(agent.index) : byTask.get(selected.id)) ?? [];
     return [
       agent?.kind === UAV ? rangeCurve(run, agent) : null,
-      this.#list("What was decided", commands.map((c) => [c.decision.t, `decision ${c.decision.index}`, `${commandWords(c)} (${number(c.weight, 3)})`]), "No decision sent anybody."),
-      this.#list("History", history.map((a) => [a.start, a.charging ? "charging" : "sensing",
-        `${siteName(a)}, uav:${a.uav} and ${a.charging ? "vehicle" : "worker"}:${a.partner}, until ${clockText(a.aborted ?? a.end)}${a.aborted === null ? "" : ", broken off"}`]), "Nothing was begun."),
+      this.#list(say("What was decided"), commands.map((c) => [c.decision.t, say("decision {index}", { index: c.decision.index }), `${commandWords(c)} (${number(c.weight, 3)})`]),
+        say("No decision sent anybody.")),
+      this.#list(say("History"), history.map((a) => [a.start, say(a.charging ? "charging" : "sensing"),
+        say(a.aborted === null ? "{site}, {pair}, until {time}" : "{site}, {pair}, until {time}, broken off", {
+          site: siteName(a), pair: pairWords(a), time: clockText(a.aborted ?? a.end) })]), say("Nothing was begun.")),
     ].filter(Boolean);
   }
 
@@ -247,9 +275,9 @@ function rangeCurve(run, agent) {
   const template = document.createElement("template");
   template.innerHTML = '<svg class="range" viewBox="0 0 300 44" preserveAspectRatio="none" role="img"><path class="frame" d="M0 2H300M0 22H300M0 42H300"/><polyline/><path id="range-cursor" d="M0 0V44"/></svg>';
   const svg = template.content.firstChild;
-  svg.setAttribute("aria-label", `Range of ${agent.label} over time, 0 to ${km(agent.fullRange)}`);
+  svg.setAttribute("aria-label", say("Range of {agent} over time, 0 to {full}", { agent: agent.label, full: km(agent.fullRange) }));
   svg.querySelector("polyline").setAttribute("points", points.join(" "));
-  const table = new ChartTable(`range of ${agent.label}`, () => ({ head: ["time", "km left"],
+  const table = new ChartTable(say("range of {agent}", { agent: agent.label }), () => ({ head: [say("time"), say("km left")],
     rows: Array.from({ length: stops.length / 4 }, (_, i) => [stops[4 * i], number(stops[4 * i + 3] / 1000, 1)]) }));
-  return element("figure", {}, svg, element("figcaption", {}, `range, 0 to ${km(agent.fullRange)}, over the mission`), table.node);
+  return element("figure", {}, svg, element("figcaption", {}, say("range, 0 to {full}, over the mission", { full: km(agent.fullRange) })), table.node);
 }

@@ -1,4 +1,5 @@
 import { element } from "./dom.js";
+import { say } from "./language.js";
 import { clockText } from "./time.js";
 
 const MOST_ROWS = 200;
@@ -17,8 +18,8 @@ export class ChartTable {
   constructor(name, rows) {
     this.name = name;
     this.rows = rows;
-    this.body = element("div", { class: "behind-body", tabindex: "0", role: "group", "aria-label": `${name}: table` });
-    this.node = element("details", { class: "behind" }, element("summary", {}, `Table: ${name}`), this.body);
+    this.body = element("div", { class: "behind-body", tabindex: "0", role: "group", "aria-label": say("{name}: table", { name }) });
+    this.node = element("details", { class: "behind" }, element("summary", {}, say("Table: {name}", { name })), this.body);
     this.node.addEventListener("toggle", () => this.update());
   }
 
@@ -27,7 +28,7 @@ export class ChartTable {
     const { head, rows } = this.rows();
     const few = thinned(rows);
     this.body.replaceChildren(
-      few.length < rows.length ? element("p", { class: "hint" }, `${few.length} of ${rows.length} rows, evenly chosen.`) : "",
+      few.length < rows.length ? element("p", { class: "hint" }, say("{n} of {total} rows, evenly chosen.", { n: few.length, total: rows.length })) : "",
       element("table", {},
         element("caption", { class: "unseen" }, this.name),
         element("thead", {}, element("tr", {}, ...head.map((text, i) => element("th", { scope: "col", class: i > 0 ? "n" : null }, text)))),

@@ -1,6 +1,7 @@
 import { ChartTable } from "./chart_table.js";
 import { numbersOf } from "./compare.js";
 import { byId, duration, element, number, percent } from "./dom.js";
+import { say } from "./language.js";
 import { Plot } from "./plot.js";
 import { busOverTime, decisionAt, doneAt, faultBands } from "./run.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
@@ -30,13 +31,13 @@ const policyOf = (run) => numbersOf(run).policy;
 
 const CHARTS = [
   {
-    id: "completion", title: "Completion", unit: "%", names: ["% done"], digits: 1,
+    id: "completion", title: say("Completion"), unit: "%", names: [say("% done")], digits: 1,
     curves: completion,
-    now: (run, t) => `${doneAt(run, t)} of ${run.tasksKnownAt(t)} (${percent(doneAt(run, t) / Math.max(1, run.tasksKnownAt(t)))})`,
+    now: (run, t) => `${say("{n} of {total}", { n: doneAt(run, t), total: run.tasksKnownAt(t) })} (${percent(doneAt(run, t) / Math.max(1, run.tasksKnownAt(t)))})`,
     range: () => [0, 100],
   },
   {
-    id: "weight", title: "Weight of each decision and its bound", unit: "", own: true, names: ["weight", "bound"], digits: 1,
+    id: "weight", title: say("Weight of each decision and its bound"), unit: "", own: true, names: [say("weight"), say("bound")], digits: 1,
     curves: (run) => [
       ofDecisions(run, (d) => d.weight),
       { ...ofDecisions(run, (d) => d.bound), points: false, thin: true },
@@ -44,20 +45,19 @@ const CHARTS = [
     now: (run, t) => {
       const d = decisionAt(run, t);
       if (!d) return "–";
-      return d.bound === null ? `${number(d.weight, 1)}, no bound proven`
-        : `${number(d.weight, 1)} of at most ${number(d.bound, 1)}`;
+      return say(d.bound === null ? "{weight}, no bound proven" : "{weight} of at most {bound}", { weight: number(d.weight, 1), bound: number(d.bound, 1) });
     },
   },
   {
-    id: "solve", title: "Decision time", unit: "ms", names: ["ms"], digits: 1,
+    id: "solve", title: say("Decision time"), unit: "ms", names: ["ms"], digits: 1,
     curves: (run) => [ofDecisions(run, (d) => d.solveUs / 1000)],
     now: (run, t) => {
       const d = decisionAt(run, t);
-      return d ? `${duration(d.solveUs / 1e6)}, ${number(d.candidates)} candidates` : "–";
+      return d ? say("{time}, {n} candidates", { time: duration(d.solveUs / 1e6), n: number(d.candidates) }) : "–";
     },
   },
   {
-    id: "bus", title: "Bus: messages lost and sent again", unit: "", names: ["lost", "sent again"], digits: 0,
+    id: "bus", title: say("Bus: messages lost and sent again"), unit: "", names: [say("lost"), say("sent again")], digits: 0,
     curves: (run) => {
       const bus = busOverTime(run);
       return [{ t: bus.t, y: bus.lost, stepped: true }, { t: bus.t, y: bus.resent, stepped: true, thin: true }];
@@ -65,8 +65,8 @@ const CHARTS = [
     now: (run, t) => {
       const bus = busOverTime(run);
       const i = rowAt(bus.t, 1, t);
-      if (bus.t.length === 0) return "nothing reported";
-      return i < 0 ? "–" : `${number(bus.lost[i])} lost, ${number(bus.resent[i])} sent again`;
+      if (bus.t.length === 0) return say("nothing reported");
+      return i < 0 ? "–" : say("{lost} lost, {resent} sent again", { lost: number(bus.lost[i]), resent: number(bus.resent[i]) });
     },
   },
 ];
@@ -147,7 +147,7 @@ export class Charts {
         });
       }
     });
-    if (chart.own) chart.note.textContent = runs.some((run) => policyOf(run) !== policyOf(current)) ? ` ${policyOf(current)} only` : "";
+    if (chart.own) chart.note.textContent = runs.some((run) => policyOf(run) !== policyOf(current)) ? ` ${say("{policy} only", { policy: policyOf(current) })}` : "";
     chart.plot.xRange = this.#xRange();
     chart.plot.show(curves, chart.range ? chart.range(max) : [0, max > 0 ? max * 1.1 : 1]);
     chart.table.update();
@@ -163,7 +163,7 @@ export class Charts {
       const i = rowAt(t, 1, at);
       return i < 0 || (!stepped && t[i] !== at) ? "–" : number(y[i], chart.digits);
     };
-    return { head: ["time", ...columns.map(({ name }) => name)], rows: times.map((at) => [at, ...columns.map((column) => cell(column, at))]) };
+    return { head: [say("time"), ...columns.map(({ name }) => name)], rows: times.map((at) => [at, ...columns.map((column) => cell(column, at))]) };
   }
 
   /** At most `most` round times or decisions, with their texts. */

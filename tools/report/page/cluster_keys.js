@@ -1,5 +1,6 @@
 import { clusterWords } from "./clusters.js";
 import { byId, element } from "./dom.js";
+import { say } from "./language.js";
 import { placeWords } from "./place.js";
 
 const SETTLED_MS = 250; // between two looks at what the map shows, while it moves
@@ -25,7 +26,7 @@ export class ClusterKeys {
   #show() {
     this.timer = 0;
     const { clusters, state: { run } } = this.map;
-    const texts = clusters.map((cluster) => `${clusterWords(cluster)} around ${placeWords(run, cluster)}: zoom in`);
+    const texts = clusters.map((cluster) => say("{what} around {place}: zoom in", { what: clusterWords(cluster), place: placeWords(run, cluster) }));
     const key = texts.join("\n");
     if (key === this.key) return;
     this.key = key;

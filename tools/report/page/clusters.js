@@ -1,6 +1,7 @@
 // Symbols that would cover each other stand together as clusters. Squares of a grid that is fixed to the map's plane decide who
 // stands with whom: that depends on places and on zoom, and never on which part of the map is in view.
 import { number } from "./dom.js";
+import { fill, say } from "./language.js";
 import { CANCELLED, DONE, EXPIRED } from "./words.js";
 
 const SQUARE_PX = 64; // a square's side is as long as this to twice as long
@@ -11,8 +12,8 @@ const OFFSET = 2 ** 20; // squares may lie west and south of the area
 export const TO_DO = 3;
 export const OVER = 4;
 export const CHARGING_POINT = 5;
-const NAMES = [["UAV", "UAVs"], ["worker", "workers"], ["vehicle", "vehicles"], ["task to do", "tasks to do"], ["task over", "tasks over"],
-  ["charging point", "charging points"]];
+const NAMES = [[say("{n} UAV"), say("{n} UAVs")], [say("{n} worker"), say("{n} workers")], [say("{n} vehicle"), say("{n} vehicles")],
+  [say("{n} task to do"), say("{n} tasks to do")], [say("{n} task over"), say("{n} tasks over")], [say("{n} charging point"), say("{n} charging points")]];
 
 export const classOfTask = (status) => ([DONE, EXPIRED, CANCELLED].includes(status) ? OVER : TO_DO);
 
@@ -94,5 +95,5 @@ export const apart = ({ crowd, alone }, room) => (crowd.length > room ? alone : 
 
 /** "12 UAVs, 30 workers, 4 tasks to do" */
 export function clusterWords({ counts }) {
-  return counts.map((n, of) => (n > 0 ? `${number(n)} ${NAMES[of][n === 1 ? 0 : 1]}` : "")).filter(Boolean).join(", ");
+  return counts.map((n, of) => (n > 0 ? fill(NAMES[of][n === 1 ? 0 : 1], { n: number(n) }) : "")).filter(Boolean).join(", ");
 }

@@ -1,3 +1,4 @@
+import { say } from "./language.js";
 import { busOverTime, decisionAt, doneAt, sameActions } from "./run.js";
 import { doneTime, flownAt } from "./story.js";
 import { rowAt } from "./time.js";
@@ -36,13 +37,13 @@ export function numbersOf(run) {
 
 /** "decision 3", "none" or "other scenario": where `run` first decided otherwise than `reference`. */
 export function firstDifference(reference, run) {
-  if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return "other scenario";
+  if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return say("other scenario");
   for (let i = 0; i < Math.max(reference.decisions.length, run.decisions.length); ++i) {
     const a = reference.decisions[i];
     const b = run.decisions[i];
-    if (!a || !b || !sameActions(a, b)) return `decision ${i}`;
+    if (!a || !b || !sameActions(a, b)) return say("decision {index}", { index: i });
   }
-  return "none";
+  return say("none");
 }
 
 /** The numbers of a run as they stood at t; from its end on those of its report. */

@@ -1,6 +1,8 @@
 import { byId, element } from "./dom.js";
 import { isWater } from "./coast.js";
 import { agentsOfClass, directiveWords, directivesOf } from "./directives.js";
+import { say, sayParts } from "./language.js";
+import { taskName } from "./names.js";
 import { OrderForm } from "./order_form.js";
 import { Orders, orderEffect, orderWords, ordersOf, tokenOf } from "./orders.js";
 import { statusAt, taskStatusAt } from "./run.js";
@@ -9,8 +11,9 @@ import { zoneAt } from "./layers/zones.js";
 import { CANCELLED, DONE, EXPIRED, FAILED, OFFLINE, UAV } from "./words.js";
 
 const KEPT = "muster-token";
-/** What a click on the map chooses, by the button that was pressed before. */
-const PICKED = { "order-add": "the place of the new task", "order-road": "the roads", "order-zone": "the middle of the zone, or a zone to lift", "go-to": "where it is to go" };
+/** Asks for the click on the map, by the button that was pressed before. */
+const PICKED = { "order-add": say("Click the place of the new task on the map, or"), "order-road": say("Click the roads on the map, or"),
+  "order-zone": say("Click the middle of the zone, or a zone to lift on the map, or"), "go-to": say("Click where it is to go on the map, or") };
 /** What can be ordered of several at once. */
 const TO_SEVERAL = ["task_hold", "task_resume", "task_cancel", "charge_now", "agent_recall", "agent_leave"];
 const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
@@ -58,9 +61,9 @@ export class Control {
     const { live, run } = this.state;
     const badge = byId("control-state");
     badge.hidden = !live || !run || run.ended;
-    badge.textContent = this.allowed ? "control" : "read-only";
-    badge.dataset.state = badge.textContent;
-    badge.title = this.allowed ? "This page gives orders to the mission" : "Orders need the address that muster run --control tells";
+    badge.dataset.state = this.allowed ? "control" : "read-only";
+    badge.textContent = say(this.allowed ? "control" : "read-only");
+    badge.title = say(this.allowed ? "This page gives orders to the mission" : "Orders need the address that muster run --control tells");
     byId("order-add").hidden = !this.allowed;
     byId("order-road").hidden = !this.allowed || !run.scenario.roads;
     byId("order-zone").hidden = !this.allowed || !run.scenario.air;
@@ -150,10 +153,10 @@ export class Control {
 
   #showPicking(on) {
     byId("pick-hint").hidden = !on;
-    byId("pick-what").textContent = this.corners ? "the corners of the area, one after the other," : PICKED[this.picks];
+    byId("pick-what").textContent = this.corners ? say("Click the corners of the area, one after the other, on the map, or") : PICKED[this.picks];
     byId("pick-enter").hidden = this.corners !== null;
     byId("pick-area").hidden = ["order-add", "go-to"].includes(this.picks) || (this.corners !== null && this.corners.length < 3);
-    byId("pick-area").textContent = this.corners ? `Use these ${this.corners.length} corners` : "draw an area";
+    byId("pick-area").textContent = this.corners ? say("Use these {n} corners", { n: this.corners.length }) : say("draw an area");
     byId(this.picks)?.setAttribute("aria-pressed", String(on));
   }
 
@@ -175,14 +178,14 @@ export class Control {
   #words(order) {
     const { run } = this.state;
     const words = orderWords(order);
-    if (order.order === "task_add" && isWater(run, order.task.x_km * 1000, order.task.y_km * 1000)) return `${words}. The place is in water`;
+    if (order.order === "task_add" && isWater(run, order.task.x_km * 1000, order.task.y_km * 1000)) return say("{order}. The place is in water", { order: words });
     const effect = orderEffect(order);
     return effect ? `${words}: ${effect}` : words;
   }
 
   /** What can be ordered of what is selected, at the newest time: [button, act] each. */
   #choices(run, selected) {
-    const released = directivesOf(run, selected, run.nowMs).map((one) => [`Release: ${one.words}`,
+    const released = directivesOf(run, selected, run.nowMs).map((one) => [say("Release: {what}", { what: one.words }),
       () => this.form.simple({ order: "release", directive: one.order, words: directiveWords(one) })]);
     if (selected.type === "task") return [...this.#taskChoices(run, run.tasks[selected.id]), ...released];
     if (selected.type !== "agent") return [];
@@ -261,15 +264,16 @@ export class Control {
 
   /** The orders given here, for their tab. */
   table() {
-    if (this.orders.list.length === 0) return [element("p", { class: "empty" }, "No orders were given on this page.")];
+    if (this.orders.list.length === 0) return [element("p", { class: "empty" }, say("No orders were given on this page."))];
     return [element("ol", { id: "order-list" }, ...this.orders.list.map((entry) => element("li", { "data-state": entry.state }, ...this.#told(entry, true))))];
   }
 
   #told(entry, withTime) {
     const item = { type: "task", id: entry.task };
-    return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : " Order: ", entry.words, ": ",
-      element("b", {}, entry.state === "unanswered" ? "no answer" : entry.state), entry.note && entry.note !== entry.state ? `, ${entry.note.replace(/^taken /, "")}` : "",
-      ...(entry.known && entry.order.order === "task_add" ? [" as ", element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, `task ${entry.task}`)] : []),
-      ...(entry.state === "unanswered" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, "Send again")] : [])];
+    return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : ` ${say("Order:")} `, entry.words, ": ",
+      element("b", {}, say(entry.state === "unanswered" ? "no answer" : entry.state)), entry.taken ? `, ${say("at {time}", { time: entry.taken })}` : entry.note ? `, ${entry.note}` : "",
+      ...(entry.known && entry.order.order === "task_add" ? [" ", ...sayParts("as {task}", {
+        task: element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, taskName(entry.task)) })] : []),
+      ...(entry.state === "unanswered" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, say("Send again"))] : [])];
   }
 }

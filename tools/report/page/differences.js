@@ -1,4 +1,5 @@
 import { byId, element } from "./dom.js";
+import { say } from "./language.js";
 import { nameOf } from "./link.js";
 import { decisionAt } from "./run.js";
 import { commandWords, commandsAt } from "./story.js";
@@ -34,7 +35,7 @@ export class Differences {
     const { run, runs, current } = this.state;
     const others = runs.map((other, i) => [i, other]).filter(([i, other]) => i !== current && comparable(run, other));
     byId("differ-choice").hidden = others.length === 0;
-    this.choice.replaceChildren(element("option", { value: "" }, "none"), ...others.map(([i, other]) => element("option", { value: i }, other.name)));
+    this.choice.replaceChildren(element("option", { value: "" }, say("none")), ...others.map(([i, other]) => element("option", { value: i }, other.name)));
     this.state.differFrom(null);
   }
 
@@ -49,13 +50,14 @@ export class Differences {
     if (key === this.shown) return;
     this.shown = key;
     const name = (agent) => element("button", { type: "button", class: "name", onclick: () => this.state.flyTo({ type: "agent", index: agent.index }) }, nameOf(run, { type: "agent", index: agent.index }));
-    const words = (command) => (command ? commandWords(command) : "nothing new");
+    const words = (command) => (command ? commandWords(command) : say("nothing new"));
     const at = decisionAt(run, this.clock.t);
     box.replaceChildren(
-      element("h3", {}, `${at ? `Decision ${at.index}, ${clockText(at.t)}` : "Before the first decision"}: ${pairs.length} agents are commanded otherwise than in ${other.name}`),
-      element("div", { class: "wide tall", tabindex: 0, role: "group", "aria-label": "Agents commanded otherwise" }, element("table", {},
-        element("thead", {}, element("tr", {}, ...["agent", run.name, other.name].map((text) => element("th", { scope: "col" }, text)))),
+      element("h3", {}, say(at ? "Decision {index}, {time}: {n} agents are commanded otherwise than in {run}" : "Before the first decision: {n} agents are commanded otherwise than in {run}", {
+        index: at?.index, time: at && clockText(at.t), n: pairs.length, run: other.name })),
+      element("div", { class: "wide tall", tabindex: 0, role: "group", "aria-label": say("Agents commanded otherwise") }, element("table", {},
+        element("thead", {}, element("tr", {}, ...[say("agent"), run.name, other.name].map((text) => element("th", { scope: "col" }, text)))),
         element("tbody", {}, ...pairs.slice(0, MOST).map(({ agent, here, there }) => element("tr", {}, element("td", {}, name(agent)), element("td", {}, words(here)), element("td", {}, words(there)))))),
-      pairs.length > MOST ? element("p", { class: "hint" }, `and ${pairs.length - MOST} more`) : ""));
+      pairs.length > MOST ? element("p", { class: "hint" }, say("and {n} more", { n: pairs.length - MOST })) : ""));
   }
 }

@@ -1,3 +1,5 @@
+import { say } from "./language.js";
+
 /** Rows of a chunk as objects: what the commander has decided, each for as long as it was in force. */
 export const readDirectives = (rows) => rows.map(([from, until, order, issuer, kind, words, uav, worker, vehicle, task]) => ({
   from, until, order, issuer, kind, words, agents: [uav, worker, vehicle], task }));
@@ -14,10 +16,10 @@ export function directivesOf(run, selected, t) {
 }
 
 /** "pin: uav:3 to task 12, by chief" */
-export const directiveWords = ({ words, issuer, order }) => `${words}, by ${issuer || `order ${order}`}`;
+export const directiveWords = ({ words, issuer, order }) => say("{what}, by {who}", { what: words, who: issuer || say("order {order}", { order }) });
 
 /** Agents that an order may name: those that the mission has, of that class. */
 export const agentsOfClass = (run, kind) => run.agents.filter((agent) => agent.kind === kind && !agent.vacant);
 
 /** "uav:3 and worker:7" of the agents of an order. */
-export const agentWords = (agents) => agents.join(" and ");
+export const agentWords = ([first = "", ...others]) => others.reduce((a, b) => say("{a} and {b}", { a, b }), first);

@@ -1,6 +1,7 @@
 import { fit, oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
 import { byId, number } from "./dom.js";
+import { say } from "./language.js";
 import { busyMs, faultBands, statusAt } from "./run.js";
 import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
@@ -43,14 +44,14 @@ export class Gantt {
     this.scroller.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.scroller.addEventListener("click", (event) => this.#click(event));
     this.overview.addEventListener("click", (event) => clock.seek(this.#x(this.overview.clientWidth).invert(event.offsetX)));
-    this.tables = [new ChartTable("agents with each status over time", () => this.#countTable()),
-      new ChartTable("minutes of each agent with each status", () => this.#agentTable())];
+    this.tables = [new ChartTable(say("agents with each status over time"), () => this.#countTable()),
+      new ChartTable(say("minutes of each agent with each status"), () => this.#agentTable())];
     byId("gantt-tables").append(...this.tables.map(({ node }) => node));
     this.layout();
   }
 
   get #statuses() {
-    return this.state.run.words.statuses.map((name, i) => [name, i]).slice(1);
+    return this.state.run.words.statuses.map((name, i) => [say(name), i]).slice(1);
   }
 
   /** Of the agents in the rows, at every tenth minute. */
@@ -61,7 +62,7 @@ export class Gantt {
       const now = this.rows.map((agent) => statusAt(agent, t));
       rows.push([t, ...this.#statuses.map(([, i]) => String(now.filter((status) => status === i).length))]);
     }
-    return { head: ["time", ...this.#statuses.map(([name]) => name)], rows };
+    return { head: [say("time"), ...this.#statuses.map(([name]) => name)], rows };
   }
 
   #agentTable() {
@@ -71,7 +72,7 @@ export class Gantt {
       for (let i = 0; i < spans.length; i += 2) sums.set(spans[i + 1], (sums.get(spans[i + 1]) ?? 0) + (spans[i + 2] ?? run.nowMs) - spans[i]);
       return [label, ...this.#statuses.map(([, i]) => number((sums.get(i) ?? 0) / 60000, 1))];
     });
-    return { head: ["agent", ...this.#statuses.map(([name]) => name)], rows };
+    return { head: [say("agent"), ...this.#statuses.map(([name]) => name)], rows };
   }
 
   get rowHeight() {
@@ -90,7 +91,7 @@ export class Gantt {
     }
     this.bands = faultBands(run);
     this.spacer.style.height = `${Math.max(1, this.rows.length * this.rowHeight)}px`;
-    byId("gantt-count").textContent = `${this.rows.length} of ${run.crew.reduce((sum, n) => sum + n)} agents`;
+    byId("gantt-count").textContent = say("{n} of {total} agents", { n: this.rows.length, total: run.crew.reduce((sum, n) => sum + n) });
     this.draw();
     this.drawOverview();
     for (const table of this.tables) table.update();
@@ -266,8 +267,8 @@ export class Gantt {
     c.fillStyle = theme.muted;
     c.font = "11px system-ui, sans-serif";
     c.textAlign = "left";
-    c.fillText("together", 4, height - 4);
-    c.fillText(`${most} online`, 4, 10);
+    c.fillText(say("together"), 4, height - 4);
+    c.fillText(say("{n} online", { n: most }), 4, 10);
   }
 
   #agentAt(event) {
@@ -293,7 +294,7 @@ export class Gantt {
         const i = rowAt(agent.spans, 2, t);
         if (i >= 0) {
           const end = 2 * i + 2 < agent.spans.length ? agent.spans[2 * i + 2] : this.state.run.nowMs;
-          text = `${agent.label} ${this.state.run.words.statuses[agent.spans[2 * i + 1]]} ${clockText(agent.spans[2 * i])} – ${clockText(end)}`;
+          text = `${agent.label} ${say(this.state.run.words.statuses[agent.spans[2 * i + 1]])} ${clockText(agent.spans[2 * i])} – ${clockText(end)}`;
         }
       }
     }

@@ -1,6 +1,7 @@
 import { figuresAt, numbersOf } from "./compare.js";
 import { oncePerFrame } from "./canvas.js";
 import { byId, duration, element, number, percent } from "./dom.js";
+import { say } from "./language.js";
 import { theme } from "./theme.js";
 import { localTime } from "./time.js";
 
@@ -31,14 +32,14 @@ export class Header {
     const s = run.scenario;
     const [uavs, workers, vehicles] = run.crew;
     byId("identity").replaceChildren(
-      fact("Scenario", s.name, "scenario"),
-      fact("Policy", n.policy, "policy"),
-      fact("Seed", n.seed, "seed"),
+      fact(say("Scenario"), s.name, "scenario"),
+      fact(say("Policy"), n.policy, "policy"),
+      fact(say("Seed"), n.seed, "seed"),
       ...clockFacts(run, this.clock.t),
-      fact("Interval", `${s.interval_ms / 60000} min`, "interval"),
-      fact("Agents", `${uavs} + ${workers} + ${vehicles}`, "agents",
-        `${uavs} UAVs, ${workers} workers, ${vehicles} vehicles`),
-      fact("Digest", n.digest ? n.digest.slice(0, 12) : "–", "digest", n.digest));
+      fact(say("Interval"), `${s.interval_ms / 60000} min`, "interval"),
+      fact(say("Agents"), `${uavs} + ${workers} + ${vehicles}`, "agents",
+        say("{uavs} UAVs, {workers} workers, {vehicles} vehicles", { uavs, workers, vehicles })),
+      fact(say("Digest"), n.digest ? n.digest.slice(0, 12) : "–", "digest", n.digest));
     byId("tabs").replaceChildren(...(runs.length < 2 ? [] : runs.map((other, i) =>
       element("button", {
         role: "tab", type: "button", "aria-selected": String(i === this.state.current), onclick: () => this.state.open(i),
@@ -51,31 +52,32 @@ export class Header {
     if (!run) return;
     const n = figuresAt(run, this.clock.t);
     const atEnd = this.clock.t >= run.nowMs;
-    const inTheEnd = (text) => (atEnd ? null : `${text} ${n.live ? "by now" : "in the end"}`);
+    const inTheEnd = (text) => (atEnd ? null : say(n.live ? "{n} by now" : "{n} in the end", { n: text }));
     const local = byId("identity").querySelector('[data-key="local"]');
     if (local) local.textContent = clockWords(run, this.clock.t);
     byId("figures").replaceChildren(
       element("div", { class: "tile lead" },
-        element("dt", {}, "Completion"),
+        element("dt", {}, say("Completion")),
         element("dd", { "data-key": "completion_rate", "data-raw": String(n.completion) }, n.tasksTotal > 0 ? percent(n.completion) : "–"),
         element("dd", { class: "bar", "aria-hidden": "true" },
           element("i", { style: `width:${Math.min(100, 100 * n.completion)}%` }))),
-      tile("tasks_done", "Tasks done", `${number(n.tasksDone)} of ${number(n.tasksTotal)}`, n.tasksDone, inTheEnd(number(n.end.tasksDone))),
-      tile("failed", "Agents failed", number(n.failed), n.failed, inTheEnd(number(n.end.failed))),
-      tile("charges", "Charges", number(n.charges), n.charges, inTheEnd(number(n.end.charges))),
-      tile("flown_m", "Flown", `${number(n.flownM / 1000, 1)} km`, n.flownM),
-      tile("weight", "Total weight", number(n.weight, 1), n.weight, `${number(n.decisions)} decision${n.decisions === 1 ? "" : "s"}`),
-      tile("solve_s", "Decision time", duration(n.solveS), n.solveS, `at most ${duration(n.maxS)}`, `median ${duration(n.medianS)}, at most ${duration(n.maxS)}`),
-      tile("lost", "Bus losses", number(n.lost), n.lost, n.resent > 0 ? `${number(n.resent)} sent again` : null),
-      tile("log", "Log", n.live ? "recording" : n.complete ? "complete" : "incomplete",
-        n.complete, n.messages === undefined ? null : `${number(n.messages)} messages`));
+      tile("tasks_done", say("Tasks done"), say("{n} of {total}", { n: number(n.tasksDone), total: number(n.tasksTotal) }), n.tasksDone, inTheEnd(number(n.end.tasksDone))),
+      tile("failed", say("Agents failed"), number(n.failed), n.failed, inTheEnd(number(n.end.failed))),
+      tile("charges", say("Charges"), number(n.charges), n.charges, inTheEnd(number(n.end.charges))),
+      tile("flown_m", say("Flown"), `${number(n.flownM / 1000, 1)} km`, n.flownM),
+      tile("weight", say("Total weight"), number(n.weight, 1), n.weight, say(n.decisions === 1 ? "{n} decision" : "{n} decisions", { n: number(n.decisions) })),
+      tile("solve_s", say("Decision time"), duration(n.solveS), n.solveS, say("at most {time}", { time: duration(n.maxS) }),
+        say("median {median}, at most {time}", { median: duration(n.medianS), time: duration(n.maxS) })),
+      tile("lost", say("Bus losses"), number(n.lost), n.lost, n.resent > 0 ? say("{n} sent again", { n: number(n.resent) }) : null),
+      tile("log", say("Log"), say(n.live ? "recording" : n.complete ? "complete" : "incomplete"),
+        n.complete, n.messages === undefined ? null : say("{n} messages", { n: number(n.messages) })));
   }
 }
 
 /** When the mission began, on the scenario's clocks, and what they show; nothing where it has no start. */
 function clockFacts(run, t) {
   const at = localTime(run, 0);
-  return at ? [fact("Start", `${at.date} ${at.time.replace(/:00$/, "")} ${at.zone}`, "start", at.utc), fact("Local", clockWords(run, t), "local")] : [];
+  return at ? [fact(say("Start"), `${at.date} ${at.time.replace(/:00$/, "")} ${at.zone}`, "start", at.utc), fact(say("Local"), clockWords(run, t), "local")] : [];
 }
 
 function clockWords(run, t) {

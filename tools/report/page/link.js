@@ -1,3 +1,5 @@
+import { linkLanguage } from "./language.js";
+
 const KINDS = ["uav", "worker", "vehicle"];
 
 /** "uav:2", "task:17", "charge:3" of what is selected; null of nothing. */
@@ -33,7 +35,7 @@ export function readLink(hash) {
   return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on") };
 }
 
-export function writeLink({ tMs, sel, run, look, off, on }) {
+export function writeLink({ tMs, sel, run, look, off, on, lang }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
@@ -41,6 +43,7 @@ export function writeLink({ tMs, sel, run, look, off, on }) {
   if (look && look !== "map") parts.push(`look=${look}`);
   if (off) parts.push(`off=${off}`);
   if (on) parts.push(`on=${on}`);
+  if (lang) parts.push(`lang=${lang}`);
   return `#${parts.join("&")}`;
 }
 
@@ -82,7 +85,7 @@ export class Link {
   #address() {
     const { current, looks, off, extra } = this.state;
     return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: namesOf(this.state), run: current, look: looks,
-      off: [...off].join(), on: [...extra].join() });
+      off: [...off].join(), on: [...extra].join(), lang: linkLanguage() });
   }
 
   #later() {

@@ -9,6 +9,7 @@ import { byId, number } from "./dom.js";
 import { Gantt } from "./gantt.js";
 import { Header } from "./header.js";
 import { bindKeys } from "./keys.js";
+import { say } from "./language.js";
 import { Link, itemOf } from "./link.js";
 import { MapView } from "./map.js";
 import { Measure } from "./measure.js";
@@ -80,7 +81,7 @@ function build() {
 function tellMoment({ t, why }) {
   const note = byId("moment");
   note.hidden = false;
-  note.textContent = `Opened at ${timeText(state.run, t)}, ${why}.`;
+  note.textContent = say("Opened at {time}, {why}.", { time: timeText(state.run, t), why });
   clock.subscribe((now) => { note.hidden = note.hidden || Math.round(now) !== Math.round(t); });
 }
 
@@ -101,14 +102,14 @@ function show({ tMs, sel, run, look, off, on }) {
 
 function showLive(how, text = "") {
   byId("live-state").hidden = false;
-  byId("live-state").textContent = text || how;
+  byId("live-state").textContent = text || say(how);
   byId("live-state").dataset.state = how;
 }
 
 /** "deciding for 3.2 s", where a scheduler says so; else "". */
 function decidingText(run) {
   const ms = run.ended ? 0 : Math.max(0, ...[...run.processes.values()].map(decidingMs));
-  return ms > 0 ? `deciding for ${number(ms / 1000, 1)} s` : "";
+  return ms > 0 ? say("{state} for {n} s", { state: say("deciding"), n: number(ms / 1000, 1) }) : "";
 }
 
 /** The style sheet asks how high the bars above and below are: texts in them may need a line more. */
@@ -126,7 +127,7 @@ async function start() {
   build();
   if (address === null) {
     state.runs = await embeddedRuns();
-    if (state.runs.length === 0) throw new Error("the page holds no run");
+    if (state.runs.length === 0) throw new Error(say("the page holds no run"));
     state.emit("run");
     new Link(state, clock, show).start();
   } else {
@@ -151,6 +152,6 @@ async function start() {
 window.muster = { state, clock, parts };
 start().catch((error) => {
   byId("problem").hidden = false;
-  byId("problem").textContent = `This page cannot be shown: ${error.message}. It needs a browser of 2023 or later.`;
+  byId("problem").textContent = say("This page cannot be shown: {why}. It needs a browser of 2023 or later.", { why: error.message });
   throw error;
 });

@@ -5,6 +5,7 @@ import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { bindDrag } from "./drag.js";
 import { homeView } from "./home_view.js";
+import { say } from "./language.js";
 import { badgeOf } from "./layers/clusters.js";
 import { BELOW, STILL } from "./layers/below.js";
 import { LAYERS, PRESENT, makeLegend } from "./layers/index.js";
@@ -275,7 +276,8 @@ export class MapView {
       const { offsetX, offsetY } = drag.event;
       const goal = this.#goal(drag.agent, drag.event);
       this.dragged = { agent: drag.agent, to: [goal?.px ?? offsetX, goal?.py ?? offsetY] };
-      this.#say(goal ? `${drag.agent.label} to ${describe(this.state.run, goal.what, this.clock.t)}` : `${drag.agent.label} goes here`, offsetX, offsetY);
+      this.#say(say(goal ? "{agent} to {goal}" : "{agent} goes here", {
+        agent: drag.agent.label, goal: goal && describe(this.state.run, goal.what, this.clock.t) }), offsetX, offsetY);
     } else {
       this.dragged = null;
       this.tip.hidden = true;

@@ -1,5 +1,6 @@
 // Distances and areas on the map: clicks are corners, and their line is measured as the crow flies.
 import { byId, number } from "./dom.js";
+import { say } from "./language.js";
 
 /** Metres along a line of places. */
 export function lengthOf(corners) {
@@ -19,9 +20,9 @@ const squareMetres = (m2) => (m2 < 1e5 ? `${number(m2)} m²` : `${number(m2 / 1e
 
 /** "3.42 km; the last part 1.20 km; 0.80 km² within" */
 export function measureText(corners) {
-  if (corners.length < 2) return corners.length === 0 ? "Click the first place on the map." : "Click the next place.";
+  if (corners.length < 2) return say(corners.length === 0 ? "Click the first place on the map." : "Click the next place.");
   const parts = [metres(lengthOf(corners))];
-  if (corners.length > 2) parts.push(`the last part ${metres(lengthOf(corners.slice(-2)))}`, `${squareMetres(areaOf(corners))} within`);
+  if (corners.length > 2) parts.push(say("the last part {way}", { way: metres(lengthOf(corners.slice(-2))) }), say("{area} within", { area: squareMetres(areaOf(corners)) }));
   return parts.join("; ");
 }
 

@@ -1,4 +1,6 @@
 import { byId, number } from "./dom.js";
+import { say } from "./language.js";
+import { taskName } from "./names.js";
 import { statusAt, taskStatusAt } from "./run.js";
 import { PRIORITIES } from "./story.js";
 import { FAILED, UNREPORTED } from "./words.js";
@@ -11,15 +13,15 @@ const TOLD = 3; // by name
 export function alarmsAt(run, t) {
   const isEmergency = (task) => !task.vacant && task.priority === EMERGENCY && taskStatusAt(task, t) !== UNREPORTED;
   return [
-    ...run.tasks.filter(isEmergency).map(({ id, name }) => `task ${id}${name ? `, ${name}` : ""}: emergency`),
-    ...run.agents.filter((agent) => statusAt(agent, t) === FAILED).map(({ label }) => `${label} has failed`),
+    ...run.tasks.filter(isEmergency).map(({ id, name }) => say("{task}: emergency", { task: `${taskName(id)}${name ? `, ${name}` : ""}` })),
+    ...run.agents.filter((agent) => statusAt(agent, t) === FAILED).map(({ label }) => say("{agent} has failed", { agent: label })),
   ];
 }
 
 /** "uav:3 has failed; worker:7 has failed; and 4 more" */
 export function newsWords(news) {
   const rest = news.length - TOLD;
-  return [...news.slice(0, TOLD), ...(rest > 0 ? [`and ${number(rest)} more`] : [])].join("; ");
+  return [...news.slice(0, TOLD), ...(rest > 0 ? [say("and {n} more", { n: number(rest) })] : [])].join("; ");
 }
 
 /** Two short tones. */
@@ -64,7 +66,7 @@ export class News {
 
   #switch(on) {
     this.button.setAttribute("aria-pressed", String(on));
-    this.button.textContent = on ? "Sound on" : "Sound off";
+    this.button.textContent = say(on ? "Sound on" : "Sound off");
     try {
       localStorage.setItem(KEPT, on ? "on" : "off");
     } catch { /* a browser that keeps nothing */ }
@@ -83,7 +85,7 @@ export class News {
     this.known = new Set(alarms);
     if (news.length === 0) return;
     const words = newsWords(news);
-    byId("news").textContent = `New: ${words}`;
+    byId("news").textContent = say("New: {what}", { what: words });
     byId("news").hidden = false;
     if (!this.on) return;
     ring(this.context);

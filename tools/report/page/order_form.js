@@ -1,4 +1,5 @@
 import { byId, element, number } from "./dom.js";
+import { say } from "./language.js";
 import { PRIORITIES } from "./story.js";
 
 const DEFAULT_COST_KM = 3;
@@ -13,15 +14,15 @@ const decimal = (name, value, more = {}) => element("input", { name, type: "numb
 
 function priorityChoice(chosen) {
   const select = element("select", { name: "priority" }, ...PRIORITIES.map((name, i) => element("option", { value: i, selected: i === chosen }, name)));
-  return field("Priority", select);
+  return field(say("Priority"), select);
 }
 
-const times = () => [field("Due in, minutes from now", decimal("due", null, { min: 0 })), field("Expires in, minutes from now", decimal("expires", null, { min: 0 }))];
+const times = () => [field(say("Due in, minutes from now"), decimal("due", null, { min: 0 })), field(say("Expires in, minutes from now"), decimal("expires", null, { min: 0 }))];
 
 /** Fields for a circle around a place, { x, y } in metres; none for an area that is drawn. */
 function circleFields(place, label, radius_km) {
   const km = (m) => Math.round(m) / 1000;
-  return place ? [field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))), field(label, decimal("radius", radius_km, { min: 0 }))] : [];
+  return place ? [field(say("East, km"), decimal("x", km(place.x))), field(say("North, km"), decimal("y", km(place.y))), field(label, decimal("radius", radius_km, { min: 0 }))] : [];
 }
 
 /** The keys of an order that say where: the area's corners, or the circle that was written; null: that is none. */
@@ -48,14 +49,16 @@ export class OrderForm {
   /** A new task at a place, { x, y } in metres. */
   add(run, place) {
     const km = (m) => Math.round(m) / 1000;
-    this.#write("Add a task", [
-      field("East, km", decimal("x", km(place.x))), field("North, km", decimal("y", km(place.y))),
-      priorityChoice(1), field("Takes, km of range", decimal("cost", DEFAULT_COST_KM, { min: 0 })),
-      ...times(), field("Name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+    this.#write(say("Add a task"), [
+      field(say("East, km"), decimal("x", km(place.x))), field(say("North, km"), decimal("y", km(place.y))),
+      priorityChoice(1), field(say("Takes, km of range"), decimal("cost", DEFAULT_COST_KM, { min: 0 })),
+      ...times(), field(say("Name"), element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
       const task = { x_km: values.x, y_km: values.y, cost_km: values.cost, priority: values.priority, ...timesOf(values, run) };
       const { width_m: w, height_m: h } = run.scenario;
-      if (!(task.x_km >= 0 && task.x_km * 1000 <= w && task.y_km >= 0 && task.y_km * 1000 <= h)) return `The place is outside the area of ${number(w / 1000)} by ${number(h / 1000)} km.`;
-      if (!(task.cost_km > 0)) return "Sensing takes some range: more than 0 km.";
+      if (!(task.x_km >= 0 && task.x_km * 1000 <= w && task.y_km >= 0 && task.y_km * 1000 <= h)) {
+        return say("The place is outside the area of {w} by {h} km.", { w: number(w / 1000), h: number(h / 1000) });
+      }
+      if (!(task.cost_km > 0)) return say("Sensing takes some range: more than 0 km.");
       if (values.name) task.name = values.name;
       return { order: "task_add", task };
     });
@@ -63,14 +66,14 @@ export class OrderForm {
 
   /** Roads to close or open around a place, { x, y } in metres, or in an area of such corners. */
   roads(place, area) {
-    const what = element("select", { name: "what" }, element("option", { value: "road_close" }, "Close"), element("option", { value: "road_open" }, "Open"));
-    this.#write("Close or open roads", [field("Do what", what), ...circleFields(place, "All roads within, km", DEFAULT_RADIUS_KM), field("To close: for so many minutes", decimal("minutes", null, { min: 0 })),
-      field("To close: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+    const what = element("select", { name: "what" }, element("option", { value: "road_close" }, say("Close")), element("option", { value: "road_open" }, say("Open|roads")));
+    this.#write(say("Close or open roads"), [field(say("Do what"), what), ...circleFields(place, say("All roads within, km"), DEFAULT_RADIUS_KM), field(say("To close: for so many minutes"), decimal("minutes", null, { min: 0 })),
+      field(say("To close: name"), element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
       const where = whereOf(values, area);
-      if (!where) return "A place and a distance of at least a metre are needed.";
+      if (!where) return say("A place and a distance of at least a metre are needed.");
       const order = { order: values.what, ...where };
       if (values.what === "road_open") return order;
-      if (values.minutes !== null && !(values.minutes > 0)) return "Roads are closed for more than 0 minutes.";
+      if (values.minutes !== null && !(values.minutes > 0)) return say("Roads are closed for more than 0 minutes.");
       if (values.minutes !== null) order.until_in_min = values.minutes;
       if (values.name) order.name = values.name;
       return order;
@@ -82,14 +85,14 @@ export class OrderForm {
    * if any.
    */
   zone(place, inside, area) {
-    const what = element("select", { name: "what" }, element("option", { value: "zone_add" }, "Add a zone"));
-    if (inside) what.append(element("option", { value: "zone_lift" }, `Lift ${inside.name || inside.order}`));
-    this.#write("Zone that UAVs keep out of", [field("Do what", what), ...circleFields(place, "Radius, km", DEFAULT_ZONE_KM), field("To add: for so many minutes", decimal("minutes", null, { min: 0 })),
-      field("To add: name", element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+    const what = element("select", { name: "what" }, element("option", { value: "zone_add" }, say("Add a zone")));
+    if (inside) what.append(element("option", { value: "zone_lift" }, say("Lift {zone}", { zone: inside.name || inside.order })));
+    this.#write(say("Zone that UAVs keep out of"), [field(say("Do what"), what), ...circleFields(place, say("Radius, km"), DEFAULT_ZONE_KM), field(say("To add: for so many minutes"), decimal("minutes", null, { min: 0 })),
+      field(say("To add: name"), element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
       if (values.what === "zone_lift") return { order: "zone_lift", zone: inside.order };
       const where = whereOf(values, area);
-      if (!where) return "A place and a radius of at least a metre are needed.";
-      if (values.minutes !== null && !(values.minutes > 0)) return "A zone holds for more than 0 minutes.";
+      if (!where) return say("A place and a radius of at least a metre are needed.");
+      if (values.minutes !== null && !(values.minutes > 0)) return say("A zone holds for more than 0 minutes.");
       const order = { order: "zone_add", ...where };
       if (values.minutes !== null) order.until_in_min = values.minutes;
       if (values.name) order.name = values.name;
@@ -99,12 +102,12 @@ export class OrderForm {
 
   /** Another priority, due time, expiry or name of a task. */
   change(run, task) {
-    this.#write(`Change task ${task.id}`, [priorityChoice(task.priority ?? 1), ...times(),
-      field("Name", element("input", { name: "name", type: "text", maxlength: 80, value: task.name ?? "", autocomplete: "off" }))], (values) => {
+    this.#write(say("Change task {id}", { id: task.id }), [priorityChoice(task.priority ?? 1), ...times(),
+      field(say("Name"), element("input", { name: "name", type: "text", maxlength: 80, value: task.name ?? "", autocomplete: "off" }))], (values) => {
       const order = { order: "task_change", task: task.id, ...timesOf(values, run) };
       if (values.priority !== (task.priority ?? 1)) order.priority = values.priority;
       if (values.name !== (task.name ?? "")) order.name = values.name;
-      return Object.keys(order).length === 2 ? "Nothing is other than it was." : order;
+      return Object.keys(order).length === 2 ? say("Nothing is other than it was.") : order;
     });
   }
 
@@ -112,12 +115,12 @@ export class OrderForm {
   pin(task, [uavs, workers], chosen = "") {
     const option = (one) => element("option", { value: one, selected: one === chosen }, one);
     const choice = (name, any, names) => element("select", { name }, element("option", { value: "" }, any), ...names.map(option));
-    const what = element("select", { name: "what" }, element("option", { value: "pin" }, "These do it"), element("option", { value: "forbid" }, "This one must not do it"));
-    this.#write(`Who does task ${task.id}`, [field("Do what", what), field("UAV", choice("uav", "the best", uavs)), field("Worker", choice("worker", "the best", workers))], (values) => {
+    const what = element("select", { name: "what" }, element("option", { value: "pin" }, say("These do it")), element("option", { value: "forbid" }, say("This one must not do it")));
+    this.#write(say("Who does task {id}", { id: task.id }), [field(say("Do what"), what), field(say("UAV"), choice("uav", say("the best"), uavs)), field(say("Worker"), choice("worker", say("the best"), workers))], (values) => {
       const agents = [values.uav, values.worker].filter(Boolean);
-      if (agents.length === 0) return "A UAV, a worker or both are needed.";
+      if (agents.length === 0) return say("A UAV, a worker or both are needed.");
       if (values.what === "pin") return { order: "pin", task: task.id, agents };
-      return agents.length === 1 ? { order: "forbid", task: task.id, agent: agents[0] } : "One agent at a time is forbidden a task.";
+      return agents.length === 1 ? { order: "forbid", task: task.id, agent: agents[0] } : say("One agent at a time is forbidden a task.");
     });
   }
 
@@ -128,20 +131,20 @@ export class OrderForm {
 
   /** Several of them, asked back together. */
   several(orders) {
-    this.#show(`Give these ${orders.length} orders?`, [element("ul", { class: "asked" }, ...orders.map((order) => element("li", {}, this.words(order))))], [
-      ["Give the orders", () => {
+    this.#show(say("Give these {n} orders?", { n: orders.length }), [element("ul", { class: "asked" }, ...orders.map((order) => element("li", {}, this.words(order))))], [
+      [say("Give the orders"), () => {
         this.dialog.close();
         for (const order of orders) this.send(order);
-      }], ["Cancel", () => this.dialog.close()]]);
+      }], [say("Cancel"), () => this.dialog.close()]]);
   }
 
   #write(title, parts, read) {
     const problem = element("p", { class: "wrong", role: "alert" });
-    this.#show(title, [...parts, problem], [["Next", () => {
+    this.#show(title, [...parts, problem], [[say("Next"), () => {
       const order = read(this.#values());
       if (typeof order === "string") problem.textContent = order;
       else this.#ask(order, () => this.#write(title, parts, read));
-    }], ["Cancel", () => this.dialog.close()]]);
+    }], [say("Cancel"), () => this.dialog.close()]]);
   }
 
   /** What is ordered is asked back; `back` leads to where it was written. */
@@ -149,11 +152,11 @@ export class OrderForm {
     const words = this.words(order);
     const effect = element("pre", { class: "effect", "aria-live": "polite", hidden: true });
     this.effect(order).then((text) => Object.assign(effect, { hidden: !text, textContent: text ?? "" }));
-    this.#show("Give this order?", [element("p", { class: "asked" }, `${words[0].toUpperCase()}${words.slice(1)}.`), effect], [
-      ["Give the order", () => {
+    this.#show(say("Give this order?"), [element("p", { class: "asked" }, `${words[0].toUpperCase()}${words.slice(1)}.`), effect], [
+      [say("Give the order"), () => {
         this.dialog.close();
         this.send(order);
-      }], back ? ["Back", back] : null, ["Cancel", () => this.dialog.close()]]);
+      }], back ? [say("Back"), back] : null, [say("Cancel"), () => this.dialog.close()]]);
   }
 
   #values() {

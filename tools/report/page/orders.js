@@ -1,43 +1,64 @@
 import { agentWords } from "./directives.js";
 import { number } from "./dom.js";
+import { fill, say } from "./language.js";
 import { clockText } from "./time.js";
 import { PRIORITIES } from "./story.js";
 import { HELD, OFFLINE, OPEN, RESERVED } from "./words.js";
 
 const AGAIN_MS = 1000; // between two questions for an order that is pending
 
-const changes = (fields) => [["priority", (v) => `priority ${PRIORITIES[v]}`], ["due_min", (v) => `due ${clockText(v * 60000)}`],
-  ["expires_min", (v) => `expires ${clockText(v * 60000)}`], ["name", (v) => `name ${v}`]]
+const changes = (fields) => [["priority", (v) => say("priority {priority}", { priority: PRIORITIES[v] })], ["due_min", (v) => say("due {time}", { time: clockText(v * 60000) })],
+  ["expires_min", (v) => say("expires {time}", { time: clockText(v * 60000) })], ["name", (v) => say("name {name}", { name: v })]]
   .filter(([key]) => fields[key] !== undefined).map(([key, words]) => words(fields[key])).join(", ");
 
 function whereWords({ area_km: corners, circle_km: circle }) {
-  if (corners) return `in an area of ${corners.length} corners`;
+  if (corners) return say("in an area of {n} corners", { n: corners.length });
   const [x, y, r] = circle;
-  return `within ${number(r, 2)} km of ${number(x, 1)}, ${number(y, 1)} km`;
+  return say("within {r} km of {x}, {y} km", { r: number(r, 2), x: number(x, 1), y: number(y, 1) });
 }
+
+/** Where and for how long, and the name in brackets. */
+function closureWords(lasting, limited, { until_in_min: min, name, ...where }) {
+  const words = fill(min ? limited : lasting, { where: whereWords(where), min: min && number(min, 0) });
+  return name ? `${words} (${name})` : words;
+}
+
+const place = (x, y, digits) => ({ x: number(x, digits), y: number(y, digits) });
 
 /**
  * All that is particular to one kind of order. `words(order)`: what it asks for. `more`: what follows from it, told before it is
  * given. `directs`: it decides in the policy's place. `button`: shown on the card of a task or an agent (`on`) whose status passes `when`.
  */
 const KINDS = {
-  task_add: { words: ({ task }) => `add a task at ${number(task.x_km, 1)}, ${number(task.y_km, 1)} km: ${number(task.cost_km, 1)} km of range, ${changes(task)}` },
-  task_change: { words: (order) => `change task ${order.task}: ${changes(order)}`, on: "task", button: "Change …" },
-  task_resume: { words: ({ task }) => `resume task ${task}`, on: "task", button: "Resume", when: (status) => status === HELD },
-  task_hold: { words: ({ task }) => `hold task ${task}`, more: "nobody is sent to it until it is resumed", on: "task", button: "Hold", when: (status) => [OPEN, RESERVED].includes(status) },
-  task_cancel: { words: ({ task }) => `cancel task ${task}`, more: "nobody will do it, and all who are on the way are called off", on: "task", button: "Cancel task" },
-  agent_recall: { words: ({ agent }) => `recall ${agent}`, more: "it hands back what it is at and leaves the mission at once, from where it is", on: "agent", button: "Recall", when: (status) => status !== OFFLINE },
-  road_close: { words: ({ until_in_min: min, name, ...where }) => `close the roads ${whereWords(where)}${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way to them go round, and pairs that cannot are called off" },
-  road_open: { words: (where) => `open the closed roads ${whereWords(where)}` },
-  zone_add: { words: ({ until_in_min: min, name, ...where }) => `keep UAVs out of what is ${whereWords(where)}${min ? ` for ${number(min, 0)} min` : ""}${name ? ` (${name})` : ""}`, more: "all who are on the way through it fly around it, and pairs that cannot are called off" },
-  zone_lift: { words: ({ zone }) => `lift the zone ${zone}` },
-  pin: { directs: true, words: ({ agents, task }) => `let ${agentWords(agents)} do task ${task}${agents.length === 1 ? " with the best partner" : ""}`, more: "nobody else is sent there; who is under way finishes first", on: "task", button: "Pin or forbid …", when: (status) => status === OPEN },
-  unpin: { directs: true, words: ({ task }) => `unpin task ${task}` },
-  forbid: { directs: true, words: ({ agent, task }) => `never send ${agent} to task ${task}` },
-  charge_now: { directs: true, words: ({ agents, charge }) => `charge ${agentWords(agents)} now${charge === undefined ? "" : ` at charging point ${charge}`}`, more: "it does nothing else before; what it is at it finishes first", on: "uav", button: "Charge now", when: (status) => status !== OFFLINE },
-  go_to: { directs: true, words: ({ agent, x_km: x, y_km: y }) => `send ${agent} to ${number(x, 2)}, ${number(y, 2)} km`, more: "it waits there until it is released; what it is at it finishes first", on: "agent", button: "Go to …", when: (status) => status !== OFFLINE },
-  release: { directs: true, words: ({ directive, words }) => `release ${words ?? directive}` },
-  agent_leave: { words: ({ agent }) => `let ${agent} leave`, more: "it is sent nowhere any more, and goes when what it is at is done", on: "agent", button: "Let it leave" },
+  task_add: { words: ({ task }) => say("add a task at {x}, {y} km: {cost} km of range, {changes}", {
+    ...place(task.x_km, task.y_km, 1), cost: number(task.cost_km, 1), changes: changes(task) }) },
+  task_change: { words: (order) => say("change task {task}: {changes}", { task: order.task, changes: changes(order) }), on: "task", button: say("Change …") },
+  task_resume: { words: (order) => say("resume task {task}", order), on: "task", button: say("Resume"), when: (status) => status === HELD },
+  task_hold: { words: (order) => say("hold task {task}", order), more: say("nobody is sent to it until it is resumed"), on: "task", button: say("Hold"),
+    when: (status) => [OPEN, RESERVED].includes(status) },
+  task_cancel: { words: (order) => say("cancel task {task}", order), more: say("nobody will do it, and all who are on the way are called off"), on: "task",
+    button: say("Cancel task") },
+  agent_recall: { words: (order) => say("recall {agent}", order), more: say("it hands back what it is at and leaves the mission at once, from where it is"), on: "agent",
+    button: say("Recall"), when: (status) => status !== OFFLINE },
+  road_close: { words: (order) => closureWords(say("close the roads {where}"), say("close the roads {where} for {min} min"), order),
+    more: say("all who are on the way to them go round, and pairs that cannot are called off") },
+  road_open: { words: (where) => say("open the closed roads {where}", { where: whereWords(where) }) },
+  zone_add: { words: (order) => closureWords(say("keep UAVs out of what is {where}"), say("keep UAVs out of what is {where} for {min} min"), order),
+    more: say("all who are on the way through it fly around it, and pairs that cannot are called off") },
+  zone_lift: { words: (order) => say("lift the zone {zone}", order) },
+  pin: { directs: true, words: ({ agents, task }) => say(agents.length === 1 ? "let {agents} do task {task} with the best partner" : "let {agents} do task {task}", {
+    agents: agentWords(agents), task }), more: say("nobody else is sent there; who is under way finishes first"), on: "task", button: say("Pin or forbid …"),
+  when: (status) => status === OPEN },
+  unpin: { directs: true, words: (order) => say("unpin task {task}", order) },
+  forbid: { directs: true, words: (order) => say("never send {agent} to task {task}", order) },
+  charge_now: { directs: true, words: ({ agents, charge }) => say(charge === undefined ? "charge {agents} now" : "charge {agents} now at charging point {charge}", {
+    agents: agentWords(agents), charge }), more: say("it does nothing else before; what it is at it finishes first"), on: "uav", button: say("Charge now"),
+  when: (status) => status !== OFFLINE },
+  go_to: { directs: true, words: ({ agent, x_km: x, y_km: y }) => say("send {agent} to {x}, {y} km", { agent, ...place(x, y, 2) }),
+    more: say("it waits there until it is released; what it is at it finishes first"), on: "agent", button: say("Go to …"), when: (status) => status !== OFFLINE },
+  release: { directs: true, words: ({ directive, words }) => say("release {what}", { what: words ?? directive }) },
+  agent_leave: { words: (order) => say("let {agent} leave", order), more: say("it is sent nowhere any more, and goes when what it is at is done"), on: "agent",
+    button: say("Let it leave") },
 };
 
 /** What an order asks for, as a sentence without its verb's subject: "cancel task 12". */
@@ -101,7 +122,7 @@ export class Orders {
     this.#set(entry, "pending", "");
     let answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.id, ...entry.order, words: undefined }) });
     while (answer?.status === 202) {
-      this.#set(entry, "pending", "the mission has not answered yet");
+      this.#set(entry, "pending", say("the mission has not answered yet"));
       await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
       answer = await this.#request(`/orders/${encodeURIComponent(entry.id)}`, {});
     }
@@ -118,17 +139,18 @@ export class Orders {
   }
 
   #take(entry, answer) {
-    if (!answer) return this.#set(entry, "unanswered", "no connection");
+    if (!answer) return this.#set(entry, "unanswered", say("no connection"));
     const { status, body } = answer;
     if (status === 200 && body.taken) {
       entry.task = body.taken.task ?? null;
       entry.agent = body.taken.agent ?? null;
-      return this.#set(entry, "taken", `taken at ${clockText(1000 * body.taken.sim_s)}`);
+      entry.taken = clockText(1000 * body.taken.sim_s);
+      return this.#set(entry, "taken", say("taken at {time}", { time: entry.taken }));
     }
     // 403 with a reason: of this order alone, which asks for another role.
     const barred = status === 401 || (status === 403 && !body.refused);
     if (barred) this.refused = true;
-    const why = body.refused ?? (barred ? "this page may not give orders" : body.error ?? `the server answered ${status}`);
+    const why = body.refused ?? (barred ? say("this page may not give orders") : body.error ?? say("the server answered {status}", { status }));
     return this.#set(entry, "refused", why);
   }
 

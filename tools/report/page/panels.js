@@ -1,6 +1,8 @@
 import { inTheAir, nearestPairs } from "./air.js";
 import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
+import { say, sayParts } from "./language.js";
+import { pointName, taskName } from "./names.js";
 import { KIND_NAMES, actionsOf, decidingMs, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { flownAt, waitedMs } from "./story.js";
 import { TaskTable } from "./tasks.js";
@@ -33,10 +35,11 @@ export function eventRows(run) {
       ++same.processes;
       continue;
     }
-    const row = { ...e, processes: 1, what: e.kind.replaceAll("_", " ") };
+    const row = { ...e, processes: 1, what: say(e.kind.replaceAll("_", " ")) };
     if (isFault) {
       const fault = run.faults.find((other) => other.id === e.fault);
-      if (fault) Object.assign(row, { what: `${fault.kind.replaceAll("_", " ")} ${e.kind === "fault_ended" ? "ended" : "applied"}`, target: fault.target });
+      const what = fault && { fault: say(fault.kind.replaceAll("_", " ")) };
+      if (fault) Object.assign(row, { what: say(e.kind === "fault_ended" ? "{fault} ended" : "{fault} applied", what), target: fault.target });
       faults.set(`${e.kind} ${e.fault}`, row);
     }
     rows.push(row);
@@ -120,25 +123,26 @@ export class Panels {
   #decision(run) {
     const decision = decisionAt(run, this.clock.t);
     this.shownDecision = decision;
-    if (!decision) return [element("p", { class: "empty" }, "Before the first decision.")];
+    if (!decision) return [element("p", { class: "empty" }, say("Before the first decision."))];
     const below = 1 - decision.weight / decision.bound;
-    const gap = !(decision.bound > 0) ? "" : below < 1e-9 ? " (reached: optimal)" : ` (${number(100 * below, 2)} % below it)`;
-    const head = ["what", "who", "where", "#weight"];
+    const gap = !(decision.bound > 0) ? "" : below < 1e-9 ? ` ${say("(reached: optimal)")}` : ` ${say("({n} % below it)", { n: number(100 * below, 2) })}`;
+    const head = [say("what"), say("who"), say("where"), `#${say("weight")}`];
     const actions = actionsOf(run, decision).filter((a) => a.kind > 2).sort((a, b) => b.weight - a.weight);
     const staying = decision.actions.length / 9 - actions.length;
     const rows = actions.slice(0, MOST_ROWS).map((a) =>
       element("tr", { tabindex: 0, onclick: () => this.#selectAction(run, a), onkeydown: (e) => e.key === "Enter" && this.#selectAction(run, a) },
-        ...cells([element("span", { title: a.symbol }, a.name), who(a), a.task >= 0 ? `task ${a.task}` : a.charge >= 0 ? `charging point ${a.charge}` : `${number(a.x / 1000, 1)}, ${number(a.y / 1000, 1)} km`, number(a.weight, 3)], head)));
+        ...cells([element("span", { title: a.symbol }, a.name), who(a), a.task >= 0 ? taskName(a.task) : a.charge >= 0 ? pointName(a.charge) : `${number(a.x / 1000, 1)}, ${number(a.y / 1000, 1)} km`, number(a.weight, 3)], head)));
     return [
-      element("p", { class: "lead" }, element("b", {}, `Decision ${decision.index}`), ` at ${clockText(decision.t)}, ${decision.policy}`),
+      element("p", { class: "lead" }, ...sayParts("{decision} at {time}, {policy}", {
+        decision: element("b", {}, say("Decision {index}", { index: decision.index })), time: clockText(decision.t), policy: decision.policy })),
       element("dl", { class: "pairs" },
-        element("dt", {}, "weight"), element("dd", { "data-key": "decision_weight", "data-raw": String(decision.weight) }, number(decision.weight, 3)),
-        element("dt", {}, "bound"), element("dd", {}, decision.bound === null ? "none proven" : `${number(decision.bound, 3)}${gap}`),
-        element("dt", {}, "candidates"), element("dd", {}, number(decision.candidates)),
-        element("dt", {}, "solved in"), element("dd", {}, duration(decision.solveUs / 1e6)),
-        element("dt", {}, "sent"), element("dd", {}, `${number(actions.length)} actions, ${number(staying)} stay`)),
+        element("dt", {}, say("weight")), element("dd", { "data-key": "decision_weight", "data-raw": String(decision.weight) }, number(decision.weight, 3)),
+        element("dt", {}, say("bound")), element("dd", {}, decision.bound === null ? say("none proven") : `${number(decision.bound, 3)}${gap}`),
+        element("dt", {}, say("candidates")), element("dd", {}, number(decision.candidates)),
+        element("dt", {}, say("solved in")), element("dd", {}, duration(decision.solveUs / 1e6)),
+        element("dt", {}, say("sent")), element("dd", {}, say("{n} actions, {staying} stay", { n: number(actions.length), staying: number(staying) }))),
       table(head, rows),
-      ...(actions.length > MOST_ROWS ? [element("p", { class: "empty" }, `${actions.length - MOST_ROWS} more of lower weight`)] : []),
+      ...(actions.length > MOST_ROWS ? [element("p", { class: "empty" }, say("{n} more of lower weight", { n: actions.length - MOST_ROWS }))] : []),
     ];
   }
 
@@ -150,17 +154,17 @@ export class Panels {
 
   #events(run) {
     const notable = eventRows(run);
-    if (notable.length === 0) return [element("p", { class: "empty" }, "Nothing happened yet.")];
-    const head = ["time", "what", "who", "where, which"];
+    if (notable.length === 0) return [element("p", { class: "empty" }, say("Nothing happened yet."))];
+    const head = [say("time"), say("what"), say("who"), say("where, which")];
     const worst = (e) => e.kind.includes("fail") || e.kind.includes("lost") || e.kind.includes("fault") || e.kind.includes("aborted");
     const shown = notable.slice(0, MOST_EVENTS);
     const rows = shown.map((e) =>
       element("tr", { class: worst(e) ? "bad" : null, tabindex: 0, onclick: () => this.clock.seek(e.t), onkeydown: (k) => k.key === "Enter" && this.clock.seek(e.t) },
         ...cells([clockText(e.t), e.what, who(e),
-          [e.target, e.processes > 1 ? `at ${e.processes} processes` : "", e.task >= 0 ? `task ${e.task}` : "", e.charge >= 0 ? `charging point ${e.charge}` : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
+          [e.target, e.processes > 1 ? say("at {n} processes", { n: e.processes }) : "", e.task >= 0 ? taskName(e.task) : "", e.charge >= 0 ? pointName(e.charge) : "", e.fault, e.detail].filter(Boolean).join(" ")], head)));
     this.eventRows = { rows, times: shown.map((e) => e.t), past: -1 };
     requestAnimationFrame(() => this.#markPast());
-    return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, `${notable.length - shown.length} later ones`)] : [])];
+    return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, say("{n} later ones", { n: notable.length - shown.length }))] : [])];
   }
 
   /** Who is in the air, how high, and which two are nearest to each other. */
@@ -168,26 +172,30 @@ export class Panels {
     const { t } = this.clock;
     const minima = run.scenario.air?.separation;
     const flying = minima ? inTheAir(run, t) : [];
-    if (flying.length === 0) return [element("p", { class: "empty" }, "No UAV is in the air.")];
-    const head = ["UAVs", "#across", "#up", "near by"];
+    if (flying.length === 0) return [element("p", { class: "empty" }, say("No UAV is in the air."))];
+    const head = [say("UAVs"), `#${say("across")}`, `#${say("up")}`, say("near by")];
     const go = (index) => this.state.flyTo({ type: "agent", index });
     const rows = nearestPairs(flying, minima, MOST_PAIRS).map(({ a, b, across, up, share }) =>
       element("tr", { class: share < 1 ? "bad" : null, tabindex: 0, onclick: () => go(a.index), onkeydown: (e) => e.key === "Enter" && go(a.index) },
-        ...cells([`${a.label}, ${b.label}`, `${number(across)} m`, `${number(up)} m`, share < 1 ? "too close" : across < minima.horizontal_m ? "above each other" : ""], head)));
+        ...cells([`${a.label}, ${b.label}`, `${number(across)} m`, `${number(up)} m`, share < 1 ? say("too close") : across < minima.horizontal_m ? say("above each other") : ""], head)));
     const heights = flying.map(({ up }) => up);
     const closest = run.report?.separation?.closest;
     return [
-      element("p", { class: "lead" }, element("b", {}, `${flying.length} UAVs in the air`), ` at ${clockText(t)}, ${number(Math.min(...heights))} to ${number(Math.max(...heights))} m above the ground. Kept apart: ${minima.horizontal_m} m across or ${minima.vertical_m} m up.`),
-      ...(closest ? [element("p", {}, `Closest of the mission as planned: uav:${closest.uavs[0]} and uav:${closest.uavs[1]}, ${number(closest.horizontal_m)} m across and ${number(closest.vertical_m)} m up, at `,
-        element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) }, clockText(closest.at_s * 1000)), ".")] : []),
+      element("p", { class: "lead" }, ...sayParts("{uavs} at {time}, {low} to {high} m above the ground. Kept apart: {across} m across or {up} m up.", {
+        uavs: element("b", {}, say("{n} UAVs in the air", { n: flying.length })), time: clockText(t), low: number(Math.min(...heights)),
+        high: number(Math.max(...heights)), across: minima.horizontal_m, up: minima.vertical_m })),
+      ...(closest ? [element("p", {}, ...sayParts("Closest of the mission as planned: {a} and {b}, {across} m across and {up} m up, at {time}.", {
+        a: `uav:${closest.uavs[0]}`, b: `uav:${closest.uavs[1]}`, across: number(closest.horizontal_m), up: number(closest.vertical_m),
+        time: element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) }, clockText(closest.at_s * 1000)) }))] : []),
       table(head, rows),
     ];
   }
 
   #processes(run) {
-    const head = ["process", "state", "#received", "#lost", "#rejected", "#sent again", "#restarts", "#CPU", "#memory"];
+    const head = [say("process"), say("state"), `#${say("received")}`, `#${say("lost")}`,
+      `#${say("rejected")}`, `#${say("sent again")}`, `#${say("restarts")}`, `#${say("CPU")}`, `#${say("memory")}`];
     const list = run.report && (run.ended || !this.state.live) ? run.report.processes : latestProcesses(run);
-    return [table(head, list.map((p) => element("tr", {}, ...cells([p.name, p.state ?? (p.ended ? "ended" : "–"), number(p.received), number(p.lost), number(p.rejected),
+    return [table(head, list.map((p) => element("tr", {}, ...cells([p.name, say(p.state ?? (p.ended ? "ended" : "–")), number(p.received), number(p.lost), number(p.rejected),
       number(p.resent), p.restarts, p.cpu_s > 0 ? duration(p.cpu_s) : "–", p.rss_bytes > 0 ? bytes(p.rss_bytes) : "–"], head))))];
   }
 
@@ -195,7 +203,8 @@ export class Panels {
     const { runs } = this.state;
     byId("comparison").hidden = runs.length < 2;
     if (runs.length < 2) return;
-    const head = ["run", "policy", "#completion", "#tasks done", "#mean response", "#waiting", "#charges", "#flown", "#decision time", "first difference", "digest"];
+    const head = [say("run"), say("policy"), `#${say("completion")}`, `#${say("tasks done")}`, `#${say("mean response")}`,
+      `#${say("waiting")}`, `#${say("charges")}`, `#${say("flown")}`, `#${say("decision time")}`, say("first difference"), say("digest")];
     const rows = runs.map((run, r) => {
       const n = numbersOf(run);
       return element("tr", {}, ...cells([
@@ -204,7 +213,7 @@ export class Panels {
         `${number(n.flownM / 1000, 1)} km`, duration(n.medianS),
         r === 0 ? "–" : firstDifference(runs[0], run), n.digest?.slice(0, 12) ?? "–"], head));
     });
-    const each = ["#decision", "#time", ...runs.flatMap((run) => [`#done ${run.name}`, `#waited ${run.name}`, `#flown ${run.name}`])];
+    const each = [`#${say("decision")}`, `#${say("time")}`, ...runs.flatMap(({ name: run }) => [`#${say("done {run}", { run })}`, `#${say("waited {run}", { run })}`, `#${say("flown {run}", { run })}`])];
     const most = Math.max(...runs.map((run) => run.decisions.length));
     const perDecision = [];
     for (let i = 0; i < most; ++i) {
@@ -218,7 +227,7 @@ export class Panels {
     }
     byId("comparison-body").replaceChildren(
       element("div", { class: "wide", tabindex: 0 }, table(head, rows)),
-      element("details", {}, element("summary", {}, "Decision by decision"), element("div", { class: "wide tall", tabindex: 0 }, table(each, perDecision))));
+      element("details", {}, element("summary", {}, say("Decision by decision")), element("div", { class: "wide tall", tabindex: 0 }, table(each, perDecision))));
   }
 }
 
@@ -227,8 +236,8 @@ function latestProcesses(run) {
   return [...run.processes].map(([name, rows]) => {
     const [, , start, received, lost, rejected, resent, cpu, rss, state] = rows.slice(-10);
     const ms = decidingMs(rows);
-    const word = run.words.processes[state];
-    return { name, state: ms > 0 ? `${word} for ${number(ms / 1000, 1)} s` : word, received, lost, rejected, resent, restarts: start, cpu_s: cpu, rss_bytes: rss };
+    const word = say(run.words.processes[state]);
+    return { name, state: ms > 0 ? say("{state} for {n} s", { state: word, n: number(ms / 1000, 1) }) : word, received, lost, rejected, resent, restarts: start, cpu_s: cpu, rss_bytes: rss };
   });
 }
 
@@ -239,7 +248,7 @@ export class Legend {
     this.clock = clock;
     this.buttons = KIND_NAMES.map((name, kind) => {
       const count = element("b", {});
-      const button = element("button", { type: "button", class: `kind k${kind}`, "aria-pressed": "true", title: `Show or hide ${name} (key ${kind + 1})`,
+      const button = element("button", { type: "button", class: `kind k${kind}`, "aria-pressed": "true", title: say("Show or hide {kind} (key {key})", { kind: name, key: kind + 1 }),
         onclick: () => state.toggleClass(kind) }, element("i", { class: `shape s${kind}` }), name, count);
       return { button, count };
     });
@@ -254,7 +263,7 @@ export class Legend {
     const shown = [0, 0, 0];
     const { statuses } = run.words;
     if (!byId("statuses").hasChildNodes()) {
-      byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), name, " ", element("b", { id: `count-${name}` }))));
+      byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), say(name), " ", element("b", { id: `count-${name}` }))));
     }
     const byStatus = new Array(statuses.length).fill(0);
     for (const agent of run.agents) {
@@ -267,7 +276,7 @@ export class Legend {
     const total = run.crew;
     this.buttons.forEach(({ button, count }, kind) => {
       button.setAttribute("aria-pressed", String(classes[kind]));
-      count.textContent = classes[kind] ? ` ${shown[kind]} of ${total[kind]}` : " hidden";
+      count.textContent = ` ${classes[kind] ? say("{n} of {total}", { n: shown[kind], total: total[kind] }) : say("hidden")}`;
     });
     statuses.forEach((name, i) => {
       if (i > 0) byId(`count-${name}`).textContent = byStatus[i];

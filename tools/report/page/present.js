@@ -6,7 +6,7 @@ import { isSame } from "./state.js";
 import { rowAt } from "./time.js";
 import { OFFLINE, UNREPORTED } from "./words.js";
 
-const EMERGENCY = PRIORITIES.indexOf("emergency");
+const EMERGENCY = PRIORITIES.length - 1;
 
 /** What an item is as a selection. */
 export function selectedOf({ agent, task, point }) {

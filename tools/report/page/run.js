@@ -1,10 +1,11 @@
 import { Altitudes } from "./air.js";
 import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
+import { say } from "./language.js";
 import { rowAt } from "./time.js";
 import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, OFFLINE, OPEN, UAV, UNREPORTED, WORKER, readWords } from "./words.js";
 
-export const KIND_NAMES = ["UAVs", "Workers", "Vehicles"];
+export const KIND_NAMES = [say("UAVs"), say("Workers"), say("Vehicles")];
 
 const STOP = 4; // t_ms, x_m, y_m, range_m
 const SAMPLE = 10; // t_ms, wall_ms, start, received, lost, rejected, resent, cpu_s, rss_bytes, state
@@ -226,8 +227,8 @@ export function decisionAt(run, t) {
   return found;
 }
 
-const ACTION_NAMES = { Ui: "stays", Wj: "stays", Vk: "stays", UiTx: "goes ahead", WjTx: "goes ahead", UiCy: "goes to charge", VkCy: "goes to charge",
-  UiTxWj: "sense", UiCyVk: "charge" };
+const ACTION_NAMES = { Ui: say("stays"), Wj: say("stays"), Vk: say("stays"), UiTx: say("goes ahead"), WjTx: say("goes ahead"), UiCy: say("goes to charge"),
+  VkCy: say("goes to charge"), UiTxWj: say("sense"), UiCyVk: say("charge") };
 
 /** A decision's actions as objects. */
 export function actionsOf(run, decision) {
@@ -235,7 +236,7 @@ export function actionsOf(run, decision) {
   for (let i = 0; i < decision.actions.length; i += ACTION) {
     const [kind, uav, worker, vehicle, task, charge, x, y, weight] = decision.actions.slice(i, i + ACTION);
     const symbol = run.words.actions[kind];
-    list.push({ kind, symbol, name: ACTION_NAMES[symbol] ?? "goes", uav, worker, vehicle, task, charge, x, y, weight });
+    list.push({ kind, symbol, name: ACTION_NAMES[symbol] ?? say("goes"), uav, worker, vehicle, task, charge, x, y, weight });
   }
   return list;
 }
@@ -307,14 +308,14 @@ function findBands(run) {
     } else if (event.kind === "process_lost") {
       // The launcher and the world both say so, each when it notices.
       if (lost.get(process)?.open) continue;
-      const band = { from: event.t, to: end, label: `lost: ${event.detail}`, kind: "process", open: true };
+      const band = { from: event.t, to: end, label: say("lost: {what}", { what: event.detail }), lost: event.detail, kind: "process", open: true };
       lost.set(process, band);
       bands.push(band);
     } else if (event.kind === "process_back") {
       const band = lost.get(process);
       if (band) Object.assign(band, { to: event.t, open: false });
     } else if (event.kind === "agent_failed") {
-      bands.push({ from: event.t, to: event.t, label: `${who(event)} failed`, kind: "agent" });
+      bands.push({ from: event.t, to: event.t, label: say("{agent} failed", { agent: who(event) }), kind: "agent" });
     }
   }
   for (const [id, band] of faults) {
@@ -328,7 +329,7 @@ function findBands(run) {
 
 function faultText(run, id) {
   const fault = run.faults.find((other) => other.id === id);
-  return fault ? `${id}: ${fault.kind.replaceAll("_", " ")} ${fault.target}` : `fault ${id}`;
+  return fault ? `${id}: ${say(fault.kind.replaceAll("_", " "))} ${fault.target}` : say("fault {id}", { id });
 }
 
 /** "uav:3, worker:5" of an event or action. */

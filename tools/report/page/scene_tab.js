@@ -1,9 +1,10 @@
 import { inflate } from "./data.js";
 import { byId, element } from "./dom.js";
 import { describe } from "./describe.js";
+import { language, say } from "./language.js";
 
-const NO_WEBGL = "This browser has no WebGL 2, so it cannot draw the scene. The map shows the same mission.";
-const NO_SCENE = "This Muster was built without three.js (Debian: libjs-three), so its pages have no scene. The map shows the same mission.";
+const NO_WEBGL = say("This browser has no WebGL 2, so it cannot draw the scene. The map shows the same mission.");
+const NO_SCENE = say("This Muster was built without three.js (Debian: libjs-three), so its pages have no scene. The map shows the same mission.");
 
 const CROWDED = 500; // agents: their edges are not smoothed, which costs more than they do
 
@@ -68,17 +69,17 @@ export class SceneTab {
     if (!context) return this.#cannot(NO_WEBGL);
     const packed = document.querySelector('script[type="text/x-muster-scene"]');
     if (!packed) return this.#cannot(NO_SCENE);
-    this.#tell("The scene is being unpacked.");
+    this.#tell(say("The scene is being unpacked."));
     try {
       const code = await new Response(inflate(packed.textContent)).text();
       document.head.append(element("script", {}, code));
-      this.view = new window.musterScene.SceneView({ canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock });
+      this.view = new window.musterScene.SceneView({ canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock, language: language() });
     } catch (error) {
-      this.#cannot(`The scene cannot be drawn: ${error.message}. The map shows the same mission.`);
+      this.#cannot(say("The scene cannot be drawn: {why}. The map shows the same mission.", { why: error.message }));
       return;
     }
     this.#tell("");
-    this.canvas.addEventListener("webglcontextlost", () => this.#tell("The graphics card has dropped the scene; it comes back when it can."));
+    this.canvas.addEventListener("webglcontextlost", () => this.#tell(say("The graphics card has dropped the scene; it comes back when it can.")));
     this.canvas.addEventListener("webglcontextrestored", () => {
       this.#tell("");
       this.view.draw();
@@ -109,7 +110,7 @@ export class SceneTab {
     const button = byId("scene-follow");
     const agent = selected?.type === "agent" ? run.agents[selected.index] : null;
     button.disabled = !agent || !this.view;
-    button.textContent = agent ? `Follow ${agent.label}` : "Follow";
+    button.textContent = agent ? say("Follow {agent}", { agent: agent.label }) : say("Follow");
     button.setAttribute("aria-pressed", String(Boolean(this.view?.follow && agent)));
   }
 

@@ -1,5 +1,7 @@
 import { byId, element } from "./dom.js";
 import { MOST_NAMES_RANK, namesOf } from "./base_map.js";
+import { say } from "./language.js";
+import { pointName, taskName } from "./names.js";
 
 const SHOWN = 8;
 
@@ -30,15 +32,15 @@ export function find(run, text, most = SHOWN) {
   for (const task of run.tasks) {
     if (task.vacant) continue;
     const name = task.name ?? "";
-    const own = [`task:${task.id}`, `task ${task.id}`, `${task.id}`];
-    const words = name ? `task ${task.id}, ${name}` : `task ${task.id}`;
+    const own = [`task:${task.id}`, `task ${task.id}`, taskName(task.id), `${task.id}`];
+    const words = name ? `${taskName(task.id)}, ${name}` : taskName(task.id);
     look(isNumber ? [`${task.id}`] : name ? [...own, name] : own, { words, item: { type: "task", id: task.id } });
   }
   for (const { vacant, id, label, index } of run.agents) {
     if (!vacant) look(isNumber ? [`${id}`] : [label, label.replace(":", " ")], { words: label, item: { type: "agent", index } });
   }
   for (const point of run.charging) {
-    look(isNumber ? [`${point.id}`] : [`charge:${point.id}`, `charging point ${point.id}`], { words: `charging point ${point.id}`, item: { type: "charge", id: point.id } });
+    look(isNumber ? [`${point.id}`] : [`charge:${point.id}`, `charging point ${point.id}`, pointName(point.id)], { words: pointName(point.id), item: { type: "charge", id: point.id } });
   }
   for (const { text: name, rank, x, y } of isNumber ? [] : namesOf(run.baseMap)) {
     look([name], { words: name, place: { x, y }, less: rank / (MOST_NAMES_RANK + 1) });
@@ -84,7 +86,7 @@ export class Search {
     this.list.hidden = !text;
     this.input.setAttribute("aria-expanded", String(this.found.length > 0));
     this.list.replaceChildren(...this.found.map(({ words }, i) => element("li", { id: `found-${i}`, role: "option", "aria-selected": String(i === this.active) }, words)),
-      ...(text && this.found.length === 0 ? [element("li", { role: "option", "aria-disabled": "true", "aria-selected": "false" }, "Nothing of that name")] : []));
+      ...(text && this.found.length === 0 ? [element("li", { role: "option", "aria-disabled": "true", "aria-selected": "false" }, say("Nothing of that name"))] : []));
     if (this.found.length > 0) this.input.setAttribute("aria-activedescendant", `found-${this.active}`);
     else this.input.removeAttribute("aria-activedescendant");
   }

@@ -1,4 +1,6 @@
+import { agentWords } from "./directives.js";
 import { number } from "./dom.js";
+import { say } from "./language.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
 import { rowAt } from "./time.js";
 import { CHARGE, CHARGES, DONE, LAST_STAY, MOVING, OPEN, SENSE, UAV, VEHICLE, WAITING, WORKER } from "./words.js";
@@ -7,7 +9,7 @@ const ACTION = 9;
 const ACTIVITY = 6;
 const NEAR_M = 2; // places are whole metres
 
-export const PRIORITIES = ["low", "normal", "high", "emergency"];
+export const PRIORITIES = [say("low"), say("normal"), say("high"), say("emergency")];
 
 /** Every sensing and charging, by agent and by task: { charging, uav, partner, site, start, end, aborted }. */
 export function activities(run) {
@@ -85,11 +87,12 @@ export function commandsAt(run, decision) {
 /** What a command tells its agents to do. */
 export function commandWords(command) {
   const names = [command.uav >= 0 ? `uav:${command.uav}` : "", command.worker >= 0 ? `worker:${command.worker}` : "",
-    command.vehicle >= 0 ? `vehicle:${command.vehicle}` : ""].filter(Boolean).join(" and ");
-  const site = command.task >= 0 ? `task ${command.task}` : command.charge >= 0 ? `charging point ${command.charge}` : null;
-  if (command.kind === SENSE) return `${names} sense ${site}`;
-  if (command.kind === CHARGE) return `${names} meet to charge at ${site}`;
-  return site ? `${names} goes ahead to ${site}` : `${names} goes to ${number(command.x / 1000, 1)}, ${number(command.y / 1000, 1)} km`;
+    command.vehicle >= 0 ? `vehicle:${command.vehicle}` : ""].filter(Boolean);
+  const values = { names: agentWords(names), task: command.task, point: command.charge, x: number(command.x / 1000, 1), y: number(command.y / 1000, 1) };
+  if (command.kind === SENSE) return say("{names} sense task {task}", values);
+  if (command.kind === CHARGE) return say("{names} meet to charge at charging point {point}", values);
+  if (command.task >= 0) return say("{names} goes ahead to task {task}", values);
+  return say(command.charge >= 0 ? "{names} goes ahead to charging point {point}" : "{names} goes to {x}, {y} km", values);
 }
 
 const latest = (list, t) => list.findLast((command) => command.decision.t <= t) ?? null;

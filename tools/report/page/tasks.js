@@ -1,5 +1,7 @@
 import { oncePerFrame } from "./canvas.js";
 import { element, number } from "./dom.js";
+import { say } from "./language.js";
+import { taskName } from "./names.js";
 import { taskStatusAt } from "./run.js";
 import { PRIORITIES, doneTime, taskNow } from "./story.js";
 import { clockText } from "./time.js";
@@ -10,24 +12,24 @@ const PLAYING_MS = 300; // between two drawings while it plays
 
 /** The columns: what they sort by. `timed`: only where tasks have times and priorities, or only where they have none. */
 const COLUMNS = [
-  { id: "task", title: "task", key: (row) => row.id },
-  { id: "priority", title: "priority", timed: true, key: (row) => -row.priority },
-  { id: "due", title: "due", timed: true, key: (row) => row.due ?? Infinity },
-  { id: "now", title: "now", key: (row) => row.status },
-  { id: "who", title: "who", key: (row) => row.who },
-  { id: "when", title: "until, since", key: (row) => row.when ?? Infinity },
-  { id: "end", title: "in the end", key: (row) => row.doneAt ?? Infinity },
-  { id: "cost", title: "takes", number: true, timed: false, key: (row) => row.cost },
+  { id: "task", title: say("task"), key: (row) => row.id },
+  { id: "priority", title: say("priority"), timed: true, key: (row) => -row.priority },
+  { id: "due", title: say("due"), timed: true, key: (row) => row.due ?? Infinity },
+  { id: "now", title: say("now"), key: (row) => row.status },
+  { id: "who", title: say("who"), key: (row) => row.who },
+  { id: "when", title: say("until, since"), key: (row) => row.when ?? Infinity },
+  { id: "end", title: say("in the end"), key: (row) => row.doneAt ?? Infinity },
+  { id: "cost", title: say("takes"), number: true, timed: false, key: (row) => row.cost },
 ];
 
 const FILTERS = [
-  ["all", "all", () => true],
-  ["todo", "to do", (row) => [OPEN, RESERVED, BEING_SENSED, HELD].includes(row.status)],
-  ["open", "nobody sent", (row) => row.status === OPEN],
-  ["under", "under way", (row) => row.status === RESERVED || row.status === BEING_SENSED],
-  ["held", "held or cancelled", (row) => row.status === HELD || row.status === CANCELLED],
-  ["done", "done", (row) => row.status === DONE],
-  ["never", "never done", (row) => row.never],
+  ["all", say("all"), () => true],
+  ["todo", say("to do"), (row) => [OPEN, RESERVED, BEING_SENSED, HELD].includes(row.status)],
+  ["open", say("nobody sent"), (row) => row.status === OPEN],
+  ["under", say("under way"), (row) => row.status === RESERVED || row.status === BEING_SENSED],
+  ["held", say("held or cancelled"), (row) => row.status === HELD || row.status === CANCELLED],
+  ["done", say("done"), (row) => row.status === DONE],
+  ["never", say("never done"), (row) => row.never],
 ];
 
 /**
@@ -39,7 +41,7 @@ export function matcherOf(text) {
   if (/^\d+$/.test(text)) return (row) => row.id === Number(text);
   const escaped = text.toLowerCase().replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
   const wanted = new RegExp(/\d$/.test(text) ? `${escaped}(?!\\d)` : escaped);
-  return (row) => wanted.test(`task:${row.id} task ${row.id} ${row.who} ${row.name.toLowerCase()}`);
+  return (row) => wanted.test(`task:${row.id} task ${row.id} ${taskName(row.id).toLowerCase()} ${row.who} ${row.name.toLowerCase()}`);
 }
 
 /** A task as it stands at t. Who is at it is found when it is asked for: of a city's tasks few are shown. */
@@ -115,8 +117,8 @@ export class TaskTable {
     this.body = element("tbody", { onkeydown: (e) => this.#key(e), onclick: (e) => this.#choose(e.target.closest("tr"), e.shiftKey) });
     this.rest = element("p", { class: "empty", hidden: true });
     return element("div", { id: "task-table" },
-      element("div", { class: "table-tools" }, element("label", { class: "choice" }, "Show ", this.choice),
-        element("label", { class: "choice" }, "Find ", this.find), this.count),
+      element("div", { class: "table-tools" }, element("label", { class: "choice" }, `${say("Show")} `, this.choice),
+        element("label", { class: "choice" }, `${say("Find")} `, this.find), this.count),
       element("table", {}, element("thead", {}, element("tr", {}, ...this.heads)), this.body), this.rest);
   }
 
@@ -154,7 +156,7 @@ export class TaskTable {
       this.heads[i].setAttribute("aria-sort", column.id !== this.sort ? "none" : this.down ? "descending" : "ascending");
       this.heads[i].hidden = (column.timed ?? run.timed) !== run.timed;
     });
-    this.count.textContent = `${number(rows.length)} of ${number(run.tasks.filter((task) => !task.vacant).length)} tasks`;
+    this.count.textContent = say("{n} of {total} tasks", { n: number(rows.length), total: number(run.tasks.filter((task) => !task.vacant).length) });
     const shown = rows.slice(0, MOST_ROWS);
     const key = JSON.stringify([shown.map((row) => [row.id, row.status, row.who, row.when, row.doneAt, row.never, row.name, row.priority, row.due]),
       rows.length, run.name]);
@@ -164,18 +166,18 @@ export class TaskTable {
       this.body.replaceChildren(...shown.map((row) => this.#tr(run, row)));
       if (focused) this.#row(focused)?.focus({ preventScroll: true });
       this.rest.hidden = rows.length <= MOST_ROWS;
-      this.rest.textContent = `${number(rows.length - MOST_ROWS)} more: sort or filter to see them`;
+      this.rest.textContent = say("{n} more: sort or filter to see them", { n: number(rows.length - MOST_ROWS) });
     }
     this.#mark(false);
   }
 
   #tr(run, row) {
     const when = row.when === null ? "" : clockText(row.when);
-    const end = row.doneAt !== null ? clockText(row.doneAt) : row.never ? "never done" : "";
+    const end = row.doneAt !== null ? clockText(row.doneAt) : row.never ? say("never done") : "";
     return element("tr", { tabindex: -1, "data-task": row.id, class: row.never ? "never" : null },
       element("td", { class: "task-name", title: row.name || null }, String(row.id), row.name ? element("span", {}, element("bdi", {}, row.name)) : null),
       ...(run.timed ? [element("td", {}, PRIORITIES[row.priority]), element("td", {}, row.due === null ? "" : clockText(row.due))] : []),
-      element("td", {}, element("i", { class: `task-mark t${row.status}`, "aria-hidden": "true" }), run.words.tasks[row.status]),
+      element("td", {}, element("i", { class: `task-mark t${row.status}`, "aria-hidden": "true" }), say(run.words.tasks[row.status])),
       element("td", {}, row.who), element("td", {}, when), element("td", { class: "end" }, end),
       run.timed ? null : element("td", { class: "n" }, `${number(row.cost / 1000, 1)} km`));
   }

@@ -1,3 +1,5 @@
+import { say } from "./language.js";
+
 /** "1:23:30" of milliseconds; "1:23" without seconds. */
 export function clockText(ms, seconds = true) {
   const s = Math.max(0, Math.floor(ms / 1000));
@@ -36,7 +38,7 @@ export function localTime(run, t) {
 /** "1:23:30 (10:23:30 local)"; mission time alone where the scenario has no start. */
 export function timeText(run, t) {
   const local = localTime(run, t);
-  return local ? `${clockText(t)} (${local.time} local)` : clockText(t);
+  return local ? say("{time} ({local} local)", { time: clockText(t), local: local.time }) : clockText(t);
 }
 
 /** "10:31:30 UTC-05:00, 15:31:30 UTC"; "" where the scenario has no start. */
@@ -51,7 +53,7 @@ export function wallTime(run, t) {
   const local = localTime(run, t);
   if (local) return { text: localWords(run, t), date: local.date };
   const at = stepTime(run, t);
-  return at === null ? null : { text: `${iso(at).slice(11, 19)} UTC, ${new Date(at).toLocaleTimeString("en-GB")} here`, date: iso(at).slice(0, 10) };
+  return at === null ? null : { text: say("{utc} UTC, {local} here", { utc: iso(at).slice(11, 19), local: new Date(at).toLocaleTimeString("en-GB") }), date: iso(at).slice(0, 10) };
 }
 
 /** The wall's time in a mission that kept step with it; null in one simulated, faster or slower, or one that has only begun. */

@@ -1,6 +1,7 @@
 import { SPEEDS } from "./clock.js";
 import { fit, oncePerFrame } from "./canvas.js";
 import { byId, element } from "./dom.js";
+import { say } from "./language.js";
 import { decisionAt, faultBands } from "./run.js";
 import { clockText, timeText, wallTime } from "./time.js";
 import { theme } from "./theme.js";
@@ -59,13 +60,13 @@ export class Transport {
     this.scrub.value = t;
     this.scrub.setAttribute("aria-valuetext", timeText(run, t));
     byId("time-now").textContent = clockText(t);
-    byId("print-time").textContent = `at ${timeText(run, t)}`;
+    byId("print-time").textContent = say("at {time}", { time: timeText(run, t) });
     const wall = wallTime(run, t);
     byId("time-wall").textContent = wall?.text ?? "";
     byId("time-wall").title = wall?.date ?? "";
     const decision = decisionAt(run, t);
-    byId("decision-now").textContent = decision ? `decision ${decision.index}` : "before the first decision";
-    byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+    byId("decision-now").textContent = decision ? say("decision {index}", { index: decision.index }) : say("before the first decision");
+    byId("play").setAttribute("aria-label", say(playing ? "Pause" : "Play"));
     byId("play").classList.toggle("playing", playing);
     byId("speed").value = speed;
     byId("live").setAttribute("aria-pressed", String(follow));

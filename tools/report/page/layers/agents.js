@@ -1,4 +1,5 @@
 import { agentShape, cross } from "../canvas.js";
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 import { FAILED, IDLE, MOVING, UAV, WAITING } from "../words.js";
 
@@ -39,10 +40,10 @@ function mark(c, kind, status, turn, r) {
 /** Agents: vehicles lowest, UAVs on top. */
 export const agents = {
   legend: [
-    { mark: '<path d="M6 2 10 10H2Z" class="l-idle"/>', words: "hollow: idle" },
-    { mark: '<circle cx="6" cy="6" r="5" class="l-ring"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: "ring: sensing or charging" },
-    { mark: '<circle cx="6" cy="6" r="5" class="l-dots"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: "dots: waiting" },
-    { mark: '<path d="M2 2 10 10M2 10 10 2" class="l-failed"/>', words: "failed" },
+    { mark: '<path d="M6 2 10 10H2Z" class="l-idle"/>', words: say("hollow: idle") },
+    { mark: '<circle cx="6" cy="6" r="5" class="l-ring"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: say("ring: sensing or charging") },
+    { mark: '<circle cx="6" cy="6" r="5" class="l-dots"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: say("dots: waiting") },
+    { mark: '<path d="M2 2 10 10M2 10 10 2" class="l-failed"/>', words: say("failed") },
   ],
   draw(c, { near, r, sprites }) {
     for (const kind of [2, 1, 0]) {

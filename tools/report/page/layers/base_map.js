@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 
 /** By class, as tools/tiles/vector_tile.h numbers them: a colour of the theme, and of lines the width in pixels. */
@@ -45,9 +46,9 @@ let kept = { key: "", canvas: null };
 /** A base map from a file of tiles. */
 export const baseMap = {
   id: "map",
-  title: "Base map",
+  title: say("Base map"),
   legend: [{ id: "basemap", mark: '<path d="M.5 2 4 .5l4 1.5 3.5-1.5V10L8 11.5 4 10 .5 11.5Z" class="l-road"/>',
-    words: (run) => (run.baseMap?.info.source ? `map: ${run.baseMap.info.source}` : "map"), shows: (run) => run.baseMap !== null }],
+    words: (run) => (run.baseMap?.info.source ? say("map: {source}", { source: run.baseMap.info.source }) : say("map")), shows: (run) => run.baseMap !== null }],
   shows: ({ run }) => run.baseMap,
   draw(c, map) {
     const { run, x, y, width, height } = map;

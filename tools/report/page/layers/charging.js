@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 
 function mark(c, r) {
@@ -15,8 +16,8 @@ function mark(c, r) {
 /** Charging points. */
 export const charging = {
   id: "charging",
-  title: "Charging points",
-  legend: [{ mark: '<path d="M1.5 1.5h9v9h-9ZM6 4v4M4 6h4" class="l-charging"/>', words: "charging point" }],
+  title: say("Charging points"),
+  legend: [{ mark: '<path d="M1.5 1.5h9v9h-9ZM6 4v4M4 6h4" class="l-charging"/>', words: say("charging point") }],
   draw(c, { points, r, sprites }) {
     for (const { px, py } of points) sprites.stamp(c, `charging ${r}`, r * 2 + 3, px, py, (s) => mark(s, r));
   },

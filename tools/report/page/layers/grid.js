@@ -1,4 +1,5 @@
 import { roundTicks } from "../scale.js";
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 
 const FONT = "system-ui, sans-serif";
@@ -43,4 +44,4 @@ function draw(c, { run, x, y, width, height }) {
   c.restore();
 }
 
-export const grid = { id: "grid", title: "Grid", draw };
+export const grid = { id: "grid", title: say("Grid"), draw };

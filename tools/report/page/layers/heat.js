@@ -1,6 +1,7 @@
 import { levelOf } from "../clusters.js";
 import { number, percent } from "../dom.js";
 import { coverage, coverageSide, coveredShare, openHeat, responseHeat } from "../heat.js";
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 
 const FONT = "9px system-ui, sans-serif";
@@ -31,9 +32,9 @@ const mark = (of) => `<path d="M.5 .5h11v11H.5Z" class="l-${of}"/>`;
 /** Where tasks are that nobody is sent to. */
 export const openTasks = {
   id: "open-heat",
-  title: "Heat: open tasks",
+  title: say("Heat: open tasks"),
   extra: true,
-  legend: [{ id: "open-heat", mark: mark("open-heat"), words: "heat: open tasks in a square, the darker the more", shows: (run, { extra }) => extra.has("open-heat") }],
+  legend: [{ id: "open-heat", mark: mark("open-heat"), words: say("heat: open tasks in a square, the darker the more"), shows: (run, { extra }) => extra.has("open-heat") }],
   draw(c, map) {
     drawHeat(c, map, openHeat(map.run, map.t, levelOf(map.perMetre)), theme.openHeat, false);
   },
@@ -42,10 +43,11 @@ export const openTasks = {
 /** How long tasks took to be done. */
 export const response = {
   id: "response-heat",
-  title: "Heat: response time",
+  title: say("Heat: response time"),
   extra: true,
   legend: [{ id: "response-heat", mark: mark("response-heat"), shows: (run, { extra }) => extra.has("response-heat"),
-    words: (run) => `heat: minutes from ${run.timed ? "report" : "the mission's start"} to done, mean of a square, the darker the longer` }],
+    words: (run) => say(run.timed ? "heat: minutes from report to done, mean of a square, the darker the longer"
+    : "heat: minutes from the mission's start to done, mean of a square, the darker the longer") }],
   draw(c, map) {
     drawHeat(c, map, responseHeat(map.run, map.t, levelOf(map.perMetre)), theme.responseHeat, true);
   },
@@ -56,10 +58,11 @@ const sideWords = (side) => (side >= 1000 ? `${side / 1000} km` : `${side} m`);
 /** Where UAVs have been. */
 export const covered = {
   id: "coverage",
-  title: "Coverage",
+  title: say("Coverage"),
   extra: true,
   legend: [{ id: "coverage", mark: mark("coverage"), shows: (run, { extra }) => extra.has("coverage"),
-    words: (run, { t }) => `covered: a UAV has been in this square of ${sideWords(coverageSide(run.scenario))}; ${percent(coveredShare(run, t))} of the area` }],
+    words: (run, { t }) => say("covered: a UAV has been in this square of {side}; {share} of the area", {
+      side: sideWords(coverageSide(run.scenario)), share: percent(coveredShare(run, t)) }) }],
   draw(c, { run, t, x, y }) {
     const { side, columns, rows } = coverage(run);
     c.save();

@@ -1,5 +1,6 @@
-import { nameOf } from "../link.js";
+import { say } from "../language.js";
 import { drawLabels } from "../map_labels.js";
+import { labelOf } from "../names.js";
 import { theme } from "../theme.js";
 import { CANCELLED, DONE } from "../words.js";
 import { baseMapNames } from "./base_map.js";
@@ -12,14 +13,14 @@ const LABEL_PX = 6000; // of the map for each name
 /** Names: of what is selected first; of agents, then tasks to do, while few enough are in view. */
 export const labels = {
   id: "names",
-  title: "Names",
+  title: say("Names"),
   draw(c, map) {
     const { run, state: { selected }, t, x, y, r, k } = map;
     const found = [];
     const put = (text, px, py, colour) => map.inView(px, py) && found.push({ text, px, py, gap: r + 3, colour });
     if (selected) {
       const place = placeOf(run, selected, t);
-      if (place) put(nameOf(run, selected).replace(":", selected.type === "agent" ? ":" : " "), x(place.x), y(place.y), theme.text);
+      if (place) put(labelOf(run, selected), x(place.x), y(place.y), theme.text);
     }
     const room = (map.width * map.height) / LABEL_PX;
     const named = selected?.type === "agent" ? selected.index : -1;

@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 
 /** The roads as paths in metres, by what they are drawn as: 0 for people alone, 1 slow, 2 fast roads. */
@@ -39,8 +40,8 @@ function closedPath(run, closures) {
 /** The roads that are closed, as broken lines over their own. */
 export const closed = {
   id: "closed",
-  title: "Closed roads",
-  legend: [{ id: "closed", mark: '<path d="M1 8 12 4 23 7" class="l-closed"/>', long: true, words: "closed road",
+  title: say("Closed roads"),
+  legend: [{ id: "closed", mark: '<path d="M1 8 12 4 23 7" class="l-closed"/>', long: true, words: say("closed road"),
     shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , closedRoads]) => closedRoads.length > 0)) }],
   shows: ({ run }) => run.roadChanges.length > 0,
   draw(c, { run, x, y, t }) {
@@ -60,8 +61,8 @@ export const closed = {
 /** The roads that workers and vehicles travel by. */
 export const roads = {
   id: "roads",
-  title: "Roads",
-  legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => `road (${run.scenario.roads?.source})`,
+  title: say("Roads"),
+  legend: [{ id: "roads", mark: '<path d="M1 8 12 4 23 7" class="l-road"/>', long: true, words: (run) => say("road ({source})", { source: run.scenario.roads?.source }),
     shows: (run) => run.scenario.roads !== undefined }],
   shows: ({ run }) => run.scenario.roads,
   draw(c, { run, x, y }) {

@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 import { BEING_SENSED, CANCELLED, DONE, EXPIRED, HELD, RESERVED } from "../words.js";
 
@@ -42,15 +43,15 @@ function mark(c, status, r) {
 /** Tasks. */
 export const tasks = {
   id: "tasks",
-  title: "Tasks",
+  title: say("Tasks"),
   legend: [
-    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/>', words: "open" },
-    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/><path d="M5 5h2v2H5Z" class="l-dot"/>', words: "reserved" },
-    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-sensing"/>', words: "being sensed" },
-    { mark: '<path d="m2 6 3 3 5-6" class="l-done"/>', words: "done" },
-    { id: "expired", mark: '<path d="M2.5 2.5 9.5 9.5M2.5 9.5 9.5 2.5" class="l-task"/>', words: "expired", shows: (run) => run.timed },
-    { id: "held", mark: '<path d="M6 1 11 6 6 11 1 6ZM5 4v4M7 4v4" class="l-task"/>', words: "held", shows: (run) => run.hasOrders },
-    { id: "cancelled", mark: '<path d="M6 1 11 6 6 11 1 6ZM0 6H12" class="l-done"/>', words: "cancelled", shows: (run) => run.hasOrders },
+    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/>', words: say("open") },
+    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-task"/><path d="M5 5h2v2H5Z" class="l-dot"/>', words: say("reserved") },
+    { mark: '<path d="M6 1 11 6 6 11 1 6Z" class="l-sensing"/>', words: say("being sensed") },
+    { mark: '<path d="m2 6 3 3 5-6" class="l-done"/>', words: say("done") },
+    { id: "expired", mark: '<path d="M2.5 2.5 9.5 9.5M2.5 9.5 9.5 2.5" class="l-task"/>', words: say("expired"), shows: (run) => run.timed },
+    { id: "held", mark: '<path d="M6 1 11 6 6 11 1 6ZM5 4v4M7 4v4" class="l-task"/>', words: say("held"), shows: (run) => run.hasOrders },
+    { id: "cancelled", mark: '<path d="M6 1 11 6 6 11 1 6ZM0 6H12" class="l-done"/>', words: say("cancelled"), shows: (run) => run.hasOrders },
   ],
   draw(c, { r, sites, sprites }) {
     for (const { status, px, py } of [...sites].sort((a, b) => b.status - a.status)) {

@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { placeAt } from "../run.js";
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
@@ -17,7 +18,7 @@ export function trace(c, { x, y }, agent, from, t) {
 
 /** Where agents have been of late. */
 export const trails = {
-  legend: [{ mark: '<path d="M1 9 12 3 23 6" class="l-trail"/>', long: true, words: "trail" }],
+  legend: [{ mark: '<path d="M1 9 12 3 23 6" class="l-trail"/>', long: true, words: say("trail") }],
   shows: ({ state }) => state.trailMs > 0,
   draw(c, map) {
     const { run, state, t } = map;

@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
 import { MOVING, UAV } from "../words.js";
@@ -12,8 +13,8 @@ function traceAhead(c, { x, y, t }, agent) {
 /** Where those who move are going. */
 export const ways = {
   id: "ways",
-  title: "Ways ahead",
-  legend: [{ mark: '<path d="M1 6H23" class="l-dash"/>', long: true, words: "on the way to" }],
+  title: say("Ways ahead"),
+  legend: [{ mark: '<path d="M1 6H23" class="l-dash"/>', long: true, words: say("on the way to") }],
   draw(c, map) {
     const { run, x, y } = map;
     const crowded = run.agents.length > 500;

@@ -1,3 +1,4 @@
+import { say } from "../language.js";
 import { theme } from "../theme.js";
 import { closuresAt, closuresKey } from "./roads.js";
 
@@ -30,8 +31,8 @@ export function zoneAt(run, t, { x, y }) {
 /** The zones that UAVs keep out of. */
 export const zones = {
   id: "zones",
-  title: "Zones",
-  legend: [{ id: "zones", mark: '<path d="M2 2H22V10H2Z" class="l-zone"/>', long: true, words: "zone that UAVs keep out of",
+  title: say("Zones"),
+  legend: [{ id: "zones", mark: '<path d="M2 2H22V10H2Z" class="l-zone"/>', long: true, words: say("zone that UAVs keep out of"),
     shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , , rings]) => rings)) }],
   draw(c, { run, x, y, t }) {
     const shown = zonesAt(run, t);

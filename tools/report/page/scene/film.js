@@ -1,4 +1,5 @@
 import { numbersOf } from "../compare.js";
+import { say } from "../language.js";
 import { doneAt } from "../run.js";
 import { clockText } from "../time.js";
 import { theme } from "../theme.js";
@@ -35,7 +36,7 @@ export class Film {
     const { canvas, orbit } = this.view;
     if (!this.view.follow) orbit.fit();
     this.canvas = Object.assign(document.createElement("canvas"), { width: canvas.clientWidth, height: canvas.clientHeight });
-    if (this.canvas.width === 0) throw new Error("the scene has no room");
+    if (this.canvas.width === 0) throw new Error(say("the scene has no room"));
   }
 
   /** Scene, names and a caption on one canvas. */
@@ -53,10 +54,10 @@ export class Film {
     c.textAlign = "left";
     c.fillText(`${run.scenario.name}, ${numbersOf(run).policy}`, u, u * 1.8);
     c.font = `${u * 0.9}px system-ui, "DejaVu Sans", sans-serif`;
-    c.fillText(`${clockText(clock.t)}   ${doneAt(run, clock.t)} of ${run.tasksTotal} tasks done`, u, u * 3.2);
+    c.fillText(`${clockText(clock.t)}   ${say("{n} of {total} tasks done", { n: doneAt(run, clock.t), total: run.tasksTotal })}`, u, u * 3.2);
     c.fillStyle = theme.muted;
     c.font = `${u * 0.55}px system-ui, "DejaVu Sans", sans-serif`;
-    c.fillText(view.mode === "time" ? "Time goes up." : `Heights and sizes are for the eye${view.scenery ? "; blocks are scenery" : ""}.`, u, height - u * 0.8);
+    c.fillText(say(view.mode === "time" ? "Time goes up." : view.scenery ? "Heights and sizes are for the eye; blocks are scenery." : "Heights and sizes are for the eye."), u, height - u * 0.8);
     return canvas;
   }
 
@@ -82,7 +83,7 @@ export class Film {
       this.encoder.configure(config);
       return this.n;
     }
-    throw new Error("this browser encodes no WebM film");
+    throw new Error(say("this browser encodes no WebM film"));
   }
 
   #keep(chunk) {

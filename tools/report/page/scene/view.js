@@ -1,7 +1,8 @@
 import { Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { fit, oncePerFrame } from "../canvas.js";
-import { nameOf } from "../link.js";
+import { say, speak } from "../language.js";
 import { drawLabels } from "../map_labels.js";
+import { labelOf } from "../names.js";
 import { taskStatusAt } from "../run.js";
 import { readTheme, theme } from "../theme.js";
 import { clockText, timeTicks } from "../time.js";
@@ -20,8 +21,9 @@ const MOST_PIXELS = 2;
 
 /** The mission in three dimensions, at the clock's time: draws on `canvas`, names on `labels`. */
 export class SceneView {
-  constructor({ canvas, context, labels, state, clock }) {
+  constructor({ canvas, context, labels, state, clock, language }) {
     Object.assign(this, { canvas, labels, state, clock });
+    speak(language);
     readTheme();
     readWords(state.run.words);
     this.mode = "scene"; // or "time"
@@ -188,11 +190,11 @@ export class SceneView {
       if (at && at.px > 0 && at.py > 0 && at.px < width && at.py < height) labels.push({ text, ...at, gap, colour });
     };
     const chosen = state.selected;
-    if (chosen) put(nameOf(run, chosen).replace(":", chosen.type === "agent" ? ":" : " "), this.#placeOf(chosen), theme.text);
+    if (chosen) put(labelOf(run, chosen), this.#placeOf(chosen), theme.text);
     if (this.mode === "time") {
       const corner = { x: -this.plane.width / 2, z: this.plane.height / 2 };
       for (const t of timeTicks(0, run.limitMs, 6)) put(clockText(t, false), { ...corner, y: this.spaceTime.heightOf(run, t) }, theme.muted, 2);
-      put(`now ${clockText(this.clock.t)}`, { ...corner, y: this.floor }, theme.text, 2);
+      put(say("now {time}", { time: clockText(this.clock.t) }), { ...corner, y: this.floor }, theme.text, 2);
     }
     const room = (width * height) / LABEL_PX;
     const inView = this.actors.places.filter((place) => place.agent.index !== chosen?.index || chosen?.type !== "agent");
