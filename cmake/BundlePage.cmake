@@ -22,7 +22,8 @@ function(bytes file array size)
   set(${size} "${n}" PARENT_SCOPE)
 endfunction()
 
-bundle(main.js script --format=iife)
+# Letters of all languages as they are: as escapes they would be twice as long.
+bundle(main.js script --format=iife --charset=utf8)
 string(REPLACE "</script" "<\\/script" script "${script}")
 bundle(style.css style)
 file(READ "${SOURCE}/index.html" page)

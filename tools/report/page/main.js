@@ -1,3 +1,4 @@
+import { offerLanguages } from "./languages.js"; // before those that have texts
 import { Attention } from "./attention.js";
 import { Card } from "./card.js";
 import { Charts } from "./charts.js";
@@ -121,6 +122,7 @@ function measureBars() {
 }
 
 async function start() {
+  offerLanguages(byId("language"));
   measureBars();
   const address = liveAddress();
   state.live = address !== null;

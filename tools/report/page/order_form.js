@@ -140,7 +140,7 @@ export class OrderForm {
 
   #write(title, parts, read) {
     const problem = element("p", { class: "wrong", role: "alert" });
-    this.#show(title, [...parts, problem], [[say("Next"), () => {
+    this.#show(title, [...parts, problem], [[say("Next|order"), () => {
       const order = read(this.#values());
       if (typeof order === "string") problem.textContent = order;
       else this.#ask(order, () => this.#write(title, parts, read));
