@@ -47,8 +47,9 @@ export function timeRisk(run, task, now, t) {
   const soon = 2 * run.intervalMs;
   const start = now.status === RESERVED ? now.activity?.start ?? null : null;
   if (start !== null) {
-    if (expires !== null && start >= expires) return { harm: 7, note: say("starts at {start}, expires at {end}", { start: clockText(start), end: clockText(expires) }) };
-    return due !== null && start > due ? { harm: 3, note: say("starts at {start}, {late} too late", { start: clockText(start), late: minutes(start - due) }) } : null;
+    const begins = clockText(start);
+    if (expires !== null && start >= expires) return { harm: 7, note: say("starts at {start}, expires at {end}", { start: begins, end: clockText(expires) }) };
+    return due !== null && start > due ? { harm: 3, note: say("starts at {start}, {late} too late", { start: begins, late: minutes(start - due) }) } : null;
   }
   if (now.status === RESERVED) return null; // a live page may not have heard when it starts
   const nobody = now.status === HELD ? say("held by an order") : say("nobody is on the way");
@@ -172,13 +173,15 @@ export function attentionAt(run, t, silentMs = 0) {
   }
   const disputes = run.events.filter((event) => event.kind === "decisions_differ" && event.t <= t);
   if (disputes.length > 0) {
-    found.push({ kind: "differ", item: null, harm: 0, t: disputes.at(-1).t, text: say(disputes.length === 1 ? "once" : "{n} times", { n: number(disputes.length) }), note: disputes.at(-1).detail });
+    found.push({ kind: "differ", item: null, harm: 0, t: disputes.at(-1).t, note: disputes.at(-1).detail,
+      text: say(disputes.length === 1 ? "once" : "{n} times", { n: number(disputes.length) }) });
   }
   if (silentMs > SILENT_MS && !run.ended) {
     found.push({ kind: "log", item: null, harm: 0, text: say("nothing heard for {n} s", { n: number(silentMs / 1000) }), note: "" });
   }
   if (t >= run.nowMs && run.ended && run.report && !run.report.log.complete) {
-    found.push({ kind: "log", item: null, harm: 0, text: say("the log is incomplete"), note: say("{n} messages missing", { n: number(run.report.log.n_missing) }) });
+    found.push({ kind: "log", item: null, harm: 0, text: say("the log is incomplete"),
+      note: say("{n} messages missing", { n: number(run.report.log.n_missing) }) });
   }
   const rank = new Map(KINDS.map((kind, i) => [kind.id, i]));
   return found.sort((a, b) => rank.get(a.kind) - rank.get(b.kind) || b.harm - a.harm);
@@ -229,7 +232,8 @@ export class Attention {
       selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
-    byId("attention-count").textContent = `${found.length === 0 ? say("nothing") : number(found.length)}${seen ? `, ${say("{n} acknowledged", { n: number(seen) })}` : ""}`;
+    byId("attention-count").textContent = (found.length === 0 ? say("nothing") : number(found.length))
+      + (seen ? `, ${say("{n} acknowledged", { n: number(seen) })}` : "");
     const focused = document.activeElement?.dataset?.attention;
     byId("attention-list").replaceChildren(...KINDS.flatMap((kind, i) => this.#group(kind, groups[i])));
     if (found.length === 0) byId("attention-list").append(element("p", { class: "empty" }, say(seen ? "Nothing else needs attention now." : "Nothing needs attention now.")));

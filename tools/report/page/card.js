@@ -115,9 +115,10 @@ export class Card {
     if (key === this.othersKey) return;
     this.othersKey = key;
     byId("card-others").hidden = others.length === 0;
-    byId("card-others").replaceChildren(element("h3", {}, say("Selected too: {n}", { n: others.length })), element("ul", {}, ...others.map((item, i) => element("li", {},
-      element("button", { type: "button", class: "name", onclick: () => this.state.lead(item) }, words[i]),
-      element("button", { type: "button", class: "quiet", "aria-label": say("Select {what} no longer", { what: nameOf(run, item) }), onclick: () => this.state.select(item, true) }, "×")))));
+    byId("card-others").replaceChildren(element("h3", {}, say("Selected too: {n}", { n: others.length })), element("ul", {},
+      ...others.map((item, i) => element("li", {},
+        element("button", { type: "button", class: "name", onclick: () => this.state.lead(item) }, words[i]),
+        element("button", { type: "button", class: "quiet", "aria-label": say("Select {what} no longer", { what: nameOf(run, item) }), onclick: () => this.state.select(item, true) }, "×")))));
   }
 
   /** Why the task is not done: what the decision in force did without it, then all decisions. */
@@ -209,7 +210,8 @@ export class Card {
     const up = agent.kind === UAV ? run.altitudes.at(agent.id, t) : null;
     if (up !== null) facts.push([say("altitude"), up > 0 ? say("{n} m above the ground", { n: number(up) }) : say("on the ground")]);
     if (place && agent.kind === UAV) {
-      facts.push([say("range"), `${say("{n} of {total}", { n: km(place.range), total: km(agent.fullRange) })} (${number((100 * place.range) / agent.fullRange)} %)`]);
+      const left = say("{n} of {total}", { n: km(place.range), total: km(agent.fullRange) });
+      facts.push([say("range"), `${left} (${number((100 * place.range) / agent.fullRange)} %)`]);
     }
     if (place) facts.push([say("place"), placeWords(run, place)]);
     const range = place && agent.kind === UAV ? `, ${rangeWords(agent, place)}` : "";
@@ -230,11 +232,14 @@ export class Card {
           const agent = run.agents[run.agentIndex(kind, id)];
           const arrival = arrivalAt(run, agent, t, task.x, task.y);
           const values = { agent: agent.label, time: arrival && timeText(run, arrival.t) };
-          if (arrival) facts.push([say("arrival"), arrival.left < 2 ? say("{agent} is there", values) : arrival.known ? `${values.agent} ${values.time}` : say("{agent} about {time}", values)]);
+          const known = arrival?.known ? `${values.agent} ${values.time}` : say("{agent} about {time}", values);
+          if (arrival) facts.push([say("arrival"), arrival.left < 2 ? say("{agent} is there", values) : known]);
         }
       }
     } else facts.push([say("now"), say("{status}: nobody is sent for it", { status })]);
-    if (now.status !== DONE && run.ended) facts.push([say("in the end"), now.doneAt === null ? say("never done") : say("done at {time}", { time: timeText(run, now.doneAt) })]);
+    if (now.status !== DONE && run.ended) {
+      facts.push([say("in the end"), now.doneAt === null ? say("never done") : say("done at {time}", { time: timeText(run, now.doneAt) })]);
+    }
     if (run.timed) facts.push(...timeFacts(run, task));
     facts.push([say("takes"), say("{km} of range", { km: km(task.cost) })], [say("place"), placeWords(run, task)]);
     return { title: `${taskName(task.id)}${task.name ? ` ${isolated(task.name)}` : ""}`, state: status, facts };

@@ -33,7 +33,8 @@ const CHARTS = [
   {
     id: "completion", title: say("Completion"), unit: "%", names: [say("% done")], digits: 1,
     curves: completion,
-    now: (run, t) => `${say("{n} of {total}", { n: doneAt(run, t), total: run.tasksKnownAt(t) })} (${percent(doneAt(run, t) / Math.max(1, run.tasksKnownAt(t)))})`,
+    now: (run, t) => `${say("{n} of {total}", { n: doneAt(run, t), total: run.tasksKnownAt(t) })}`
+      + ` (${percent(doneAt(run, t) / Math.max(1, run.tasksKnownAt(t)))})`,
     range: () => [0, 100],
   },
   {

@@ -271,7 +271,8 @@ export class Control {
   #told(entry, withTime) {
     const item = { type: "task", id: entry.task };
     return [element("b", { "aria-hidden": "true" }, MARKS[entry.state]), withTime ? ` ${clockText(entry.at)} ` : ` ${say("Order:")} `, entry.words, ": ",
-      element("b", {}, say(entry.state === "unanswered" ? "no answer" : entry.state)), entry.taken ? `, ${say("at {time}", { time: entry.taken })}` : entry.note ? `, ${entry.note}` : "",
+      element("b", {}, say(entry.state === "unanswered" ? "no answer" : entry.state)),
+      entry.taken ? `, ${say("at {time}", { time: entry.taken })}` : entry.note ? `, ${entry.note}` : "",
       ...(entry.known && entry.order.order === "task_add" ? [" ", ...sayParts("as {task}", {
         task: element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, taskName(entry.task)) })] : []),
       ...(entry.state === "unanswered" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, say("Send again"))] : [])];

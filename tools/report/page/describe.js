@@ -14,7 +14,8 @@ export function describe(run, item, t) {
   }
   if (item.type === "task") {
     const task = run.tasks[item.id];
-    return say("{task}: {status}, takes {km} km of range", { task: taskName(item.id), status: say(run.words.tasks[taskStatusAt(task, t)]), km: (task.cost / 1000).toFixed(1) });
+    return say("{task}: {status}, takes {km} km of range", {
+      task: taskName(item.id), status: say(run.words.tasks[taskStatusAt(task, t)]), km: (task.cost / 1000).toFixed(1) });
   }
   return `${pointName(item.id)}: ${roomWords(run.charging[item.id])}`;
 }

@@ -186,7 +186,8 @@ export class Panels {
         high: number(Math.max(...heights)), across: minima.horizontal_m, up: minima.vertical_m })),
       ...(closest ? [element("p", {}, ...sayParts("Closest of the mission as planned: {a} and {b}, {across} m across and {up} m up, at {time}.", {
         a: `uav:${closest.uavs[0]}`, b: `uav:${closest.uavs[1]}`, across: number(closest.horizontal_m), up: number(closest.vertical_m),
-        time: element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) }, clockText(closest.at_s * 1000)) }))] : []),
+        time: element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) },
+          clockText(closest.at_s * 1000)) }))] : []),
       table(head, rows),
     ];
   }
@@ -213,7 +214,8 @@ export class Panels {
         `${number(n.flownM / 1000, 1)} km`, duration(n.medianS),
         r === 0 ? "–" : firstDifference(runs[0], run), n.digest?.slice(0, 12) ?? "–"], head));
     });
-    const each = [`#${say("decision")}`, `#${say("time")}`, ...runs.flatMap(({ name: run }) => [`#${say("done {run}", { run })}`, `#${say("waited {run}", { run })}`, `#${say("flown {run}", { run })}`])];
+    const each = [`#${say("decision")}`, `#${say("time")}`, ...runs.flatMap(({ name: run }) =>
+      [`#${say("done {run}", { run })}`, `#${say("waited {run}", { run })}`, `#${say("flown {run}", { run })}`])];
     const most = Math.max(...runs.map((run) => run.decisions.length));
     const perDecision = [];
     for (let i = 0; i < most; ++i) {

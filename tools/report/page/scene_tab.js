@@ -73,7 +73,8 @@ export class SceneTab {
     try {
       const code = await new Response(inflate(packed.textContent)).text();
       document.head.append(element("script", {}, code));
-      this.view = new window.musterScene.SceneView({ canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock, language: language() });
+      this.view = new window.musterScene.SceneView({
+        canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock, language: language() });
     } catch (error) {
       this.#cannot(say("The scene cannot be drawn: {why}. The map shows the same mission.", { why: error.message }));
       return;

@@ -40,7 +40,8 @@ export function find(run, text, most = SHOWN) {
     if (!vacant) look(isNumber ? [`${id}`] : [label, label.replace(":", " ")], { words: label, item: { type: "agent", index } });
   }
   for (const point of run.charging) {
-    look(isNumber ? [`${point.id}`] : [`charge:${point.id}`, `charging point ${point.id}`, pointName(point.id)], { words: pointName(point.id), item: { type: "charge", id: point.id } });
+    const words = pointName(point.id);
+    look(isNumber ? [`${point.id}`] : [`charge:${point.id}`, `charging point ${point.id}`, words], { words, item: { type: "charge", id: point.id } });
   }
   for (const { text: name, rank, x, y } of isNumber ? [] : namesOf(run.baseMap)) {
     look([name], { words: name, place: { x, y }, less: rank / (MOST_NAMES_RANK + 1) });

@@ -138,7 +138,7 @@ const small = (text) => text[0].toLowerCase() + text.slice(1);
 const KEYS = new Set([...ALL_TEXTS].filter((text) => text === small(text) || !ALL_TEXTS.has(small(text))));
 
 test("there are languages, and the page offers each", () => {
-  assert.deepEqual(Object.keys(LANGUAGES).sort(), ["es", "fr", "zh"]);
+  for (const code of ["es", "fr", "zh"]) assert.ok(LANGUAGES[code], code);
   const offered = read(`${PAGE}/languages.js`);
   for (const code of Object.keys(LANGUAGES)) assert.match(offered, new RegExp(`${code}: \\["[^"]+", ${code}\\]`));
 });
