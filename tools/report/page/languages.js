@@ -19,6 +19,7 @@ export function offerLanguages(select) {
   select.append(...Object.entries(LANGUAGES).map(([code, [name]]) => element("option", { value: code, lang: code, selected: code === spoken }, name)));
   select.addEventListener("change", () => {
     keep(select.value);
+    speak({ ...language(), code: select.value }); // the address may be written once more before the page goes
     history.replaceState(null, "", hashWith(location.hash, select.value));
     location.reload();
   });
