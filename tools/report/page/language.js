@@ -42,7 +42,7 @@ export function languageOf(hash, remembered, known) {
   return [asked, remembered].find((code) => known.includes(code)) ?? "en";
 }
 
-/** What a link has to say of the language; null: nothing, for whoever opens it here has the same one. */
+/** What a link has to say of the language; null: nothing, as this browser shows it in that language anyway. */
 export const linkLanguage = () => (spoken.code === "en" && (kept() ?? "en") === "en" ? null : spoken.code);
 
 /** The address' part "#..." with another language. */
