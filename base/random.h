@@ -21,6 +21,7 @@ enum class Stream : std::uint32_t {
   kMatchFailure = 13,
   kPolicy = 20,
   kExpectedTasks = 21,
+  kPlanSearch = 22,
   kPacketFault = 30,
   kLatency = 31,
   kSoak = 32,

@@ -20,6 +20,18 @@ Site::Site(const Scenario& scenario)
       width_m(scenario.width_m),
       height_m(scenario.height_m),
       seed(scenario.seed) {
+  for (const AgentKind kind : kAgentKinds) {
+    const std::vector<AgentSpec>& specs = scenario.agents(kind);
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+      if (specs[i].online_from_us <= 0 || specs[i].online_until_us <= specs[i].online_from_us) {
+        continue;
+      }
+      shifts.push_back({kind, static_cast<std::int32_t>(i), specs[i]});
+    }
+  }
+  std::stable_sort(shifts.begin(), shifts.end(), [](const Shift& a, const Shift& b) {
+    return a.spec.online_from_us < b.spec.online_from_us;
+  });
   std::vector<Point> places;
   for (const ChargingPoint& point : charging_points) places.push_back(point.at);
   const PlaceIndex index(places, {ways.get(), AgentKind::kUav});

@@ -13,8 +13,16 @@
 
 namespace muster::scheduler {
 
-/// Places and rules of a mission: what a policy may know of the scenario. Agents are not part of
-/// it: a policy sees only those that are online or under way, through Situation.
+/// One agent of the shift plan: from when on until when it is online, where it stands then.
+struct Shift {
+  AgentKind kind = AgentKind::kUav;
+  std::int32_t id = -1;
+  AgentSpec spec;
+};
+
+/// Places and rules of a mission: what a policy may know of the scenario. A policy sees the agents
+/// that are online or under way, through Situation. Only one that is told that the shift plan is
+/// known looks at that, too.
 struct Site {
   std::vector<Task> tasks;
   std::vector<ChargingPoint> charging_points;
@@ -26,6 +34,7 @@ struct Site {
   std::optional<Separation> separation;  ///< by how much UAVs are kept apart; none: they are not
   std::vector<ForbiddenPair> forbidden;  ///< the pairs among them, sorted
   std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
+  std::vector<Shift> shifts;  ///< that begin after mission start, by their beginning, kind and id
   Rules rules;
   double width_m = 0;
   double height_m = 0;

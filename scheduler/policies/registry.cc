@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -27,27 +28,59 @@ namespace {
 
 constexpr int kMostDeadlineMs = 3'600'000;
 
-constexpr std::string_view kExpect = "expect";
+constexpr std::string_view kShifts = "shifts";
+constexpr std::string_view kForecasts = "a policy that forecasts: rollout or rollout-steps";
+constexpr std::string_view kNoCentre = "a policy without a centre: neighbours";
+constexpr std::int64_t kMostEffort = 1'000'000;
 
 /// What may stand behind a policy's name, and the option that says the same.
 struct Setting {
   std::string_view key, option;
   NumberRange bounds;
-  std::string_view expected;  ///< "RATE, tasks an hour from 0 to 100000"
-  std::string_view policies;  ///< that have it
+  std::string_view expected;    ///< "RATE, tasks an hour from 0 to 100000"
+  std::string_view policies;    ///< that have it
+  std::string_view help;        ///< of the option, without the policies and the default
+  std::optional<double> as_is;  ///< the value that is the same as none
+  bool whole = false;           ///< whole numbers only
 };
 constexpr Setting kSettings[] = {
-    {kExpect,
+    {"expect",
      "expect-arrivals",
      {0, 100'000},
      "RATE, tasks an hour from 0 to 100000",
-     "a policy that forecasts: rollout or rollout-steps"},
+     kForecasts,
+     "how many more tasks an hour to expect (docs/reference/scheduling.md; default: 0)",
+     0},
+    {kShifts,
+     "know-shifts",
+     {0, 1},
+     "0 or 1",
+     kForecasts,
+     "the shift plan is known: forecasts have the agents that come online later",
+     0,
+     true},
+    {"effort",
+     "effort",
+     {1, kMostEffort},
+     "N, a whole number from 1 to 1000000",
+     kForecasts,
+     "N times the search for each decision, for those who have seconds (default: 1)",
+     1,
+     true},
     {"reach",
      "reach",
      {0, 1000},
      "KM, kilometres from 0 to 1000",
-     "a policy without a centre: neighbours"},
-    {"loss", "radio-loss", {0, 1}, "SHARE, from 0 to 1", "a policy without a centre: neighbours"},
+     kNoCentre,
+     "how far agents hear each other, in kilometres (default: 5)",
+     {}},
+    {"loss",
+     "radio-loss",
+     {0, 1},
+     "SHARE, from 0 to 1",
+     kNoCentre,
+     "the share of messages between agents that is lost (default: 0)",
+     {}},
 };
 
 /// One row a policy: its name, what users read about it, how to make it.
@@ -219,18 +252,21 @@ Option& AddPolicyOption(Options* options, std::string_view help) {
                 fmt::format("{} {} external:COMMAND learned:MODEL (see muster policies)", help,
                             fmt::join(names, " ")))
           .Default(kDefaultPolicy);
-  options
-      ->Add("expect-arrivals", "RATE",
-            "rollout, rollout-steps: how many more tasks an hour to expect "
-            "(docs/reference/scheduling.md; default: 0)")
-      .Number(kSettings[0].bounds);
-  options
-      ->Add("reach", "KM", "neighbours: how far agents hear each other, in kilometres (default: 5)")
-      .Number(kSettings[1].bounds);
-  options
-      ->Add("radio-loss", "SHARE",
-            "neighbours: the share of messages between agents that is lost (default: 0)")
-      .Number(kSettings[2].bounds);
+  for (const Setting& setting : kSettings) {
+    const std::string text = fmt::format(
+        "{}: {}", setting.policies == kForecasts ? "rollout, rollout-steps" : kNeighbours,
+        setting.help);
+    if (setting.key == kShifts) {
+      options->Flag(setting.option, text);
+      continue;
+    }
+    const std::string_view value =
+        setting.expected.substr(0, setting.expected.find(','));  // "RATE"
+    Option& option = options->Add(setting.option, value, text);
+    setting.whole ? option.Integer(static_cast<std::int64_t>(setting.bounds.low),
+                                   static_cast<std::int64_t>(setting.bounds.high))
+                  : option.Number(setting.bounds);
+  }
   return policy;
 }
 
@@ -240,13 +276,14 @@ std::string PolicyFrom(const Arguments& arguments) {
   for (const Setting& setting : kSettings) {
     const std::string option(setting.option);
     if (!arguments.Has(option)) continue;
-    const auto value = arguments.Get<double>(option);
+    const double value = setting.key == kShifts ? 1 : arguments.Get<double>(option);
     if (has_settings) {
-      throw InputError("command line", "--" + option, fmt::to_string(value),
+      throw InputError("command line", "--" + option,
+                       setting.key == kShifts ? "the option" : fmt::to_string(value),
                        fmt::format("nothing beside --policy {}", arguments.Get("policy")));
     }
     if (!TakesSettings(name)) FailToSet(setting, name);
-    if (setting.key == kExpect && value == 0) continue;  // as without
+    if (setting.as_is == value) continue;
     name += fmt::format(":{}={}", setting.key, value);
   }
   return name;
@@ -284,7 +321,8 @@ void ApplySettings(Policy* policy, std::string_view name) {
       refuse(fmt::format("{}:KEY=VALUE, each KEY once: {}", base, fmt::join(keys, ", ")));
     }
     const auto value = ToNumber(text.substr(std::min(equals + 1, text.size())));
-    if (!value || !(*value >= setting->bounds.low && *value <= setting->bounds.high)) {
+    if (!value || !(*value >= setting->bounds.low && *value <= setting->bounds.high) ||
+        (setting->whole && *value != std::floor(*value))) {
       refuse(fmt::format("{}:{}={}", base, key, setting->expected));
     }
     if (!policy->Set(key, *value)) FailToSet(*setting, base);

@@ -55,6 +55,18 @@ TEST(Policy, WhatIsExpectedIsPartOfItsName) {
   EXPECT_EQ(BaseName("external:run --with:expect=3"), "external:run --with:expect=3");
 }
 
+TEST(Policy, EffortAndShiftsArePartOfItsName) {
+  for (const char* good : {"rollout:effort=1", "rollout-steps:effort=1000000:shifts=1",
+                           "rollout:shifts=0:expect=3:effort=2"}) {
+    EXPECT_NO_THROW(MakePolicy(good)) << good;
+  }
+  for (const char* bad : {"rollout:effort=0", "rollout:effort=1.5", "rollout:effort=1000001",
+                          "rollout:effort=", "rollout:shifts=2", "rollout:shifts=0.5",
+                          "horizon:effort=2", "neighbours:shifts=1"}) {
+    EXPECT_THROW(MakePolicy(bad), InputError) << bad;
+  }
+}
+
 TEST(Policy, ReachAndLossesArePartOfItsName) {
   for (const char* good : {"neighbours", "neighbours:reach=0", "neighbours:reach=2.5:loss=0.1",
                            "neighbours:loss=1:reach=1000"}) {

@@ -179,6 +179,16 @@ std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
   return situation;
 }
 
+std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& scenario) {
+  std::vector<Action> actions;
+  if (decision.schedules.empty() || !decision.in_force) return actions;
+  const WireLimits limits(scenario);
+  for (const action_t& wire : decision.schedules.front().actions) {
+    if (const auto action = FromWire(wire, limits)) actions.push_back(*action);
+  }
+  return actions;
+}
+
 PolicyOfLog LoggedPolicy(const DecisionLog& log) {
   for (const auto& [d, logged] : log.decisions) {
     if (logged.schedules.empty()) continue;

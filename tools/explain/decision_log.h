@@ -68,6 +68,9 @@ const Packet* ClearancesBefore(const LoggedDecision& decision, const DecisionLog
 std::optional<scheduler::Situation> SituationOf(const LoggedDecision& decision,
                                                 const DecisionLog& log);
 
+/// What the decision commanded; nothing where it is not in force.
+std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& scenario);
+
 /// The policy of the log's first schedule.
 struct PolicyOfLog {
   std::string name;                           ///< "": the log has no schedule

@@ -10,6 +10,7 @@
 #include "base/program.h"
 #include "base/text.h"
 #include "protocol/run_process.h"
+#include "tools/explain/hindsight.h"
 #include "tools/explain/story.h"
 #include "tools/host/progress.h"
 
@@ -17,6 +18,7 @@ namespace muster::tools {
 namespace {
 
 constexpr TimeUs kQuietUs = 2 * kSecondUs;  ///< progress is shown only after that long
+constexpr std::int64_t kMostEffort = 1'000'000;
 constexpr std::int64_t kMostId = std::numeric_limits<std::int32_t>::max();
 
 std::pair<AgentKind, std::int32_t> ParseAgent(const std::string& text) {
@@ -52,19 +54,28 @@ int ExplainCommand(int argc, const char* const* argv) {
       argv[0],
       "Says why a task or an agent was commanded as it was: what stood against it, what it lost\n"
       "to, what was planned for it, and what forcing it would have cost, in the terms of the\n"
-      "policy that decided.");
+      "policy that decided. With --best: what the mission could have done at best, and which\n"
+      "decisions cost most.");
   options.Run();
   options.Positional("who", "[task:N|AGENT]");
   options.Add("task", "N", "A task: N or task:N");
   options.Add("agent", "NAME", "An agent: uav:N, worker:N or vehicle:N");
   options.Add("decision", "N", "One decision (default: all)").Integer(0, kMostId);
+  options.Flag("best", "What could have been: the best plan found in hindsight");
+  options.Add("effort", "N", "With --best: how long to search")
+      .Integer(1, kMostEffort)
+      .Default("10");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
-  const int n_named = arguments->Has("task") + arguments->Has("agent") + arguments->Has("who");
+  const int n_named = arguments->Has("task") + arguments->Has("agent") + arguments->Has("who") +
+                      arguments->Has("best");
   if (n_named != 1) {
     throw InputError("command line", "task or agent", n_named == 0 ? "nothing" : "more than one",
-                     "one of them, as task:17 or uav:3");
+                     "one of them, as task:17 or uav:3, or --best");
+  }
+  if (arguments->Has("best") && arguments->Has("decision")) {
+    throw InputError("command line", "--decision", "--best", "one of them");
   }
   const std::string run = arguments->Get("run");
   const bool json = arguments->Has("json");
@@ -83,7 +94,9 @@ int ExplainCommand(int argc, const char* const* argv) {
   const DecisionProgress progress = [&](std::size_t told, std::size_t of) {
     const TimeUs now_us = MonotonicUs();
     if (now_us - start_us < kQuietUs || !printer.due(now_us)) return;
-    printer.Show(fmt::format("{} of {} decisions explained", told, of), now_us);
+    printer.Show(fmt::format("{} of {} decisions {}", told, of,
+                             arguments->Has("best") ? "searched" : "explained"),
+                 now_us);
   };
   LogSource source(run);
   source.ShowProgress("explain");
@@ -92,7 +105,9 @@ int ExplainCommand(int argc, const char* const* argv) {
     printer.Break();
     Print(story, json);
   };
-  if (agent) {
+  if (arguments->Has("best")) {
+    print(LookBack(log, arguments->Get<std::int64_t>("effort"), progress));
+  } else if (agent) {
     print(TellAgent(log, run, agent->first, agent->second, decision, progress));
   } else {
     print(TellTask(log, run, ParseTask(task), decision, progress));

@@ -19,16 +19,6 @@ namespace {
 
 using scheduler::Explainer;
 
-std::vector<Action> CommandsOf(const LoggedDecision& decision, const Scenario& scenario) {
-  std::vector<Action> actions;
-  if (decision.schedules.empty() || !decision.in_force) return actions;
-  const WireLimits limits(scenario);
-  for (const action_t& wire : decision.schedules.front().actions) {
-    if (const auto action = FromWire(wire, limits)) actions.push_back(*action);
-  }
-  return actions;
-}
-
 bool IsToldOf(const event_t& event) {
   return IsOutcome(static_cast<EventKind>(event.kind)) || event.kind == EventKind::kActionWithheld;
 }

@@ -192,6 +192,7 @@ void AddHow(const Chapter<Answer>& chapter, Json* json) {
     (*json)["variant"] = chapter.how->variant + 1;
     (*json)["variants"] = chapter.how->variants;
     (*json)["draws"] = chapter.how->draws;
+    (*json)["tasks_drawn"] = chapter.how->tasks_drawn;
   }
   (*json)["planned"] = ListOf(chapter.fates, FateJson);
 }

@@ -229,7 +229,10 @@ void AddHow(const Chapter<Answer>& chapter, Lines* lines) {
     lines->Add(fmt::format(
         "decided by variant {} of {}{}{}", how.variant + 1, how.variants,
         chapter.settings.empty() ? std::string() : fmt::format(" ({})", chapter.settings),
-        how.draws.empty()
+        how.tasks_drawn > 0
+            ? fmt::format(", worth varied by chance at {} in the plan that a search found",
+                          Plural(static_cast<int>(how.tasks_drawn), "task"))
+        : how.draws.empty()
             ? std::string()
             : fmt::format(", worth varied by chance, draw{} {}", how.draws.size() == 1 ? "" : "s",
                           fmt::join(how.draws, " and "))));

@@ -91,6 +91,18 @@ std::string Words(const Action& action) {
   return "nothing";
 }
 
+std::vector<Action> OnlyIn(const std::vector<Action>& some, const std::vector<Action>& others) {
+  std::vector<Action> left;
+  for (const Action& action : some) {
+    const bool both = std::any_of(others.begin(), others.end(), [&](Action other) {
+      other.weight = action.weight;
+      return other == action;
+    });
+    if (!both && !IsStay(action.kind)) left.push_back(action);
+  }
+  return left;
+}
+
 int MovesIn(const schedule_t& schedule) {
   return static_cast<int>(
       std::count_if(schedule.actions.begin(), schedule.actions.end(),

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/units.h"
 #include "model/agent.h"
@@ -16,6 +17,9 @@ std::string AgentName(AgentKind kind, std::int32_t id);
 
 /// What an action is, without jargon: "uav:3 and worker:7 sense task:4".
 std::string Words(const Action& action);
+
+/// Actions of `some` that `others` do not have, whatever they weigh, without stays.
+std::vector<Action> OnlyIn(const std::vector<Action>& some, const std::vector<Action>& others);
 
 /// Actions of a schedule that are not stays.
 int MovesIn(const schedule_t& schedule);

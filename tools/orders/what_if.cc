@@ -30,19 +30,6 @@ Situation Under(const std::vector<Directive>& directives, const Situation& situa
   return under;
 }
 
-/// Actions of `some` that `others` do not have, without stays.
-std::vector<Action> Without(const std::vector<Action>& some, const std::vector<Action>& others) {
-  std::vector<Action> left;
-  for (const Action& action : some) {
-    const bool both = std::any_of(others.begin(), others.end(), [&](Action other) {
-      other.weight = action.weight;
-      return other == action;
-    });
-    if (!both && !IsStay(action.kind)) left.push_back(action);
-  }
-  return left;
-}
-
 std::string Weighed(const Action& action) {
   return fmt::format("{} ({:.3f})", Words(action), action.weight);
 }
@@ -71,8 +58,8 @@ WhatIf TellWhatIf(const DecisionLog& log, const std::string& run, const Order& o
         scheduler::DecideWithDirectives(Under(scenario.directives, *situation), policy.get());
     what_if.weight = would.weight;
     what_if.weight_without = was.weight;
-    what_if.instead_of = Without(was.actions, would.actions);
-    what_if.now = Without(would.actions, was.actions);
+    what_if.instead_of = OnlyIn(was.actions, would.actions);
+    what_if.now = OnlyIn(would.actions, was.actions);
     for (const std::string& one : would.unkept) {
       if (std::find(was.unkept.begin(), was.unkept.end(), one) == was.unkept.end()) {
         what_if.unkept.push_back(one);

@@ -26,6 +26,7 @@ struct HowDecided {
   std::optional<HorizonSettings> follow;   ///< `rollout`: the forecast decides on with these
   std::int32_t variant = 0, variants = 1;  ///< `rollout`: which of its variants, of how many
   std::vector<std::uint32_t> draws;        ///< `rollout`: the numbers of the random draws, if any
+  std::size_t tasks_drawn = 0;             ///< `rollout`: tasks that the search for a plan changed
   /// Whether these settings lead to exactly the commanded actions. They do not where another build
   /// decided, or where no agent was commanded. The settings are then those of the first variant.
   bool again = false;

@@ -463,15 +463,24 @@ std::vector<Match> MatchesOf(const PossiblePairs& pairs, const Participants& par
 
 double JitterOf(const Situation& situation, const HorizonSettings& settings, AgentKind kind,
                 std::int32_t id, std::int32_t task) {
+  const std::uint64_t seed = situation.site->seed;
+  const auto agent_and_task = static_cast<std::uint64_t>(kind) << 60 |
+                              static_cast<std::uint64_t>(id) << 25 |
+                              static_cast<std::uint64_t>(task);
   double sum = 0;
   for (const Jitter& jitter : settings.jitters) {
     if (jitter.most == 0) continue;
-    const auto entity = static_cast<std::uint64_t>(kind) << 60 |
-                        static_cast<std::uint64_t>(jitter.draw) << 50 |
-                        static_cast<std::uint64_t>(id) << 25 | static_cast<std::uint64_t>(task);
-    sum += Random(situation.site->seed, Stream::kPolicy, entity,
+    sum += Random(seed, Stream::kPolicy,
+                  agent_and_task | static_cast<std::uint64_t>(jitter.draw) << 50,
                   static_cast<std::uint32_t>(situation.decision))
                .Uniform(-jitter.most, jitter.most);
+  }
+  if (settings.task_draws && At(task) < settings.task_draws->of.size()) {
+    const TaskDraws& draws = *settings.task_draws;
+    if (const std::uint32_t draw = draws.of[At(task)]; draw != 0) {
+      sum +=
+          Random(seed, Stream::kPlanSearch, agent_and_task, draw).Uniform(-draws.most, draws.most);
+    }
   }
   return sum;
 }

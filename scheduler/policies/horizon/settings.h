@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 namespace muster::scheduler {
 
@@ -10,6 +12,13 @@ namespace muster::scheduler {
 struct Jitter {
   double most = 0;  ///< up to this much is added or taken, in tasks; 0: none
   std::uint32_t draw = 0;
+};
+
+/// Draws of chance that hold for a whole plan: at this decision and at all later ones of its
+/// forecast.
+struct TaskDraws {
+  double most = 0;  ///< up to this much is added to an agent's worth at a task, or taken, in tasks
+  std::vector<std::uint32_t> of;  ///< [known tasks] the draw's number; 0: none
 };
 
 /// How far agents hear each other where no centre decides.
@@ -74,6 +83,7 @@ struct HorizonSettings {
   double expected_way = 1.0;
   /// Both are added to each pair's worth by chance: one more way to weigh, for `rollout`.
   std::array<Jitter, 2> jitters = {};
+  std::shared_ptr<const TaskDraws> task_draws = nullptr;  ///< the same; null: none
 };
 
 }  // namespace muster::scheduler

@@ -43,54 +43,79 @@ void CarryOut(const Action& action, Situation* situation) {
   }
 }
 
-ForwardModel::ForwardModel(const Situation& situation, std::size_t expected)
-    : situation_(situation), expected_(expected) {}
+std::shared_ptr<const std::vector<AgentState>> ComingAgents(const Situation& situation) {
+  const Site& site = *situation.site;
+  auto coming = std::make_shared<std::vector<AgentState>>();
+  for (const Shift& shift : site.shifts) {
+    if (shift.spec.online_from_us <= situation.now_us) continue;
+    coming->push_back(StartOf(shift.kind, shift.id, shift.spec, *site.ways));
+    coming->back().measured.reset();  // the forecast computes it
+  }
+  return coming;
+}
+
+bool Future::MayBeDone(std::size_t task) const {
+  const std::vector<TaskStatus>& status = situation.task_status;
+  return IsToDo(status[task]) ||
+         (status[task] == TaskStatus::kUnreported && task + expected >= status.size());
+}
+
+ForwardModel::ForwardModel(Future future) : future_(std::move(future)) {}
 
 bool ForwardModel::anybody() const {
-  return !situation_.uavs.empty() || !situation_.workers.empty() || !situation_.vehicles.empty();
+  const Situation& s = situation();
+  return anybody_comes() || !s.uavs.empty() || !s.workers.empty() || !s.vehicles.empty();
 }
 
 void ForwardModel::Add(const AgentState& agent) {
-  auto& agents = ByKind(agent.kind, situation_.uavs, situation_.workers, situation_.vehicles);
+  Situation& s = future_.situation;
+  auto& agents = ByKind(agent.kind, s.uavs, s.workers, s.vehicles);
   const auto after = [](const AgentState& a, std::int32_t id) { return a.id < id; };
   agents.insert(std::lower_bound(agents.begin(), agents.end(), agent.id, after), agent);
 }
 
 void ForwardModel::Step(const std::vector<Action>& actions) {
-  for (const Action& action : actions) CarryOut(action, &situation_);
-  const Rules& rules = situation_.site->rules;
-  ++situation_.decision;
-  AdvanceTo(std::min(situation_.now_us + rules.interval_us, rules.limit_us));
+  Situation& s = future_.situation;
+  for (const Action& action : actions) CarryOut(action, &s);
+  const Rules& rules = s.site->rules;
+  ++s.decision;
+  AdvanceTo(std::min(s.now_us + rules.interval_us, rules.limit_us));
 }
 
 void ForwardModel::AdvanceTo(TimeUs t) {
-  situation_.now_us = t;
-  for (const AgentState& uav : situation_.uavs) {
+  Situation& s = future_.situation;
+  s.now_us = t;
+  for (const AgentState& uav : s.uavs) {
     if (uav.action == ActionKind::kNone || !uav.activity) continue;
     const Activity& activity = *uav.activity;
     const auto site = static_cast<std::size_t>(activity.site);
     if (activity.end_us > t) {
       if (activity.kind == Activity::Kind::kSensing && activity.start_us <= t) {
-        situation_.task_status[site] = TaskStatus::kSensing;
+        s.task_status[site] = TaskStatus::kSensing;
       }
     } else if (activity.kind == Activity::Kind::kSensing) {
-      situation_.task_status[site] = TaskStatus::kDone;
+      s.task_status[site] = TaskStatus::kDone;
       done_.push_back(activity);
     } else {
-      --situation_.charging_load[site];
+      --s.charging_load[site];
     }
   }
-  const std::vector<Task>& tasks = situation_.site->tasks;
-  for (std::size_t x = tasks.size() - expected_; x < tasks.size(); ++x) {
-    TaskStatus& status = situation_.task_status[x];
+  const std::vector<Task>& tasks = s.site->tasks;
+  for (std::size_t x = tasks.size() - future_.expected; x < tasks.size(); ++x) {
+    TaskStatus& status = s.task_status[x];
     if (status == TaskStatus::kUnreported && tasks[x].reported_us <= t) status = TaskStatus::kOpen;
   }
   const Verdict none;
-  for (auto* agents : {&situation_.uavs, &situation_.workers, &situation_.vehicles}) {
-    for (AgentState& agent : *agents) Settle(&agent, none, t, situation_.site->tasks);
+  for (auto* agents : {&s.uavs, &s.workers, &s.vehicles}) {
+    for (AgentState& agent : *agents) Settle(&agent, none, t, s.site->tasks);
     std::erase_if(*agents, [t](const AgentState& agent) {
       return agent.failed || (!agent.online(t) && agent.busy_until_us <= t);
     });
+  }
+  for (; anybody_comes(); ++come_) {
+    const AgentState& agent = (*future_.coming)[come_];
+    if (agent.online_from_us > t) break;
+    if (agent.online(t)) Add(agent);
   }
 }
 

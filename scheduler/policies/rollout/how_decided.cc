@@ -1,5 +1,6 @@
 // How `rollout` decided. Deciding again would tell, but it takes as long as the decision did, and a
-// decision with a deadline would come out differently. The commanded pairs carry what they were
+// decision with a deadline would come out differently. So only a search for whole plans is made
+// again. Else the commanded pairs carry what they were
 // worth, and each variant and draw weighs differently: those that decided are found by that.
 #include <algorithm>
 #include <cmath>
@@ -98,6 +99,21 @@ std::vector<std::vector<std::uint32_t>> DrawsOf(const RolloutSettings& rollout) 
 
 Deciding RolloutPolicy::Explain(const Situation& situation,
                                 const std::vector<Action>& commanded) const {
+  if (settings_.effort > 1) {
+    RolloutSettings unhurried = settings_;
+    unhurried.deadline.reset();
+    const RolloutPlan plan = RolloutPolicy(unhurried).Plan(situation, FuturesOf(situation));
+    if (plan.settings.task_draws) {
+      Deciding deciding = HorizonPolicy(plan.settings).Explain(situation, commanded);
+      const std::vector<std::uint32_t>& drawn = plan.settings.task_draws->of;
+      deciding.how.follow = plan.follow;
+      deciding.how.variant = plan.variant;
+      deciding.how.variants = static_cast<std::int32_t>(settings_.variants.size());
+      deciding.how.tasks_drawn =
+          drawn.size() - static_cast<std::size_t>(std::count(drawn.begin(), drawn.end(), 0u));
+      if (deciding.how.again) return deciding;
+    }
+  }
   const Sieve sieve(situation, commanded, settings_.variants);
   const auto with = [&](std::size_t variant, const std::vector<std::uint32_t>& draws, bool sieved) {
     HorizonSettings settings = settings_.variants[variant];

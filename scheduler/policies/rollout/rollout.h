@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "scheduler/policies/horizon/horizon.h"
-#include "scheduler/policies/rollout/expected_tasks.h"
+#include "scheduler/policies/rollout/forward_model.h"
+#include "scheduler/policies/rollout/plan_search.h"
 #include "scheduler/policy.h"
 
 namespace muster::scheduler {
@@ -44,8 +45,23 @@ struct RolloutSettings {
   /// How many futures are drawn if tasks are expected. A decision counts with what it gets done in
   /// all of them; each future has `work` decisions.
   int futures = 8;
+  /// The shift plan is known: the forecast has the agents that come online later (Site::shifts).
+  bool shifts = false;
+  /// From 2 on, whole plans are searched after the draws (SearchPlans), with as many more simulated
+  /// decisions as `work` and `pairs` allow, times effort - 1.
+  std::int64_t effort = 1;
 
   static std::vector<HorizonSettings> DefaultVariants();
+};
+
+/// A decision with what leads to it.
+struct RolloutPlan {
+  HorizonSettings settings;  ///< decided with these
+  HorizonSettings follow;    ///< later decisions of the forecast are made with these
+  std::int32_t variant = 0;  ///< of RolloutSettings::variants, that both began with
+  Decision decision;
+  bool decided = false, followed = false;
+  Forecast forecast = {};
 };
 
 /// Simulates the known situation forward by the rule book (ForwardModel) and decides like the
@@ -56,34 +72,31 @@ class RolloutPolicy : public MatchingPolicy {
  public:
   explicit RolloutPolicy(RolloutSettings settings = {});
   Decision Decide(const Situation& situation) override;
-  /// The first of its variants, else of the draws around them, that leads to these actions.
+  /// The plan of the search, if there is one and it leads to these actions; else the first of its
+  /// variants, else of the draws around them, that does.
   Deciding Explain(const Situation& situation, const std::vector<Action>& commanded) const override;
   bool SetDeadline(std::chrono::steady_clock::duration deadline) override {
     settings_.deadline = deadline;
     return true;
   }
-  bool Set(std::string_view key, double value) override {
-    if (key != "expect") return false;
-    settings_.expect_per_hour = value;
-    return true;
-  }
+  /// "expect", tasks an hour; "shifts", 0 or 1; "effort", a whole number.
+  bool Set(std::string_view key, double value) override;
+  /// The plan whose decision is taken in these futures of the situation.
+  RolloutPlan Plan(const Situation& situation, const std::vector<Future>& futures) const;
 
  private:
-  struct Plan {
-    HorizonSettings settings;  ///< decided with these
-    HorizonSettings follow;    ///< later decisions of the simulation are made with these
-    Decision decision;
-    bool decided = false, followed = false;
-    double worth = 0;
-    std::size_t done = 0;  ///< tasks
-  };
+  using Clock = std::chrono::steady_clock;
+
   /// The futures in which plans are simulated; without expected tasks the situation alone.
-  std::vector<ExpectedTasks> FuturesOf(const Situation& situation) const;
+  std::vector<Future> FuturesOf(const Situation& situation) const;
   /// Decides all plans that are not decided yet, and simulates those that differ from each other
   /// and from `known`, with `work` simulated decisions in all.
-  void Follow(const Situation& situation, const std::vector<ExpectedTasks>& futures,
-              std::chrono::steady_clock::time_point start, std::int64_t work, const Plan* known,
-              std::vector<Plan>* plans) const;
+  void Follow(const Situation& situation, const std::vector<Future>& futures,
+              Clock::time_point start, std::int64_t work, const RolloutPlan* known,
+              std::vector<RolloutPlan>* plans) const;
+  /// The best of `found` and of the plans that a search with `work` simulated decisions finds.
+  RolloutPlan Search(const Situation& situation, const std::vector<Future>& futures,
+                     Clock::time_point start, std::int64_t work, RolloutPlan found) const;
 
   /// Varies the settings by a draw: the first draw widely, further draws a little around it.
   void AddDraw(std::uint32_t draw, HorizonSettings* settings) const;

@@ -38,8 +38,9 @@ std::vector<Packet> Edited(std::vector<Packet> packets, std::int32_t decision,
 }
 
 TEST(Redecide, EveryPolicyDecidesAsItsLogSays) {
-  for (const char* policy : {"mpq", "certified", "horizon", "ils", "mpq-uniform", "kwta",
-                             "rollout:expect=12.5", "neighbours:reach=6:loss=0.1"}) {
+  for (const char* policy :
+       {"mpq", "certified", "horizon", "ils", "mpq-uniform", "kwta", "rollout:expect=12.5",
+        "rollout-steps:shifts=1:effort=3", "neighbours:reach=6:loss=0.1"}) {
     const auto decisions = Redecide(Logged(SimulatedPackets(SmallScenario(), policy)), "");
     ASSERT_EQ(decisions.size(), 6u) << policy;
     for (const Divergence& d : DivergencesOf(decisions)) {

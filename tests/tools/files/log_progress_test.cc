@@ -17,12 +17,12 @@ TEST(LogProgress, IsSilentAtFirst) {
   LogProgress progress("audit", {"/nowhere/mission.lcm"});
   LogEvent event;
   event.packet.bytes.resize(3 << 20);
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   progress.Add(event);
   progress.Rewind();
   progress.Add(event);
   progress.Break();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 }  // namespace

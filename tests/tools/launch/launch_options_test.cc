@@ -46,6 +46,12 @@ TEST(LaunchOptions, WhatIsExpectedIsPartOfThePolicysName) {
   EXPECT_EQ(Parse({"s.json", "--policy", "rollout", "--expect-arrivals", "0.5"}).policy,
             "rollout:expect=0.5");
   EXPECT_EQ(Parse({"s.json", "--expect-arrivals", "0"}).policy, "rollout-steps");
+  EXPECT_EQ(Parse({"s.json", "--effort", "20", "--know-shifts"}).policy,
+            "rollout-steps:shifts=1:effort=20");
+  EXPECT_EQ(Parse({"s.json", "--effort", "1"}).policy, "rollout-steps") << "as without";
+  EXPECT_NE(ErrorOf({"s.json", "--effort", "0"}).find("--effort"), std::string::npos);
+  EXPECT_NE(ErrorOf({"s.json", "--policy", "mpq", "--know-shifts"}).find("--know-shifts"),
+            std::string::npos);
   for (const char* bad : {"-1", "x", "nan", "100001"}) {
     EXPECT_NE(ErrorOf({"s.json", "--expect-arrivals", bad}).find("--expect-arrivals"),
               std::string::npos)

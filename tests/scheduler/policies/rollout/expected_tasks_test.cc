@@ -49,10 +49,10 @@ Situation WithUnreported(Situation situation, int n) {
 
 TEST(ExpectedTasks, AreLikeThoseThatAreKnownAndStillToBeReported) {
   const Situation situation = OneIsKnown();
-  const ExpectedTasks expected = ExpectTasks(situation, 30, 0);
-  EXPECT_EQ(expected.count, 60u) << "two hours are left";
+  const Future expected = ExpectTasks(situation, 30, 0);
+  EXPECT_EQ(expected.expected, 60u) << "two hours are left";
   const Site& site = *expected.situation.site;
-  ASSERT_EQ(site.tasks.size(), 2 + expected.count);
+  ASSERT_EQ(site.tasks.size(), 2 + expected.expected);
   ASSERT_EQ(site.task_to_charge_m.size(), site.tasks.size());
   ASSERT_EQ(expected.situation.task_status.size(), site.tasks.size());
   for (std::size_t x = 2; x < site.tasks.size(); ++x) {
@@ -73,8 +73,8 @@ TEST(ExpectedTasks, AreLikeThoseThatAreKnownAndStillToBeReported) {
 TEST(ExpectedTasks, ComeAtTheRateInTheMean) {
   double count = 0, early = 0;
   for (std::uint32_t future = 0; future < 400; ++future) {
-    const ExpectedTasks expected = ExpectTasks(OneIsKnown(), 2.25, future);
-    count += static_cast<double>(expected.count);
+    const Future expected = ExpectTasks(OneIsKnown(), 2.25, future);
+    count += static_cast<double>(expected.expected);
     const auto& tasks = expected.situation.site->tasks;
     early += static_cast<double>(std::count_if(tasks.begin() + 2, tasks.end(), [](const Task& t) {
       return t.reported_us < 90 * kMinuteUs;
@@ -87,7 +87,7 @@ TEST(ExpectedTasks, ComeAtTheRateInTheMean) {
 TEST(ExpectedTasks, AreDrawnByDecisionAndFutureAlone) {
   const auto times = [](const Situation& situation, std::uint32_t future) {
     std::vector<TimeUs> list;
-    const ExpectedTasks expected = ExpectTasks(situation, 30, future);
+    const Future expected = ExpectTasks(situation, 30, future);
     for (const Task& task : expected.situation.site->tasks) list.push_back(task.reported_us);
     return list;
   };
@@ -101,17 +101,17 @@ TEST(ExpectedTasks, AreDrawnByDecisionAndFutureAlone) {
 
 TEST(ExpectedTasks, NothingIsExpectedOfNothing) {
   Situation situation = OneIsKnown();
-  EXPECT_EQ(ExpectTasks(situation, 0, 0).count, 0u);
+  EXPECT_EQ(ExpectTasks(situation, 0, 0).expected, 0u);
   situation.now_us = situation.site->rules.limit_us;
-  EXPECT_EQ(ExpectTasks(situation, 30, 0).count, 0u);
+  EXPECT_EQ(ExpectTasks(situation, 30, 0).expected, 0u);
   situation = OneIsKnown();
   situation.task_status[0] = TaskStatus::kUnreported;
-  EXPECT_EQ(ExpectTasks(situation, 30, 0).count, 0u) << "no task is known to be like";
+  EXPECT_EQ(ExpectTasks(situation, 30, 0).expected, 0u) << "no task is known to be like";
 }
 
 TEST(ExpectedTasks, AreReportedInTheForecastAndNoOthers) {
-  const ExpectedTasks expected = ExpectTasks(OneIsKnown(), 30, 0);
-  ForwardModel model(expected.situation, expected.count);
+  const Future expected = ExpectTasks(OneIsKnown(), 30, 0);
+  ForwardModel model(expected);
   while (!model.over()) {
     model.Step({});
     const Situation& now = model.situation();
