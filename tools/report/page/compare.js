@@ -35,6 +35,18 @@ export function numbersOf(run) {
   };
 }
 
+/** Whether two runs are of the same scenario, so that they compare. A run that goes on has no report yet: then its places tell. */
+export function isSameScenario(a, b) {
+  const [mine, yours] = [a, b].map((run) => run.report?.scenario?.sha256);
+  if (mine && yours) return mine === yours;
+  const placesOf = ({ scenario: s }) => JSON.stringify([s.name, s.seed, s.width_m, s.height_m, s.charging_points]);
+  return placesOf(a) === placesOf(b);
+}
+
+/** Whether two commands are the same; null: nothing is commanded. What a command weighs does not matter. */
+export const isSameCommand = (a, b) => a === b
+  || Boolean(a && b && ["kind", "uav", "worker", "vehicle", "task", "charge", "x", "y"].every((key) => a[key] === b[key]));
+
 /** "decision 3", "none" or "other scenario": where `run` first decided otherwise than `reference`. */
 export function firstDifference(reference, run) {
   if (reference.report?.scenario?.sha256 !== run.report?.scenario?.sha256) return say("other scenario");

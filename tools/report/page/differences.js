@@ -1,3 +1,4 @@
+import { isSameCommand, isSameScenario } from "./compare.js";
 import { byId, element } from "./dom.js";
 import { say } from "./language.js";
 import { nameOf } from "./link.js";
@@ -8,15 +9,13 @@ import { clockText } from "./time.js";
 const MOST = 200;
 
 /** Where a run was decided on the same scenario as `run`, so that their decisions compare. */
-const comparable = (run, other) => other !== run && other.report?.scenario?.sha256 === run.report?.scenario?.sha256;
-
-const same = (a, b) => a === b || (a && b && ["kind", "uav", "worker", "vehicle", "task", "charge", "x", "y"].every((key) => a[key] === b[key]));
+const comparable = (run, other) => other !== run && isSameScenario(run, other);
 
 /** Whom the decision in force at t commands otherwise in another run: [{ agent, here, there }]; null: stays as it is. */
 export function differencesAt(run, other, t) {
   const [here, there] = [commandsAt(run, decisionAt(run, t)), commandsAt(other, decisionAt(other, t))];
   return run.agents.map((agent) => ({ agent, here: here.get(agent.index) ?? null, there: there.get(agent.index) ?? null }))
-    .filter((pair) => !same(pair.here, pair.there));
+    .filter((pair) => !isSameCommand(pair.here, pair.there));
 }
 
 /** The choice beside the map, and the list in the comparison, of what another run decided otherwise at the chosen time. */

@@ -15,7 +15,7 @@ export class LayersMenu {
     this.state = state;
     this.box = byId("layers-list");
     this.#restore();
-    state.on("run data layers", () => this.#show());
+    state.on("run data layers rival", () => this.#show());
     state.on("layers", () => this.#keep());
     document.addEventListener("click", (event) => {
       if (!event.target.closest("#layers")) byId("layers").open = false;
@@ -30,7 +30,8 @@ export class LayersMenu {
 
   #show() {
     const { run } = this.state;
-    const there = MENU.filter(({ legend, extra }) => extra || !legend || legend.some(({ shows }) => !shows || shows(run)));
+    const there = MENU.filter(({ legend, extra, offered }) => (offered ? offered(this.state)
+      : extra || !legend || legend.some(({ shows }) => !shows || shows(run))));
     const key = there.map(({ id }) => id).join();
     if (key !== this.shown) { // else what has the focus keeps it
       this.shown = key;

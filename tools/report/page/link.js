@@ -26,16 +26,17 @@ export function itemOf(run, name) {
   return null;
 }
 
-/** "#t=4800&sel=uav:2,task:17&look=scene&off=roads,tasks&on=coverage" as { tMs, sel, run, look, off, on }; what it does not say is null. */
+/** "#t=4800&sel=uav:2,task:17&look=scene&off=roads,tasks&on=coverage&against=2" as { tMs, sel, ... }; what it does not say is null. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const number = (key) => (/^\d+(\.\d+)?$/.test(values.get(key) ?? "") ? Number(values.get(key)) : null);
   const t = number("t");
   const look = ["scene", "time"].find((name) => name === values.get("look")) ?? null;
-  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on") };
+  return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on"),
+    against: number("against") };
 }
 
-export function writeLink({ tMs, sel, run, look, off, on, lang }) {
+export function writeLink({ tMs, sel, run, look, off, on, against, lang }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
@@ -43,6 +44,7 @@ export function writeLink({ tMs, sel, run, look, off, on, lang }) {
   if (look && look !== "map") parts.push(`look=${look}`);
   if (off) parts.push(`off=${off}`);
   if (on) parts.push(`on=${on}`);
+  if (against !== null && against !== undefined) parts.push(`against=${against}`);
   if (lang) parts.push(`lang=${lang}`);
   return `#${parts.join("&")}`;
 }
@@ -63,7 +65,7 @@ export class Link {
     this.shown = "";
     clock.subscribe(() => this.#later());
     state.on("selection run", () => this.#step());
-    state.on("look layers", () => this.#later());
+    state.on("look layers rival", () => this.#later());
     window.addEventListener("popstate", () => this.#apply());
   }
 
@@ -83,9 +85,9 @@ export class Link {
   }
 
   #address() {
-    const { current, looks, off, extra } = this.state;
+    const { current, looks, off, extra, rival, usualRival } = this.state;
     return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: namesOf(this.state), run: current, look: looks,
-      off: [...off].join(), on: [...extra].join(), lang: linkLanguage() });
+      off: [...off].join(), on: [...extra].join(), against: rival === usualRival ? null : rival, lang: linkLanguage() });
   }
 
   #later() {

@@ -19,6 +19,7 @@ import { LayersMenu, layerIds } from "./layers_menu.js";
 import { News } from "./news.js";
 import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
+import { RivalryView } from "./rivalry_view.js";
 import { Search } from "./search.js";
 import { State } from "./state.js";
 import { decidingMs } from "./run.js";
@@ -72,6 +73,7 @@ function build() {
   new Legend(state, clock);
   new Card(state, clock);
   new Differences(state, clock);
+  new RivalryView(state, clock, map);
   new Attention(state, clock, (filter) => panels.showTasks(filter));
   Object.assign(parts, { map, control });
   bindChoices(map, scene, gantt);
@@ -87,8 +89,9 @@ function tellMoment({ t, why }) {
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run, look, off, on }) {
+function show({ tMs, sel, run, look, off, on, against }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
+  state.setRival(against !== null && against < state.runs.length && against !== state.current ? against : state.usualRival);
   state.look(look ?? "map");
   if (off !== null || on !== null) state.setLayers({ off: off !== null ? layerIds(off) : null, extra: on !== null ? layerIds(on, true) : null });
   const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;

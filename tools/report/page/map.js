@@ -67,7 +67,7 @@ export class MapView {
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
     state.on("run data theme", () => this.stills.ground.clear());
-    state.on("run data selection classes theme trails differ layers", this.draw);
+    state.on("run data selection classes theme trails differ layers rival", this.draw);
     state.on("run data", () => this.#showSource());
     document.addEventListener("basemap", () => {
       this.stills.ground.clear();
@@ -178,7 +178,7 @@ export class MapView {
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
     const began = performance.now();
-    if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra });
+    if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra, rival: this.state.rival });
     Object.assign(this.shown, this.#within(0, 0), { pointed: this.pointed });
     Object.assign(this, { near: this.shown.near, sites: this.shown.sites, points: this.shown.points, clusters: this.shown.clusters });
     byId("map-crowd").hidden = this.clusters.length === 0;

@@ -34,7 +34,7 @@ export class Present {
     this.state = state;
     this.t = null;
     this.items = [];
-    state.on("run data classes layers trails", () => { this.t = null; });
+    state.on("run data classes layers trails rival", () => { this.t = null; });
     state.on("selection", () => this.#mark());
   }
 

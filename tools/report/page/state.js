@@ -16,6 +16,8 @@ export class State {
     this.byDecision = false; // curves over decisions rather than time
     this.live = false;
     this.other = null; // the run whose decisions the map shows as well
+    this.rival = null; // the run that the open one is compared with
+    this.usualRival = null; // the same as long as the user does not choose
     this.trailMs = 20 * 60000;
     this.off = new Set(); // ids of the map's layers that are not shown
     this.extra = new Set(); // ids of those that are shown only when asked for
@@ -27,7 +29,7 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "theme", "orders" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "rival", "theme", "orders" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -128,6 +130,13 @@ export class State {
   differFrom(i) {
     this.other = i;
     this.emit("differ");
+  }
+
+  /** Compares with run `i`; null: there is no other. */
+  setRival(i) {
+    if (this.rival === i) return;
+    this.rival = i;
+    this.emit("rival");
   }
 
   /** Shows the map, the scene, or space and time. */

@@ -7,6 +7,7 @@ import { differences } from "./differences.js";
 import { covered, openTasks, response } from "./heat.js";
 import { labels } from "./labels.js";
 import { marked } from "./marked.js";
+import { oneRun } from "./one_run.js";
 import { closed, roads } from "./roads.js";
 import { scaleBar } from "./scale_bar.js";
 import { selected } from "./selected.js";
@@ -17,19 +18,19 @@ import { ways } from "./ways.js";
 import { zones } from "./zones.js";
 
 /** Those over the ground that are the same wherever the map is moved to, the lowest first. */
-export const PRESENT = [covered, openTasks, response, closed, zones, trails, ways, clusters, charging, tasks, agents, differences];
+export const PRESENT = [covered, openTasks, response, closed, zones, trails, ways, clusters, charging, tasks, agents, oneRun, differences];
 
 /**
  * The map's layers, the lowest first: { draw(c, map), shows(map)?, legend?, extra? }. `map` is what MapView says is in view. A layer
- * without `shows` is always drawn, one that is `extra` when it is asked for.
+ * without `shows` is always drawn, one that is `extra` when it is asked for. The menu has one with `offered(state)` where that holds.
  */
 export const LAYERS = [...BELOW, ...PRESENT, selected, labels, marked, scaleBar];
 
 /**
  * The layers that the legend tells of, in its order; each entry: { mark: SVG, long?, words: text or of a run, shows(run)?, id? }. Those of
- * layers that are shown when asked for are told { t, extra }, too: the time, and which of them are shown.
+ * layers that are shown when asked for are told { t, extra, rival }, too: the time, which of them are shown, and the run compared.
  */
-const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways, openTasks, response, covered];
+const TOLD = [tasks, charging, agents, baseMap, water, roads, closed, zones, trails, ways, openTasks, response, covered, oneRun];
 
 /** Fills the legend's box; returns what fits it to a run. */
 export function makeLegend(box) {
