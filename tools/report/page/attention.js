@@ -212,6 +212,8 @@ export class Attention {
     this.clock = clock;
     this.showTasks = showTasks;
     this.heard = performance.now();
+    this.all = []; // what needs attention
+    this.found = []; // without what somebody has seen to
     this.acknowledged = new Set(); // on a live page: what somebody has seen to, until it is over
     this.draw = oncePerFrame(() => this.#draw());
     clock.subscribe(this.draw);
@@ -226,6 +228,8 @@ export class Attention {
     const all = attentionAt(run, t, live ? performance.now() - this.heard : 0);
     if (this.clock.follow) this.#forget(all);
     const found = all.filter((f) => !this.acknowledged.has(alertOf(f)));
+    Object.assign(this, { all, found });
+    this.state.emit("attention");
     const seen = all.length - found.length;
     const groups = KINDS.map((kind) => found.filter((f) => f.kind === kind.id));
     const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]),

@@ -1,9 +1,18 @@
 import { byId } from "./dom.js";
 
+/** Keys that a display for a wall has. */
+const OF_WALL = ["w", "Escape", " ", "ArrowRight", "ArrowLeft", "]", "[", "Home", "End", "+", "=", "-", "f", "?"];
+
 /** What the keyboard does; `?` shows it. */
 export function bindKeys({ state, clock, transport, map, scene, panels, control, measure, search }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
+  const toWall = () => {
+    if (measure.on) measure.stop();
+    if (map.picking) control.togglePick(control.picks);
+    state.setWall(true);
+  };
+  byId("wall-open").addEventListener("click", toWall);
   const actions = {
     " ": () => clock.toggle(),
     ArrowRight: (event) => (event.shiftKey ? transport.step(1) : clock.seek(clock.t + state.run.tickMs)),
@@ -30,12 +39,14 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control,
     d: () => panels.open("decision"),
     e: () => panels.open("events"),
     p: () => panels.open("processes"),
-    Escape: () => (measure.on ? measure.stop() : map.picking ? control.togglePick(control.picks) : state.select(null)),
+    w: () => (state.wall ? state.setWall(false) : toWall()),
+    Escape: () => (state.wall ? state.setWall(false) : measure.on ? measure.stop() : map.picking ? control.togglePick(control.picks) : state.select(null)),
     "?": () => help.showModal(),
   };
   document.addEventListener("keydown", (event) => {
     const action = actions[event.key];
     const target = event.target;
+    if (state.wall && !OF_WALL.includes(event.key)) return;
     if (!action || event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]") || !state.run) return;
     if (target.matches("input:not([type=range]), select, textarea")) return;
     if (event.key === " " && target.matches("button, summary, [tabindex]")) return; // it presses that

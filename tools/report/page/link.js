@@ -33,10 +33,10 @@ export function readLink(hash) {
   const t = number("t");
   const look = ["scene", "time"].find((name) => name === values.get("look")) ?? null;
   return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on"),
-    against: number("against") };
+    against: number("against"), wall: values.get("wall") === "1" };
 }
 
-export function writeLink({ tMs, sel, run, look, off, on, against, lang }) {
+export function writeLink({ tMs, sel, run, look, off, on, against, wall, lang }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
@@ -45,6 +45,7 @@ export function writeLink({ tMs, sel, run, look, off, on, against, lang }) {
   if (off) parts.push(`off=${off}`);
   if (on) parts.push(`on=${on}`);
   if (against !== null && against !== undefined) parts.push(`against=${against}`);
+  if (wall) parts.push("wall=1");
   if (lang) parts.push(`lang=${lang}`);
   return `#${parts.join("&")}`;
 }
@@ -52,7 +53,7 @@ export function writeLink({ tMs, sel, run, look, off, on, against, lang }) {
 const SETTLED_MS = 250;
 
 /**
- * Keeps the address at what is shown: a selection is a step of the browser's history, time is not. `start(link)` shows
+ * Keeps the address at what is shown: a selection is a step of the browser's history, time is not, nor what a wall shows by itself. `start(link)` shows
  * what a link says, also when the user goes back.
  */
 export class Link {
@@ -65,6 +66,7 @@ export class Link {
     this.shown = "";
     clock.subscribe(() => this.#later());
     state.on("selection run", () => this.#step());
+    state.on("wall", () => this.#turn());
     state.on("look layers rival", () => this.#later());
     window.addEventListener("popstate", () => this.#apply());
   }
@@ -85,9 +87,9 @@ export class Link {
   }
 
   #address() {
-    const { current, looks, off, extra, rival, usualRival } = this.state;
-    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: namesOf(this.state), run: current, look: looks,
-      off: [...off].join(), on: [...extra].join(), against: rival === usualRival ? null : rival, lang: linkLanguage() });
+    const { current, looks, off, extra, rival, usualRival, wall } = this.state;
+    return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: wall ? null : namesOf(this.state), run: current, look: looks,
+      off: [...off].join(), on: [...extra].join(), against: rival === usualRival ? null : rival, wall, lang: linkLanguage() });
   }
 
   #later() {
@@ -96,8 +98,20 @@ export class Link {
     this.timer = setTimeout(() => history.replaceState(null, "", this.#address()), SETTLED_MS);
   }
 
+  /** A wall begins or ends. */
+  #turn() {
+    if (!this.ready) return;
+    this.shown = namesOf(this.state);
+    clearTimeout(this.timer);
+    history.pushState(null, "", this.#address());
+  }
+
   #step() {
     if (!this.ready) return;
+    if (this.state.wall) {
+      this.#later();
+      return;
+    }
     const name = namesOf(this.state);
     if (name === this.shown && this.state.current === this.shownRun) return;
     this.shown = name;

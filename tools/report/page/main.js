@@ -26,6 +26,7 @@ import { decidingMs } from "./run.js";
 import { watchTheme } from "./theme.js";
 import { timeText } from "./time.js";
 import { Transport } from "./transport.js";
+import { WallView } from "./wall_view.js";
 
 const state = new State();
 const clock = new Clock();
@@ -74,7 +75,7 @@ function build() {
   new Card(state, clock);
   new Differences(state, clock);
   new RivalryView(state, clock, map);
-  new Attention(state, clock, (filter) => panels.showTasks(filter));
+  new WallView(state, clock, map, new Attention(state, clock, (filter) => panels.showTasks(filter)));
   Object.assign(parts, { map, control });
   bindChoices(map, scene, gantt);
   bindKeys({ state, clock, transport, map, scene, panels, control, measure: new Measure(state, map), search: new Search(state, map) });
@@ -89,7 +90,7 @@ function tellMoment({ t, why }) {
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run, look, off, on, against }) {
+function show({ tMs, sel, run, look, off, on, against, wall }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
   state.setRival(against !== null && against < state.runs.length && against !== state.current ? against : state.usualRival);
   state.look(look ?? "map");
@@ -102,6 +103,7 @@ function show({ tMs, sel, run, look, off, on, against }) {
   const items = (sel ?? "").split(",").map((name) => itemOf(state.run, name)).filter(Boolean);
   state.select(null);
   for (const item of items.reverse()) state.flyTo(item, true);
+  state.setWall(wall);
 }
 
 function showLive(how, text = "") {

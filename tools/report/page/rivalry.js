@@ -1,10 +1,11 @@
 import { figuresAt, isSameCommand, isSameScenario } from "./compare.js";
 import { say } from "./language.js";
 import { reasonAt, storyOf } from "./reasons.js";
-import { decisionAt, doneAt, sameActions, taskStatusAt } from "./run.js";
+import { decisionAt, doneAt, taskStatusAt } from "./run.js";
 import { commandsAt, commandsByTask, doneTime, waitedMs } from "./story.js";
 import { CANCELLED, DONE, EXPIRED } from "./words.js";
 
+const ACTION = 9; // numbers in the row of an action, the last one its weight
 const SIDE = 3; // parts of the map in a row and in a column
 
 /** The parts of the map, from the south-west on to the east, then to the north. */
@@ -28,6 +29,11 @@ function commandedOtherwise(run, mine, other, theirs) {
   return run.agents.filter(({ label }) => !isSameCommand(here.get(label) ?? null, there.get(label) ?? null));
 }
 
+/** Whether two decisions are the same row by row, but for what they weigh. */
+function isSameButWeights({ actions: a }, { actions: b }) {
+  return a.length === b.length && a.every((value, i) => value === b[i] || i % ACTION === ACTION - 1);
+}
+
 /** The first decision that commands agents otherwise: { index, t, agents }; null: none does until then. */
 function firstOtherwise(run, other, until) {
   const theirs = new Map(other.decisions.map((decision) => [decision.index, decision]));
@@ -36,7 +42,7 @@ function firstOtherwise(run, other, until) {
     const [a, b] = [mine.get(index) ?? null, theirs.get(index) ?? null];
     const { t } = a ?? b;
     if (t > until) return null;
-    if (a && b && sameActions(a, b)) continue;
+    if (a && b && isSameButWeights(a, b)) continue;
     const agents = commandedOtherwise(run, a, other, b);
     if (agents.length > 0) return { index, t, agents };
   }

@@ -22,6 +22,7 @@ export class State {
     this.off = new Set(); // ids of the map's layers that are not shown
     this.extra = new Set(); // ids of those that are shown only when asked for
     this.looks = "map"; // "scene": in 3D; "time": space and time
+    this.wall = false; // whether the page is a display for a wall
     this.listeners = new Map();
   }
 
@@ -29,7 +30,8 @@ export class State {
     return this.runs[this.current];
   }
 
-  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "rival", "theme", "orders" */
+  /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "rival", "theme", "orders",
+   *  "attention", "wall" */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -137,6 +139,13 @@ export class State {
     if (this.rival === i) return;
     this.rival = i;
     this.emit("rival");
+  }
+
+  /** Turns the page into a display for a wall, or back. */
+  setWall(on) {
+    if (this.wall === on || !this.run) return;
+    this.wall = on;
+    this.emit("wall");
   }
 
   /** Shows the map, the scene, or space and time. */
