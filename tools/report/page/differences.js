@@ -42,6 +42,7 @@ export class Differences {
     const { run, runs, other: from } = this.state;
     const box = byId("differences");
     box.hidden = from === null;
+    this.choice.value = from ?? "";
     if (from === null) return;
     const other = runs[from];
     const pairs = differencesAt(run, other, this.clock.t);

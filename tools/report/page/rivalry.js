@@ -111,16 +111,36 @@ export function doneInOne(run, other, t) {
   return only;
 }
 
-/** Tasks done in each part of the map where their number differs, the largest difference first: { part, done, more, box }. */
+/** Of tasks done, { t, of }: from when on one run is ahead for good; null: nobody is. */
+function aheadSince(list) {
+  const lead = { t: [], n: [] };
+  let sum = 0;
+  [...list].sort((a, b) => a.t - b.t).forEach(({ t, of }, i, all) => {
+    sum += of === 0 ? 1 : -1;
+    if (all[i + 1]?.t === t) return; // at one time
+    lead.t.push(t);
+    lead.n.push(sum);
+  });
+  return readLead(lead).since;
+}
+
+/**
+ * Tasks done in each part of the map where their number differs, the largest difference first: { part, done, more, since (from when on
+ * one was ahead there for good), box }.
+ */
 function partsThatDiffer(run, other, until) {
   const tasks = [...run.tasks, ...other.tasks].filter(isTask);
   if (tasks.length === 0) return [];
   const { partOf, boxOf } = partsOf(tasks);
-  const done = PARTS.map(() => [0, 0]);
+  const done = PARTS.map(() => []); // { t, of }
   [run, other].forEach((one, of) => {
-    for (const task of one.tasks) if (isDone(task, until)) ++done[partOf(task)][of];
+    for (const task of one.tasks) if (isDone(task, until)) done[partOf(task)].push({ t: doneTime(one, task), of });
   });
-  return done.map((pair, part) => ({ part, done: pair, more: pair[0] - pair[1], box: boxOf(part) })).filter(({ more }) => more !== 0)
+  const told = (list, part) => {
+    const n = [0, 1].map((one) => list.filter(({ of }) => of === one).length);
+    return { part, done: n, more: n[0] - n[1], since: aheadSince(list), box: boxOf(part) };
+  };
+  return done.map(told).filter(({ more }) => more !== 0)
     .sort((a, b) => Math.abs(b.more) - Math.abs(a.more) || a.part - b.part);
 }
 

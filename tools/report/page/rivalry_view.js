@@ -94,8 +94,9 @@ export class RivalryView {
     const time = this.#time(until);
     const lines = [];
     if (byDone === null) {
-      lines.push(sayParts(ended ? "Undecided: at the end, {time}, both have done {n} tasks." : "So far, until {time}, it is undecided: tasks done in each: {n}.",
-        { time, n: number(done[0]) }));
+      const text = say(!ended ? "So far, until {time}, it is undecided: tasks done in each: {n}." : byWorth === null
+        ? "Undecided: at the end, {time}, both have done {n} tasks." : "At the end, {time}, both have done {n} tasks.");
+      lines.push(sayParts(text, { time, n: number(done[0]) }));
     } else {
       const values = { time, run: this.names[byDone], other: this.names[1 - byDone], a: number(done[byDone]), b: number(done[1 - byDone]),
         total: number(total[byDone]), others: number(total[1 - byDone]), n: number(Math.abs(done[0] - done[1])) };
@@ -152,19 +153,19 @@ export class RivalryView {
     return lines;
   }
 
-  #parts({ parts, until }) {
-    return parts.slice(0, MOST_PARTS).map(({ part, done, more, box }) => {
+  #parts({ parts }) {
+    return parts.slice(0, MOST_PARTS).map(({ part, done, more, since, box }) => {
       const of = more > 0 ? 0 : 1;
       const { width_m: w, height_m: h } = this.state.run.scenario;
       const zoom = Math.min(NEAREST, Math.max(1, SEEN * Math.min(w / Math.max(box.wide, 1), h / Math.max(box.high, 1))));
-      const go = () => {
-        this.#go(until);
+      const go = (t) => {
+        this.#go(t);
         this.state.look("map");
         this.map.goTo(box, zoom);
         byId("map-panel").scrollIntoView({ block: "nearest" });
       };
-      return sayParts("{part} {run} is ahead by {n}: tasks done {a} against {b}.", {
-        part: element("button", { type: "button", class: "name", onclick: go }, PARTS[part]), run: this.names[of],
+      return sayParts("{part} {run} is ahead by {n}, for good from {time}. Tasks done: {a} against {b}.", {
+        part: PARTS[part], run: this.names[of], time: element("button", { type: "button", class: "name", onclick: () => go(since) }, clockText(since)),
         n: number(Math.abs(more)), a: number(done[of]), b: number(done[1 - of]) });
     });
   }
@@ -194,8 +195,8 @@ export class RivalryView {
   }
 
   /** Tasks that only one of them did, and why the other one did not. */
-  #only({ only }) {
-    return only.flatMap((tasks, of) => (tasks.length === 0 ? [] : [
+  #only({ only, better }) {
+    return (better === 1 ? [1, 0] : [0, 1]).map((of) => [only[of], of]).flatMap(([tasks, of]) => (tasks.length === 0 ? [] : [
       element("h4", {}, say("Done only in {run}: {n}", { run: this.names[of], n: number(tasks.length) })),
       element("ul", { class: "story" }, ...tasks.slice(0, MOST_TASKS).map(({ id, t, why }) => element("li", {}, ...sayParts("{task} at {time}; {other}: {why}", {
         task: this.#task(id), time: this.#time(t, this.#itemOf(id)), other: this.names[1 - of], why })))),

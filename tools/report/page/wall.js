@@ -5,11 +5,14 @@ const EACH_MS = 8000;
 const LEAST_MS = 2000; // what is over by then is shown for that long
 const MOST_OF_KIND = 4; // of the same trouble: those that the panel of the page shows, too
 
-/** What a wall shows one after the other, of all that needs attention: each with `key`, its kind's title and mark, and how many there are of it. */
+/**
+ * What a wall shows one after the other, of all that needs attention: each with `key`, which stays while seconds pass, its kind's title
+ * and mark, and how many there are of the kind.
+ */
 export function wallItems(found) {
   return KINDS.flatMap(({ id, title, mark }) => {
     const group = found.filter(({ kind }) => kind === id);
-    return group.slice(0, MOST_OF_KIND).map((one) => ({ ...one, key: `${id} ${one.text}`, title, mark, count: group.length }));
+    return group.slice(0, MOST_OF_KIND).map((one) => ({ ...one, key: id === "log" ? id : `${id} ${one.text}`, title, mark, count: group.length }));
   });
 }
 

@@ -37,7 +37,10 @@ export class WallView {
     state.look("map");
     document.documentElement.dataset.wall = "";
     byId("wall").hidden = false;
-    if (state.live) clock.seek(clock.max, true);
+    if (state.live) {
+      clock.seek(clock.max, true);
+      this.ticking = setInterval(() => this.attention.draw(), 1000); // that nothing is heard any more is not heard, either
+    }
     this.map.reset();
     this.#again();
     this.#drawFigures();
@@ -45,6 +48,7 @@ export class WallView {
 
   #leave() {
     this.round.stop();
+    clearInterval(this.ticking);
     delete document.documentElement.dataset.wall;
     byId("wall").hidden = true;
     this.state.look(this.back.look);

@@ -48,6 +48,9 @@ test("a lead that is lost and won again counts from then on; who is level in the
 test("where on the map: parts of the box around the tasks, those that differ most first", () => {
   const found = rivalry(ran([10, 20, undefined, undefined]), ran([undefined, undefined, 10, undefined]));
   assert.deepEqual(found.parts.map(({ part, done, more }) => [PARTS[part], done, more]), [["In the south-west", [2, 0], 2], ["In the centre", [0, 1], -1]]);
+  assert.deepEqual(found.parts.map(({ since }) => since), [10 * MIN, 10 * MIN]);
+  const late = rivalry(ran([30, 20, undefined, undefined]), ran([10, undefined, undefined, undefined]));
+  assert.deepEqual(late.parts.map(({ done, since }) => [done, since]), [[[2, 1], 30 * MIN]], "level at 20 min");
   assert.deepEqual(found.parts[0].box, { x: 150, y: 150, wide: 300, high: 300 });
   const line = { ...FOUR, tasks: [500, 0, 50, 500, 900, 50] };
   const on = (times) => ran(times, { scenario: line });

@@ -91,6 +91,7 @@ test("what is new and more urgent does not interrupt, and comes in its turn", ()
 test("at most four of a kind, the most harmful kind first, each with how many there are", () => {
   const items = wallItems([...found("risk", "1", "2", "3", "4", "5"), ...found("failed", "uav:0")]);
   assert.deepEqual(items.map(({ key, count }) => [key, count]), [["failed uav:0", 1], ["risk 1", 5], ["risk 2", 5], ["risk 3", 5], ["risk 4", 5]]);
+  assert.deepEqual(wallItems(found("log", "nothing heard for 6 s")).map(({ key }) => key), ["log"], "seconds that pass make no other one");
   assert.deepEqual([items[0].mark, items[1].title], ["×", "At risk"]);
 });
 
