@@ -35,7 +35,7 @@ const minutes = (ms) => `${number(ms / 60000)} min`;
 const weightOf = (task) => 10 * (task.priority ?? 0);
 
 /** "task 17, emergency: School" */
-const taskText = ({ id, name, priority }) => `${taskName(id)}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}${name ? `: ${isolated(name)}` : ""}`;
+export const taskText = ({ id, name, priority }) => `${taskName(id)}${priority >= 2 ? `, ${PRIORITIES[priority]}` : ""}${name ? `: ${isolated(name)}` : ""}`;
 
 /**
  * Why a task will be late or lost, from its due time and expiry: { harm, note }; null when nothing speaks for it. Soon is

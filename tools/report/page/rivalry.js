@@ -148,10 +148,11 @@ function partsThatDiffer(run, other, until) {
 function whyNot(run, id, t, until) {
   if (!isTask(run.tasks[id])) return say("it has no such task");
   const status = taskStatusAt(run.tasks[id], until);
-  if (status === EXPIRED || status === CANCELLED) return say(run.words.tasks[status]);
+  if (status === CANCELLED) return say(run.words.tasks[status]);
   const story = storyOf(run, id);
   const reason = story && (reasonAt(story, decisionAt(run, t)) ?? story.decisions[0]);
   if (reason) return reason.lines[0];
+  if (status === EXPIRED) return say(run.words.tasks[status]);
   if (!run.ended) return say("not yet done");
   return say(commandsByTask(run)[id].length > 0 ? "somebody was sent, in vain" : "nobody was ever sent");
 }
@@ -176,8 +177,8 @@ function compared(run, other) {
   const figures = both.map((one) => figuresAt(one, until));
   const only = doneInOne(run, other, until).map((tasks, of) => tasks.map((task) => {
     const t = doneTime(both[of], task);
-    return { id: task.id, t, why: whyNot(both[1 - of], task.id, t, until) };
-  }).sort((a, b) => a.t - b.t || a.id - b.id));
+    return { task, t, why: whyNot(both[1 - of], task.id, t, until) };
+  }).sort((a, b) => (b.task.priority ?? 0) - (a.task.priority ?? 0) || a.t - b.t || a.task.id - b.task.id));
   const decision = firstOtherwise(run, other, until);
   const lead = leadOver(run, other, until);
   const isAlike = decision === null && only.every((tasks) => tasks.length === 0) && lead.n.every((n) => n === 0);

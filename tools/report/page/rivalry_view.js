@@ -1,8 +1,8 @@
+import { taskText } from "./attention.js";
 import { ChartTable } from "./chart_table.js";
 import { isSameScenario } from "./compare.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { fill, say, sayParts } from "./language.js";
-import { taskName } from "./names.js";
 import { Plot } from "./plot.js";
 import { PARTS, rivalry } from "./rivalry.js";
 import { theme } from "./theme.js";
@@ -61,7 +61,7 @@ export class RivalryView {
     this.names = [nameOfRun(runs, current), nameOfRun(runs, rival)];
     byId("rivalry-chart").hidden = found === null || found.isAlike;
     byId("rivalry-body").replaceChildren(...(found ? this.#story(found) : [
-      element("p", { class: "empty" }, say("{run} is of another scenario: nothing can be compared place by place.", { run: this.names[1] }))]));
+      element("p", { class: "empty" }, say("{run} is of another scenario or has another time limit: there is nothing to compare step by step.", { run: this.names[1] }))]));
     this.#drawChart();
   }
 
@@ -198,8 +198,8 @@ export class RivalryView {
   #only({ only, better }) {
     return (better === 1 ? [1, 0] : [0, 1]).map((of) => [only[of], of]).flatMap(([tasks, of]) => (tasks.length === 0 ? [] : [
       element("h4", {}, say("Done only in {run}: {n}", { run: this.names[of], n: number(tasks.length) })),
-      element("ul", { class: "story" }, ...tasks.slice(0, MOST_TASKS).map(({ id, t, why }) => element("li", {}, ...sayParts("{task} at {time}; {other}: {why}", {
-        task: this.#task(id), time: this.#time(t, this.#itemOf(id)), other: this.names[1 - of], why })))),
+      element("ul", { class: "story" }, ...tasks.slice(0, MOST_TASKS).map(({ task, t, why }) => element("li", {}, ...sayParts("{task} at {time}; {other}: {why}", {
+        task: this.#task(task), time: this.#time(t, this.#itemOf(task.id)), other: this.names[1 - of], why })))),
       tasks.length > MOST_TASKS ? element("p", { class: "hint" }, say("and {n} more", { n: number(tasks.length - MOST_TASKS) })) : "",
     ]));
   }
@@ -210,9 +210,9 @@ export class RivalryView {
     return task && !task.vacant ? { type: "task", id } : null;
   }
 
-  #task(id) {
-    const item = this.#itemOf(id);
-    return item ? element("button", { type: "button", class: "name", onclick: () => this.#fly(item) }, taskName(id)) : taskName(id);
+  #task(task) {
+    const item = this.#itemOf(task.id);
+    return item ? element("button", { type: "button", class: "name", onclick: () => this.#fly(item) }, taskText(task)) : taskText(task);
   }
 
   #makeChart() {

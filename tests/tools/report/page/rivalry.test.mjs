@@ -64,10 +64,12 @@ test("tasks that one alone did, and why the other one did not", () => {
   const text = "task:1 at (0.90, 0.90) km: not done\n\ndecision   0  0:00:00  outbid: uav:0 and worker:0 could sense it\n";
   const a = ran([10, 30, 20, 40], sent);
   const b = ran([], { ...sent, tasks: [[3, 0, [0, 0, 9 * MIN, EXPIRED]]], reasons: { undone: 4, tasks: [[1, text]] } });
-  const [mine, yours] = rivalry(a, b).only;
+  const [mine, yours] = rivalry(a, b).only.map((list) => list.map(({ task, t, why }) => ({ id: task.id, t, why })));
   assert.deepEqual(yours, []);
   assert.deepEqual(mine, [{ id: 0, t: 10 * MIN, why: "nobody was ever sent" }, { id: 2, t: 20 * MIN, why: "somebody was sent, in vain" },
     { id: 1, t: 30 * MIN, why: "outbid: uav:0 and worker:0 could sense it" }, { id: 3, t: 40 * MIN, why: "expired" }]);
+  const important = { scenario: { ...FOUR, task_times: [1, 0, 3, 1].map((priority) => [0, null, null, priority, ""]) } };
+  assert.deepEqual(rivalry(ran([10, 30, 20, 40], important), ran([], important)).only[0].map(({ task }) => task.id), [2, 0, 3, 1], "emergencies first");
   const ids = (t) => doneInOne(b, a, t * MIN).map((tasks) => tasks.map(({ id }) => id));
   assert.deepEqual([ids(9), ids(20), ids(60)], [[[], []], [[], [0, 2]], [[], [0, 1, 2, 3]]], "by the chosen time");
 });
@@ -114,7 +116,7 @@ test("a run that goes on is compared up to what is known of it; one that ended s
   const going = ran([10, 15], { now_ms: 20 * MIN, ended: false, report: undefined });
   const now = rivalry(going, long);
   assert.deepEqual([now.until, now.ended, now.ends, now.done, now.worth, now.better], [20 * MIN, false, null, [2, 0], null, 0]);
-  assert.deepEqual([now.only[0].map(({ id, why }) => [id, why]), rivalry(long, going).only[1].length], [[[0, "nobody was ever sent"], [1, "nobody was ever sent"]], 2]);
+  assert.deepEqual([now.only[0].map(({ task, why }) => [task.id, why]), rivalry(long, going).only[1].length], [[[0, "nobody was ever sent"], [1, "nobody was ever sent"]], 2]);
   assert.equal(rivalry(going, long), now, "found once");
   going.apply({ now_ms: 35 * MIN, epoch_ms: 0, ended: false, done: [3, [34 * MIN, 3]], tasks: [[2, 0, [0, 0, 34 * MIN, DONE]]] });
   assert.deepEqual([rivalry(going, long).done, rivalry(long, going).until], [[3, 3], 35 * MIN]);
