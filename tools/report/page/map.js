@@ -178,7 +178,7 @@ export class MapView {
     this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
       sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
     const began = performance.now();
-    if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra, rival: this.state.rival });
+    if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra, rival: this.state.rivalRun });
     Object.assign(this.shown, this.#within(0, 0), { pointed: this.pointed });
     Object.assign(this, { near: this.shown.near, sites: this.shown.sites, points: this.shown.points, clusters: this.shown.clusters });
     byId("map-crowd").hidden = this.clusters.length === 0;

@@ -52,10 +52,10 @@ export class RivalryView {
   }
 
   #show() {
-    const { run, runs, current, rival } = this.state;
-    if (!run || rival === null) return;
+    const { run, runs, current, rival, rivalRun } = this.state;
+    if (!run || !rivalRun) return;
     this.choice.value = String(rival);
-    const found = rivalry(run, runs[rival]);
+    const found = rivalry(run, rivalRun);
     if (found === this.found && found !== null) return;
     this.found = found;
     this.names = [nameOfRun(runs, current), nameOfRun(runs, rival)];

@@ -30,6 +30,11 @@ export class State {
     return this.runs[this.current];
   }
 
+  /** The run that the open one is compared with; null: there is none. */
+  get rivalRun() {
+    return this.runs[this.rival] ?? null;
+  }
+
   /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "rival", "theme", "orders",
    *  "attention", "wall" */
   on(what, listener) {

@@ -1,3 +1,4 @@
+import { isSameScenario } from "../compare.js";
 import { say } from "../language.js";
 import { doneInOne } from "../rivalry.js";
 import { theme } from "../theme.js";
@@ -22,22 +23,23 @@ function mark(c, up, r, colour) {
   c.setLineDash([]);
 }
 
-const shows = (run, { extra, rival }) => extra.has(ID) && rival !== null;
+const isCompared = (run, rival) => rival !== null && isSameScenario(run, rival);
+const shows = (run, { extra, rival }) => extra.has(ID) && isCompared(run, rival);
 
 /** Tasks that only one of the two compared runs has done by the chosen time. Found once for each time. */
 export const oneRun = {
   id: ID,
   title: say("Done in one run only"),
   extra: true,
-  offered: ({ rival }) => rival !== null,
-  shows: ({ state }) => state.rival !== null,
+  offered: ({ run, rivalRun }) => isCompared(run, rivalRun),
+  shows: ({ run, state }) => isCompared(run, state.rivalRun),
   legend: [
     { id: "here-only", mark: '<path d="M1 10.5H11L6 1Z" class="l-here"/>', words: say("done in this run only"), shows },
     { id: "there-only", mark: '<path d="M1 1.5H11L6 11Z" class="l-there"/>', words: say("done in the run compared only"), shows },
   ],
-  draw(c, { run, state: { runs, rival, current }, t, x, y, r, edges, sprites }) {
+  draw(c, { run, state: { rivalRun, rival, current }, t, x, y, r, edges, sprites }) {
     const kept = run.once(`done in one run ${rival}`, () => ({ t: null, only: null }));
-    if (kept.t !== t) Object.assign(kept, { t, only: doneInOne(run, runs[rival], t) });
+    if (kept.t !== t) Object.assign(kept, { t, only: doneInOne(run, rivalRun, t) });
     kept.only.forEach((tasks, of) => {
       const colour = theme.runs[(of === 0 ? current : rival) % theme.runs.length];
       for (const task of tasks) {
