@@ -3,6 +3,7 @@ import { say } from "./language.js";
 import { reasonAt, storyOf } from "./reasons.js";
 import { decisionAt, doneAt, taskStatusAt } from "./run.js";
 import { commandsAt, commandsByTask, doneTime, waitedMs } from "./story.js";
+import { clockText } from "./time.js";
 import { CANCELLED, DONE, EXPIRED } from "./words.js";
 
 const ACTION = 9; // numbers in the row of an action, the last one its weight
@@ -147,6 +148,8 @@ function partsThatDiffer(run, other, until) {
 /** Why a run has not done a task that another one did at t: in a line. */
 function whyNot(run, id, t, until) {
   if (!isTask(run.tasks[id])) return say("it has no such task");
+  const later = doneTime(run, run.tasks[id]);
+  if (later !== null) return say("done later, at {time}", { time: clockText(later) }); // than the other one is known
   const status = taskStatusAt(run.tasks[id], until);
   if (status === CANCELLED) return say(run.words.tasks[status]);
   const story = storyOf(run, id);

@@ -71,8 +71,9 @@ export class WallView {
 
   #show(item, at, total) {
     byId("wall-item").className = item ? `a-${item.kind}` : "";
-    if (item) this.#say(`${item.mark} ${item.title} ${number(item.count)}`, item.text, item.note, say("{n} of {total}", { n: number(at + 1), total: number(total) }));
-    else this.#say("", say("Nothing needs attention now."), "", "");
+    if (item) {
+      this.#say(item.mark, `${item.title} ${number(item.count)}`, item.text, item.note, say("{n} of {total}", { n: number(at + 1), total: number(total) }));
+    } else this.#say("", "", say("Nothing needs attention now."), "", "");
     this.#goTo(item?.item ?? null);
   }
 
@@ -85,7 +86,7 @@ export class WallView {
   }
 
   #say(...texts) {
-    ["wall-kind", "wall-what", "wall-note", "wall-place"].forEach((id, i) => {
+    ["wall-mark", "wall-kind", "wall-what", "wall-note", "wall-place"].forEach((id, i) => {
       if (byId(id).textContent !== texts[i]) byId(id).textContent = texts[i]; // else it would be read out again
     });
   }

@@ -116,7 +116,7 @@ test("a run that goes on is compared up to what is known of it; one that ended s
   const going = ran([10, 15], { now_ms: 20 * MIN, ended: false, report: undefined });
   const now = rivalry(going, long);
   assert.deepEqual([now.until, now.ended, now.ends, now.done, now.worth, now.better], [20 * MIN, false, null, [2, 0], null, 0]);
-  assert.deepEqual([now.only[0].map(({ task, why }) => [task.id, why]), rivalry(long, going).only[1].length], [[[0, "nobody was ever sent"], [1, "nobody was ever sent"]], 2]);
+  assert.deepEqual([now.only[0].map(({ task, why }) => [task.id, why]), rivalry(long, going).only[1].length], [[[0, "done later, at 0:30:00"], [1, "done later, at 0:31:00"]], 2]);
   assert.equal(rivalry(going, long), now, "found once");
   going.apply({ now_ms: 35 * MIN, epoch_ms: 0, ended: false, done: [3, [34 * MIN, 3]], tasks: [[2, 0, [0, 0, 34 * MIN, DONE]]] });
   assert.deepEqual([rivalry(going, long).done, rivalry(long, going).until], [[3, 3], 35 * MIN]);
