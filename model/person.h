@@ -30,8 +30,7 @@ Role RoleFor(OrderKind kind);
 struct Person {
   std::string name;
   Role role = Role::kNone;
-  std::string
-      key;  ///< Ed25519, public, 64 hexadecimal digits; "": only the launcher signs for them
+  std::string key;  ///< Ed25519, public, 64 hexadecimal digits; "": the launcher signs for them
   std::string why;  ///< of kNone: "expired", "removed"
 };
 

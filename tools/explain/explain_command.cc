@@ -64,7 +64,7 @@ int ExplainCommand(int argc, const char* const* argv) {
   options.Flag("best", "What could have been: the best plan found in hindsight");
   options.Add("effort", "N", "With --best: how long to search")
       .Integer(1, kMostEffort)
-      .Default("10");
+      .Default("5");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <set>
@@ -22,6 +23,7 @@ using scheduler::Future;
 using scheduler::Situation;
 
 constexpr std::size_t kCostliest = 3, kMostActions = 6;  ///< that are told in words
+constexpr std::size_t kIdsPerLine = 9;
 constexpr double kWorthRounding = 1e-6;
 
 /// Sensing of the mission or of a forecast that was done.
@@ -274,14 +276,22 @@ Hindsight LookBack(const DecisionLog& log, std::int64_t effort, const DecisionPr
 
 namespace {
 
-/// "3 tasks", with their worth where that is another number.
-std::string OutcomeWords(const Outcome& outcome) {
-  const std::string tasks = Plural(static_cast<int>(outcome.done), "task");
-  if (std::abs(outcome.worth - static_cast<double>(outcome.done)) < kWorthRounding) return tasks;
-  return fmt::format("{} (worth {:.1f})", tasks, outcome.worth);
+/// What the tasks are worth, where that is another number than how many there are.
+std::string WorthWords(const Outcome& outcome) {
+  if (std::abs(outcome.worth - static_cast<double>(outcome.done)) < kWorthRounding) return "";
+  return fmt::format(" (worth {:.1f})", outcome.worth);
 }
 
-void AddActions(std::string_view what, const std::vector<Action>& actions, std::string* text) {
+/// "3 tasks"; "worth 0.5" where the same number of tasks is worth less.
+std::string OutcomeWords(const Outcome& outcome) {
+  if (outcome.done == 0 && outcome.worth > 0) return fmt::format("worth {:.1f}", outcome.worth);
+  return Plural(static_cast<int>(outcome.done), "task") + WorthWords(outcome);
+}
+
+/// The pairs first.
+void AddActions(std::string_view what, std::vector<Action> actions, std::string* text) {
+  std::stable_partition(actions.begin(), actions.end(),
+                        [](const Action& action) { return IsPair(action.kind); });
   for (std::size_t i = 0; i < std::min(actions.size(), kMostActions); ++i) {
     *text += fmt::format("  {:<9}  {}\n", i == 0 ? what : "", Words(actions[i]));
   }
@@ -295,12 +305,13 @@ void AddActions(std::string_view what, const std::vector<Action>& actions, std::
 
 std::string ToText(const Hindsight& hindsight) {
   std::string text = fmt::format(
-      "{} did {} of {}. The best plan found in hindsight does {}.\n"
+      "{} did {} of {}{}. The best plan found in hindsight does {}{}.\n"
       "It knows who comes, leaves or fails and what is reported, but nothing that goes wrong by\n"
       "chance. The search is not exact: more may be possible, and one task may be chance.\n\n"
       "decision     time  could still be done  lost\n",
-      hindsight.policy.empty() ? "The mission" : hindsight.policy, OutcomeWords(hindsight.was),
-      hindsight.tasks, OutcomeWords(hindsight.best));
+      hindsight.policy.empty() ? "The mission" : hindsight.policy, hindsight.was.done,
+      Plural(static_cast<int>(hindsight.tasks), "task"), WorthWords(hindsight.was),
+      hindsight.best.done, WorthWords(hindsight.best));
   std::vector<const HindsightDecision*> costly;
   for (const HindsightDecision& decision : hindsight.decisions) {
     text += fmt::format("{:>8}  {:>7}  ", decision.decision, ClockText(decision.at_us));
@@ -317,7 +328,8 @@ std::string ToText(const Hindsight& hindsight) {
       lost += fmt::format("{}{} failed", lost.empty() ? "" : ", ",
                           Plural(static_cast<int>(decision.failed), "agent"));
     }
-    text += fmt::format("{:>19}  {}\n", OutcomeWords(decision.best), lost);
+    text +=
+        fmt::format("{:>19}{}{}\n", OutcomeWords(decision.best), lost.empty() ? "" : "  ", lost);
   }
   std::stable_sort(costly.begin(), costly.end(),
                    [](const auto* a, const auto* b) { return a->lost.worth > b->lost.worth; });
@@ -329,9 +341,11 @@ std::string ToText(const Hindsight& hindsight) {
     AddActions("better", decision->better, &text);
   }
   if (!hindsight.missed.empty()) {
-    text += "\nThe best plan does these tasks, and the mission did not:";
-    for (const std::int32_t task : hindsight.missed) text += fmt::format(" task:{}", task);
-    text += "\n";
+    text += "\nThe best plan does these tasks, and the mission did not:\n";
+    for (std::size_t i = 0; i < hindsight.missed.size(); ++i) {
+      const bool last = (i + 1) % kIdsPerLine == 0 || i + 1 == hindsight.missed.size();
+      text += fmt::format("  task:{}{}", hindsight.missed[i], last ? "\n" : "");
+    }
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #include "scheduler/policies/baselines/greedy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,12 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "model/feasibility.h"
 #include "model/generator.h"
 #include "model/place_index.h"
 
 namespace muster::scheduler {
 namespace {
+
+constexpr int kLanes = 8;  ///< cells beside each other whose costs are summed together
 
 /// The cells of an area and what they cost one agent class: the sum or least of the ways from a
 /// cell's centre to the targets. In a large area only cells that an agent can reach are looked at.
@@ -35,16 +39,19 @@ class Cells {
     const Range columns = RangeOf(middle.x_m, radius_m, columns_);
     for (int row = rows.first; row <= rows.last; ++row) {
       for (int column = columns.first; column <= columns.last; ++column) {
-        visit(std::int64_t{row} * columns_ + column,
-              CellCentre(column, row, site_.width_m, site_.height_m));
+        visit(std::int64_t{row} * columns_ + column, Centre(column, row));
       }
     }
   }
 
   double CostOf(std::int64_t cell, Point centre) {
-    const auto [known, is_new] = costs_.try_emplace(cell);
-    if (is_new) known->second = Cost(centre);
-    return known->second;
+    const auto known = costs_.find(cell);
+    if (known != costs_.end()) return known->second;
+    if (aim_ == GreedyPolicy::Aim::kSum && ways_.straight()) {
+      AddSums(cell);
+      return costs_.at(cell);
+    }
+    return costs_[cell] = Cost(centre);
   }
 
  private:
@@ -57,6 +64,29 @@ class Cells {
       return static_cast<int>(std::clamp(std::floor(at_m / kCellM), 0.0, count - 1.0));
     };
     return {cell(middle_m - radius_m), cell(middle_m + radius_m)};
+  }
+
+  /// The sums of the cell and of those beside it, of which others will be asked for: several square
+  /// roots at a time. Each is the sum that Cost gives.
+  void AddSums(std::int64_t cell) {
+    const auto row = static_cast<int>(cell / columns_);
+    const int first = static_cast<int>(cell % columns_) / kLanes * kLanes;
+    std::array<double, kLanes> x, sum{};
+    for (int lane = 0; lane < kLanes; ++lane) x[At(lane)] = Centre(first + lane, row).x_m;
+    const double y = Centre(first, row).y_m;
+    for (const Point target : targets_) {
+      const double dy = y - target.y_m;
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const double dx = x[lane] - target.x_m;
+        sum[lane] += std::sqrt(dx * dx + dy * dy);
+      }
+    }
+    for (int lane = 0; lane < kLanes && first + lane < columns_; ++lane) {
+      costs_[std::int64_t{row} * columns_ + first + lane] = sum[At(lane)];
+    }
+  }
+  Point Centre(int column, int row) const {
+    return CellCentre(column, row, site_.width_m, site_.height_m);
   }
 
   double Cost(Point centre) const {

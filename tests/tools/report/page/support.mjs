@@ -52,7 +52,7 @@ export async function open(t, name, options = {}, hash = "") {
   t.after(async () => {
     await context.close();
     assert.deepEqual(wrong, []);
-    assert.deepEqual(asked.filter((url) => !url.startsWith("data:")).map((url) => url.split("#")[0]), [`file://${file(name)}`]);
+    assert.deepEqual([...new Set(asked.filter((url) => !url.startsWith("data:")).map((url) => url.split("#")[0]))], [`file://${file(name)}`]);
   });
   const press = page.keyboard.press.bind(page.keyboard);
   page.keyboard.press = async (key) => {

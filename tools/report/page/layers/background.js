@@ -25,26 +25,29 @@ function backgroundOf(run) {
     }) })));
 }
 
+/** Kinds of shapes, as tools/report/background.h has them. */
+const [POINTS, LINES, AREAS] = [0, 1, 2];
+
 function drawShape(c, { kind, name, rings }, { x, y }) {
   c.beginPath();
   for (const ring of rings) {
     for (let i = 0; i < ring.length; i += 2) {
-      if (kind === 0) c.rect(x(ring[i]) - 1.5, y(ring[i + 1]) - 1.5, 3, 3);
+      if (kind === POINTS) c.rect(x(ring[i]) - 1.5, y(ring[i + 1]) - 1.5, 3, 3);
       else if (i === 0) c.moveTo(x(ring[0]), y(ring[1]));
       else c.lineTo(x(ring[i]), y(ring[i + 1]));
     }
-    if (kind === 2) c.closePath();
+    if (kind === AREAS) c.closePath();
   }
   c.strokeStyle = theme.muted;
-  c.fillStyle = kind === 0 ? theme.muted : theme.band;
+  c.fillStyle = kind === POINTS ? theme.muted : theme.band;
   c.lineWidth = 1;
-  if (kind !== 1) c.fill("evenodd");
-  if (kind !== 0) c.stroke();
+  if (kind !== LINES) c.fill("evenodd");
+  if (kind !== POINTS) c.stroke();
   if (!name || rings.length === 0 || rings[0].length < 2) return;
   c.font = `italic 11px ${FONT}`;
   c.fillStyle = theme.muted;
   c.textAlign = "left";
-  const [left, top] = kind === 2 ? middleOf(rings[0]) : rings[0];
+  const [left, top] = kind === AREAS ? middleOf(rings[0]) : rings[0];
   c.fillText(name, x(left) + 5, y(top) - 4);
 }
 
