@@ -2,7 +2,7 @@
 import { say } from "./language.js";
 import { placeAt, statusAt, velocityAt } from "./run.js";
 import { rowAt } from "./time.js";
-import { FAILED, OFFLINE } from "./words.js";
+import { FAILED, IDLE, OFFLINE } from "./words.js";
 
 const AHEAD_S = 120;
 
@@ -30,13 +30,30 @@ export class Altitudes {
   }
 }
 
+const placeKey = (x, y) => `${Math.round(x)} ${Math.round(y)}`;
+
+/** Whether a UAV stands on the ground whatever its plan: offline, failed, or idle at a charging point, where it has landed. */
+export function isGrounded(run, agent, t) {
+  const status = statusAt(agent, t);
+  if (status === OFFLINE || status === FAILED) return true;
+  if (status !== IDLE) return false;
+  const place = placeAt(agent, t);
+  const landing = run.once("landing places", () => new Set(run.charging.map(({ x, y }) => placeKey(x, y))));
+  return place !== null && landing.has(placeKey(place.x, place.y));
+}
+
+/** Metres above the ground of a UAV; null: it has no plan by then. */
+export function altitudeAt(run, agent, t) {
+  const up = run.altitudes.at(agent.id, t);
+  return up > 0 && isGrounded(run, agent, t) ? 0 : up;
+}
+
 /** The UAVs that are in the air: {agent, x, y, up}. */
 export function inTheAir(run, t) {
   return run.agents.slice(0, run.scenario.uavs).flatMap((agent) => {
-    const status = statusAt(agent, t);
-    const up = run.altitudes.at(agent.id, t);
-    const place = placeAt(agent, t);
-    return up > 0 && place && status !== OFFLINE && status !== FAILED ? [{ agent, x: place.x, y: place.y, up }] : [];
+    const up = altitudeAt(run, agent, t);
+    const place = up > 0 ? placeAt(agent, t) : null;
+    return place ? [{ agent, x: place.x, y: place.y, up }] : [];
   });
 }
 

@@ -1,3 +1,4 @@
+import { altitudeAt } from "./air.js";
 import { oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
 import { describe, rangeWords, roomWords } from "./describe.js";
@@ -207,7 +208,7 @@ export class Card {
     const next = now.status === FAILED ? null : agentNext(run, agent, now, t);
     if (next) facts.push([say("next"), nextWords(run, next)]);
     const place = now.status === OFFLINE ? null : placeAt(agent, t);
-    const up = agent.kind === UAV ? run.altitudes.at(agent.id, t) : null;
+    const up = agent.kind === UAV ? altitudeAt(run, agent, t) : null;
     if (up !== null) facts.push([say("altitude"), up > 0 ? say("{n} m above the ground", { n: number(up) }) : say("on the ground")]);
     if (place && agent.kind === UAV) {
       const left = say("{n} of {total}", { n: km(place.range), total: km(agent.fullRange) });

@@ -3,7 +3,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../../../tools/report/page/clock.js";
 import { coastOf, isWater } from "../../../../tools/report/page/coast.js";
-import { Altitudes, nearestPairs } from "../../../../tools/report/page/air.js";
 import { attentionAt, forecastAt } from "../../../../tools/report/page/attention.js";
 import { firstDifference, numbersOf } from "../../../../tools/report/page/compare.js";
 import { closuresAt } from "../../../../tools/report/page/layers/roads.js";
@@ -463,19 +462,6 @@ test("local time is that of the scenario's start and offset, at any rate", () =>
   run.scenario.start = undefined;
   assert.equal(timeText(run, 83 * 60000), "1:23:00");
   assert.equal(localWords(run, 0), "");
-});
-
-test("a UAV's altitude is that of its last plan, and pairs are told by how near they are", () => {
-  const altitudes = new Altitudes();
-  altitudes.take([3, 0, 0, 5000, 0, 17000, 30]);
-  altitudes.take([3, 600000, 30, 620000, 80]);
-  assert.deepEqual([5000, 11000, 599999, 610000, 9000000].map((t) => altitudes.at(3, t)), [0, 15, 30, 55, 80]);
-  assert.equal(altitudes.at(2, 0), null);
-  altitudes.take([3, 600000, 30, 620000, 50]);  // said again
-  assert.equal(altitudes.at(3, 9000000), 50);
-  const flying = [[0, 0, 30], [30, 40, 40], [30, 0, 35]].map(([x, y, up], id) => ({ agent: { id }, x, y, up }));
-  const pairs = nearestPairs(flying, { horizontal_m: 50, vertical_m: 10 }, 2);
-  assert.deepEqual(pairs.map(({ a, b, across, up, share }) => [a.id, b.id, across, up, share]), [[0, 2, 30, 5, 0.6], [1, 2, 40, 5, 0.8]]);
 });
 
 test("names keep away from what is taken, and places of a small area are told to the metre", () => {
