@@ -9,6 +9,7 @@ const AHEAD_S = 120;
 /** The plans of altitudes, by UAV: [{from, knots: [t, metres, ...]}], each until the next. */
 export class Altitudes {
   #plans = new Map();
+  #legs = new Map();
 
   /** A row: UAV, then times and metres of its plan. */
   take([uav, ...knots]) {
@@ -17,6 +18,33 @@ export class Altitudes {
     const place = plans.findIndex((plan) => plan.from >= knots[0]);
     const same = place >= 0 && plans[place].from === knots[0];
     plans.splice(place < 0 ? plans.length : place, same ? 1 : 0, { from: knots[0], knots });
+    this.#legs.delete(uav);
+  }
+
+  /** What a UAV climbs, descends and keeps: [{ t, until, up, toUp }], each even; the last one is without end. Nothing: it has no plan. */
+  legs(uav) {
+    if (!this.#legs.has(uav)) this.#legs.set(uav, this.#legsOf(uav));
+    return this.#legs.get(uav);
+  }
+
+  /** When a UAV may have waited before it set out, or before it climbed: [{ from, until }]. */
+  waits(uav) {
+    return (this.#plans.get(uav) ?? []).filter(({ knots: [t, up, until, then] }) => until > t && then === up)
+      .map(({ from, knots }) => ({ from, until: knots[2] }));
+  }
+
+  #legsOf(uav) {
+    const legs = [];
+    const plans = this.#plans.get(uav) ?? [];
+    plans.forEach(({ knots }, p) => {
+      const next = plans[p + 1]?.from ?? Infinity;
+      for (let i = 0; i < knots.length && knots[i] < next; i += 2) {
+        const [t, up, end = Infinity, then = up] = knots.slice(i, i + 4);
+        const until = Math.min(next, end);
+        if (until > t) legs.push({ t, until, up, toUp: up === then ? up : up + ((until - t) / (end - t)) * (then - up) });
+      }
+    });
+    return legs;
   }
 
   /** Metres above the ground; null: it has no plan by then. */
