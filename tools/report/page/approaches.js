@@ -70,6 +70,24 @@ export function flightsOf(run) {
   return run.agents.slice(0, run.scenario.uavs).map((agent) => ({ agent, pieces: piecesOf(run, agent) })).filter(({ pieces }) => pieces.length > 0);
 }
 
+/** The pieces of one UAV by altitude alone: [{ t, until, up, toUp }], a level, a climb or a descent each, whatever way it goes meanwhile. */
+export function levelsOf(pieces) {
+  const levels = [];
+  for (const { t, until, up, toUp } of pieces) {
+    const last = levels.at(-1);
+    if (last && last.until === t && last.toUp === up && Math.sign(toUp - up) === Math.sign(last.toUp - last.up)) Object.assign(last, { until, toUp });
+    else levels.push({ t, until, up, toUp });
+  }
+  return levels;
+}
+
+/** The altitude at t on levels that are told one after the other; null: on the ground. */
+export function upOn(levels, t) {
+  const level = levels.findLast((one) => one.t <= t);
+  if (!level || t > level.until) return null;
+  return level.up + ((t - level.t) / (level.until - level.t)) * (level.toUp - level.up);
+}
+
 /** What a piece is at a time within it. */
 function pointOf(piece, t) {
   const share = (t - piece.t) / (piece.until - piece.t);

@@ -1,10 +1,11 @@
-import { inTheAir, nearestPairs } from "./air.js";
+import { AirView } from "./air_view.js";
 import { firstDifference, numbersOf, responseMs } from "./compare.js";
 import { byId, bytes, duration, element, number, percent } from "./dom.js";
 import { say, sayParts } from "./language.js";
 import { pointName, taskName } from "./names.js";
 import { KIND_NAMES, actionsOf, decidingMs, decisionAt, doneAt, statusAt, who } from "./run.js";
 import { flownAt, waitedMs } from "./story.js";
+import { cells, table } from "./table.js";
 import { TaskTable } from "./tasks.js";
 import { clockText, rowAt } from "./time.js";
 import { theme } from "./theme.js";
@@ -12,16 +13,6 @@ import { OFFLINE } from "./words.js";
 
 const MOST_ROWS = 150;
 const MOST_EVENTS = 3000;
-const MOST_PAIRS = 20;
-
-function table(head, rows) {
-  return element("table", {},
-    element("thead", {}, element("tr", {}, ...head.map((h) => element("th", { scope: "col", class: h.startsWith("#") ? "n" : null }, h.replace("#", ""))))),
-    element("tbody", {}, ...rows));
-}
-
-const cells = (values, head) => values.map((value, i) =>
-  element("td", { class: head[i].startsWith("#") ? "n" : null }, value instanceof Node ? value : String(value)));
 
 /** Rows of the events' table: what every process says of one fault is one row, which tells the fault's kind. */
 export function eventRows(run) {
@@ -56,6 +47,7 @@ export class Panels {
     this.body = byId("panel-body");
     this.tab = "tasks";
     this.tasks = new TaskTable(state, clock);
+    this.air = new AirView(state, clock);
     for (const button of document.querySelectorAll("#panel-tabs button")) {
       button.addEventListener("click", () => this.open(button.dataset.tab));
     }
@@ -110,14 +102,15 @@ export class Panels {
     // A live page learns something four times a second: what would look the same stays as it is.
     const shown = { run, tab: this.tab, now: this.tab === "decision" && now, events: this.tab === "events" && run.events.length,
       orders: this.tab === "orders" && JSON.stringify(this.control.orders.list),
-      air: this.tab === "air" && Math.floor(this.clock.t / 1000),
+      air: this.tab === "air" && `${Math.floor(this.clock.t / 1000)} ${run.nowMs} ${run.ended}`,
       news: this.tab === "processes" && `${run.nowMs} ${run.ended}` };
     if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
     const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run),
-      processes: () => this.#processes(run), air: () => this.#air(run), orders: () => this.control.table() };
-    if (this.tab !== "tasks" || !this.tasks.visible) this.body.replaceChildren(...draw[this.tab]());
-    if (this.tab === "tasks") this.tasks.draw();
+      processes: () => this.#processes(run), air: () => [this.air.root], orders: () => this.control.table() };
+    const lasting = { tasks: this.tasks, air: this.air }[this.tab];
+    if (!lasting?.visible) this.body.replaceChildren(...draw[this.tab]());
+    lasting?.draw();
   }
 
   #decision(run) {
@@ -165,31 +158,6 @@ export class Panels {
     this.eventRows = { rows, times: shown.map((e) => e.t), past: -1 };
     requestAnimationFrame(() => this.#markPast());
     return [table(head, rows), ...(notable.length > shown.length ? [element("p", { class: "empty" }, say("{n} later ones", { n: notable.length - shown.length }))] : [])];
-  }
-
-  /** Who is in the air, how high, and which two are nearest to each other. */
-  #air(run) {
-    const { t } = this.clock;
-    const minima = run.scenario.air?.separation;
-    const flying = minima ? inTheAir(run, t) : [];
-    if (flying.length === 0) return [element("p", { class: "empty" }, say("No UAV is in the air."))];
-    const head = [say("UAVs"), `#${say("across")}`, `#${say("up")}`, say("near by")];
-    const go = (index) => this.state.flyTo({ type: "agent", index });
-    const rows = nearestPairs(flying, minima, MOST_PAIRS).map(({ a, b, across, up, share }) =>
-      element("tr", { class: share < 1 ? "bad" : null, tabindex: 0, onclick: () => go(a.index), onkeydown: (e) => e.key === "Enter" && go(a.index) },
-        ...cells([`${a.label}, ${b.label}`, `${number(across)} m`, `${number(up)} m`, share < 1 ? say("too close") : across < minima.horizontal_m ? say("above each other") : ""], head)));
-    const heights = flying.map(({ up }) => up);
-    const closest = run.report?.separation?.closest;
-    return [
-      element("p", { class: "lead" }, ...sayParts("{uavs} at {time}, {low} to {high} m above the ground. Kept apart: {across} m across or {up} m up.", {
-        uavs: element("b", {}, say("{n} UAVs in the air", { n: flying.length })), time: clockText(t), low: number(Math.min(...heights)),
-        high: number(Math.max(...heights)), across: minima.horizontal_m, up: minima.vertical_m })),
-      ...(closest ? [element("p", {}, ...sayParts("Closest of the mission as planned: {a} and {b}, {across} m across and {up} m up, at {time}.", {
-        a: `uav:${closest.uavs[0]}`, b: `uav:${closest.uavs[1]}`, across: number(closest.horizontal_m), up: number(closest.vertical_m),
-        time: element("button", { type: "button", class: "name", onclick: () => this.clock.seek(closest.at_s * 1000) },
-          clockText(closest.at_s * 1000)) }))] : []),
-      table(head, rows),
-    ];
   }
 
   #processes(run) {

@@ -2,7 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Altitudes } from "../../../../tools/report/page/air.js";
-import { Approaches, closestBetween, flightsOf, nearestApproaches, stopsWithWaits } from "../../../../tools/report/page/approaches.js";
+import { conflictWords } from "../../../../tools/report/page/air_view.js";
+import { Approaches, closestBetween, flightsOf, levelsOf, nearestApproaches, stopsWithWaits, upOn } from "../../../../tools/report/page/approaches.js";
 import { SCENARIO, begun } from "./small_run.mjs";
 
 const [IDLE, MOVING, WAITING, SENSING, FAILED] = [1, 2, 3, 4, 6];
@@ -107,6 +108,21 @@ test("pieces that do not meet in time; ties are told by both distances, then by 
   // 10 m above it passes, never nearer by its share than 1, but nearest across at 5.
   const { t, across, share } = closestBetween(piece, { ...piece, up: 40, toUp: 40, x: -40, toX: 40 }, MINIMA);
   assert.deepEqual([t, across, share], [5, 0, 1]);
+});
+
+test("levels, climbs and descents, whatever legs are flown meanwhile", () => {
+  const stops = [0, 0, 0, 1, 30000, 300, 0, 1, 60000, 300, 300, 1, 100000, 0, 0, 1];
+  const [{ pieces }] = flightsOf(flown([{ stops, altitudes: [[0, 0, 40000, 100], [70000, 100, 90000, 70]] }]));
+  assert.deepEqual(pieces.map(({ t }) => t), [0, 30000, 40000, 60000, 70000, 90000]);
+  assert.deepEqual(levelsOf(pieces), [{ t: 0, until: 40000, up: 0, toUp: 100 }, { t: 40000, until: 70000, up: 100, toUp: 100 },
+    { t: 70000, until: 90000, up: 100, toUp: 70 }, { t: 90000, until: 100000, up: 70, toUp: 70 }]);
+  assert.deepEqual([0, 10000, 50000, 80000, 100000, 100001].map((t) => upOn(levelsOf(pieces), t)), [0, 25, 100, 85, 70, null]);
+  assert.equal(upOn([{ t: 10, until: 20, up: 30, toUp: 30 }], 5), null);
+});
+
+test("how many are in conflict, in words", () => {
+  const words = [[0, true], [0, false], [1, true], [3, false]].map(([n, ended]) => conflictWords(n, ended));
+  assert.deepEqual(words, ["No conflict", "No conflict so far", "1 pair in conflict", "3 pairs in conflict"]);
 });
 
 test("pairs in order, at most so many; those far apart only when there is none nearer", () => {
