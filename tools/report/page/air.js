@@ -10,6 +10,7 @@ const AHEAD_S = 120;
 export class Altitudes {
   #plans = new Map();
   #legs = new Map();
+  highest = 0; // of all plans, in metres
 
   /** A row: UAV, then times and metres of its plan. */
   take([uav, ...knots]) {
@@ -19,6 +20,7 @@ export class Altitudes {
     const same = place >= 0 && plans[place].from === knots[0];
     plans.splice(place < 0 ? plans.length : place, same ? 1 : 0, { from: knots[0], knots });
     this.#legs.delete(uav);
+    this.highest = Math.max(this.highest, ...knots.filter((_, i) => i % 2 === 1));
   }
 
   /** What a UAV climbs, descends and keeps: [{ t, until, up, toUp }], each even; the last one is without end. Nothing: it has no plan. */

@@ -67,7 +67,18 @@ function heightOn({ t, until, up, toUp }, at) {
 
 /** The UAVs that have flown: [{ agent, pieces }]. */
 export function flightsOf(run) {
-  return run.agents.slice(0, run.scenario.uavs).map((agent) => ({ agent, pieces: piecesOf(run, agent) })).filter(({ pieces }) => pieces.length > 0);
+  return run.once("flights", () => run.agents.slice(0, run.scenario.uavs).map((agent) => ({ agent, pieces: piecesOf(run, agent) }))
+    .filter(({ pieces }) => pieces.length > 0));
+}
+
+/** What a UAV has flown, or will, between two times, by its agent's index: pieces. */
+export function flownBetween(run, agent, from, to) {
+  const pieces = run.once("pieces by agent", () => new Map(flightsOf(run).map((flight) => [flight.agent.index, flight.pieces]))).get(agent.index) ?? [];
+  return pieces.filter(({ t, until }) => until > from && t < to).map((piece) => {
+    const [t, until] = [Math.max(piece.t, from), Math.min(piece.until, to)];
+    const [a, b] = [pointOf(piece, t), pointOf(piece, until)];
+    return { t, until, ...a, toX: b.x, toY: b.y, toUp: b.up };
+  });
 }
 
 /** The pieces of one UAV by altitude alone: [{ t, until, up, toUp }], a level, a climb or a descent each, whatever way it goes meanwhile. */

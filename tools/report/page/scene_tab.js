@@ -86,6 +86,8 @@ export class SceneTab {
       this.view.draw();
     });
     this.view.followChanged = () => this.#showFollow();
+    this.view.heightsChanged = () => { byId("scene-heights").textContent = this.view.heightWords; };
+    this.view.heightsChanged();
     this.view.setMode(this.state.looks);
     if (this.state.run.baseMap) { // no made-up buildings where the place is known
       byId("scene-blocks").checked = false;

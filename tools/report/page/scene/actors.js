@@ -1,10 +1,11 @@
 import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial } from "three";
+import { flownBetween } from "../approaches.js";
 import { placeAt, statusAt, taskStatusAt } from "../run.js";
 import { theme } from "../theme.js";
 import { rowAt } from "../time.js";
 import { BEING_SENSED, CANCELLED, CHARGING, DONE, EXPIRED, FAILED, IDLE, MOVING, OFFLINE, RESERVED, SENSING, UAV, UNREPORTED } from "../words.js";
 import { Crowd, mixed } from "./crowd.js";
-import { heightAt } from "./heights.js";
+import { drawnHeight } from "./heights.js";
 import { Lines } from "./lines.js";
 import { barShape, beamShape, chargingShape, columnShape, doneShape, failedShape, ringShape, taskShape, uavShape,
   vehicleShape, workerShape } from "./shapes.js";
@@ -47,14 +48,14 @@ export class Actors {
   }
 
   /**
-   * Shows everything at t, bodies so large; UAVs fly `lift` times as high as usual. `floor`: height of the ground, above which they stand; `flat`: without
-   * trails, ways and heights.
+   * Shows everything at t, bodies so large; UAVs fly `lift` times as high as usual, or `times` as high as their altitude. `floor`: height of the
+   * ground, above which they stand; `flat`: without trails, ways and heights.
    */
-  show({ run, plane, t, size, lift, floor, flat, trailMs, classes, selected }) {
+  show({ run, plane, t, size, lift, times, floor, flat, trailMs, classes, selected }) {
     for (const part of this.all) part.begin();
     this.places = [];
     this.working = { sensing: 0, charging: 0 };
-    this.shown = { run, plane, t, size, lift, floor, flat };
+    this.shown = { run, plane, t, size, lift, times, unit: plane.unit, floor, flat };
     this.#sites();
     const crowded = run.agents.length > CROWDED;
     for (const agent of run.agents) {
@@ -89,9 +90,9 @@ export class Actors {
   }
 
   #agent(agent, status, place, crowded) {
-    const { plane, t, size, lift, floor, flat } = this.shown;
+    const { run, plane, t, size, floor, flat } = this.shown;
     const [x, z] = [plane.x(place.x), plane.z(place.y)];
-    const high = flat ? 0 : lift * heightAt(agent, t);
+    const high = flat ? 0 : drawnHeight(run, agent, t, this.shown);
     const y = floor + high + (agent.kind === UAV ? 0.3 * size : 0);
     this.places.push({ agent, x, y, z });
     const turn = place.dx || place.dy ? Math.atan2(place.dy, place.dx) : Math.PI / 2;
@@ -109,15 +110,37 @@ export class Actors {
       else if (high > 0.2 && !crowded) this.ways.add(x, floor, z, x, y, z, own);
     }
     if (status === CHARGING && agent.kind === UAV) this.columns.put(x, floor, z, [size * 1.5, size * 5, size * 1.5], 0, this.colour(theme.charging));
-    if (status === MOVING && !flat) this.ways.add(x, y, z, plane.x(place.toX), y, plane.z(place.toY), own);
+    if (status === MOVING && !flat) this.#way(agent, { x, y, z }, place, own);
   }
 
-  /** Places of an agent from a time until now, as [x, y, z]. */
+  /** Where one that moves goes to, at its altitude. */
+  #way(agent, { x, y, z }, place, own) {
+    const { run, plane, t, times } = this.shown;
+    const ends = agent.stops[(rowAt(agent.stops, 4, t) + 1) * 4];
+    if (agent.kind !== UAV || times === null || ends === undefined) this.ways.add(x, y, z, plane.x(place.toX), y, plane.z(place.toY), own);
+    else for (const [from, to] of this.#flown(run, agent, t, ends)) this.ways.add(...from, ...to, own);
+  }
+
+  /** Lines of what a UAV flies between two times, at its altitude: [[x, y, z], [x, y, z]]. */
+  #flown(run, agent, from, to) {
+    const { plane, times, unit, floor } = this.shown;
+    const point = (x, y, up) => [plane.x(x), floor + GROUND + times * unit * up, plane.z(y)];
+    return flownBetween(run, agent, from, to).map((piece) => [point(piece.x, piece.y, piece.up), point(piece.toX, piece.toY, piece.toUp)]);
+  }
+
+  /** Lines of an agent's way from a time until now: [[x, y, z], [x, y, z]]. */
   #path(agent, from) {
-    const { plane, t, lift, floor } = this.shown;
+    const { run, t, times } = this.shown;
+    if (agent.kind === UAV && times !== null) return this.#flown(run, agent, from, t);
+    const places = this.#places(agent, from);
+    return places.slice(1).map((place, i) => [places[i], place]);
+  }
+
+  #places(agent, from) {
+    const { run, plane, t, floor } = this.shown;
     const { stops } = agent;
     const path = [];
-    const add = (place, at) => path.push([plane.x(place.x), floor + GROUND + lift * heightAt(agent, at), plane.z(place.y)]);
+    const add = (place, at) => path.push([plane.x(place.x), floor + GROUND + drawnHeight(run, agent, at, this.shown), plane.z(place.y)]);
     const begin = Math.max(from, stops[0] ?? 0);
     if (begin > t || stops.length === 0) return path;
     add(placeAt(agent, begin), begin);
@@ -128,8 +151,7 @@ export class Actors {
 
   #trail(agent, from) {
     const colour = this.colour(theme.kinds[agent.kind]);
-    const path = this.#path(agent, from);
-    for (let i = 1; i < path.length; ++i) this.trails.add(...path[i - 1], ...path[i], colour);
+    for (const [a, b] of this.#path(agent, from)) this.trails.add(...a, ...b, colour);
   }
 
   #select(selected) {
@@ -139,10 +161,7 @@ export class Actors {
     if (selected.type === "agent") {
       const agent = run.agents[selected.index];
       at = this.places.find((place) => place.agent === agent);
-      if (at && !flat) {
-        const path = this.#path(agent, 0);
-        for (let i = 1; i < path.length; ++i) this.bars.lay(path[i - 1], path[i], size * 0.28, this.colour(theme.kinds[agent.kind]));
-      }
+      if (at && !flat) for (const [a, b] of this.#path(agent, 0)) this.bars.lay(a, b, size * 0.28, this.colour(theme.kinds[agent.kind]));
     } else {
       const site = (selected.type === "task" ? run.tasks : run.charging)[selected.id];
       if (site) at = { x: plane.x(site.x), y: floor, z: plane.z(site.y) };

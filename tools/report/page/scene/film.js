@@ -57,8 +57,15 @@ export class Film {
     c.fillText(`${clockText(clock.t)}   ${say("{n} of {total} tasks done", { n: doneAt(run, clock.t), total: run.tasksTotal })}`, u, u * 3.2);
     c.fillStyle = theme.muted;
     c.font = `${u * 0.55}px system-ui, "DejaVu Sans", sans-serif`;
-    c.fillText(say(view.mode === "time" ? "Time goes up." : view.scenery ? "Heights and sizes are for the eye; blocks are scenery." : "Heights and sizes are for the eye."), u, height - u * 0.8);
+    c.fillText(this.#caption(), u, height - u * 0.8);
     return canvas;
+  }
+
+  #caption() {
+    const { view } = this;
+    if (view.mode === "time") return say("Time goes up.");
+    if (view.times === null && view.scenery) return say("Heights and sizes are for the eye; blocks are scenery.");
+    return view.scenery ? `${view.heightWords} ${say("Blocks are scenery.")}` : view.heightWords;
   }
 
   /** A PNG, in base64. */

@@ -10,6 +10,7 @@ import { DONE, readWords } from "../words.js";
 import { Actors } from "./actors.js";
 import { City } from "./city.js";
 import { Ground } from "./ground.js";
+import { heightWords, timesAsHigh } from "./heights.js";
 import { FIELD_DEG, Orbit } from "./orbit.js";
 import { Plane } from "./plane.js";
 import { SpaceTime, TALL } from "./spacetime.js";
@@ -107,10 +108,22 @@ export class SceneView {
     this.city.build(run, this.plane, this.scenery);
     if (first) this.reset();
     this.#ways();
+    this.heightsChanged?.();
+  }
+
+  /** How many times as high as they fly UAVs are drawn; null: the mission has no altitudes. */
+  get times() {
+    return timesAsHigh(this.run, this.plane.unit, this.crowding);
+  }
+
+  /** What its heights mean, in words. */
+  get heightWords() {
+    return heightWords(this.times);
   }
 
   /** A live mission went on. */
   #news() {
+    this.heightsChanged?.();
     if (this.mode === "time") this.#ways();
     else this.draw();
   }
@@ -151,7 +164,7 @@ export class SceneView {
     const t = clock.t;
     const inTime = this.mode === "time";
     this.floor = inTime ? this.spaceTime.heightOf(run, t) : 0;
-    this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, floor: this.floor, flat: inTime,
+    this.actors.show({ run, plane: this.plane, t, size: this.size, lift: this.crowding, times: this.times, floor: this.floor, flat: inTime,
       trailMs: state.trailMs, classes: state.classes, selected: state.selected });
     this.ground.show(run, this.plane, t);
     this.spaceTime.cut(run, t);
