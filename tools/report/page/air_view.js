@@ -1,5 +1,5 @@
 import { inTheAir, nearestPairs } from "./air.js";
-import { Approaches, levelsOf, upOn } from "./approaches.js";
+import { Approaches, levelsOf, showingTime, upOn } from "./approaches.js";
 import { fit, oncePerFrame } from "./canvas.js";
 import { ChartTable } from "./chart_table.js";
 import { element, number } from "./dom.js";
@@ -96,6 +96,10 @@ export class AirView {
     return element("button", { type: "button", class: "name", onclick: () => this.clock.seek(t) }, clockText(t));
   }
 
+  #pairButton(pair) {
+    return element("button", { type: "button", class: "name", onclick: () => this.#go(pair) }, clockText(pair.t));
+  }
+
   #headline(run, minima) {
     const { pairs: [pair], conflicts } = this.known;
     const conflict = element("b", {}, conflictWords(conflicts, run.ended));
@@ -105,7 +109,7 @@ export class AirView {
       time: this.#seekButton(closest.at_s * 1000) }) : [];
     return [
       ...(pair ? sayParts("{conflict}. As flown, {a} and {b} came nearest: {across} m across and {up} m up from each other, at {time}.", {
-        conflict, a: pair.a.label, b: pair.b.label, ...distances(pair), time: this.#seekButton(pair.t) }) :
+        conflict, a: pair.a.label, b: pair.b.label, ...distances(pair), time: this.#pairButton(pair) }) :
       sayParts("{conflict}. No two UAVs have been in the air at the same time.", { conflict })),
       " ", say("Two are in conflict while they are closer than both {across} m across and {up} m up.", {
         across: minima.horizontal_m, up: minima.vertical_m }),
@@ -129,10 +133,10 @@ export class AirView {
   }
 
   /** The clock goes where two came nearest, and both are selected. */
-  #go({ a, b, t }) {
-    this.clock.seek(t);
-    this.state.select({ type: "agent", index: b.index });
-    this.state.flyTo({ type: "agent", index: a.index }, true);
+  #go(pair) {
+    this.clock.seek(showingTime(this.state.run, pair));
+    this.state.select({ type: "agent", index: pair.b.index });
+    this.state.flyTo({ type: "agent", index: pair.a.index }, true);
   }
 
   /** Who is in the air, how high, and which two are nearest to each other, at the clock's time. */

@@ -220,6 +220,11 @@ export function nearestApproaches(flights, minima, most) {
   return { pairs: pairs.slice(0, most), conflicts: pairs.filter(({ conflict }) => conflict).length };
 }
 
+/** The time at which the page shows an approach: just before one of the two has landed, or gone, if it is nearest then. */
+export function showingTime(run, { a, b, t }) {
+  return isGrounded(run, a, t) || isGrounded(run, b, t) ? t - 1 : t;
+}
+
 /** The approaches of a run, computed once for what is known, and on a live page at most every few seconds. */
 export class Approaches {
   constructor(most, clock = () => performance.now()) {

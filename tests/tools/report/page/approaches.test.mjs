@@ -1,9 +1,9 @@
 // How near UAVs have come that are kept apart, with values computed by hand. Without a browser.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Altitudes } from "../../../../tools/report/page/air.js";
+import { Altitudes, altitudeAt } from "../../../../tools/report/page/air.js";
 import { conflictWords } from "../../../../tools/report/page/air_view.js";
-import { Approaches, closestBetween, flightsOf, levelsOf, nearestApproaches, stopsWithWaits, upOn } from "../../../../tools/report/page/approaches.js";
+import { Approaches, closestBetween, flightsOf, levelsOf, nearestApproaches, showingTime, stopsWithWaits, upOn } from "../../../../tools/report/page/approaches.js";
 import { SCENARIO, begun } from "./small_run.mjs";
 
 const [IDLE, MOVING, WAITING, SENSING, FAILED] = [1, 2, 3, 4, 6];
@@ -63,6 +63,18 @@ test("who is on the ground does not count: before it sets out, idle at a chargin
   assert.deepEqual([pair.t, pair.across, pair.conflict], [50000, 0, true], "one that hovers there does");
   const beside = stands.map((value, i) => (i % 4 === 1 ? 510 : value));
   assert.equal(closest(over, { stops: beside, spans: [0, IDLE], altitudes: level(40) }).conflicts, 1, "idle, but not at the charging point");
+});
+
+test("two that are nearest when one lands are shown just before", () => {
+  // To the charging point, past one that hovers 60 m beyond it.
+  const run = flown([{ stops: [0, 0, 500, 30000, 50000, 500, 500, 29000], spans: [0, MOVING, 50000, IDLE], altitudes: level(40) },
+    { stops: [0, 560, 500, 30000], spans: [0, SENSING], altitudes: level(40) }]);
+  const { pairs: [pair] } = nearestApproaches(flightsOf(run), MINIMA, 10);
+  assert.equal(pair.t, 50000);
+  near(pair.across, 60);
+  assert.equal(showingTime(run, pair), 49999);
+  assert.equal(altitudeAt(run, pair.a, showingTime(run, pair)), 40);
+  assert.equal(showingTime(run, { ...pair, t: 30000 }), 30000);
 });
 
 test("climbing through another's level", () => {

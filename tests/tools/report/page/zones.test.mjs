@@ -53,9 +53,20 @@ test("the tab Air says who is in the air, how high, and which two are nearest", 
   assert.match(await page.locator("#panel-body .lead").innerText(), /^\d+ UAVs in the air at 0:13:00, \d+ to \d+ m above the ground/);
   assert.ok(await page.locator("#panel-body tbody tr").count() >= 1);
   assert.equal(await page.locator("#panel-body tr.bad").count(), 0, "no two are too close");
+  assert.match(await page.locator(".air-said").innerText(), /^No conflict\. As flown, uav:\d+ and uav:\d+ came nearest: .* Closest of the mission as planned/s);
   await accessible(page, "the tab Air");
-  await page.locator("#panel-body tbody tr").first().click();
+  await page.locator(".air-now tbody tr").first().click();
   assert.match(await page.locator("#card-facts").innerText(), /altitude\s+\d+ m above the ground/);
+  // The nearest pair of the mission: the clock goes there, and both are selected.
+  const nearest = page.locator("#panel-body tbody tr").first();
+  const [, pair, time] = await nearest.locator("td").allInnerTexts();
+  await nearest.click();
+  const selected = await page.evaluate(() => window.muster.state.allSelected.map(({ index }) => window.muster.state.run.agents[index].label));
+  assert.deepEqual(selected, pair.split(", "));
+  const seconds = ([h, m, s]) => 3600 * h + 60 * m + s;
+  assert.ok(Math.abs(seconds((await page.locator("#time-now").innerText()).split(":").map(Number)) - seconds(time.split(":").map(Number))) <= 1);
+  await page.getByText("Table: altitude of each UAV over time").click();
+  assert.ok(await page.locator(".air-scroll + .behind tbody tr").count() > 10);
 });
 
 test("a zone is added and lifted on the page of a mission that runs, and the log passes the audit", async (t) => {
