@@ -12,6 +12,7 @@ import { UAV } from "./words.js";
 
 const MOST_PAIRS = 20; // at the clock's time
 const MOST_MARKS = 10; // of the mission
+const SETTLED_MS = 60_000; // what is older is not told anew on a live page
 const LABEL = 64;
 const AXIS = 32;
 const ROW = 30;
@@ -73,8 +74,17 @@ export class AirView {
     const minima = run.scenario.air?.separation;
     this.chart.hidden = !minima;
     if (minima) this.#drawMission(run, minima);
-    this.now.replaceChildren(...this.#atTime(run, minima));
+    this.#drawNow(run, minima);
     this.redraw();
+  }
+
+  /** What is there stays, with the focus that is on it, while time and what is known about it are the same. */
+  #drawNow(run, minima) {
+    const { t } = this.clock;
+    const shown = [run, Math.floor(t / 1000), Math.min(run.nowMs, t + SETTLED_MS)];
+    if (this.shown?.every((value, i) => value === shown[i])) return;
+    this.shown = shown;
+    this.now.replaceChildren(...this.#atTime(run, minima));
   }
 
   #drawMission(run, minima) {

@@ -11,7 +11,9 @@ const FAR = 32;
 /** The page has places in whole metres and altitudes in tenths: two may seem nearer than they are, by so much. */
 const ROUNDED_ACROSS_M = 1.5;
 const ROUNDED_UP_M = 0.15;
+/** On a live page it is computed again after so long, and after so many times as long as it took. */
 const AGAIN_MS = 4000;
+const AGAIN_TIMES = 20;
 const LEAST_MS = 1000;
 
 /** Until when it is known where an agent is: one that moves on a live page, until it last said so. */
@@ -228,16 +230,18 @@ export function showingTime(run, { a, b, t }) {
 /** The approaches of a run, computed once for what is known, and on a live page at most every few seconds. */
 export class Approaches {
   constructor(most, clock = () => performance.now()) {
-    Object.assign(this, { most, clock, run: null, nowMs: -1, at: 0, ended: false });
+    Object.assign(this, { most, clock, run: null, nowMs: -1, next: 0, ended: false });
   }
 
   /** { flights, pairs, conflicts }: the same object while nothing is new. */
   of(run) {
     const isNew = run !== this.run || run.ended !== this.ended;
-    if (!isNew && (run.nowMs === this.nowMs || this.clock() - this.at < AGAIN_MS)) return this.known;
-    Object.assign(this, { run, nowMs: run.nowMs, ended: run.ended, at: this.clock() });
+    const began = this.clock();
+    if (!isNew && (run.nowMs === this.nowMs || began < this.next)) return this.known;
+    Object.assign(this, { run, nowMs: run.nowMs, ended: run.ended });
     const flights = flightsOf(run);
     this.known = { flights, ...nearestApproaches(flights, run.scenario.air.separation, this.most) };
+    this.next = began + Math.max(AGAIN_MS, AGAIN_TIMES * (this.clock() - began));
     return this.known;
   }
 }

@@ -91,6 +91,10 @@ test("climbing through another's level", () => {
   const { pairs: [equal] } = closest(hovers, away);
   near(equal.t, 1000 * (2 / (1 / 5 + 1 / 4)));
   near(equal.share, 2 / (1 / 5 + 1 / 4) / 5);
+  // At 12.5 m/s both change alike, t / 4 and 2 - t / 4: equal at 4 s, 50 m across and 10 m up.
+  const { pairs: [alike] } = closest(hovers, { ...away, stops: way(500, 524, 1750, 524) });
+  near(alike.t, 4000);
+  near(alike.share, 1);
 });
 
 test("a new plan ends the old one", () => {
@@ -198,6 +202,13 @@ test("computed once for what is known, and on a live page at most every four sec
   assert.equal(approaches.of(run), second, "nothing is new");
   run.apply({ now_ms: 60000, epoch_ms: 0, ended: true });
   assert.notEqual(approaches.of(run), second, "the mission has ended");
+  // One that takes a second is computed every 20 s.
+  const slow = new Approaches(10, () => (now += 1000));
+  const live = flown([east(500, 40), east(560, 40)], 50000, { ended: false });
+  const [begin, known] = [now, slow.of(live)];
+  live.apply({ now_ms: 60000, epoch_ms: 0, ended: false });
+  while (slow.of(live) === known) assert.ok(now < begin + 30000);
+  assert.ok(now >= begin + 21000, `${now - begin}`);
 });
 
 test("on a live page, one that moves is known until it last said where it is", () => {
