@@ -91,6 +91,10 @@ test("climbing through another's level", () => {
   const { pairs: [equal] } = closest(hovers, away);
   near(equal.t, 1000 * (2 / (1 / 5 + 1 / 4)));
   near(equal.share, 2 / (1 / 5 + 1 / 4) / 5);
+  // From 50 m beside it, (30, 40), the gap in shares is 1 + t / 5.
+  const { pairs: [beside] } = closest(hovers, { ...away, stops: way(530, 564, 1130, 1364) });
+  near(beside.t, 1000 / (1 / 5 + 1 / 4));
+  near(beside.share, 1 + 1 / (1 / 5 + 1 / 4) / 5);
   // At 12.5 m/s both change alike, t / 4 and 2 - t / 4: equal at 4 s, 50 m across and 10 m up.
   const { pairs: [alike] } = closest(hovers, { ...away, stops: way(500, 524, 1750, 524) });
   near(alike.t, 4000);
@@ -113,6 +117,10 @@ test("one that waits for its altitude sets out when the wait ends", () => {
   assert.deepEqual(stopsWithWaits(stops, [{ from: 0, until: 5000 }]), [0, 0, 0, 9, 5000, 0, 0, 9, 30000, 250, 0, 8, 100000, 950, 0, 7]);
   assert.deepEqual(stopsWithWaits(stops, [{ from: 0, until: 30000 }]), stops, "a plan's corner at a stop is no wait");
   assert.deepEqual(stopsWithWaits(stops, [{ from: 0, until: 40000 }]), stops, "it had set out");
+  // Of a long wait there are stops at ticks: the leg after the last of them is cut.
+  const long = [0, 0, 0, 9, 30000, 0, 0, 9, 60000, 250, 0, 8];
+  assert.deepEqual(stopsWithWaits(long, [{ from: 0, until: 45000 }]), [0, 0, 0, 9, 30000, 0, 0, 9, 45000, 0, 0, 9, 60000, 250, 0, 8]);
+  assert.deepEqual(stopsWithWaits(long, [{ from: 0, until: 60000 }, { from: 60000, until: 65000 }]), long, "nothing is known after it");
   const altitudes = new Altitudes();
   for (const row of [[0, 0, 0, 5000, 0, 17000, 30], [0, 60000, 30, 60000, 30, 90000, 30]]) altitudes.take(row);
   assert.deepEqual(altitudes.waits(0), [{ from: 0, until: 5000 }]);
