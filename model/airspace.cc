@@ -22,6 +22,18 @@ constexpr std::size_t kMostInLeaf = 4;
 /// Lengths are kept from so many places to so many goals: at most 16 MB, for each set of zones.
 constexpr std::int32_t kMostRows = 2048, kMostGoals = 1024;
 
+/// Flights whose lengths differ by no more than that are equally long.
+constexpr double kTie_m = 1e-7;
+
+/// Of two places to which equally long flights lead first: whether `a` is flown to, the one further
+/// away, else further west, else further south. So whoever computes flights anew, with other
+/// rounding, finds the same ones.
+bool IsBefore(Point from, Point a, Point b) {
+  const double further_m = Distance(from, a) - Distance(from, b);
+  if (std::abs(further_m) > kTie_m) return further_m > 0;
+  return std::abs(a.x_m - b.x_m) > kTie_m ? a.x_m < b.x_m : a.y_m < b.y_m;
+}
+
 /// Corners of the octagon around 0 whose sides are that far away.
 std::array<Point, 8> Octagon(double margin_m) {
   const double t = margin_m * kTan;
@@ -248,13 +260,29 @@ void Airspace::SearchTo(Known* goal) const {
       if (corners_[i] == goal->at) reach(static_cast<std::int32_t>(i), 0, -1);
     }
     for (const Seen& seen : SeenFrom(goal)) reach(seen.corner, seen.metres, -1);
+    std::vector<std::int32_t> reached;
     while (!queue.empty()) {
       const auto [metres, corner] = queue.top();
       queue.pop();
       if (metres > goal->rest_m[At(corner)]) continue;
+      reached.push_back(corner);
       const std::shared_ptr<Known> here = KnownOf(corners_[At(corner)]);
       for (const Seen& seen : SeenFrom(here.get())) {
         reach(seen.corner, metres + seen.metres, corner);
+      }
+    }
+    for (const Seen& seen : SeenFrom(goal)) goal->next[At(seen.corner)] = -1;
+    for (const std::int32_t corner : reached) {
+      const std::shared_ptr<Known> here = KnownOf(corners_[At(corner)]);
+      const double rest_m = goal->rest_m[At(corner)];
+      std::int32_t* const next = &goal->next[At(corner)];
+      if (*next < 0) continue;
+      for (const Seen& seen : SeenFrom(here.get())) {
+        const double its_m = goal->rest_m[At(seen.corner)];
+        if (!(its_m < rest_m) || seen.metres + its_m > rest_m + kTie_m) continue;
+        if (IsBefore(here->at, corners_[At(seen.corner)], corners_[At(*next)])) {
+          *next = seen.corner;
+        }
       }
     }
   });
@@ -265,9 +293,9 @@ std::optional<Point> Airspace::WayOut(Point place) const {
   double least_m = kNowhere;
   const auto offer = [&](Point out) {
     const double metres = Distance(place, out);
-    if (metres >= least_m || !extent_.Contains(out) || !IsFree(out)) return;
-    nearest = out;
-    least_m = metres;
+    if (metres > least_m + kTie_m || !extent_.Contains(out) || !IsFree(out)) return;
+    if (!nearest || metres < least_m - kTie_m || IsBefore(place, out, *nearest)) nearest = out;
+    least_m = std::min(least_m, metres);
   };
   for (const Pieces& zone : pieces_) {
     for (const Piece& piece : zone.pieces) {
@@ -286,10 +314,10 @@ std::optional<Point> Airspace::WayOut(Point place) const {
     for (const Piece& piece : zone.pieces) {
       const double dx = std::max({piece.box.x0 - place.x_m, place.x_m - piece.box.x1, 0.0});
       const double dy = std::max({piece.box.y0 - place.y_m, place.y_m - piece.box.y1, 0.0});
-      if (!(dx * dx + dy * dy < least_m * least_m)) continue;
+      if (!(std::sqrt(dx * dx + dy * dy) < least_m + kTie_m)) continue;
       for (const Side& side : piece.sides) {
         const double metres = side.limit - side.normal_x * place.x_m - side.normal_y * place.y_m;
-        if (std::abs(metres) < least_m) near.push_back(&side);
+        if (std::abs(metres) < least_m + kTie_m) near.push_back(&side);
       }
     }
   }
@@ -312,9 +340,14 @@ double Airspace::FreeLength(Known* from, Known* to, std::int32_t* first) const {
   double least_m = kNowhere;
   for (const Seen& seen : SeenFrom(from)) {
     const double metres = seen.metres + to->rest_m[At(seen.corner)];
-    if (metres >= least_m) continue;
-    least_m = metres;
-    *first = seen.corner;
+    least_m = std::min(least_m, metres);
+  }
+  if (least_m == kNowhere) return kNowhere;
+  for (const Seen& seen : SeenFrom(from)) {
+    if (seen.metres + to->rest_m[At(seen.corner)] > least_m + kTie_m) continue;
+    if (*first < 0 || IsBefore(from->at, corners_[At(seen.corner)], corners_[At(*first)])) {
+      *first = seen.corner;
+    }
   }
   // Rounding may not make it shorter than the straight line.
   return std::max(least_m, Distance(from->at, to->at));

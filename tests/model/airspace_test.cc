@@ -79,6 +79,21 @@ TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
   EXPECT_NEAR(flight->corners[1].y_m, 150, 1e-9);
 }
 
+TEST(Airspace, OfEquallyLongFlightsTheOneFurtherSouthOrWestIsFlown) {
+  const Airspace air({Square(100, 100, 200, 200)}, 10, {});
+  const auto around = air.FlightBetween({0, 150}, {300, 150});
+  ASSERT_EQ(around->corners.size(), 4u);
+  for (std::size_t i = 1; i <= 2; ++i) EXPECT_LT(around->corners[i].y_m, 100) << "south of it";
+  EXPECT_EQ(air.FlightBetween({300, 150}, {0, 150})->corners[1], around->corners[2]);
+  const auto up = air.FlightBetween({150, 0}, {150, 300});
+  EXPECT_LT(up->corners[1].x_m, 100) << "west of it";
+  // From the middle all four sides are equally near; from the corner's diagonal two are.
+  EXPECT_NEAR(air.FlightBetween({150, 150}, {0, 150})->corners[1].x_m, 90, 1e-9);
+  const Point out = air.FlightBetween({190, 190}, {300, 300})->corners[1];
+  EXPECT_NEAR(out.x_m, 190, 1e-9);
+  EXPECT_NEAR(out.y_m, 210, 1e-9);
+}
+
 TEST(Airspace, TheNearestFreePlaceCanBeANotchBetweenZones) {
   // Two squares that overlap: the notch at (200, 100), 10 m out, is nearer than any edge.
   const Airspace air({Square(0, 0, 200, 200), Square(100, 100, 300, 300)}, 10, {});

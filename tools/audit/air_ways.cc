@@ -18,12 +18,21 @@ namespace {
 using nlohmann::json;
 
 constexpr double kSlack_m = 0.005;
+constexpr double kTie_m = 1e-7;  ///< lengths that differ by no more are equal
 constexpr double kGrid_m = 100;
 constexpr double kNever_m = std::numeric_limits<double>::infinity();
 
 /// Twice the area of the triangle, above 0 where c is to the left of the line from a to b.
 double Turn(Place a, Place b, Place c) {
   return (b.x_m - a.x_m) * (c.y_m - a.y_m) - (b.y_m - a.y_m) * (c.x_m - a.x_m);
+}
+
+/// Whether the first of two equally long flights is flown, by the place where each leads first: the
+/// one further away, else further west, else further south.
+bool IsBefore(Place from, Place a, Place b) {
+  const double further_m = Apart(from, a) - Apart(from, b);
+  if (std::abs(further_m) > kTie_m) return further_m > 0;
+  return std::abs(a.x_m - b.x_m) > kTie_m ? a.x_m < b.x_m : a.y_m < b.y_m;
 }
 
 Place Between(Place a, Place b, double part) {
@@ -250,7 +259,7 @@ class AroundZones : public Ways {
         const bool is_less = least == corners_.size() || rest.metres[i] < rest.metres[least];
         if (!is_final[i] && !std::isinf(rest.metres[i]) && is_less) least = i;
       }
-      if (least == corners_.size()) return rest;
+      if (least == corners_.size()) break;
       is_final[least] = true;
       const std::vector<double>& row = RowOf(least);
       for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -260,6 +269,30 @@ class AroundZones : public Ways {
         rest.next[i] = static_cast<int>(least);
       }
     }
+    SettleTies(ToCorners(goal), &rest);
+    return rest;
+  }
+  /// From each corner straight to the goal if it is in sight, else to the first of those corners
+  /// that lead there equally soon.
+  void SettleTies(const std::vector<double>& straight, Rest* rest) const {
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (std::isinf(rest->metres[i])) continue;
+      rest->next[i] =
+          std::isinf(straight[i]) ? FirstOf(corners_[i], RowOf(i), *rest, rest->metres[i]) : -1;
+    }
+  }
+  /// Of the corners that are in sight, the first by which no more than `least_m` is left; -1: none.
+  int FirstOf(Place from, const std::vector<double>& sight, const Rest& rest,
+              double least_m) const {
+    int first = -1;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (!(sight[i] + rest.metres[i] <= least_m + kTie_m) || sight[i] <= 0) continue;
+      if (rest.metres[i] >= least_m) continue;
+      const bool is_before =
+          first < 0 || IsBefore(from, corners_[i], corners_[static_cast<std::size_t>(first)]);
+      if (is_before) first = static_cast<int>(i);
+    }
+    return first;
   }
   /// Where a place that is not free is left for: the nearest free place, which is straight out of a
   /// side of a piece, a corner, or where sides of two pieces cross.
@@ -267,9 +300,10 @@ class AroundZones : public Ways {
     std::optional<Place> nearest;
     double least_m = kNever_m;
     const auto offer = [&](Place out) {
-      if (Apart(at, out) >= least_m || !IsInArea(out) || !IsFree(out)) return;
-      least_m = Apart(at, out);
-      nearest = out;
+      const double metres = Apart(at, out);
+      if (metres > least_m + kTie_m || !IsInArea(out) || !IsFree(out)) return;
+      if (!nearest || metres < least_m - kTie_m || IsBefore(at, out, *nearest)) nearest = out;
+      least_m = std::min(least_m, metres);
     };
     for (const Shape& shape : shapes_) {
       for (std::size_t i = 0; i < shape.corners.size(); ++i) {
@@ -315,14 +349,12 @@ class AroundZones : public Ways {
     }
     const Rest& rest = RestTo(to);
     const std::vector<double> first = ToCorners(begin);
-    int best = -1;
     double least_m = kNever_m;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (first[i] + rest.metres[i] >= least_m) continue;
-      least_m = first[i] + rest.metres[i];
-      best = static_cast<int>(i);
+      least_m = std::min(least_m, first[i] + rest.metres[i]);
     }
-    if (best < 0) return {places, kNever_m};
+    if (std::isinf(least_m)) return {places, kNever_m};
+    int best = FirstOf(begin, first, rest, least_m);
     for (; best >= 0; best = rest.next[static_cast<std::size_t>(best)]) {
       places.push_back(corners_[static_cast<std::size_t>(best)]);
     }

@@ -107,6 +107,29 @@ TEST(AuditMission, PassesWhateverHappens) {
   }
 }
 
+// Zones that lie evenly between places on a grid: two ways out, and two around, are equally long.
+TEST(AuditMission, PassesWhereFlightsAroundZonesAreEquallyLong) {
+  for (const std::uint64_t seed : {6, 7, 8}) {
+    GeneratorSettings settings = PresetByName("Random_1");
+    settings.rules.limit_us = 60 * kMinuteUs;
+    settings.width_km = settings.height_km = 8;
+    settings.online_min = {60, 60};
+    auto scenario = nlohmann::json::parse(ScenarioToJson(Generate(settings, seed)));
+    scenario["version"] = 2;
+    scenario["air"] = {{"separation", false},
+                       {"zones",
+                        {{{"name", "round"}, {"circle_km", {4, 4, 1.2}}},
+                         {{"name", "square"}, {"area_km", {{1, 5}, {3, 5}, {3, 7}, {1, 7}}}}}}};
+    audit::Auditor auditor;
+    Simulate(scenario.dump(), "horizon-steps", [&](const Packet& packet) { auditor.Add(packet); });
+    for (const audit::Violation& v : auditor.Finish()) {
+      ADD_FAILURE() << "seed " << seed << ": " << v.at_us << " us, " << v.invariant << ": "
+                    << v.text;
+    }
+    EXPECT_GT(auditor.activities(), 20) << seed;
+  }
+}
+
 /// Every edit of one field of one message of a real mission that changes what it says is caught:
 /// the audit leaves nothing that an outcome rests on unlooked at.
 template <class Message>
