@@ -141,6 +141,12 @@ TEST(Docs, CommandsAndTheirOptionsExist) {
   std::set<std::string> options(declared.begin(), declared.end());
   // Those that have functions of their own in base/options.h, or belong to other programs.
   options.insert({"help", "version", "quiet", "json", "out", "log-level", "lcm-url"});
+  // The settings of policies stand in a table.
+  const std::string registry = Text(kRoot / "scheduler/policies/registry.cc");
+  for (const char* setting : {"expect-arrivals", "know-shifts", "effort", "reach", "radio-loss"}) {
+    EXPECT_NE(registry.find(fmt::format("     \"{}\",", setting)), registry.npos) << setting;
+    options.insert(setting);
+  }
   options.insert("polcy");  // the mistake in an example of an error
   std::size_t commands = 0;
   for (const fs::path& page : Pages()) {
