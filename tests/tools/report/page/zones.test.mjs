@@ -67,7 +67,7 @@ test("the tab Air says who is in the air, how high, and which two are nearest", 
   const now = await page.locator("#time-now").innerText();
   assert.ok(Math.abs(seconds(now) - seconds(time)) <= 1, `${now}, ${time}`);
   await page.getByText("Table: altitude of each UAV over time").click();
-  assert.ok(await page.locator(".air-scroll + .behind tbody tr").count() > 10);
+  await soon(async () => assert.ok(await page.locator(".air-scroll + .behind tbody tr").count() > 10));
 });
 
 test("a zone is added and lifted on the page of a mission that runs, and the log passes the audit", async (t) => {
