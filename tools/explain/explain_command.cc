@@ -77,6 +77,9 @@ int ExplainCommand(int argc, const char* const* argv) {
   if (arguments->Has("best") && arguments->Has("decision")) {
     throw InputError("command line", "--decision", "--best", "one of them");
   }
+  if (arguments->Has("effort") && !arguments->Has("best")) {
+    throw InputError("command line", "--effort", "no --best", "it beside --best");
+  }
   const std::string run = arguments->Get("run");
   const bool json = arguments->Has("json");
   std::optional<std::int32_t> decision;
@@ -106,7 +109,7 @@ int ExplainCommand(int argc, const char* const* argv) {
     Print(story, json);
   };
   if (arguments->Has("best")) {
-    print(LookBack(log, arguments->Get<std::int64_t>("effort"), progress));
+    print(LookBack(log, run, arguments->Get<std::int64_t>("effort"), progress));
   } else if (agent) {
     print(TellAgent(log, run, agent->first, agent->second, decision, progress));
   } else {

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "base/check.h"
 #include "base/index.h"
 #include "protocol/convert.h"
 #include "scheduler/policies/rollout/rollout.h"
@@ -224,7 +225,14 @@ Outcome LessThan(const Outcome& more, const Outcome& less) {
 
 }  // namespace
 
-Hindsight LookBack(const DecisionLog& log, std::int64_t effort, const DecisionProgress& progress) {
+Hindsight LookBack(const DecisionLog& log, const std::string& run, std::int64_t effort,
+                   const DecisionProgress& progress) {
+  const Rules& rules = log.scenario.rules;
+  const std::int64_t last = log.last_world ? log.last_world->tick : 0;
+  if (last < rules.limit_us / rules.tick_us) {
+    throw InputError(run, "mission", fmt::format("known until {}", ClockText(last * rules.tick_us)),
+                     fmt::format("one that has ended, at {}", ClockText(rules.limit_us)));
+  }
   Searcher searcher(log, effort);
   Hindsight hindsight;
   hindsight.policy = LoggedPolicy(log).name;

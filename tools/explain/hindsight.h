@@ -43,8 +43,9 @@ struct Hindsight {
 /// that were reported. It does not know what goes wrong by chance: wind, loss of range, failed
 /// matches. Roads and zones are those of the decision. What follows a decision also could have
 /// followed the one before, so what is possible never grows from one decision to the next, and the
-/// sum of what was lost is what lies between the best plan and the mission. Source: ours.
-Hindsight LookBack(const DecisionLog& log, std::int64_t effort,
+/// sum of what was lost is what lies between the best plan and the mission. Throws InputError
+/// naming `run` when the log does not go to the mission's end. Source: ours.
+Hindsight LookBack(const DecisionLog& log, const std::string& run, std::int64_t effort,
                    const DecisionProgress& progress = {});
 
 /// For people.

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kRounding = 1e-9;  ///< of a pair's worth that is put together in another order
 constexpr std::size_t kMostPairs = 4;
+/// A longer search is not made again: it may have been meant for a deadline, and never have ended.
+constexpr std::int64_t kMostEffortAgain = 20;
 
 /// What the pair is worth to a matching with these settings; NaN: the matching cannot make it.
 double WorthOf(const Situation& situation, const HorizonSettings& settings, const Action& pair) {
@@ -99,7 +101,7 @@ std::vector<std::vector<std::uint32_t>> DrawsOf(const RolloutSettings& rollout) 
 
 Deciding RolloutPolicy::Explain(const Situation& situation,
                                 const std::vector<Action>& commanded) const {
-  if (settings_.effort > 1) {
+  if (settings_.effort > 1 && settings_.effort <= kMostEffortAgain) {
     RolloutSettings unhurried = settings_;
     unhurried.deadline.reset();
     const RolloutPlan plan = RolloutPolicy(unhurried).Plan(situation, FuturesOf(situation));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/check.h"
 #include "model/generator.h"
 #include "tests/tools/explain/mission_log.h"
 #include "tools/bound/upper_bound.h"
@@ -65,7 +66,8 @@ void ExpectItAddsUp(const Hindsight& hindsight) {
 }
 
 TEST(Hindsight, AMissionThatDidEverythingLostNothing) {
-  const Hindsight hindsight = LookBack(Logged(SimulatedPackets(WorkerComesLater(), "horizon")), 1);
+  const Hindsight hindsight =
+      LookBack(Logged(SimulatedPackets(WorkerComesLater(), "horizon")), "run", 1);
   EXPECT_EQ(hindsight.policy, "horizon");
   EXPECT_EQ(hindsight.tasks, 2u);
   EXPECT_EQ(hindsight.was.done, 2u);
@@ -77,7 +79,7 @@ TEST(Hindsight, AMissionThatDidEverythingLostNothing) {
 TEST(Hindsight, WhatNobodyWasSentToIsLostAtTheDecisionWhereItWasPossibleLast) {
   const Scenario scenario = WorkerComesLater();
   const DecisionLog log = Logged(SimulatedPackets(scenario, "external:false"));
-  const Hindsight hindsight = LookBack(log, 1);
+  const Hindsight hindsight = LookBack(log, "run", 1);
   EXPECT_EQ(hindsight.was.done, 0u);
   EXPECT_EQ(hindsight.best.done, 2u) << "it knows that another worker comes";
   EXPECT_EQ(hindsight.missed, (std::vector<std::int32_t>{0, 1}));
@@ -100,30 +102,38 @@ TEST(Hindsight, WhoFailsAndWhatIsCancelledIsKnown) {
   failed.uav_id = failed.vehicle_id = failed.task_id = failed.charge_id = -1;
   failed.worker_id = 1;
   log.events.push_back(failed);
-  Hindsight hindsight = LookBack(log, 1);
+  Hindsight hindsight = LookBack(log, "run", 1);
   EXPECT_EQ(hindsight.best.done, 1u) << "the second worker fails before it has sensed anything";
   EXPECT_EQ(hindsight.decisions[6].failed, 1u);
   log.last_world->task_status[0] = static_cast<std::int8_t>(TaskStatus::kCancelled);
-  hindsight = LookBack(log, 1);
+  hindsight = LookBack(log, "run", 1);
   EXPECT_EQ(hindsight.best.done, 0u);
 }
 
 TEST(Hindsight, IsAboveTheMissionAndBelowTheBoundAndMoreEffortFindsMore) {
   const Scenario scenario = DrawnScenario(1);
   const DecisionLog log = Logged(SimulatedPackets(scenario, "mpq"));
-  const Hindsight one = LookBack(log, 1), two = LookBack(log, 2);
+  const Hindsight one = LookBack(log, "run", 1), two = LookBack(log, "run", 2);
   ExpectItAddsUp(one);
   ExpectItAddsUp(two);
   EXPECT_GT(one.best.done, one.was.done + 3) << "mpq gets much less done";
   EXPECT_GE(two.best.done, one.best.done);
   EXPECT_LE(two.best.done, static_cast<std::size_t>(UpperBound(scenario)));
-  EXPECT_EQ(ToJson(one), ToJson(LookBack(log, 1))) << "the same again";
+  EXPECT_EQ(ToJson(one), ToJson(LookBack(log, "run", 1))) << "the same again";
+}
+
+TEST(Hindsight, AMissionThatHasNotEndedIsRefused) {
+  DecisionLog log = Logged(SimulatedPackets(WorkerComesLater(), "horizon"));
+  --log.last_world->tick;
+  EXPECT_THROW(LookBack(log, "run", 1), InputError) << "half a minute is missing";
+  log.last_world.reset();
+  EXPECT_THROW(LookBack(log, "run", 1), InputError);
 }
 
 TEST(Hindsight, DecisionsThatTheLogLacksAreSaidSo) {
   DecisionLog log = Logged(SimulatedPackets(WorkerComesLater(), "horizon"));
   log.decisions.at(1).told.clear();
-  const Hindsight hindsight = LookBack(log, 1);
+  const Hindsight hindsight = LookBack(log, "run", 1);
   EXPECT_NE(hindsight.decisions[1].missing, "");
   EXPECT_EQ(hindsight.decisions[0].missing, "");
   EXPECT_NE(ToText(hindsight).find("not known: the log lacks"), std::string::npos);

@@ -180,6 +180,9 @@ TEST(PlanSearch, SaysHowASearchedDecisionCameAbout) {
     EXPECT_TRUE(deciding.how.again);
     EXPECT_EQ(deciding.how.tasks_drawn > 0, deciding.how.settings.task_draws != nullptr);
     if (deciding.how.tasks_drawn > 0) ++searched;
+    ASSERT_TRUE(policy.Set("effort", 1e6));
+    EXPECT_EQ(policy.Explain(situation, decision.actions).how.tasks_drawn, 0u)
+        << "a search that long is not made again";
   }
   EXPECT_GT(searched, 0u);
 }
