@@ -67,6 +67,9 @@ class Process {
   /// Publishes an event that the edge has seen; the header is filled here.
   void Announce(event_t event, const Now& now);
 
+  /// Nobody would believe what this process repeats of others when it is asked.
+  void StopRepeatingOthers() { repeats_others_ = false; }
+
   /// Packets that were not a possible message of this mission.
   std::int64_t rejected() const { return inbox_.counters().rejected + refused_; }
   /// How many packets its bus has refused so far; they count as rejected.
@@ -104,6 +107,8 @@ class Process {
   void Answer(const request_t& request, std::int64_t tick, std::vector<std::uint8_t> message,
               TimeUs sim_us, const Now& now);
 
+  bool repeats_others() const { return repeats_others_; }
+
   Sender& sender() { return sender_; }
   const Sender& sender() const { return sender_; }
   Inbox& inbox() { return inbox_; }
@@ -118,6 +123,7 @@ class Process {
   ProcessState state_ = ProcessState::kStarting;
   TimeUs sim_us_ = 0;
   std::int64_t refused_ = 0, dropped_ = 0;
+  bool repeats_others_ = true;
   RunLong run_long_;
   std::map<std::string, std::int64_t, std::less<>> questions_;  ///< first seq, by channel
 };

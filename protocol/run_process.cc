@@ -157,8 +157,7 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   flags.drop_seed = arguments.Get<std::uint64_t>("drop-seed");
   flags.quiet = arguments.Has("quiet");
   if (arguments.Has("key")) {
-    const std::string file = arguments.Get("key");
-    flags.seal.emplace(SealKey::Load(file).Of(flags.identity.run_id, file));
+    flags.seal.emplace(Seal::Load(arguments.Get("key"), flags.identity.run_id));
   }
   if (HasControls(flags.identity.name)) {
     throw InputError("command line", "--name", Printable(flags.identity.name),
@@ -175,8 +174,8 @@ std::unique_ptr<LossyBus> OpenBus(const ProcessFlags& flags, GuardedChannels cha
                                   std::optional<LcmTap> tap) {
   const bool recorder = tap.has_value();
   auto bus = std::make_unique<LossyBus>(
-      std::make_unique<LcmBus>(flags.lcm_url, flags.seal ? kTagBytes : 0, std::move(tap),
-                               LcmBus::Reader::kOwnIfItCan, channels),
+      std::make_unique<LcmBus>(flags.lcm_url, flags.seal ? flags.seal->tag_bytes() : 0,
+                               std::move(tap), LcmBus::Reader::kOwnIfItCan, channels),
       flags.drop_seed, flags.identity.name, &MonotonicUs);
   if (recorder) bus->ReturnOnArrival();
   if (flags.seal) bus->SetSeal(*flags.seal);
@@ -188,6 +187,9 @@ void StopProcesses() { stop_requested = true; }
 
 int RunProcess(Process* process, LossyBus* bus, bool quiet, Usage (*usage)()) {
   CatchStopSignals();
+  if (bus->proves_senders() && process->identity().name != process_name::kWorld) {
+    process->StopRepeatingOthers();
+  }
   Drive drive(process, bus);
   OutageWatch network;
   RefusalWatch refusals;

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/bus/member_keys.h"
 #include "lcmtypes/channels.h"
 #include "protocol/sender.h"
 
@@ -63,8 +64,9 @@ void RecorderProcess::OnLogged(const Packet& packet) {
     answer_wanted_ |= follower_.doubles() > doubles && DecodeHeader(message)->sender != own.name;
     return;
   }
-  // Only the mission's key can say so.
-  has_successor_ |= seal_ && header->boot_id >= first_boot_ + kLauncherApart;
+  // Only the mission's key can say so; of a mission sealed per process, the launcher's.
+  has_successor_ |= seal_ && header->boot_id >= first_boot_ + kLauncherApart &&
+                    (!seal_->members() || header->sender == seal_->members()->launcher());
   if (part_ == Part::kFirst && message.channel == channel::kLog) NoteTold(message);
   if (header->sender != own.name) {
     news_ = true;
@@ -94,6 +96,7 @@ void RecorderProcess::OnMessage(const Message& message, const Packet& packet, co
   Handle(
       message,
       [&](const clock_t& clock) {
+        mission_ended_ |= clock.phase == ClockPhase::kEnded;
         if (clock.tick < tick_) return;
         tick_ = clock.tick;
         sim_us_ = std::max(sim_us_, clock.tick_us);
@@ -110,8 +113,10 @@ void RecorderProcess::OnMessage(const Message& message, const Packet& packet, co
         if (sender == process_name::kLauncher || sender == process_name::kRecorder) {
           first_heard_us_ = now.monotonic_us;
         }
+        const bool has_ended = status.state == ProcessState::kEnded;
+        mission_ended_ |= has_ended && sender == process_name::kWorld;
         if (!counts_second() || status.header.sender != process_name::kSecondRecorder) return;
-        second_.gone = status.state == ProcessState::kEnded;
+        second_.has_ended = has_ended;
         second_.until_us = std::min(second_.until_us, now.monotonic_us + patience_us_);
       });
 }
@@ -148,7 +153,7 @@ bool RecorderProcess::SecondLacksTold() const {
 void RecorderProcess::SeeToSecond(const Now& now) {
   if (!counts_second()) return;
   if (second_.until_us == kNever) second_.until_us = now.monotonic_us + kFirstWordUs;
-  if (now.monotonic_us < second_.until_us) return;
+  if (now.monotonic_us < second_.until_us && !(second_.has_ended && mission_ended_)) return;
   second_.gone = news_ = is_urgent_ = true;
 }
 

@@ -29,8 +29,8 @@ enum class Part {
 class RecorderProcess : public Process {
  public:
   /// `window`: own messages that may be out and not in the log. `seal`: of a sealed mission.
-  /// `patience_us`: for so long the first of two waits for marks of the second; without them it
-  /// goes on alone, for good.
+  /// `patience_us`: for so long the first of two waits for marks of the second, also of one that
+  /// has ended while the mission goes on; without them it goes on alone, for good.
   RecorderProcess(const Identity& identity, int window, std::optional<Seal> seal,
                   Part part = Part::kOnly, TimeUs patience_us = 0);
 
@@ -90,11 +90,13 @@ class RecorderProcess : public Process {
   struct Second {
     std::map<Start, std::int64_t> marks;  ///< next_seq
     TimeUs until_us = kNever;             ///< for so long its next marks are waited for
+    bool has_ended = false;               ///< as it says: it may be started again
     bool gone = false;
   };
   Second second_;
   std::map<Start, std::int64_t> said_marks_;  ///< by the first of two: MarksOfOthers() at that time
   std::map<Start, std::int64_t> told_marks_;  ///< the same with what its earlier starts said
+  bool mission_ended_ = false;                ///< the world has, or says that the mission has
   TimeUs first_heard_us_ = kNever;  ///< by the second: the first, or the launcher; kNever: not yet
   std::optional<Seal> seal_;
   LogFollower follower_;

@@ -185,7 +185,7 @@ void AgentProcess::GoOn() {
 void AgentProcess::Answer(const request_t& request, const Now& now) {
   if (!restored_) return;
   const auto answer = [&](std::int64_t tick, const Packet& packet) {
-    Process::Answer(request, tick, packet.bytes, tick_us_, now);
+    if (repeats_others()) Process::Answer(request, tick, packet.bytes, tick_us_, now);
   };
   if (request.channel == ChannelOf(kind_)) {
     if (tick_ < 0) answer(-1, {});

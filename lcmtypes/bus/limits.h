@@ -16,7 +16,7 @@ inline constexpr std::uint32_t kMostChannelBytes = 63;  ///< LCM_MAX_CHANNEL_NAM
 constexpr std::uint32_t LargestMessage() {
   std::int64_t most = 0;
   for (const Channel& row : kChannels) most = std::max(most, row.max_bytes);
-  return static_cast<std::uint32_t>(most) + kTagBytes;
+  return static_cast<std::uint32_t>(most) + kMostTagBytes;
 }
 
 /// Whether a received packet is worth looking at: a channel of the table, not larger than its

@@ -18,6 +18,18 @@ std::uint64_t HashOf(std::string_view text) {
   return hash;
 }
 
+std::uint64_t HashOf(const Packet& packet) {
+  return HashOf(packet.channel) ^
+         HashOf({reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size()});
+}
+
+/// The world repeats a scheduler's decision as it came.
+bool IsSentOn(const Packet& packet) {
+  return packet.channel == channel::kSchedule || packet.channel == channel::kClearances;
+}
+/// A decision may have many clearances.
+constexpr std::size_t kMostSignatures = 1000;
+
 bool IsShare(double value) { return value >= 0 && value <= 1; }
 
 }  // namespace
@@ -49,7 +61,18 @@ void LossyBus::Publish(const Packet& packet) {
     ++counters_.lost;
     return;
   }
-  bus_->Publish(seal_ ? seal_->Closed(packet) : packet);
+  bus_->Publish(seal_ ? Closed(packet) : packet);
+}
+
+Packet LossyBus::Closed(const Packet& packet) const {
+  Tag tag = seal_->TagOf(packet);
+  if (tag.empty()) {
+    const auto heard =
+        std::find_if(signatures_.begin(), signatures_.end(),
+                     [hash = HashOf(packet)](const auto& one) { return one.first == hash; });
+    if (heard != signatures_.end()) tag = heard->second;
+  }
+  return WithTag(packet, tag);
 }
 
 void LossyBus::Open(std::vector<Packet>* packets) {
@@ -57,7 +80,13 @@ void LossyBus::Open(std::vector<Packet>* packets) {
   std::vector<Packet> opened;
   opened.reserve(packets->size());
   for (Packet& packet : *packets) {
+    const std::size_t tag_bytes = std::min(packet.bytes.size(), seal_->tag_bytes());
+    Tag tag(packet.bytes.end() - static_cast<std::ptrdiff_t>(tag_bytes), packet.bytes.end());
     if (seal_->Open(&packet)) {
+      if (proves_senders() && IsSentOn(packet)) {
+        signatures_.emplace_front(HashOf(packet), std::move(tag));
+        if (signatures_.size() > kMostSignatures) signatures_.pop_back();
+      }
       opened.push_back(std::move(packet));
     } else {
       ++refused_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -54,6 +55,8 @@ class LossyBus : public Bus {
   /// right one. A network's faults come before: what they damage is refused.
   void SetSeal(Seal seal) { seal_ = seal; }
   bool sealed() const { return seal_.has_value(); }
+  /// Of what arrives it is known which member has sent it.
+  bool proves_senders() const { return seal_ && seal_->members() != nullptr; }
   /// Packets that came without the right tag.
   std::int64_t refused() const { return refused_; }
   /// The newest of them.
@@ -82,6 +85,7 @@ class LossyBus : public Bus {
   void Admit(Packet packet, std::int64_t now_us);
   void Release(std::int64_t now_us);
   bool IsUnheard(const Packet& packet) const;
+  Packet Closed(const Packet& packet) const;
   /// Takes tags off, and out what has none.
   void Open(std::vector<Packet>* packets);
   std::vector<Packet> TakeDue(std::int64_t now_us);
@@ -96,6 +100,8 @@ class LossyBus : public Bus {
   std::vector<std::pair<Packet, std::int64_t>> held_back_;  ///< with their delay
   std::map<Key, Packet> in_flight_;
   std::optional<Seal> seal_;
+  /// Signatures of what was heard lately and may be sent on as it is, by a hash of the packet.
+  std::deque<std::pair<std::uint64_t, Tag>> signatures_;
   bool returns_on_arrival_ = false;
   std::int64_t refused_ = 0;
   Packet newest_refused_;

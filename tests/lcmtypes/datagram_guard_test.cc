@@ -92,7 +92,7 @@ TEST_P(DatagramGuardTest, LetsMessagesOfEverySizePass) {
     ASSERT_TRUE(socket.Passes(DatagramsOf(channel::kScenario, Datagram(size, 'x')).front()));
   }
   // About where one datagram ends, and two, and three; and the largest, with its tag.
-  constexpr std::size_t kLargest = (64 << 20) + kTagBytes;
+  constexpr std::size_t kLargest = (64 << 20) + kMostTagBytes;
   for (const std::size_t middle : {65'487u, 130'958u, 196'461u, 1'000'000u, 64u << 20}) {
     for (std::size_t size = middle - 40; size <= std::min<std::size_t>(middle + 40, kLargest);
          size += 4) {

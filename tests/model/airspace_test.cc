@@ -14,14 +14,12 @@
 #include "base/json_tree.h"
 #include "base/random.h"
 #include "model/air_ways.h"
+#include "model/made_up.h"
 #include "model/order.h"
 #include "model/scenario.h"
-#include "tests/model/drawn_zones.h"
 
 namespace muster {
 namespace {
-
-using muster::testing::DrawnZones;
 
 constexpr AgentKind kUav = AgentKind::kUav;
 constexpr double kNoWay = std::numeric_limits<double>::infinity();

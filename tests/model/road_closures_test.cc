@@ -10,11 +10,11 @@
 #include "base/json_tree.h"
 #include "base/random.h"
 #include "model/agent.h"
+#include "model/made_up.h"
 #include "model/order.h"
 #include "model/road_area.h"
 #include "model/scenario_json.h"
 #include "tests/model/block.h"
-#include "tests/model/street_grid.h"
 
 namespace muster {
 namespace {
@@ -219,7 +219,7 @@ TEST(RoadClosures, APlannedClosureOfNoRoadIsRefused) {
 TEST(RoadClosures, ClosingNeverShortensAWayAndOpeningGivesItBack) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    const Roads roads = testing::StreetGrid(7, 300, seed);
+    const Roads roads = StreetGrid(7, 300, seed);
     Random random(seed, Stream::kTest);
     std::vector<Point> places(30);
     for (Point& place : places) place = {random.Uniform() * 2100, random.Uniform() * 2100};

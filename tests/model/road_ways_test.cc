@@ -12,12 +12,10 @@
 
 #include "base/check.h"
 #include "base/random.h"
-#include "tests/model/street_grid.h"
+#include "model/made_up.h"
 
 namespace muster {
 namespace {
-
-using muster::testing::StreetGrid;
 
 constexpr AgentKind kWorker = AgentKind::kWorker, kVehicle = AgentKind::kVehicle;
 constexpr double kNoWay = std::numeric_limits<double>::infinity();

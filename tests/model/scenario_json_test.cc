@@ -17,7 +17,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "model/generator.h"
-#include "tests/model/street_grid.h"
+#include "model/made_up.h"
 #include "tests/temporary_folder.h"
 
 namespace muster {
@@ -627,7 +627,7 @@ Scenario OnRoads() {
   Scenario scenario = Generate(PresetByName("Random_10"), 1);
   ScenarioRoads roads;
   roads.file = "grid.roads.json";
-  roads.text = RoadsToJson(muster::testing::StreetGrid(4, 2000, 1));
+  roads.text = RoadsToJson(StreetGrid(4, 2000, 1));
   roads.open_ground = {{}, {40, 500}, {0, 0}};
   UseRoads(std::move(roads), "grid.roads.json", &scenario);
   return scenario;

@@ -164,11 +164,33 @@ TEST_F(TwoRecorders, OneThatHasNeverSpokenIsWaitedForHalfAMinute) {
   EXPECT_EQ(Told("uav"), 1);
 }
 
-TEST_F(TwoRecorders, OneThatEndsIsNotWaitedFor) {
+TEST_F(TwoRecorders, OneThatEndsInMidMissionIsWaitedForAsItMayStartAgain) {
+  Say(MessageOf("uav", 0));
+  Pass(50'000);
+  second_.End();  // as one does whose ssh has ended
+  second_.ReportStatus({}, now_);
+  Pass(50'000);
+  second_lives_ = false;
+  Say(MessageOf("uav", 1));
+  Pass(kSecondsPatienceUs - kSecondUs);
+  EXPECT_FALSE(first_.goes_on_alone());
+  EXPECT_EQ(Told("uav"), 1);
+  Pass(2 * kSecondUs);
+  EXPECT_TRUE(first_.goes_on_alone());
+}
+
+TEST_F(TwoRecorders, AtTheMissionsEndOneThatEndsIsNotWaitedFor) {
   Say(MessageOf("uav", 0));
   Pass(50'000);
   second_.End();
   second_.ReportStatus({}, now_);
+  Pass(50'000);
+  EXPECT_FALSE(first_.goes_on_alone());
+  clock_t clock{};
+  clock.header.run_id = 1;
+  clock.header.sender = "world";
+  clock.phase = NumberOf(ClockPhase::kEnded);
+  Say({std::string(channel::kClock), Encode(clock)});
   Pass(50'000);
   EXPECT_TRUE(first_.goes_on_alone());
 }

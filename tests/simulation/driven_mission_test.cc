@@ -13,11 +13,11 @@
 #include "simulation/simulator.h"
 #include "tests/simulation/audited.h"
 #include "tests/simulation/order_draws.h"
-#include "tests/simulation/truthful_drivers.h"
 #include "tools/explain/redecide.h"
 #include "tools/record/digest.h"
 #include "tools/record/run_record.h"
 #include "tools/simulate/virtual_mission.h"
+#include "tools/trials/truthful_drivers.h"
 
 namespace muster::tools {
 namespace {
@@ -179,7 +179,7 @@ TEST(MeasuredMissions, WhoTellsTheTruthIsBelievedWhateverElseHappens) {
         ScenarioToJson(scenario), PolicyOf(seed),
         [&](const Packet& packet) { watched.Add(packet); }, {}, DrawOrders(seed),
         [&](AgentKind kind) {
-          return std::make_unique<TruthfulDrivers>(seed, scenario, kind, &counts);
+          return std::make_unique<TruthfulDrivers>(seed, kind, scenario.n_agents(kind), &counts);
         });
     watched.DecideAgain();
     late += watched.late();
@@ -204,7 +204,8 @@ TEST(MeasuredMissions, AreWholeUnderFaults) {
     mission.drop = seed % 3 == 0 ? 0.1 : 0;
     mission.faults = DrawFaults(seed);
     mission.drivers = [&](AgentKind kind) {
-      return std::make_unique<TruthfulDrivers>(seed, mission.scenario, kind, &counts);
+      return std::make_unique<TruthfulDrivers>(seed, kind, mission.scenario.n_agents(kind),
+                                               &counts);
     };
     Watched watched;
     mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {

@@ -11,6 +11,7 @@
 #include "model/generator.h"
 #include "tools/explain/decision_log.h"
 #include "tools/faults/fault_plan.h"
+#include "tools/trials/draws.h"
 #include "world/planned_orders.h"
 
 namespace muster::tools {
@@ -39,64 +40,7 @@ inline Scenario Draw(std::uint64_t seed) {
 /// Of all kinds, possible or not.
 inline std::vector<world::PlannedOrder> DrawOrders(std::uint64_t seed) {
   Random random(seed, Stream::kTest, 7);
-  std::vector<world::PlannedOrder> orders;
-  const std::uint32_t n = 10 + random.Below(40);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const auto place = [&] {
-      return fmt::format(R"("x_km": {:.3f}, "y_km": {:.3f})", random.Uniform() * 12.2,
-                         random.Uniform() * 12);
-    };
-    const std::uint32_t task = random.Below(30);
-    const char* const kinds[] = {"uav", "worker", "vehicle"};
-    const std::string kind = kinds[random.Below(3)];
-    std::string body;
-    switch (random.Below(8)) {
-      case 0:
-      case 1:
-      case 2:
-        body =
-            fmt::format(R"("order": "task_add", "task": {{{}, "priority": {}, "cost_km": {:.1f})",
-                        place(), random.Below(4), 1 + 2 * random.Uniform());
-        if (random.Below(2) == 0) body += fmt::format(R"(, "due_in_min": {})", random.Below(40));
-        if (random.Below(3) == 0) {
-          body += fmt::format(R"(, "expires_in_min": {})", 40 + random.Below(30));
-        }
-        if (random.Below(3) == 0) body += fmt::format(R"(, "reported_min": {})", random.Below(90));
-        body += "}";
-        break;
-      case 3:
-        body = fmt::format(R"("order": "task_cancel", "task": {})", task);
-        break;
-      case 4:
-        body = fmt::format(R"("order": "task_{}", "task": {})",
-                           random.Below(2) == 0 ? "hold" : "resume", task);
-        break;
-      case 5:
-        body = fmt::format(
-            R"("order": "task_change", "task": {}, "priority": {}{})", task, random.Below(4),
-            random.Below(2) == 0 ? fmt::format(R"(, "expires_in_min": {})", 1 + random.Below(30))
-                                 : "");
-        break;
-      case 6:
-        body = fmt::format(
-            R"("order": "agent_join", "class": "{}", "agent": {{{}, "speed_km_per_min": 0.8{}}})",
-            kind, place(),
-            kind == "uav"       ? R"(, "full_range_km": 20)"
-            : kind == "vehicle" ? R"(, "charge_km_per_min": 8)"
-                                : "");
-        break;
-      default:
-        body = fmt::format(R"("order": "agent_{}", "agent": "{}:{}")",
-                           random.Below(2) == 0 ? "leave" : "recall", kind, random.Below(8));
-    }
-    const TimeUs at_us = kMinuteUs * TimeUs{random.Below(100)};
-    const std::string json = fmt::format(R"({{"at_min": {}, {}}})", at_us / kMinuteUs, body);
-    world::PlannedOrder planned{ParseOrder(json, "order"), json};
-    planned.order.id = fmt::format("o{}", i);
-    planned.order.issuer = "test";
-    orders.push_back(std::move(planned));
-  }
-  return orders;
+  return DrawTaskOrders(Draw(seed), &random);
 }
 
 /// Packets in memory, as a log.

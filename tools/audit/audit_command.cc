@@ -12,6 +12,7 @@
 #include "base/program.h"
 #include "base/text_file.h"
 #include "lcmtypes/bus/event_log.h"
+#include "lcmtypes/bus/member_keys.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
 #include "tools/audit/seal_proof.h"
@@ -93,6 +94,22 @@ void PrintViolations(const audit::Auditor& auditor, const std::vector<Violation>
   }
 }
 
+/// By a key, or by a file like seal.public. Throws InputError where the senders that seal.public
+/// names have other keys than those which the key makes.
+audit::SealProof ProofBy(const std::string& file, const std::string& log) {
+  const std::string text = ReadTextFile(file, "a key");
+  if (text.starts_with('{')) return {Seal(MemberKeys::Parse(text, file)), file};
+  const SealKey key = SealKey::Load(file);
+  const std::optional<Seal> beside = SealBeside(log);
+  if (!beside || beside->members() == nullptr) return {key, file};
+  const MemberKeys& members = *beside->members();
+  if (!members.AreOf(key.Of(members.run_id(), file).bytes)) {
+    throw InputError(std::string(kSealPublicFile), "members", "keys that are not of this mission",
+                     fmt::format("those that {} makes", file));
+  }
+  return {*beside, file};
+}
+
 }  // namespace
 
 int AuditCommand(int argc, const char* const* argv) {
@@ -102,8 +119,8 @@ int AuditCommand(int argc, const char* const* argv) {
   options.Run();
   options.Add(
       "key", "FILE",
-      "The key of a sealed mission: each message must have the right tag (default: seal.key "
-      "beside the log, where messages without it are left out)");
+      "The key of a sealed mission, or its seal.public: each message must have the right tag "
+      "(default: what is beside the log; messages without the right tag are left out)");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
@@ -114,9 +131,9 @@ int AuditCommand(int argc, const char* const* argv) {
   const std::vector<std::string> files = LogFilesOf(run);
   std::optional<audit::SealProof> proof;
   if (arguments->Has("key")) {
-    proof.emplace(SealKey::Load(arguments->Get("key")), arguments->Get("key"));
-  } else if (const auto key = KeyBeside(files.front())) {
-    proof.emplace(*key, std::string(kSealKeyFile));
+    proof.emplace(ProofBy(arguments->Get("key"), files.front()));
+  } else if (auto seal = SealBeside(files.front())) {
+    proof.emplace(*std::move(seal), std::string(kSealKeyFile));
   }
   LogProgress progress("audit", files);
   for (const std::string& file : files) {

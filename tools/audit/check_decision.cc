@@ -31,6 +31,12 @@ std::string WrongIds(const View& view, const action_t& a) {
   return ids == kIds[a.kind] ? "" : "has not the ids of its kind";
 }
 
+/// A place on a road where its agents can wait: roads lead out of the area, too.
+bool IsStop(const AgentModel& agent, Place at) {
+  const auto [stop, number] = agent.ways->StopNear(agent.kind, at);
+  return number >= 0 && Apart(stop, at) <= kTolerance_m;
+}
+
 void CheckAction(View& view, const action_t& a, const std::string& name) {
   std::vector<AgentModel*> members;
   if (a.uav_id >= 0) members.push_back(&view.Model(kUav, a.uav_id));
@@ -43,7 +49,8 @@ void CheckAction(View& view, const action_t& a, const std::string& name) {
                              ? view.scenario.charges[static_cast<std::size_t>(a.charge_id)].at
                          : a.kind == ActionKind::kGoTo ? to
                                                        : members[0]->to;
-  const bool outside = a.kind == ActionKind::kGoTo && !view.IsInside(to);
+  const bool outside =
+      a.kind == ActionKind::kGoTo && !view.IsInside(to) && !IsStop(*members[0], to);
   if (Apart(to, expected) > kTolerance_m || outside) {
     view.Violate("decision", "{}: leads to ({:.3f}, {:.3f}) m, expected {}", name, a.x_m, a.y_m,
                  outside ? "a place inside the area"

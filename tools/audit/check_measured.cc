@@ -91,6 +91,19 @@ void SeeWind(const View& view, AgentModel* model, const agent_t& a) {
   model->way_seen = true;
 }
 
+/// Between two words of its driver it is where its way would have it by then. By the driver's word
+/// it may arrive sooner than by that way, as the driver may know a shorter one: where ways bend,
+/// only what was told bounds its speed, with the slack of two words.
+void CheckRestOfLeg(const View& view, const AgentModel& model, Place here, const agent_t& a) {
+  if (model.ways->rounding_m(model.kind) == 0) {
+    CheckFromAnchor(view, model, here, view.now_us, a.range_left_m);
+    CheckWay(view, model, here, model.to, ToSeconds(a.arrive_us - view.now_us));
+    return;
+  }
+  CheckWay(view, model, model.anchor, model.to,
+           ToSeconds(a.arrive_us - model.anchor_us) + kSlack_s);
+}
+
 void SeeLeg(const View& view, AgentModel* model, const agent_t& a) {
   const Place here{a.x_m, a.y_m};
   bool as_computed =
@@ -105,10 +118,7 @@ void SeeLeg(const View& view, AgentModel* model, const agent_t& a) {
     return;
   }
   if (as_computed && !model->goes_on_anew) return;
-  if (!model->says_arrived) {
-    CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
-    CheckWay(view, *model, here, model->to, ToSeconds(a.arrive_us - view.now_us));
-  }
+  if (!model->says_arrived) CheckRestOfLeg(view, *model, here, a);
   model->arrive_us = a.arrive_us;
   if (!model->pair()) model->busy_until_us = a.arrive_us;
   if (model->says_arrived) return Arrive(view, model, a);
@@ -165,7 +175,9 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   const AgentModel &uav = *members[0], &partner = *members[1];
   const bool begun = before.start_us <= view.before_us;
   Activity expected = before;
-  if (!begun) {
+  // Who has come to a closed road has stopped; the world ends the pair at the next tick.
+  const bool has_stopped = uav.action == ActionKind::kNone || partner.action == ActionKind::kNone;
+  if (!begun && !has_stopped) {
     expected.start_us = std::max(uav.arrive_us, partner.arrive_us);
     expected.end_us =
         expected.start_us + view.DurationOf(listed, std::max(0.0, uav.RangeOnArrival()));

@@ -10,11 +10,11 @@ namespace muster::tools::audit {
 bool SealProof::Takes(const LogEvent& event, const std::string& file) {
   if (FindChannel(event.packet.channel) == nullptr) return true;
   const std::optional<header_t> header = DecodeHeader(event.packet);
-  if (header && header->run_id != run_id_) {
+  if (key_ && header && header->run_id != run_id_) {
     run_id_ = header->run_id;
-    const bool is_ours = !key_.run_id || key_.run_id == run_id_;
+    const bool is_ours = !key_->run_id || key_->run_id == run_id_;
     seal_.reset();
-    if (is_ours) seal_.emplace(key_.Of(*run_id_, from_));
+    if (is_ours) seal_.emplace(key_->Of(*run_id_, from_));
   }
   if (header && seal_ && seal_->Holds(event.packet, event.tag)) {
     ++proven_;

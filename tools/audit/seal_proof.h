@@ -15,6 +15,8 @@ class SealProof {
  public:
   /// `key`: a run's, or one of many runs; `from`: where it is from, for messages.
   SealProof(const SealKey& key, std::string from) : key_(key), from_(std::move(from)) {}
+  /// Of one run.
+  SealProof(Seal seal, std::string from) : from_(std::move(from)), seal_(std::move(seal)) {}
 
   /// Whether the event is proven, or nothing that wants a proof.
   bool Takes(const LogEvent& event, const std::string& file);
@@ -26,7 +28,7 @@ class SealProof {
   std::int64_t first_refused_us() const { return first_refused_us_; }  ///< its mission time
 
  private:
-  SealKey key_;
+  std::optional<SealKey> key_;
   std::string from_;
   std::optional<Seal> seal_;  ///< of the run that was last seen
   std::optional<std::int64_t> run_id_;

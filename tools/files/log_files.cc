@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "base/check.h"
+#include "lcmtypes/bus/member_keys.h"
 
 namespace muster::tools {
 
@@ -37,9 +38,22 @@ std::optional<SealKey> KeyBeside(const std::string& log_file) {
   return key;
 }
 
+std::optional<Seal> SealBeside(const std::string& log_file) {
+  const std::string file =
+      (std::filesystem::path(log_file).parent_path() / kSealPublicFile).string();
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  if (std::getline(in, text)) return Seal(MemberKeys::Parse(text, file));
+  const std::optional<SealKey> key = KeyBeside(log_file);
+  if (!key) return {};
+  if (!key->per_process) return Seal(*key);
+  throw InputError(file, "members", "no such file",
+                   "the senders of this mission, sealed per process");
+}
+
 std::unique_ptr<EventLogReader> OpenLog(const std::string& file, EventLogReader::Tail tail) {
   auto reader = std::make_unique<EventLogReader>(file, tail);
-  if (const auto key = KeyBeside(file)) reader->OnlyWith(Seal(*key));
+  reader->OnlyWith(SealBeside(file));
   return reader;
 }
 

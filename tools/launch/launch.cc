@@ -35,6 +35,7 @@
 #include "tools/orders/order_socket.h"
 #include "tools/record/report_json.h"
 #include "tools/record/summary.h"
+#include "tools/tiles/tiles_beside.h"
 
 namespace muster::tools {
 namespace {
@@ -137,7 +138,10 @@ MissionPrograms FindPrograms(const Launch& launch, const std::vector<ProcessPlan
   programs.hosts = options.hosts;
   programs.earlier_logs = launch.earlier.log_files;
   programs.lcm_url = mission.lcm_url;
-  programs.key = mission.key;
+  const auto key_for = [&launch](const std::string& process) {
+    return launch.seal ? launch.seal->KeyFor(process) : "";
+  };
+  if (launch.seal) programs.seal = launch.seal->seal();
   programs.log_file = directory.File("mission.lcm");
   const fs::path folder = ProgramFolder();
   const std::string logger(NameOf(options.logger));
@@ -154,14 +158,17 @@ MissionPrograms FindPrograms(const Launch& launch, const std::vector<ProcessPlan
     command.insert(command.end(), {"--first-boot", fmt::to_string(launch.earlier.first_boot)});
     if (!options.second_log.empty()) {
       programs.processes.push_back(SecondRecorder(command, options.second_log, directory));
+      programs.processes.back().input = key_for(process_name::kSecondRecorder);
       command.insert(command.end(), {"--second-after", fmt::to_string(options.lost_after_s)});
     }
   }
+  if (options.logger == Logger::kMuster) programs.logger.input = key_for(logger);
   for (const ProcessPlan& process : processes) {
     std::vector<std::string> argv = {(folder / process.program).string()};
     argv.insert(argv.end(), process.arguments.begin(), process.arguments.end());
     programs.processes.push_back(
         {process.name, std::move(argv), directory.File(process.name + ".stderr")});
+    programs.processes.back().input = key_for(process.name);
   }
   return programs;
 }
@@ -201,17 +208,26 @@ std::unique_ptr<LossyBus> OpenBusOf(const Launch& launch) {
   flags.lcm_url = mission.lcm_url;
   flags.drop = options.drop;
   flags.drop_seed = launch.scenario.seed;
-  if (mission.key) flags.seal.emplace(*mission.key);
+  if (launch.seal) flags.seal = launch.seal->seal();
   return OpenBus(flags);
 }
 
-/// The base map of the live page; null: it has none. Throws InputError where it is one of another
-/// place.
+/// The base map of the live page; null: it has none. Throws InputError where one that was asked for
+/// is of another place.
 std::unique_ptr<const TileFile> TilesOf(const LaunchOptions& options, const Scenario& scenario) {
-  if (options.tiles.empty()) return nullptr;
-  std::unique_ptr<const TileFile> tiles = OpenTiles(options.tiles);
-  BaseMapOf(*tiles, scenario);
-  return tiles;
+  if (!options.live_port) return nullptr;
+  const std::string file =
+      options.tiles.empty() ? TilesBeside(options.scenario_file) : options.tiles;
+  if (file.empty() || file == kNoTiles) return nullptr;
+  try {
+    std::unique_ptr<const TileFile> tiles = OpenTiles(file);
+    BaseMapOf(*tiles, scenario);
+    return tiles;
+  } catch (const InputError& error) {
+    if (!options.tiles.empty()) throw;
+    Say("no base map: {}\n", error.what());
+    return nullptr;
+  }
 }
 
 /// Writes the report, prints the summary and returns the exit code.
@@ -235,6 +251,16 @@ int PrintOutcome(const MissionResult& result, const MissionIdentity& mission,
   return code;
 }
 
+/// " --key FILE" of a process that is started by hand; "": the mission is not sealed.
+std::string KeyOption(const MissionIdentity& mission, std::string_view process,
+                      const RunDirectory& directory) {
+  if (!mission.key) return "";
+  return fmt::format(" --key '{}'",
+                     directory.File(mission.key->per_process
+                                        ? fmt::format("{}/{}.key", kProcessKeysFolder, process)
+                                        : std::string(kSealKeyFile)));
+}
+
 }  // namespace
 
 /// For the classes that the user wants to start by hand.
@@ -244,8 +270,7 @@ void PrintWhatToStart(const LaunchOptions& options, const MissionIdentity& missi
     if (count > 0) continue;
     Say("start yourself: {}/muster-{} --lcm-url '{}' --run-id {} --window {}{}\n",
         ProgramFolder().string(), ToString(kind), mission.lcm_url, mission.run_id,
-        WindowOf(options),
-        mission.key ? fmt::format(" --key '{}'", directory.File(kSealKeyFile)) : "");
+        WindowOf(options), KeyOption(mission, ToString(kind), directory));
   }
 }
 
@@ -269,6 +294,9 @@ int Conduct(Launch* launch, const StopSignals& stop,
   // Before the network: its socket stays in the host's, where the browsers are.
   std::optional<LiveServer> server;
   if (options.live_port) server.emplace(*options.live_port);
+  if (mission.key) {
+    launch->seal.emplace(*mission.key, options, scenario, PlanProcesses(options, scenario, {}));
+  }
   mission.lcm_url = FindNetwork(options);
   const std::unique_ptr<LossyBus> bus = OpenBusOf(*launch);
   const RunDirectory directory = directory_of(&mission);

@@ -11,6 +11,7 @@
 #include "tools/host/stop_signals.h"
 #include "tools/launch/earlier_run.h"
 #include "tools/launch/launch_options.h"
+#include "tools/launch/mission_seal.h"
 #include "tools/orders/persons_desk.h"
 #include "tools/tiles/base_map.h"
 
@@ -32,6 +33,7 @@ struct Launch {
 
   std::string lcm_logger = {};                      ///< its program, where it writes the log
   std::unique_ptr<const TileFile> tiles = nullptr;  ///< null: no base map
+  std::optional<MissionSeal> seal = {};             ///< none: not sealed
 };
 
 /// Finds what the launch needs on this host. Throws InputError and SystemError where hosts, faults

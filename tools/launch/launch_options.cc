@@ -29,6 +29,8 @@ namespace {
 
 constexpr std::string_view kCommandLine = "command line";
 constexpr int kMostProcesses = 64;
+constexpr const char* kSealed = "mission";
+constexpr const char* kSealedPerProcess = "per-process";
 
 void ReadProcesses(const std::vector<std::string>& entries, LaunchOptions* options) {
   for (const AgentKind kind : kAgentKinds) options->processes[kind] = 1;
@@ -112,10 +114,14 @@ void AddLaunchOptions(Options* options) {
   AddFaultOptions(options);
   options->Add("l,lcm-url", "URL", "LCM URL (default: a network of the mission's own)");
   options->Add("hosts", "FILE", "Which process runs on which host (docs/guide/hosts.md)");
-  options->Flag(
-      "seal",
-      "Accept only messages that were sealed with the mission's key (docs/guide/seal.md). The "
-      "key is new, and kept in seal.key of the run directory. Default with --hosts");
+  options
+      ->Add("seal", "HOW",
+            "Accept only messages that were sealed with the mission's key (docs/guide/seal.md). "
+            "HOW mission: one key for all processes; per-process: one for each, which cannot speak "
+            "for another. The key is new, and kept in seal.key of the run directory. Default with "
+            "--hosts: mission")
+      .OneOf({kSealed, kSealedPerProcess})
+      .Implied(kSealed);
   options->Add("key", "FILE", "Seal with the key in FILE, which only its owner may read");
   options->Flag("no-seal", "With --hosts: accept messages without a seal");
   options
@@ -124,7 +130,10 @@ void AddLaunchOptions(Options* options) {
             "until Ctrl-C. PORT 0: any free port")
       .Integer(0, 65535)
       .Implied(fmt::to_string(kDefaultLivePort));
-  options->Add("tiles", "FILE", "With --live: base map, an MBTiles or PMTiles file");
+  options->Add(
+      "tiles", "FILE",
+      "With --live: base map, an MBTiles or PMTiles file, or none (default: the file beside "
+      "the scenario that has its name)");
   options->Add("persons", "FILE",
                "Take orders only of the persons in FILE, by their roles (muster person; "
                "docs/guide/persons.md). Includes --take-orders");
@@ -192,8 +201,19 @@ std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {
   return drivers;
 }
 
+/// "--seal HOW" as "--seal=HOW": alone it is an option whose value may be left out.
+std::vector<std::string> JoinSeal(std::vector<std::string> words) {
+  const auto seal = std::find(words.begin(), words.end(), "--seal");
+  if (seal == words.end() || seal + 1 == words.end()) return words;
+  if (*(seal + 1) != kSealed && *(seal + 1) != kSealedPerProcess) return words;
+  *seal += "=" + *(seal + 1);
+  words.erase(seal + 1);
+  return words;
+}
+
 void ReadSeal(const Arguments& arguments, LaunchOptions* options) {
   options->key_file = arguments.Has("key") ? arguments.Get("key") : "";
+  options->sealed_per_process = arguments.Has("seal") && arguments.Get("seal") == kSealedPerProcess;
   options->sealed = arguments.Has("seal") || arguments.Has("key") || arguments.Has("hosts");
   if (!arguments.Has("no-seal")) return;
   if (arguments.Has("seal") || arguments.Has("key")) {
@@ -259,7 +279,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
                  "Runs a whole mission: world, agents and scheduler as processes of their own over "
                  "LCM, recorded in lcm-logger's format.");
   AddLaunchOptions(&parser);
-  const auto arguments = parser.Parse(argc, argv);
+  const std::vector<std::string> words = JoinSeal({argv, argv + argc});
+  std::vector<const char*> joined;
+  for (const std::string& word : words) joined.push_back(word.c_str());
+  const auto arguments = parser.Parse(static_cast<int>(joined.size()), joined.data());
   if (!arguments) return std::nullopt;
 
   LaunchOptions options;
@@ -361,7 +384,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
       arguments.insert(arguments.end(), {"--drop", fmt::to_string(options.drop), "--drop-seed",
                                          fmt::to_string(scenario.seed + plans.size())});
     }
-    plans.push_back({name, {}, program, std::move(arguments)});
+    plans.push_back({name, {}, program, std::move(arguments), {}});
   };
   const std::string window = fmt::to_string(WindowOf(options));
   std::vector<std::string> world = {mission.scenario_file, "--rate", options.rate};
@@ -404,6 +427,7 @@ std::vector<ProcessPlan> PlanProcesses(const LaunchOptions& options, const Scena
       }
       add(k > 1 ? fmt::format("{}-{}", class_name, i + 1) : class_name, class_name,
           std::move(arguments));
+      plans.back().agents = AgentBlock{kind, first, last};
       if (decides) plans.back().decides_as = *unused++;
     }
   }

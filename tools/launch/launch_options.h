@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/bus/member_keys.h"
 #include "lcmtypes/bus/seal.h"
 #include "model/scenario.h"
 #include "tools/launch/fault_options.h"
@@ -44,6 +45,7 @@ struct LaunchOptions : MissionOptions, FaultOptions {
   std::string hosts_file;
   HostList hosts;  ///< empty: all processes run here
   bool sealed = false;
+  bool sealed_per_process = false;
   std::string key_file;  ///< "": a fresh key for this mission alone
 };
 
@@ -72,6 +74,7 @@ struct ProcessPlan {
   std::string decides_as = {};  ///< the scheduler that is part of it; "": none is
   std::string program;
   std::vector<std::string> arguments;
+  std::optional<AgentBlock> agents = {};  ///< that it reports
 };
 
 /// What a mission's processes have in common.

@@ -115,7 +115,6 @@ void RealHost::Start(const std::string& name, std::int64_t starts) {
   }
   if (name != process_name::kLogger) {
     spec.argv.insert(spec.argv.end(), {"--boot-id", fmt::to_string(starts)});
-    if (programs_.key) spec.input = programs_.key->Text();
     if (const Host* host = hosts_.Of(name)) spec = OnHost(*host, std::move(spec));
   }
   children_.erase(name);
@@ -203,11 +202,11 @@ std::optional<std::pair<Packet, std::int64_t>> RealHost::NextLogged() {
     if (!file.reader) {
       if (!std::filesystem::exists(file.path)) continue;
       file.reader = std::make_unique<EventLogReader>(file.path, EventLogReader::Tail::kMayGrow);
-      if (programs_.key) file.reader->OnlyWith(Seal(*programs_.key));
+      if (programs_.seal) file.reader->OnlyWith(programs_.seal);
     }
     if (std::optional<LogEvent> event = file.reader->Next()) {
       // What has a tag in a mission that is not sealed is no message of it.
-      if (!programs_.key) event->packet = WithTag(std::move(event->packet), event->tag);
+      if (!programs_.seal) event->packet = WithTag(std::move(event->packet), event->tag);
       return std::pair(std::move(event->packet), static_cast<std::int64_t>(i));
     }
   }

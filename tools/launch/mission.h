@@ -15,13 +15,13 @@ namespace muster::tools {
 
 /// What a mission over LCM starts.
 struct MissionPrograms {
-  std::vector<ChildSpec> processes;  ///< by sender name; --boot-id is added
+  std::vector<ChildSpec> processes;  ///< by sender name, with their keys; --boot-id is added
   HostList hosts;                    ///< hosts of the processes that run elsewhere
   /// By NameOf(MissionPlan::logger): a stock lcm-logger, or ours; its file is added.
   ChildSpec logger;
   std::string lcm_url = {};
-  std::optional<SealKey> key = {};  ///< of the mission, where it is sealed
-  std::string log_file;             ///< of the first logger; the next one's is log_file.1, ...
+  std::optional<Seal> seal = {};  ///< of the mission, where it is sealed
+  std::string log_file;           ///< of the first logger; the next one's is log_file.1, ...
   std::vector<std::string> earlier_logs = {};  ///< files of a mission that goes on
 };
 

@@ -188,6 +188,8 @@ int ResumeCommand(int argc, const char* const* argv) {
   TakePersons(run, &launch);
   return Conduct(&launch, stop, [&](MissionIdentity* mission) {
     mission->scenario_file = directory.File("scenario.json");
+    // This launcher may have more processes: a second recorder.
+    if (launch.seal) launch.seal->Write(directory);
     if (const std::string orders = directory.File(kOrdersFile); fs::exists(orders)) {
       mission->orders_file = orders;
     }

@@ -22,8 +22,11 @@ namespace {
 
 std::optional<SealKey> KeyOf(const LaunchOptions& options, std::int64_t run_id) {
   if (!options.sealed) return {};
-  return options.key_file.empty() ? SealKey::Fresh(run_id)
-                                  : SealKey::Load(options.key_file).Of(run_id, options.key_file);
+  SealKey key = options.key_file.empty()
+                    ? SealKey::Fresh(run_id)
+                    : SealKey::Load(options.key_file).Of(run_id, options.key_file);
+  key.per_process = options.sealed_per_process;
+  return key;
 }
 
 /// The orders that are given with the mission, a line each; first who may order at all.
@@ -44,7 +47,7 @@ RunDirectory MakeDirectory(const Launch& launch, const std::string& orders, Mani
   manifest.scenario_json = ScenarioToJson(scenario);
   mission->scenario_file = directory.File("scenario.json");
   WriteScenarioFile(scenario, mission->scenario_file);
-  if (mission->key) directory.WriteSecret(kSealKeyFile, mission->key->Text());
+  if (launch.seal) launch.seal->Write(directory);
   if (launch.persons) directory.WriteSecret(kLauncherKeyFile, launch.persons->Secret());
   if (!orders.empty()) {
     mission->orders_file = directory.File(kOrdersFile);

@@ -25,8 +25,9 @@ constexpr int kPollUs = 10'000;
 /// In this order: with the manifest the folder is complete.
 std::vector<std::string> FilesFor(const RunDirectory& run) {
   std::vector<std::string> names;
-  for (const std::string& name : {std::string(kSealKeyFile), std::string(kLauncherKeyFile),
-                                  std::string(kOrdersFile), std::string(kManifestFile)}) {
+  for (const std::string& name :
+       {std::string(kSealKeyFile), std::string(kSealPublicFile), std::string(kLauncherKeyFile),
+        std::string(kOrdersFile), std::string(kManifestFile)}) {
     if (fs::exists(run.File(name))) names.push_back(name);
   }
   return names;

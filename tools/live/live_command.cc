@@ -10,6 +10,7 @@
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
 #include "tools/report/page.h"
+#include "tools/tiles/tiles_beside.h"
 
 namespace muster::tools {
 namespace {
@@ -30,7 +31,10 @@ int LiveCommand(int argc, const char* const* argv) {
   options.Add("port", "N", "Port on 127.0.0.1; 0: any free one")
       .Integer(0, 65535)
       .Default(kDefaultLivePort);
-  options.Add("tiles", "FILE", "Base map: an MBTiles or PMTiles file");
+  options.Add(
+      "tiles", "FILE",
+      "Base map: an MBTiles or PMTiles file, or none (default: the file beside the scenario "
+      "that has its name)");
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   RequirePage();
@@ -38,8 +42,10 @@ int LiveCommand(int argc, const char* const* argv) {
   const std::string run = arguments->Has("run") ? arguments->Get("run") : MissionHere();
   const auto source = OpenPacketSource(run);
   const StopSignals stop;
-  LiveFeed feed(source->name(),
-                arguments->Has("tiles") ? OpenTiles(arguments->Get("tiles")) : nullptr);
+  const std::string tiles = arguments->Has("tiles") ? arguments->Get("tiles")
+                            : source->is_log()      ? TilesOfRun(run)
+                                                    : kNoTiles;
+  LiveFeed feed(source->name(), tiles.empty() || tiles == kNoTiles ? nullptr : OpenTiles(tiles));
   LiveServer server(port);
   if (source->is_log()) server.AnswerAbout(run);
   server.Start(&feed);

@@ -83,7 +83,7 @@ class FollowedRun : public PacketSource {
 
 class HeardBus : public PacketSource {
  public:
-  explicit HeardBus(const std::string& url) : bus_(url, kTagBytes) {}
+  explicit HeardBus(const std::string& url) : bus_(url, kMostTagBytes) {}
 
   std::vector<Packet> Read(TimeUs wait_us) override {
     std::vector<Packet> packets = bus_.Receive(wait_us);

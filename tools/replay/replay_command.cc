@@ -89,7 +89,7 @@ int ReplayCommand(int argc, const char* const* argv) {
   LogSource source(arguments->Get("run"));
   const bool quiet = arguments->Has("quiet");
 
-  LcmBus bus(arguments->Get("lcm-url"), kTagBytes);
+  LcmBus bus(arguments->Get("lcm-url"), kMostTagBytes);
   Player player(&source, player_options);
   TerminalKeys keys;
   if (player_options.paused && !keys.usable()) {

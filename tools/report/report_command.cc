@@ -30,6 +30,7 @@
 #include "tools/report/reasons.h"
 #include "tools/report/scene_film.h"
 #include "tools/tiles/base_map.h"
+#include "tools/tiles/tiles_beside.h"
 
 namespace muster::tools {
 namespace {
@@ -66,7 +67,7 @@ struct Shown {
   std::size_t reasons = 0;
   std::string background;  ///< a file; "": none
   std::string coast;       ///< as CoastOf takes it
-  std::string tiles;       ///< a file; "": none
+  std::string tiles;       ///< a file, or kNoTiles; "": what lies beside the scenario
 };
 
 /// Takes all that the run's log has. Throws InputError where that is no mission.
@@ -94,6 +95,22 @@ void ReadLog(const std::string& run, MissionFeed* to) {
   feed.Finish();
 }
 
+/// `tiles`: as Shown has it. Throws InputError where a file that was asked for does not fit.
+void AddBaseMap(const std::string& run, const std::string& tiles, const Scenario& scenario,
+                nlohmann::ordered_json* chunk) {
+  const std::string file = tiles.empty() ? TilesOfRun(run) : tiles;
+  if (file.empty() || file == kNoTiles) return;
+  std::string told;
+  try {
+    (*chunk)["basemap"] = EmbeddedBaseMap(*OpenTiles(file), scenario, kBaseMapBytes, &told);
+  } catch (const InputError& error) {
+    if (!tiles.empty()) throw;
+    fmt::print(stderr, "no base map: {}\n", error.what());
+    return;
+  }
+  fmt::print("{}: {}\n", file, told);
+}
+
 std::string ReadRun(const std::string& run, const Shown& shown) {
   MissionFeed feed;
   ReadLog(run, &feed);
@@ -109,11 +126,7 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
     chunk["coast"] = std::move(coast);
   }
   if (!missing.empty()) fmt::print(stderr, "{}\n", missing);
-  if (!shown.tiles.empty()) {
-    std::string told;
-    chunk["basemap"] = EmbeddedBaseMap(*OpenTiles(shown.tiles), scenario, kBaseMapBytes, &told);
-    fmt::print("{}: {}\n", shown.tiles, told);
-  }
+  AddBaseMap(run, shown.tiles, scenario, &chunk);
   if (shown.reasons > 0) {
     ProgressPrinter printer(stderr, StyleFor(stderr, false));
     const auto telling = [&](std::size_t told, std::size_t of) {
@@ -205,9 +218,10 @@ int ReportCommand(int argc, const char* const* argv) {
            "Coast and water below a map with an origin: auto (what Debian's gmt-gshhg-full, -high "
            "or -low has), none, or a binned file of GSHHG")
       .Default("auto");
-  options.Add("tiles", "FILE",
-              "Base map: an MBTiles or PMTiles file; the page holds the tiles of the area, 1 MB at "
-              "most");
+  options.Add(
+      "tiles", "FILE",
+      "Base map: an MBTiles or PMTiles file, or none; the page holds the tiles of the area, "
+      "1 MB at most (default: the file beside the scenario that has its name)");
   options.Out("FILE.html", "Page to write (default, of one run: report.html in its directory)");
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",

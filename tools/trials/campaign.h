@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/generator.h"
@@ -11,6 +14,11 @@
 #include "tools/simulate/virtual_mission.h"
 
 namespace muster::tools {
+
+/// What a drawn mission may have besides faults.
+enum class Extra { kRoads, kZones, kOrders, kMeasured };
+inline constexpr std::array<std::string_view, 4> kExtraNames = {"roads", "zones", "orders",
+                                                                "measured"};
 
 /// What the missions of a campaign have in common.
 struct CampaignSettings {
@@ -22,6 +30,9 @@ struct CampaignSettings {
   std::optional<int> schedulers;            ///< none: drawn, one to three
   std::vector<FaultKind> kinds = AllSurvivableKinds();
   std::optional<bool> goes_on;  ///< none: every other mission
+  /// A mission has each of these by chance. Roads and zones are not added to a scenario that is
+  /// given, but where it has them, they are closed and opened, added and lifted.
+  std::set<Extra> extras = {Extra::kRoads, Extra::kZones, Extra::kOrders, Extra::kMeasured};
 };
 
 /// The mission of that seed: a function of settings and seed alone.
@@ -30,8 +41,8 @@ VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed)
 /// Runs it, and says what of it breaks a promise; empty: nothing. It must end with its log
 /// complete, at most three fifths of it repeats, and each fault seen; the log must pass the audit,
 /// and its report agree with it; each decision made again from the log must be the same; and where
-/// the mission waits for everybody, decisions and outcomes must be those without any fault but
-/// those of agents.
+/// the mission waits for everybody, and no agent is measured, decisions and outcomes must be those
+/// without any fault but those of agents.
 std::vector<std::string> FindingsOf(const VirtualMission& mission);
 
 }  // namespace muster::tools

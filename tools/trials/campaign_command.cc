@@ -19,6 +19,7 @@
 #include "tools/host/stop_signals.h"
 #include "tools/host/worker_pool.h"
 #include "tools/launch/fault_options.h"
+#include "tools/scenario/order_text.h"
 #include "tools/trials/campaign.h"
 #include "tools/trials/shrink.h"
 
@@ -57,10 +58,29 @@ void AddCampaignOptions(Options* options) {
   options->Add("schedulers", "N", "How many decide (default: drawn, one to three)")
       .Integer(1, world::kMostSchedulers);
   options->Add("kinds", "KIND,...", "Faults to draw from (default: all but corruption)").List();
+  options
+      ->Add("draw", "WHAT,...",
+            "What missions may have besides faults, each by chance: roads, zones, orders, measured "
+            "(agents); or none (default: all four)")
+      .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);
   options->Out("DIR", "Where scenario and smallest plan of the first that fails go, new or empty");
   options->Quiet();
+}
+
+std::set<Extra> ReadExtras(const std::vector<std::string>& words) {
+  std::set<Extra> extras;
+  if (words == std::vector<std::string>{"none"}) return extras;
+  for (const std::string& word : words) {
+    const auto found = std::find(kExtraNames.begin(), kExtraNames.end(), word);
+    if (found == kExtraNames.end()) {
+      throw InputError("command line", "--draw", word,
+                       fmt::format("{}, or none alone", fmt::join(kExtraNames, ", ")));
+    }
+    extras.insert(static_cast<Extra>(found - kExtraNames.begin()));
+  }
+  return extras;
 }
 
 std::optional<CampaignOptions> ParseCampaignOptions(int argc, const char* const* argv) {
@@ -103,8 +123,10 @@ std::optional<CampaignOptions> ParseCampaignOptions(int argc, const char* const*
       settings.kinds.push_back(KindByName(name, "command line", "--kinds"));
     }
   }
+  if (arguments->Has("draw")) settings.extras = ReadExtras(arguments->All("draw"));
   if (arguments->Has("schedulers")) settings.schedulers = arguments->Get<int>("schedulers");
-  for (const char* name : {"preset", "policy", "rate", "on-loss", "schedulers", "kinds", "drop"}) {
+  for (const char* name :
+       {"preset", "policy", "rate", "on-loss", "schedulers", "kinds", "draw", "drop"}) {
     if (!arguments->Has(name)) continue;
     options.as_given += fmt::format(" --{} {}", name, fmt::join(arguments->All(name), ","));
   }
@@ -125,12 +147,17 @@ std::string OfAll(std::size_t done, const CampaignOptions& options) {
 std::string WriteMission(const VirtualMission& mission, const RunDirectory& directory) {
   WriteScenarioFile(mission.scenario, directory.File("scenario.json"));
   directory.Write("plan.json", ToJson(mission.faults));
+  std::string orders;
+  if (!mission.orders.empty()) {
+    directory.Write("orders.jsonl", OrderLines(mission.orders));
+    orders = fmt::format(" --orders {}/orders.jsonl", directory.path());
+  }
   return fmt::format(
       "muster simulate {0}/scenario.json --faults {0}/plan.json --policy {1} --fault-seed {2} "
-      "--on-loss {3} --lost-after {4} --schedulers {5} --processes {6}{7} --out {0}/run --log",
+      "--on-loss {3} --lost-after {4} --schedulers {5} --processes {6}{7}{8} --out {0}/run --log",
       directory.path(), mission.policy, mission.fault_seed, mission.goes_on ? "continue" : "wait",
       ToSeconds(mission.lost_after_us), mission.schedulers, mission.per_class,
-      mission.drop > 0 ? fmt::format(" --drop {}", mission.drop) : "");
+      mission.drop > 0 ? fmt::format(" --drop {}", mission.drop) : "", orders);
 }
 
 /// What a mission breaks, a line each; "": nothing. In a process of its own, so that a crash is a
@@ -156,14 +183,18 @@ void ReportSmallest(const VirtualMission& mission, const std::string& findings,
     return false;
   };
   const VirtualMission smallest = Shrink(mission, fails, [&] { return stop.count() > 0; });
-  fmt::print("smallest plan: {} of {} faults, {} scheduler{}, drop {}\n", smallest.faults.size(),
-             mission.faults.size(), smallest.schedulers, smallest.schedulers == 1 ? "" : "s",
+  fmt::print("smallest plan: {} of {} faults, {} of {} orders, {} scheduler{}, drop {}\n",
+             smallest.faults.size(), mission.faults.size(), smallest.orders.size(),
+             mission.orders.size(), smallest.schedulers, smallest.schedulers == 1 ? "" : "s",
              smallest.drop);
   for (const PlannedFault& fault : smallest.faults) {
     fmt::print("  {} {} at {:.1f} min\n", ToString<FaultKind>(fault.kind), fault.target,
                ToMinutes(fault.at_us));
   }
-  if (directory != nullptr) fmt::print("again: {}\n", WriteMission(smallest, *directory));
+  if (directory == nullptr) return;
+  const std::string command = WriteMission(smallest, *directory);
+  // Its drivers are drawn with it, and no program.
+  if (!smallest.drivers) fmt::print("again: {}\n", command);
 }
 
 }  // namespace

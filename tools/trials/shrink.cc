@@ -24,6 +24,8 @@ class Shrinker {
       LeaveOut(&VirtualMission::orders);
       Try([](VirtualMission* mission) { mission->drop = 0; },
           [](const VirtualMission& mission) { return mission.drop > 0; });
+      Try(LetAgentsMoveAsComputed,
+          [](const VirtualMission& mission) { return mission.drivers != nullptr; });
       Try([](VirtualMission* mission) { mission->schedulers = 1; },
           [](const VirtualMission& mission) { return mission.schedulers > 1; });
       for (std::size_t i = 0; i < best_.faults.size(); ++i) {
@@ -35,6 +37,16 @@ class Shrinker {
   }
 
  private:
+  static void LetAgentsMoveAsComputed(VirtualMission* mission) {
+    mission->drivers = nullptr;
+    Scenario& scenario = mission->scenario;
+    for (const AgentKind kind : kAgentKinds) {
+      for (AgentSpec& agent : ByKind(kind, scenario.uavs, scenario.workers, scenario.vehicles)) {
+        agent.measured = false;
+      }
+    }
+  }
+
   template <class Change, class Applies>
   bool Try(Change change, Applies applies) {
     if (!applies(best_) || stop_()) return false;

@@ -6,13 +6,13 @@
 #include <map>
 #include <tuple>
 
+#include "model/made_up.h"
 #include "model/road_ways.h"
 #include "scheduler/explain/explain.h"
 #include "scheduler/explain/fate.h"
 #include "scheduler/policies/horizon/horizon.h"
 #include "scheduler/policies/horizon/pairs.h"
 #include "scheduler/policies/rollout/rollout.h"
-#include "tests/model/street_grid.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -157,7 +157,7 @@ TEST(ExplainerOfHorizon, WhatNobodyHasAWayToHasAReason) {
     Scenario& scenario = builder.scenario();
     scenario.width_m = scenario.height_m = 6000;
     const auto roads = std::make_shared<const RoadWays>(
-        std::make_shared<const Roads>(muster::testing::StreetGrid(5, 1000, seed)),
+        std::make_shared<const Roads>(StreetGrid(5, 1000, seed)),
         PerKind<OpenGround>{{}, {50, 250}, {25, 250}}, std::vector<Point>{});
     scenario.ways = roads;
     for (int i = 0; i < 3; ++i) builder.Uav(place()).Worker(place()).Vehicle(place());

@@ -12,7 +12,7 @@
 
 #include "base/check.h"
 #include "model/generator.h"
-#include "tests/model/street_grid.h"
+#include "model/made_up.h"
 #include "tests/temporary_folder.h"
 #include "tools/files/scenario_file.h"
 
@@ -32,7 +32,7 @@ Scenario OnStreets(std::uint64_t seed) {
   Scenario scenario = Generate(settings, seed);
   ScenarioRoads roads;
   roads.file = "streets-" + std::to_string(seed) + ".roads.json";
-  roads.text = RoadsToJson(muster::testing::StreetGrid(9, 1100, seed));
+  roads.text = RoadsToJson(StreetGrid(9, 1100, seed));
   roads.open_ground = {{}, {50, 1000}, {25, 1000}};
   UseRoads(std::move(roads), "streets", &scenario);
   return scenario;

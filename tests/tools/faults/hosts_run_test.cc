@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -314,6 +315,71 @@ TEST_F(HostsRunTest, TheSecondLogIsPreparedOverSsh) {
     EXPECT_EQ(TextOf(second + file), TextOf(folder_.File("run") + file)) << file;
   }
   CheckRun(second, folder_.File("second"));
+}
+
+/// OpenSSH's server on the host `field`, and `ssh field` of this process's children.
+class SshRunTest : public HostsRunTest {
+ protected:
+  static constexpr const char* kServer = "/usr/sbin/sshd";
+
+  void SetUp() override {
+    HostsRunTest::SetUp();
+    if (IsSkipped()) return;
+    if (access(kServer, X_OK) != 0) GTEST_SKIP() << "needs openssh-server";
+    const std::string at = folder_.path().string();
+    for (const char* const key : {"host_key", "user_key"}) {
+      const std::string make = fmt::format("ssh-keygen -q -t ed25519 -N '' -f {}/{}", at, key);
+      ASSERT_EQ(std::system(make.c_str()), 0);
+    }
+    std::ofstream(at + "/sshd_config")
+        << "Port 2222\nListenAddress 10.76.0.2\nUsePAM no\nPermitRootLogin yes\nStrictModes no\n"
+        << fmt::format("HostKey {0}/host_key\nAuthorizedKeysFile {0}/user_key.pub\n", at)
+        << fmt::format("PidFile {}/sshd.pid\n", at);
+    std::ofstream(at + "/ssh_config")
+        << "Host field\nHostName 10.76.0.2\nPort 2222\nStrictHostKeyChecking no\nLogLevel ERROR\n"
+        << fmt::format("IdentityFile {0}/user_key\nUserKnownHostsFile {0}/known\n", at);
+    std::ofstream(at + "/ssh") << fmt::format(
+        "#!/bin/sh\nexec /usr/bin/ssh -F {}/ssh_config \"$@\"\n", at);
+    std::filesystem::permissions(at + "/ssh", std::filesystem::perms::owner_all);
+    setenv("PATH", fmt::format("{}:{}", at, getenv("PATH")).c_str(), 1);
+    std::filesystem::create_directories("/run/sshd");  // where the server parts with its rights
+    server_.emplace(ChildSpec{"sshd",
+                              {"/usr/bin/env", "ip", "netns", "exec", lan_.Name("field"), kServer,
+                               "-D", "-e", "-f", at + "/sshd_config"},
+                              folder_.File("sshd.output")});
+    ASSERT_TRUE(Eventually([&] {
+      return TextOf(folder_.File("sshd.output")).find("listening") != std::string::npos ||
+             server_->Poll();
+    }));
+    ASSERT_FALSE(server_->Poll()) << TextOf(folder_.File("sshd.output"));
+  }
+  void PutOnField(const std::vector<std::string>& processes) {
+    std::ofstream(folder_.File("hosts.json")) << Json{
+        {"version", 1},
+        {"hosts",
+         {{{"name", "field"}, {"ssh", "field"}, {"standby", "here"}, {"processes", processes}}}}};
+  }
+  std::optional<Child> server_;
+};
+
+TEST_F(SshRunTest, ProcessesThatAreKilledComeBackAndBothLogsAreWhole) {
+  PutOnField({"uav", "scheduler", "recorder-2"});
+  const std::string second = folder_.File("second");
+  Child muster = Start({"--rate", "1800", "--second-log", second, "--fault",
+                        "process_killed:uav@40", "--fault", "process_killed:recorder-2@80"});
+  ExpectTheUndisturbedMission(&muster);
+  CheckRun(second, folder_.File("second.checked"));
+}
+
+TEST_F(SshRunTest, AHostThatDiesForGoodIsReplaced) {
+  PutOnField({"uav", "scheduler"});
+  Child muster = Start({"--rate", "900", "--seal", "per-process"});
+  const std::string log = folder_.File("run/mission.lcm");
+  ASSERT_TRUE(Eventually([&] { return LastTick(log) > 50; })) << TextOf(folder_.File("output"));
+  lan_.Destroy("field");
+  ExpectTheUndisturbedMission(&muster);
+  EXPECT_NE(TextOf(folder_.File("output")).find("host field is gone: "), std::string::npos)
+      << TextOf(folder_.File("output"));
 }
 
 TEST_F(HostsRunTest, AStoppedMissionIsNotTakenOver) {

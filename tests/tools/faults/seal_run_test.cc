@@ -10,7 +10,9 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/event_log.h"
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/member_keys.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
@@ -192,11 +195,14 @@ TEST_F(SealRunTest, DamagedPacketsAreRefused) {
   EXPECT_GT(rejected, 0);
 }
 
-/// Speaks for every role, without the key: what it hears of them, changed, without a tag, with a
-/// tag of no key, and with the tag of what was said.
+/// What is sent of a lie, given the tag of what was said.
+using Sealing = std::function<std::vector<Packet>(const Packet& lie, const Tag& tag)>;
+
+/// Speaks for every role: what it hears of them, changed.
 class Impostor {
  public:
-  explicit Impostor(const std::string& url) : bus_(url, kTagBytes) {}
+  Impostor(const std::string& url, Sealing sealing)
+      : bus_(url, kMostTagBytes), sealing_(std::move(sealing)) {}
 
   /// Hears and speaks for a moment.
   void Turn() {
@@ -208,9 +214,7 @@ class Impostor {
       if (++told_[{sender, packet.channel}] > kMost) continue;
       for (const bool newer : {false, true}) {
         const Packet lie = Changed(*message, packet.channel, newer);
-        bus_.Publish(lie);
-        bus_.Publish(WithTag(lie, Tag(kTagBytes, 0x55)));
-        bus_.Publish(WithTag(lie, tag));
+        for (const Packet& sent : sealing_(lie, tag)) bus_.Publish(sent);
       }
       senders_.insert(sender);
     }
@@ -247,13 +251,17 @@ class Impostor {
   }
 
   LcmBus bus_;
+  Sealing sealing_;
   std::map<std::pair<std::string, std::string>, int> told_;
   std::set<std::string> senders_;
 };
 
 TEST_F(SealRunTest, AnImpostorOfEachRoleChangesNothingAndIsNamed) {
   Muster muster = Start({"--seal", "--quiet", "--rate", "3600"});
-  Impostor impostor(MissionUrl(port_));
+  // Without a tag, with a tag of no key, and with the tag of what was said.
+  Impostor impostor(MissionUrl(port_), [](const Packet& lie, const Tag& tag) {
+    return std::vector{lie, WithTag(lie, Tag(kTagBytes, 0x55)), WithTag(lie, tag)};
+  });
   while (!muster.child().Poll()) impostor.Turn();
   ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_EQ(impostor.senders(), (std::set<std::string>{"launcher", "recorder", "scheduler", "uav",
@@ -269,6 +277,76 @@ TEST_F(SealRunTest, AnImpostorOfEachRoleChangesNothingAndIsNamed) {
   const auto [said, code] = Ask({"audit", Run()});
   EXPECT_EQ(code, 0) << said;
   EXPECT_NE(said.find(" without it left out, the first: "), std::string::npos) << said;
+}
+
+/// Signs whatever is said with that process's key.
+Sealing SealingOfThief(const std::string& key_file, const std::string& stolen) {
+  Json keys = Json::parse(TextOf(key_file));
+  const Json key = keys["members"][stolen];
+  for (Json& member : keys["members"]) member = key;
+  const auto thief = std::make_shared<const MemberKeys>(MemberKeys::Parse(keys.dump(), key_file));
+  return [thief, stolen](const Packet& lie, const Tag&) {
+    std::vector<Packet> sent = {WithTag(lie, thief->Sign(lie))};
+    const std::string& name = lie.channel;
+    // What a process says of itself is its own to say.
+    if (name == channel::kProcess || name == channel::kRequest || name == channel::kWorkers ||
+        name == channel::kWorkerChanges) {
+      return DecodeHeader(lie)->sender == stolen ? std::vector<Packet>() : sent;
+    }
+    std::optional<Message> message = DecodeMessage(lie);
+    if (!message) return sent;
+    const Packet as_itself = std::visit(
+        [&](auto m) {
+          m.header.sender = stolen;
+          return Packet{name, Encode(m)};
+        },
+        *std::move(message));
+    sent.push_back(WithTag(as_itself, thief->Sign(as_itself)));
+    return sent;
+  };
+}
+
+TEST_F(SealRunTest, SealedPerProcessAStolenKeySpeaksForNobodyElse) {
+  Muster muster =
+      Start({"--seal", "per-process", "--quiet", "--rate", "3600", "--processes", "uav=2"});
+  const std::string key_file = Run() + "/keys/worker.key";
+  ASSERT_TRUE(Eventually([&] { return fs::exists(key_file) || muster.child().Poll(); }));
+  Impostor impostor(MissionUrl(port_), SealingOfThief(key_file, "worker"));
+  while (!muster.child().Poll()) impostor.Turn();
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
+  EXPECT_TRUE(impostor.senders().contains("world"));
+  EXPECT_TRUE(impostor.senders().contains("scheduler"));
+  EXPECT_EQ(Report()["digest"], expected_);
+  const auto [said, code] = Ask({"audit", Run()});
+  EXPECT_EQ(code, 0) << said;
+  EXPECT_NE(said.find(" without it left out, the first: "), std::string::npos) << said;
+  const auto [proof, proof_code] = Ask({"audit", Run(), "--key", Run() + "/seal.public"});
+  EXPECT_EQ(proof_code, 4) << "as proof, what the thief has sent counts" << proof;
+}
+
+TEST_F(SealRunTest, SealedPerProcessAllComeBackAndTheLogIsProvenWithoutASecret) {
+  Muster muster = Start({"--seal", "per-process", "--quiet", "--second-log", folder_.File("second"),
+                         "--rate", "3600", "--fault", "process_killed:world@40", "--fault",
+                         "process_killed:worker@80", "--fault", "process_killed:recorder@120"});
+  ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
+  EXPECT_EQ(Report()["digest"], expected_);
+  EXPECT_NE(muster.output().find("sealed         0 packets without the right tag refused"),
+            std::string::npos)
+      << muster.output();
+  const std::string key = WriteKey();
+  for (const std::string& proof : {Run() + "/seal.public", KeyFile()}) {
+    const auto [said, code] = Ask({"audit", Run(), "--key", proof});
+    EXPECT_EQ(code, 0) << said;
+    EXPECT_NE(said.find(" messages have the right tag\n"), std::string::npos) << said;
+  }
+  const auto [said, code] = Ask({"audit", Run(), "--key", key});
+  EXPECT_EQ(code, 2) << said;
+  EXPECT_NE(said.find("seal.public: members: found keys that are not of this mission"),
+            std::string::npos)
+      << said;
+  struct stat status {};
+  ASSERT_EQ(stat((Run() + "/keys/uav.key").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
 }
 
 TEST_F(SealRunTest, OverSshTheKeyComesByStdin) {

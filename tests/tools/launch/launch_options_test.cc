@@ -122,6 +122,11 @@ TEST(LaunchOptions, SealsWhatLeavesTheHost) {
   EXPECT_FALSE(Parse({"a.json"}).sealed);
   EXPECT_TRUE(Parse({"a.json", "--seal"}).sealed);
   EXPECT_TRUE(Parse({"a.json", "--key", "k"}).sealed);
+  EXPECT_FALSE(Parse({"--seal", "a.json"}).sealed_per_process);
+  EXPECT_TRUE(Parse({"--seal", "per-process", "a.json"}).sealed_per_process);
+  EXPECT_TRUE(Parse({"a.json", "--seal=per-process", "--key", "k"}).sealed_per_process);
+  EXPECT_EQ(ErrorOf({"a.json", "--seal=each"}),
+            "command line: --seal: found 'each', expected mission or per-process");
   const TemporaryFolder folder;
   const std::string hosts = folder.File("hosts.json");
   std::ofstream(hosts) << R"({"version": 1, "hosts": [

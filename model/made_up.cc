@@ -1,17 +1,10 @@
-#pragma once
+#include "model/made_up.h"
 
-#include <cstdint>
-#include <string>
-#include <vector>
+#include <cmath>
 
-#include "base/random.h"
-#include "model/roads.h"
+namespace muster {
 
-namespace muster::testing {
-
-/// Streets at right angles, `n` by `n` junctions about `block_m` apart, moved a little; some
-/// streets are missing, bend, are one-way, are for people only, or for vehicles only.
-inline Roads StreetGrid(int n, double block_m, std::uint64_t seed, bool plain = false) {
+Roads StreetGrid(int n, double block_m, std::uint64_t seed, bool plain) {
   Random random(seed, Stream::kTest);
   Roads roads;
   roads.source = "made up";
@@ -53,4 +46,29 @@ inline Roads StreetGrid(int n, double block_m, std::uint64_t seed, bool plain = 
   return roads;
 }
 
-}  // namespace muster::testing
+std::vector<Zone> DrawnZones(Random* random, double extent_m, int n) {
+  std::vector<Zone> zones;
+  for (int i = 0; i < n; ++i) {
+    const double x_m = random->Uniform(0.15, 0.85) * extent_m;
+    const double y_m = random->Uniform(0.15, 0.85) * extent_m;
+    const double radius_m = random->Uniform(0.03, 0.15) * extent_m;
+    const int corners = 3 + static_cast<int>(random->Below(8));
+    const auto ring = [&](double scale) {
+      std::vector<Point> places;
+      for (int k = 0; k < corners; ++k) {
+        const double angle = 2 * 3.14159265358979 * k / corners;
+        const double out_m = scale * radius_m * (k % 2 == 0 ? 1 : random->Uniform(0.4, 1.2));
+        const auto mm = [](double m) { return std::round(m * 1000) / 1000; };
+        places.push_back({mm(x_m + out_m * std::cos(angle)), mm(y_m + out_m * std::sin(angle))});
+      }
+      return places;
+    };
+    Zone zone;
+    zone.rings.push_back(ring(1));
+    if (random->Below(4) == 0) zone.rings.push_back(ring(0.3));
+    zones.push_back(zone);
+  }
+  return zones;
+}
+
+}  // namespace muster

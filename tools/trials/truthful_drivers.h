@@ -10,19 +10,21 @@
 namespace muster {
 
 /// Speaks for a class's measured agents: each tells the truth, at a pace of its own, late or on
-/// time, not at every tick; now and then one cannot go on. In the place of programs.
+/// time, not at every tick; now and then one cannot go on. In the place of programs, in virtual
+/// time.
 class TruthfulDrivers : public agents::DriverPort {
  public:
   struct Counts {
     int reports = 0, failures = 0;
   };
 
-  /// Of every other agent of that scenario, which are all measured.
-  TruthfulDrivers(std::uint64_t seed, const Scenario& scenario, AgentKind kind, Counts* counts)
+  /// Of every other one of a class's first `n_agents`, which are all measured. `counts`: where to
+  /// count; nullptr: nowhere.
+  TruthfulDrivers(std::uint64_t seed, AgentKind kind, std::size_t n_agents,
+                  Counts* counts = nullptr)
       : random_(seed, Stream::kTest, 20 + static_cast<std::uint64_t>(kind)),
         seed_(seed),
-        kind_(kind),
-        n_agents_(static_cast<std::int32_t>(scenario.n_agents(kind))),
+        n_agents_(static_cast<std::int32_t>(n_agents)),
         counts_(counts) {}
 
   void Begin(const Scenario&, const AgentState& agent, TimeUs at) override {
@@ -48,7 +50,7 @@ class TruthfulDrivers : public agents::DriverPort {
     for (auto& [id, body] : bodies_) {
       if (std::exchange(body.is_told, false)) Speak(&body, at, &reports);
     }
-    counts_->reports += static_cast<int>(reports.size());
+    if (counts_ != nullptr) counts_->reports += static_cast<int>(reports.size());
     return reports;
   }
   TimeUs patience_us() const override { return kNever; }
@@ -83,7 +85,7 @@ class TruthfulDrivers : public agents::DriverPort {
     if (agent.failed || agent.action == ActionKind::kNone) return;
     if (random_.Below(1000) == 0) {
       say({.kind = MeasuredReport::Kind::kFailed, .reason = "tired"});
-      ++counts_->failures;
+      if (counts_ != nullptr) ++counts_->failures;
       return;
     }
     if (random_.Below(4) == 0) return;  // silent
@@ -104,7 +106,6 @@ class TruthfulDrivers : public agents::DriverPort {
 
   Random random_;
   const std::uint64_t seed_;
-  const AgentKind kind_;
   const std::int32_t n_agents_;
   Counts* const counts_;
   std::map<std::int32_t, Body> bodies_;
