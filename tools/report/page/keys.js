@@ -4,7 +4,7 @@ import { byId } from "./dom.js";
 const OF_WALL = ["w", "Escape", " ", "ArrowRight", "ArrowLeft", "]", "[", "Home", "End", "+", "=", "-", "f", "?"];
 
 /** What the keyboard does; `?` shows it. */
-export function bindKeys({ state, clock, transport, map, scene, panels, control, measure, search }) {
+export function bindKeys({ state, clock, transport, map, scene, panels, control, measure, search, folding, sheet }) {
   const help = byId("help");
   byId("help-open").addEventListener("click", () => help.showModal());
   const toWall = () => {
@@ -13,6 +13,10 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control,
     state.setWall(true);
   };
   byId("wall-open").addEventListener("click", toWall);
+  const lookAt = (looks) => {
+    state.look(looks);
+    byId("map-panel").scrollIntoView({ block: "nearest" });
+  };
   const actions = {
     " ": () => clock.toggle(),
     ArrowRight: (event) => (event.shiftKey ? transport.step(1) : clock.seek(clock.t + state.run.tickMs)),
@@ -29,16 +33,22 @@ export function bindKeys({ state, clock, transport, map, scene, panels, control,
     3: () => state.toggleClass(2),
     "/": () => search.focus(),
     f: () => (state.looks === "map" ? map : scene).reset(),
-    m: () => state.look("map"),
-    s: () => state.look("scene"),
-    u: () => state.look("time"),
+    m: () => lookAt("map"),
+    s: () => lookAt("scene"),
+    u: () => lookAt("time"),
     a: () => control.togglePick(),
     l: () => measure.toggle(),
     z: () => state.setView(null),
-    t: () => panels.open("tasks"),
-    d: () => panels.open("decision"),
-    e: () => panels.open("events"),
-    p: () => panels.open("processes"),
+    t: () => panels.show("tasks"),
+    d: () => panels.show("decision"),
+    e: () => panels.show("events"),
+    p: () => panels.show("processes"),
+    i: () => panels.show("engine"),
+    n: () => (sheet.phone.matches ? sheet.next() : folding.toggle("attention")),
+    c: () => folding.toggle("card"),
+    k: () => folding.toggle("legend"),
+    o: () => folding.toggle("tools"),
+    h: () => folding.toggleAll(),
     w: () => (state.wall ? state.setWall(false) : toWall()),
     Escape: () => (state.wall ? state.setWall(false) : measure.on ? measure.stop() : map.picking ? control.togglePick(control.picks) : state.select(null)),
     "?": () => help.showModal(),

@@ -1,3 +1,4 @@
+import { foldText } from "./folding.js";
 import { linkLanguage } from "./language.js";
 
 const KINDS = ["uav", "worker", "vehicle"];
@@ -33,10 +34,10 @@ export function readLink(hash) {
   const t = number("t");
   const look = ["scene", "time"].find((name) => name === values.get("look")) ?? null;
   return { tMs: t === null ? null : t * 1000, sel: values.get("sel"), run: number("run"), look, off: values.get("off"), on: values.get("on"),
-    against: number("against"), wall: values.get("wall") === "1" };
+    against: number("against"), wall: values.get("wall") === "1", fold: values.get("fold") };
 }
 
-export function writeLink({ tMs, sel, run, look, off, on, against, wall, lang }) {
+export function writeLink({ tMs, sel, run, look, off, on, against, wall, fold, lang }) {
   const parts = [];
   if (tMs !== null) parts.push(`t=${Math.round(tMs / 1000)}`);
   if (sel) parts.push(`sel=${sel}`);
@@ -46,6 +47,7 @@ export function writeLink({ tMs, sel, run, look, off, on, against, wall, lang })
   if (on) parts.push(`on=${on}`);
   if (against !== null && against !== undefined) parts.push(`against=${against}`);
   if (wall) parts.push("wall=1");
+  if (fold) parts.push(`fold=${fold}`);
   if (lang) parts.push(`lang=${lang}`);
   return `#${parts.join("&")}`;
 }
@@ -67,7 +69,7 @@ export class Link {
     clock.subscribe(() => this.#later());
     state.on("selection run", () => this.#step());
     state.on("wall", () => this.#turn());
-    state.on("look layers rival", () => this.#later());
+    state.on("look layers rival fold", () => this.#later());
     window.addEventListener("popstate", () => this.#apply());
   }
 
@@ -87,9 +89,10 @@ export class Link {
   }
 
   #address() {
-    const { current, looks, off, extra, rival, usualRival, wall } = this.state;
+    const { current, looks, off, extra, rival, usualRival, wall, folded, usualFolds } = this.state;
     return writeLink({ tMs: this.clock.follow ? null : this.clock.t, sel: wall ? null : namesOf(this.state), run: current, look: looks,
-      off: [...off].join(), on: [...extra].join(), against: rival === usualRival ? null : rival, wall, lang: linkLanguage() });
+      off: [...off].join(), on: [...extra].join(), against: rival === usualRival ? null : rival, wall,
+      fold: foldText(folded, usualFolds), lang: linkLanguage() });
   }
 
   #later() {

@@ -7,8 +7,10 @@ import { Control } from "./control.js";
 import { embeddedRuns, follow, liveAddress } from "./data.js";
 import { Differences } from "./differences.js";
 import { byId, number } from "./dom.js";
+import { Folding, foldIds } from "./folding.js";
 import { Gantt } from "./gantt.js";
 import { Header } from "./header.js";
+import { bindJumps } from "./jumps.js";
 import { bindKeys } from "./keys.js";
 import { say } from "./language.js";
 import { Link, itemOf } from "./link.js";
@@ -21,6 +23,7 @@ import { Legend, Panels } from "./panels.js";
 import { SceneTab } from "./scene_tab.js";
 import { RivalryView } from "./rivalry_view.js";
 import { Search } from "./search.js";
+import { Sheet } from "./sheet.js";
 import { State } from "./state.js";
 import { decidingMs } from "./run.js";
 import { watchTheme } from "./theme.js";
@@ -61,7 +64,9 @@ function bindChoices(map, scene, gantt) {
 }
 
 function build() {
-  new Header(state, clock);
+  const attention = new Attention(state, clock, (filter) => parts.panels.showTasks(filter));
+  new Header(state, clock, attention);
+  const folding = new Folding(state);
   const transport = new Transport(state, clock);
   const map = new MapView(state, clock);
   const scene = new SceneTab(state, clock);
@@ -75,26 +80,29 @@ function build() {
   new Card(state, clock);
   new Differences(state, clock);
   new RivalryView(state, clock, map);
-  new WallView(state, clock, map, new Attention(state, clock, (filter) => panels.showTasks(filter)));
-  Object.assign(parts, { map, control });
+  new WallView(state, clock, map, attention);
+  const sheet = new Sheet(state, attention);
+  Object.assign(parts, { map, control, panels });
+  bindJumps(state, panels);
   bindChoices(map, scene, gantt);
-  bindKeys({ state, clock, transport, map, scene, panels, control, measure: new Measure(state, map), search: new Search(state, map) });
+  bindKeys({ state, clock, transport, map, scene, panels, control, folding, sheet, measure: new Measure(state, map), search: new Search(state, map) });
 }
 
 /** Says why the page opens where it does, until the time moves on. */
 function tellMoment({ t, why }) {
   const note = byId("moment");
   note.hidden = false;
-  note.textContent = say("Opened at {time}, {why}.", { time: timeText(state.run, t), why });
+  note.title = note.textContent = say("Opened at {time}, {why}.", { time: timeText(state.run, t), why });
   clock.subscribe((now) => { note.hidden = note.hidden || Math.round(now) !== Math.round(t); });
 }
 
 /** Shows what a link says; what it does not say is as the page opens. */
-function show({ tMs, sel, run, look, off, on, against, wall }) {
+function show({ tMs, sel, run, look, off, on, against, wall, fold }) {
   if (run !== null && run < state.runs.length && run !== state.current) state.open(run);
   state.setRival(against !== null && against < state.runs.length && against !== state.current ? against : state.usualRival);
   state.look(look ?? "map");
   if (off !== null || on !== null) state.setLayers({ off: off !== null ? layerIds(off) : null, extra: on !== null ? layerIds(on, true) : null });
+  if (fold !== null) state.setFolded(foldIds(fold));
   const moment = tMs === null && !state.live ? tellingMoment(state.run) : null;
   if (moment) {
     clock.seek(moment.t);

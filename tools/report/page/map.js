@@ -4,7 +4,8 @@ import { agentsWithRoom, apart, clusterWords, levelOf, roomIn } from "./clusters
 import { describe } from "./describe.js";
 import { byId } from "./dom.js";
 import { bindDrag } from "./drag.js";
-import { homeView } from "./home_view.js";
+import { ALL_FREE, freePart } from "./free_part.js";
+import { homeView, wholeView } from "./home_view.js";
 import { say } from "./language.js";
 import { badgeOf } from "./layers/clusters.js";
 import { BELOW, STILL } from "./layers/below.js";
@@ -40,6 +41,8 @@ export class MapView {
     this.canvas = byId("map");
     this.tip = byId("map-tip");
     this.chosen = null; // what the user looks at; null: what is there
+    this.whole = false; // with nothing chosen: all of the area instead
+    this.free = ALL_FREE; // how many pixels at each side are covered by what floats on the map
     this.present = new Present(state);
     this.sprites = new Sprites();
     this.stills = { ground: new Still(), present: new Still() };
@@ -62,7 +65,7 @@ export class MapView {
       byId("map-cursor").textContent = "";
     });
     this.canvas.addEventListener("click", (event) => this.#click(event));
-    this.canvas.addEventListener("dblclick", () => this.reset());
+    this.canvas.addEventListener("dblclick", () => this.home());
     clock.subscribe(this.draw);
     state.on("fly", () => this.#fly());
     state.on("theme", () => this.sprites.clear());
@@ -73,17 +76,39 @@ export class MapView {
       this.stills.ground.clear();
       this.draw();
     });
-    new ResizeObserver(this.draw).observe(this.canvas);
+    state.on("fold wall", () => this.#measure());
+    const sizes = new ResizeObserver(() => this.#measure());
+    for (const id of ["map", "map-tools", "legend-box", "side"]) sizes.observe(byId(id));
   }
 
+  /** What is there; where the map shows that already, all of the area, and the other way. */
   reset() {
+    const whole = this.chosen === null && !this.whole;
+    this.home();
+    this.whole = whole;
+  }
+
+  /** What is there. */
+  home() {
+    this.whole = false;
     this.#look(null);
+  }
+
+  /** Looks how much of the map is covered. */
+  #measure() {
+    const free = freePart(this.state);
+    if (!free) return;
+    this.free = free;
+    for (const side of ["left", "top", "bottom"]) byId("map-panel").style.setProperty(`--free-${side}`, `${Math.round(free[side])}px`);
+    this.draw();
   }
 
   /** What is at scale 1, with the whole area in view, at x is at left + k x; y alike with top. */
   get view() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    return this.chosen ?? homeView(this.state.run, { ...this.#whole(width, height), width, height, margin: MARGIN });
+    if (this.chosen) return this.chosen;
+    const map = { ...this.#whole(width, height), width, height, margin: MARGIN, free: this.free };
+    return this.whole ? wholeView(this.state.run, map) : homeView(this.state.run, map);
   }
 
   set view(view) {
@@ -119,13 +144,16 @@ export class MapView {
     const k = zoom ?? Math.max(view.k, FLY_SCALE);
     const at = (scale, from, offset) => (scale(from) - offset) / view.k; // at scale 1
     const { width_m: w, height_m: h } = run.scenario;
-    // The area's border comes no further in than the map's, where the area is larger than the map.
-    const within = (middle, low, high, room) => ((high - low) * k > room
-      ? Math.min(MARGIN - k * low, Math.max(room - MARGIN - k * high, middle)) : (room - k * (low + high)) / 2);
-    const left = within(width / 2 - k * at(x, place.x, view.left), at(x, 0, view.left), at(x, w, view.left), width);
-    const top = within(height / 2 - k * at(y, place.y, view.top), at(y, h, view.top), at(y, 0, view.top), height);
+    const { free } = this;
+    const [across, down] = [[free.left, width - free.right], [free.top, height - free.bottom]];
+    // The area's border comes no further in than that of the map's free part, where the area is larger than that.
+    const within = ([from, to], there, low, high) => ((high - low) * k > to - from
+      ? Math.min(from + MARGIN - k * low, Math.max(to - MARGIN - k * high, (from + to) / 2 - k * there)) : (from + to - k * (low + high)) / 2);
+    const left = within(across, at(x, place.x, view.left), at(x, 0, view.left), at(x, w, view.left));
+    const top = within(down, at(y, place.y, view.top), at(y, h, view.top), at(y, 0, view.top));
     const to = { k, left, top };
-    const inView = x(place.x) > 0.15 * width && x(place.x) < 0.85 * width && y(place.y) > 0.15 * height && y(place.y) < 0.85 * height;
+    const isInside = (px, [from, until]) => px > from + 0.15 * (until - from) && px < until - 0.15 * (until - from);
+    const inView = isInside(x(place.x), across) && isInside(y(place.y), down);
     if (zoom === null && inView && view.k >= FLY_SCALE) return;
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.#look(to);
     else this.#glide(view, to, performance.now());
@@ -174,8 +202,10 @@ export class MapView {
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;
+    const { free } = this;
     const room = run.baseMap?.info.source ? height - SOURCE_PX : height;
-    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, frame: frameOf({ x, y, width, height: room }, run.scenario),
+    const frame = frameOf({ x, y, width: width - free.right, height: room - free.bottom, left: free.left, top: free.top }, run.scenario);
+    this.shown = { run, state: this.state, t, x, y, r, width, height, perMetre, k: view.k, free, frame,
       sprites: this.sprites, place: this.marked, area: this.area, drag: this.dragged, inView: (px, py) => this.#inView(px, py) };
     const began = performance.now();
     if (this.present.look(t)) this.fitLegend(run, { t, extra: this.state.extra, rival: this.state.rivalRun });
@@ -318,7 +348,7 @@ export class MapView {
     const { width, height, perMetre } = this.shown;
     const { k } = this.view;
     const place = { x: (box.west + box.east) / 2, y: (box.south + box.north) / 2 };
-    const fits = Math.min(width / (AROUND * (box.east - box.west)), height / (AROUND * (box.north - box.south))) / perMetre;
+    const fits = Math.min((width - this.free.left) / (AROUND * (box.east - box.west)), height / (AROUND * (box.north - box.south))) / perMetre;
     if (k < MOST) return this.goTo(place, Math.min(MOST, k * Math.max(2, fits)));
     return this.state.select(selectedOf(this.present.after(items)));
   }

@@ -85,7 +85,7 @@ export class News {
     this.known = new Set(alarms);
     if (news.length === 0) return;
     const words = newsWords(news);
-    byId("news").textContent = say("New: {what}", { what: words });
+    byId("news").title = byId("news").textContent = say("New: {what}", { what: words });
     byId("news").hidden = false;
     if (!this.on) return;
     ring(this.context);

@@ -61,7 +61,15 @@ export class Panels {
     for (const button of document.querySelectorAll("#panel-tabs button")) {
       button.setAttribute("aria-selected", String(button.dataset.tab === tab));
     }
+    byId("engine").hidden = tab !== "engine";
+    this.body.hidden = tab === "engine";
     this.draw();
+  }
+
+  /** The same, in view. */
+  show(tab) {
+    this.open(tab);
+    byId("detail-panel").scrollIntoView({ block: "nearest" });
   }
 
   /** Events that are still to come at the clock's time are pale; the newest one is in view. */
@@ -107,7 +115,8 @@ export class Panels {
     if (this.shown && Object.keys(shown).every((key) => shown[key] === this.shown[key])) return;
     this.shown = shown;
     const draw = { tasks: () => [this.tasks.root], decision: () => this.#decision(run), events: () => this.#events(run),
-      processes: () => this.#processes(run), air: () => [this.air.root], orders: () => this.control.table() };
+      processes: () => this.#processes(run), air: () => [this.air.root], orders: () => this.control.table(),
+      engine: () => [] };
     const lasting = { tasks: this.tasks, air: this.air }[this.tab];
     if (!lasting?.visible) this.body.replaceChildren(...draw[this.tab]());
     lasting?.draw();
@@ -246,7 +255,7 @@ export class Legend {
     const total = run.crew;
     this.buttons.forEach(({ button, count }, kind) => {
       button.setAttribute("aria-pressed", String(classes[kind]));
-      count.textContent = ` ${classes[kind] ? say("{n} of {total}", { n: shown[kind], total: total[kind] }) : say("hidden")}`;
+      count.textContent = ` ${classes[kind] ? `${shown[kind]}/${total[kind]}` : say("hidden")}`;
     });
     statuses.forEach((name, i) => {
       if (i > 0) byId(`count-${name}`).textContent = byStatus[i];

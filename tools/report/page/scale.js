@@ -22,7 +22,7 @@ export function roundTicks([from, to], most, parts = [1, 2, 2.5, 5]) {
   return ticks;
 }
 
-/** The part of the area that is in view: pixels. */
-export function frameOf({ x, y, width, height }, { width_m: w, height_m: h }) {
-  return { left: Math.max(0, x(0)), top: Math.max(0, y(h)), right: Math.min(width, x(w)), bottom: Math.min(height, y(0)) };
+/** The part of the area that is in view and not covered at the left and above: pixels. */
+export function frameOf({ x, y, width, height, left = 0, top = 0 }, { width_m: w, height_m: h }) {
+  return { left: Math.max(left, x(0)), top: Math.max(top, y(h)), right: Math.min(width, x(w)), bottom: Math.min(height, y(0)) };
 }

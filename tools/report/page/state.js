@@ -22,6 +22,8 @@ export class State {
     this.off = new Set(); // ids of the map's layers that are not shown
     this.extra = new Set(); // ids of those that are shown only when asked for
     this.looks = "map"; // "scene": in 3D; "time": space and time
+    this.folded = new Set(); // ids of panels on the map that are folded
+    this.usualFolds = new Set(); // those that are as long as the user folds and unfolds nothing
     this.wall = false; // whether the page is a display for a wall
     this.listeners = new Map();
   }
@@ -36,7 +38,7 @@ export class State {
   }
 
   /** what: "run", "data", "selection", "fly", "classes", "filter", "view", "axis", "trails", "layers", "look", "differ", "rival", "theme", "orders",
-   *  "attention", "wall" */
+   *  "attention", "wall", "fold" (also: the sheet of a phone is drawn) */
   on(what, listener) {
     for (const name of what.split(" ")) {
       if (!this.listeners.has(name)) this.listeners.set(name, []);
@@ -144,6 +146,11 @@ export class State {
     if (this.rival === i) return;
     this.rival = i;
     this.emit("rival");
+  }
+
+  setFolded(ids) {
+    this.folded = new Set(ids);
+    this.emit("fold");
   }
 
   /** Turns the page into a display for a wall, or back. */

@@ -6,6 +6,9 @@ import { decisionAt, faultBands } from "./run.js";
 import { clockText, timeText, wallTime } from "./time.js";
 import { theme } from "./theme.js";
 
+/** "+12 min", "+40 s": how much later it is now than the time that is shown. */
+export const aheadText = (ms) => (ms < 60000 ? `+${Math.round(ms / 1000)} s` : `+${Math.round(ms / 60000)} min`);
+
 /** The bar below: play, step, scrub, speed; decisions and faults marked along the time. */
 export class Transport {
   constructor(state, clock) {
@@ -70,6 +73,7 @@ export class Transport {
     byId("play").classList.toggle("playing", playing);
     byId("speed").value = speed;
     byId("live").setAttribute("aria-pressed", String(follow));
+    byId("live").textContent = follow ? say("Live") : say("Back to live, {time}", { time: aheadText(this.clock.max - t) });
   }
 
   #drawMarks() {

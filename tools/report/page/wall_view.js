@@ -41,7 +41,7 @@ export class WallView {
       clock.seek(clock.max, true);
       this.ticking = setInterval(() => this.attention.draw(), 1000); // that nothing is heard any more is not heard, either
     }
-    this.map.reset();
+    this.map.home();
     this.#again();
     this.#drawFigures();
   }
@@ -82,7 +82,7 @@ export class WallView {
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (item && !still) return this.state.flyTo(item);
     this.state.select(item);
-    if (!item && !still) this.map.reset();
+    if (!item && !still) this.map.home();
   }
 
   #say(...texts) {

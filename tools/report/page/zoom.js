@@ -7,7 +7,7 @@ export const WHOLE = { k: 1, left: 0, top: 0 };
 
 /** `view` so many times larger, within bounds; what is at (x, y) stays there. */
 export function zoomed(view, factor, x, y) {
-  const k = Math.min(MOST, Math.max(LEAST, view.k * factor));
+  const k = Math.min(MOST, Math.max(Math.min(LEAST, view.k), view.k * factor));
   const by = k / view.k;
   return { k, left: x - (x - view.left) * by, top: y - (y - view.top) * by };
 }

@@ -140,17 +140,17 @@ test("the map is zoomed by the wheel and moved by a drag, which selects nothing"
   const page = await open(t, "a.html");
   const box = await page.locator("#map").boundingBox();
   const maps = [await picture(page, "map")];
-  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.move(box.x + 600, box.y + 200);
   await page.mouse.wheel(0, -600);
   maps.push(await picture(page, "map"));
   await page.mouse.down();
-  await page.mouse.move(box.x + 260, box.y + 240, { steps: 3 });
+  await page.mouse.move(box.x + 660, box.y + 240, { steps: 3 });
   await page.mouse.up();
   maps.push(await picture(page, "map"));
   assert.equal(new Set(maps).size, 3);
   assert.ok(!(await page.locator("#selection").isVisible()));
   await page.locator("#map-reset").click();
-  await page.mouse.move(box.x + 1, box.y - 5);
+  await page.mouse.move(box.x + 600, box.y - 5);
   assert.equal(await picture(page, "map"), maps[0]);
 });
 

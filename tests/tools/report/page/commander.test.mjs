@@ -21,6 +21,7 @@ for (const [width, height, colorScheme] of LOOKS) {
     const page = await open(t, "a.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" });
     await accessible(page, "as it opens");
     const map = await page.locator("#map").boundingBox();
+    if (phone) await page.locator("#sheet-handle").tap();
     await page.locator("#attention-list .alarm").first().click();
     await page.locator("#card").waitFor();
     const card = await page.locator("#card").boundingBox();

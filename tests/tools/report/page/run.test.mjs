@@ -210,8 +210,8 @@ test("the point nearest to the pointer", () => {
 });
 
 test("a link says a moment, a selection and a run, and what it has not is null", () => {
-  assert.deepEqual(readLink("#t=4800&sel=uav:2"), { tMs: 4800000, sel: "uav:2", run: null, look: null, off: null, on: null, against: null, wall: false });
-  assert.deepEqual(readLink("#t=-1&run=1&look=nowhere"), { tMs: null, sel: null, run: 1, look: null, off: null, on: null, against: null, wall: false });
+  assert.deepEqual(readLink("#t=4800&sel=uav:2"), { tMs: 4800000, sel: "uav:2", run: null, look: null, off: null, on: null, against: null, wall: false, fold: null });
+  assert.deepEqual(readLink("#t=-1&run=1&look=nowhere"), { tMs: null, sel: null, run: 1, look: null, off: null, on: null, against: null, wall: false, fold: null });
   assert.equal(readLink("#look=time").look, "time");
   assert.equal(writeLink({ tMs: 4800499, sel: "task:17", run: 0, look: "map" }), "#t=4800&sel=task:17");
   assert.equal(writeLink({ tMs: 0, sel: null, run: 0, look: "scene" }), "#t=0&look=scene");
@@ -219,6 +219,8 @@ test("a link says a moment, a selection and a run, and what it has not is null",
   assert.equal(readLink("#off=roads,tasks").off, "roads,tasks");
   assert.equal(writeLink({ tMs: null, sel: null, run: 0, look: "map", off: "roads", on: "coverage" }), "#off=roads&on=coverage");
   assert.equal(readLink("#on=coverage").on, "coverage");
+  assert.equal(writeLink({ tMs: null, sel: null, run: 0, look: "map", fold: "legend,tools" }), "#fold=legend,tools");
+  assert.equal(readLink("#fold=none").fold, "none");
   const run = begun();
   assert.deepEqual([itemOf(run, "vehicle:0"), itemOf(run, "task:1"), itemOf(run, "charge:0")],
     [{ type: "agent", index: 2 }, { type: "task", id: 1 }, { type: "charge", id: 0 }]);

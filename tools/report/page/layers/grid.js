@@ -4,11 +4,35 @@ import { theme } from "../theme.js";
 
 const FONT = "system-ui, sans-serif";
 
-/** Lines each so many kilometres with their numbers, and the area's border. */
-function draw(c, { run, x, y, width, height }) {
+const stepOf = ([first, second]) => second - first;
+
+/** The same lines over all of the map, pale: it goes on outside the area. */
+function drawOutside(c, { x, y, width, height, step }) {
+  if (!(step > 0)) return;
+  c.globalAlpha = 0.55;
+  c.strokeStyle = theme.line;
+  c.lineWidth = 1;
+  c.beginPath();
+  for (let i = Math.ceil(x.invert(0) / step); i * step <= x.invert(width); ++i) {
+    const px = Math.round(x(i * step)) + 0.5;
+    c.moveTo(px, 0);
+    c.lineTo(px, height);
+  }
+  for (let i = Math.ceil(y.invert(height) / step); i * step <= y.invert(0); ++i) {
+    const py = Math.round(y(i * step)) + 0.5;
+    c.moveTo(0, py);
+    c.lineTo(width, py);
+  }
+  c.stroke();
+  c.globalAlpha = 1;
+}
+
+/** Lines each so many kilometres, with their numbers in the area, paler outside where that is the map's, and the area's border. */
+function draw(c, { run, x, y, width, height, free = null }) {
   const { width_m: w, height_m: h } = run.scenario;
   const [left, right, top, bottom] = [Math.max(0, x(0)), Math.min(width, x(w)), Math.max(0, y(h)), Math.min(height, y(0))];
   const metres = (from, to, pixels) => roundTicks([Math.max(0, from), to], pixels / 55, [1, 2, 5]);
+  if (free) drawOutside(c, { x, y, width, height, step: stepOf(metres(x.invert(0), Math.min(w, x.invert(width)), right - left)) });
   const numbers = [];
   c.strokeStyle = theme.grid;
   c.lineWidth = 1;
@@ -17,7 +41,7 @@ function draw(c, { run, x, y, width, height }) {
     const px = Math.round(x(m)) + 0.5;
     c.moveTo(px, top);
     c.lineTo(px, bottom);
-    numbers.push([`${m / 1000}`, "center", px, Math.min(height - 5, y(0) + 13)]);
+    numbers.push([`${m / 1000}`, "center", px, Math.min(height - (free?.bottom ?? 0) - 5, y(0) + 13)]);
   }
   c.font = `10px ${FONT}`;
   for (const m of metres(y.invert(height), Math.min(h, y.invert(0)), bottom - top)) {
@@ -25,7 +49,7 @@ function draw(c, { run, x, y, width, height }) {
     c.moveTo(left, py);
     c.lineTo(right, py);
     const text = `${m / 1000}`;
-    numbers.push([text, "right", Math.max(c.measureText(text).width + 3, x(0) - 5), py + 3]);
+    numbers.push([text, "right", Math.max((free?.left ?? 0) + c.measureText(text).width + 5, x(0) - 5), py + 3]);
   }
   c.stroke();
   c.strokeStyle = theme.line;
