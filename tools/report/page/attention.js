@@ -202,6 +202,23 @@ export function forecastAt(run, t) {
   return { done: Math.round(total - open * (open / before) ** (left / window)), total };
 }
 
+/** The task that an alert is about; null: it is about something else. */
+const taskOf = (run, { item }) => (item?.type === "task" ? run.tasks[item.id] : null);
+
+/** "12 min": until the task is due, or, once it was, until it expires; how late it is. "": it has no such time. */
+export function dueWords(run, found, t) {
+  const { due = null, expires = null } = taskOf(run, found) ?? {};
+  const next = [due, expires].find((at) => at !== null && at > t);
+  if (next !== undefined) return minutes(next - t);
+  return due === null || found.kind === "undone" ? "" : say("{time} late", { time: minutes(t - due) });
+}
+
+/** Whether an alert is about an emergency, or a task that is late. */
+export function isLoud(run, found, t) {
+  const task = taskOf(run, found);
+  return Boolean(task) && (task.priority >= PRIORITIES.length - 1 || ((task.due ?? null) !== null && task.due < t && found.kind === "risk"));
+}
+
 /** What an alert is recognised by while it lasts. */
 const alertOf = ({ kind, text }) => `${kind} ${text}`;
 
@@ -233,7 +250,8 @@ export class Attention {
     const seen = all.length - found.length;
     const groups = KINDS.map((kind) => found.filter((f) => f.kind === kind.id));
     const key = JSON.stringify([groups.map((group) => [group.length, ...group.slice(0, SHOWN).map((f) => [f.text, f.note])]),
-      selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen]);
+      selected, run.name, decisionAt(run, t)?.index, doneAt(run, t), seen,
+      groups.map((group) => group.slice(0, SHOWN).map((f) => dueWords(run, f, t)))]);
     if (key === this.key) return; // what has the focus stays
     this.key = key;
     byId("attention-count").textContent = (found.length === 0 ? say("nothing") : number(found.length))
@@ -278,9 +296,11 @@ export class Attention {
 
   #row(kind, found) {
     const chosen = found.item && this.state.isSelected(found.item);
-    return element("button", { type: "button", class: `alarm a-${kind.id}`, "aria-pressed": found.item ? String(Boolean(chosen)) : null,
+    const { run } = this.state;
+    const due = dueWords(run, found, this.clock.t);
+    return element("button", { type: "button", class: `alarm a-${kind.id}${isLoud(run, found, this.clock.t) ? " loud" : ""}`, "aria-pressed": found.item ? String(Boolean(chosen)) : null,
       "data-attention": `${kind.id} ${found.text}`, onclick: () => (found.item ? this.state.flyTo(found.item) : this.clock.seek(found.t ?? this.clock.t)) },
-    element("i", { "aria-hidden": "true" }, kind.mark), element("b", {}, found.text), found.note ? element("small", {}, found.note) : null);
+    element("i", { "aria-hidden": "true" }, kind.mark), element("b", {}, found.text), due ? element("span", { class: "due" }, due) : null, found.note ? element("small", {}, found.note) : null);
   }
 
   #forecast(run, t) {

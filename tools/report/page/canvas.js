@@ -28,7 +28,7 @@ export function oncePerFrame(draw) {
   };
 }
 
-/** Adds an agent's shape around (x, y) to the path: triangle, circle or square by class. */
+/** Adds an agent's shape around (x, y) to the path: arrow head, circle or square by class. */
 export function agentShape(path, kind, x, y, r, heading = 0) {
   if (kind === WORKER) {
     path.moveTo(x + r, y);
@@ -37,9 +37,10 @@ export function agentShape(path, kind, x, y, r, heading = 0) {
     path.rect(x - r * 0.9, y - r * 0.9, r * 1.8, r * 1.8);
   } else {
     const point = (angle, length) => [x + length * Math.cos(heading + angle), y + length * Math.sin(heading + angle)];
-    path.moveTo(...point(0, r * 1.5));
-    path.lineTo(...point(2.5, r * 1.3));
-    path.lineTo(...point(-2.5, r * 1.3));
+    path.moveTo(...point(0, r * 1.55));
+    path.lineTo(...point(2.5, r * 1.35));
+    path.lineTo(...point(Math.PI, r * 0.55));
+    path.lineTo(...point(-2.5, r * 1.35));
     path.closePath();
   }
 }

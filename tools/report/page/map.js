@@ -198,7 +198,7 @@ export class MapView {
     const { view } = this;
     const { x, y, perMetre } = this.#scales(width, height, view);
     const crowd = run.agents.filter(({ vacant }) => !vacant).length + run.tasks.filter(({ vacant }) => !vacant).length;
-    const size = Math.max(2.2, Math.min(6, 90 / Math.sqrt(crowd))) * Math.min(2, Math.max(1, view.k ** 0.35));
+    const size = Math.max(3.4, Math.min(6, 100 / Math.sqrt(crowd))) * Math.min(1.4, Math.max(1, view.k ** 0.2));
     const r = Math.round(size * 5) / 5;
     if (r !== this.radius) this.sprites.clear();
     this.radius = r;

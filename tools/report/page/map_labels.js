@@ -1,4 +1,4 @@
-const FONT = "10px system-ui, sans-serif";
+const FONT = "11px system-ui, sans-serif";
 const HEIGHT = 12;
 
 /**

@@ -4,6 +4,11 @@ import { itemOf, nameOf } from "./link.js";
 export const taskName = (id) => say("task {id}", { id });
 export const pointName = (id) => say("charging point {id}", { id });
 
+const LETTERS = ["U", "W", "V"]; // UAV, worker, vehicle
+
+/** "U8", "W46", "V2": an agent on the map, where the full name has no room. */
+export const shortName = ({ kind, id }) => `${LETTERS[kind]}${id}`;
+
 /** What stands beside something on the map. */
 export function labelOf(run, item) {
   if (item.type === "agent") return nameOf(run, item);

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { approachOf, approachText } from "../../../../tools/report/page/air.js";
-import { attentionAt, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
+import { attentionAt, dueWords, isLoud, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
 import { Run, decidingMs, faultBands } from "../../../../tools/report/page/run.js";
 import { readWords } from "../../../../tools/report/page/words.js";
 
@@ -91,4 +91,13 @@ test("schedulers that disagree need attention from then on, with their newest wo
   const found = (t) => attentionAt(run, t).map(({ kind, text, note }) => [kind, text, note]);
   assert.deepEqual(found(0), [["differ", "once", "decision 0: one"]]);
   assert.deepEqual(found(45000), [["differ", "2 times", "decision 1: two"]]);
+});
+
+test("a row tells how long its task has, or how late it is", () => {
+  const run = { tasks: [{ due: 600000, expires: 1200000, priority: 1 }, { due: null, expires: null, priority: 3 }] };
+  const row = (id, kind = "risk") => ({ kind, item: { type: "task", id } });
+  assert.deepEqual([0, 900000, 1300000].map((t) => dueWords(run, row(0), t)), ["10 min", "5 min", "12 min late"]);
+  assert.equal(dueWords(run, row(1), 0), "");
+  assert.equal(dueWords(run, { kind: "failed", item: { type: "agent", index: 0 } }, 0), "");
+  assert.deepEqual([isLoud(run, row(0), 0), isLoud(run, row(0), 700000), isLoud(run, row(1), 0)], [false, true, true]);
 });

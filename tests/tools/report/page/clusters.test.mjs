@@ -1,8 +1,10 @@
-// Which symbols stand together on the map, in numbers.
+// Which symbols stand together on the map, in numbers; which names stand beside them, and how loud they are.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { CHARGING_POINT, OVER, Squares, TO_DO, apart, classOfTask, clusterWords, levelOf, roomIn } from "../../../../tools/report/page/clusters.js";
 import { badgeOf, short } from "../../../../tools/report/page/layers/clusters.js";
+import { namesInView } from "../../../../tools/report/page/layers/labels.js";
+import { HIGH, LOUD, PLAIN, QUIET, loudnessOf } from "../../../../tools/report/page/layers/tasks.js";
 import { Present } from "../../../../tools/report/page/present.js";
 import { State } from "../../../../tools/report/page/state.js";
 import { CANCELLED, DONE, EXPIRED, FAILED, HELD, IDLE, OPEN, UAV, VEHICLE, WORKER } from "../../../../tools/report/page/words.js";
@@ -102,4 +104,25 @@ test("of a cluster that cannot part, members are selected in turn", () => {
     state.select({ type: "agent", index: agent.index });
   }
   assert.deepEqual(chosen, ["uav:0", "worker:0", "vehicle:0", "uav:0"]);
+});
+
+test("names on the map are short, and those that matter come first", () => {
+  const agent = (index, kind, status, more = {}) => ({ agent: { index, id: index, kind }, status, px: 10 * index, py: 0, place: { x: index, y: 0 }, ...more });
+  const site = (id, priority, urgent) => ({ task: { id, priority }, status: 0, px: 0, py: 50, urgent });
+  const { statuses } = begun().words;
+  const [idle, moving, sensing] = ["idle", "moving", "sensing"].map((name) => statuses.indexOf(name));
+  const near = [agent(1, 0, idle), agent(2, 1, moving), agent(3, 2, idle, { urgent: true }), agent(4, 0, sensing), agent(5, 1, sensing, { px: 40, place: { x: 4, y: 0 } })];
+  const state = { isSelected: ({ index }) => index === 9 };
+  const names = (k) => namesInView({ near, sites: [site(17, 3, true), site(18, 1, false)], k, state }).map(({ text }) => text);
+  assert.deepEqual(names(1), ["V3", "17", "W2", "U4 W5"]);
+  assert.deepEqual(names(2), ["V3", "17", "W2", "U4 W5", "U1", "18"], "nearer, all");
+  assert.deepEqual(namesInView({ near, sites: [], k: 1, state: { isSelected: ({ index }) => index === 2 } }).map(({ text }) => text), ["V3", "U4 W5"],
+    "what is selected has its full name");
+});
+
+test("emergencies and late tasks are loud, those of low priority quiet, and so is what is over", () => {
+  const { tasks } = begun().words;
+  const [open, done] = ["open", "done"].map((name) => tasks.indexOf(name));
+  const of = (priority, due, status = open) => loudnessOf({ priority, due }, status, 1000);
+  assert.deepEqual([of(3, null), of(1, 900), of(1, 1100), of(2, null), of(0, null), of(3, 900, done), of(undefined, undefined)], [LOUD, LOUD, PLAIN, HIGH, QUIET, QUIET, PLAIN]);
 });

@@ -20,7 +20,7 @@ const drag = async ({ seconds, zoom }) => {
     clientX: x + 200 * Math.sin(i / 40), clientY: y + 100 * Math.sin(i / 25) }));
   canvas.setPointerCapture = () => {}; // the pointer is made up
   clock.seek(clock.max * 0.6);
-  map.reset();
+  map.home();
   for (let done = 1; done < zoom; done *= 2) {
     canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -500, bubbles: true, cancelable: true, clientX: x, clientY: y }));
   }
