@@ -26,6 +26,7 @@ export class Folding {
     this.buttons = [...document.querySelectorAll("[data-fold]")];
     for (const button of this.buttons) button.addEventListener("click", () => this.toggle(button.dataset.fold));
     state.on("fold", () => this.#show());
+    byId("tools-more").addEventListener("click", (event) => this.#onTool(event));
     this.#show();
   }
 
@@ -38,6 +39,11 @@ export class Folding {
   /** Folds all of them, or unfolds all where all are folded. */
   toggleAll() {
     this.#take(new Set(FOLDS.every((id) => this.state.folded.has(id)) ? [] : FOLDS));
+  }
+
+  /** On a phone the tools lie over the map: whoever has chosen one needs the map. */
+  #onTool({ target }) {
+    if (matchMedia(PHONE).matches && target.closest("[role=tab], #measure, #order-add, #order-road, #order-zone")) this.toggle("tools");
   }
 
   #take(folded) {

@@ -41,6 +41,7 @@ export class MapView {
     this.canvas = byId("map");
     this.tip = byId("map-tip");
     this.chosen = null; // what the user looks at; null: what is there
+    this.paper = matchMedia("print"); // a sheet shows what is there
     this.whole = false; // with nothing chosen: all of the area instead
     this.free = ALL_FREE; // how many pixels at each side are covered by what floats on the map
     this.present = new Present(state);
@@ -77,6 +78,10 @@ export class MapView {
       this.draw();
     });
     state.on("fold wall", () => this.#measure());
+    this.paper.addEventListener("change", () => {
+      this.#measure();
+      this.#draw(); // paper does not wait for a frame
+    });
     const sizes = new ResizeObserver(() => this.#measure());
     for (const id of ["map", "map-tools", "legend-box", "side"]) sizes.observe(byId(id));
   }
@@ -106,7 +111,7 @@ export class MapView {
   /** What is at scale 1, with the whole area in view, at x is at left + k x; y alike with top. */
   get view() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (this.chosen) return this.chosen;
+    if (this.chosen && !this.paper.matches) return this.chosen;
     const map = { ...this.#whole(width, height), width, height, margin: MARGIN, free: this.free };
     return this.whole ? wholeView(this.state.run, map) : homeView(this.state.run, map);
   }

@@ -17,8 +17,12 @@ const clustersOf = (page) => page.evaluate(() => {
     x: box.left + left + wide / 2, y: box.top + top + high / 2, box: cluster.box }));
 });
 const zoomOf = (page) => page.evaluate(() => window.muster.parts.map.view.k);
-const inside = (page, clusters) => page.locator("#map").boundingBox().then((box) => clusters.filter(({ x, y }) => x > box.x + 60 && x < box.x + box.width - 60
-  && y > box.y + 60 && y < box.y + box.height - 60));
+/** Those that nothing covers. */
+const inside = async (page, clusters) => {
+  const [box, free] = [await page.locator("#map").boundingBox(), await page.evaluate(() => window.muster.parts.map.free)];
+  return clusters.filter(({ x, y }) => x > box.x + free.left + 60 && x < box.x + box.width - 60
+    && y > box.y + free.top + 60 && y < box.y + box.height - free.bottom - 60);
+};
 
 for (const [width, height, colorScheme] of LOOKS) {
   test(`a badge tells what stands together, and a click parts it, at ${width} x ${height}, ${colorScheme}`, async (t) => {
@@ -84,10 +88,10 @@ test("a map that was moved looks as one drawn there", async (t) => {
     const page = await open(t, "crowd.html", { deviceScaleFactor }, "#t=600");
     await drawn(page);
     const box = await page.locator("#map").boundingBox();
-    await page.mouse.move(box.x + 300, box.y + 200);
+    await page.mouse.move(box.x + 500, box.y + 200);
     await page.mouse.down();
     for (const by of [5, 40, 90, 400, 280]) { // within what has been drawn, and out of it
-      await page.mouse.move(box.x + 300 + by, box.y + 200 + by / 2);
+      await page.mouse.move(box.x + 500 + by, box.y + 200 + by / 2);
       await drawn(page);
       const moved = await picture(page, "map");
       await page.evaluate(() => window.muster.parts.map.draw()); // all of it again

@@ -54,7 +54,7 @@ for (const [width, height, colorScheme] of LOOKS) {
     assert.ok(!(await page.evaluate(() => location.hash)).includes(TOKEN), "the address may be passed on");
     assert.equal(await page.locator("#control-state").innerText(), "CONTROL");
     await accessible(page, "with control");
-    await page.locator("#order-add").scrollIntoViewIfNeeded();
+    if (phone) await page.locator("[data-fold=tools]").tap();
     await drawn(page);
     const map = await page.locator("#map").boundingBox();
     await page.locator("#order-add").click();
@@ -89,6 +89,7 @@ for (const [width, height, colorScheme] of LOOKS) {
     tell({ task_rows: [[id, place[0] * 1000, place[1] * 1000, 3000, 3660000, 4860000, null, 3, "school"]], tasks: [[id, 1, [3660000, 0]]], now_ms: 3690000 });
     await page.waitForFunction((n) => window.muster.state.run.tasksTotal === n, before + 1);
     await soon(async () => assert.match(await page.locator("#attention-list .a-risk").first().innerText(), new RegExp(`task ${id}, emergency`)));
+    if (phone) await page.locator("#sheet-handle").tap();
     await page.locator("#attention-list .a-risk").first().click();
     await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${id} school`));
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
@@ -280,7 +281,7 @@ test("agents are dragged to tasks, charging points and places; after Escape, and
       && near.filter((other) => Math.hypot(other.px - px, other.py - py) < 14).length === 1);
     const site = sites.find((other) => other.task.id === id);
     const points = state.run.charging.map((point) => [shown.x(point.x), shown.y(point.y), point.id]).filter(([px, py]) => alone(px, py, 0));
-    let place = [60, 60];
+    let place = [map.free.left + 60, map.free.top + 60];
     while (!alone(...place, 0) || points.some(([px, py]) => Math.hypot(px - place[0], py - place[1]) < 20)) place = [place[0] + 7, place[1] + 3];
     return [one.agent.label, [one.px, one.py], [site.px, site.py], points[0], place];
   }, task);

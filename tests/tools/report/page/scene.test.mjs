@@ -20,6 +20,7 @@ const scene = async (page) => {
   return page.evaluate(() => window.muster.scene.counts);
 };
 const openScene = async (page) => {
+  if (!(await page.locator("#tab-scene").isVisible())) await page.locator("[data-fold=tools]").click(); // a phone
   await page.locator("#tab-scene").click();
   return scene(page);
 };
@@ -64,6 +65,7 @@ for (const [width, height, colorScheme] of LOOKS) {
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
     assert.match(await page.locator("#scene-legend").innerText(), /scenery drawn from the seed/);
     await accessible(page, "the scene");
+    if (phone) await page.locator("[data-fold=tools]").click();
     await page.locator("#tab-time").click();
     await scene(page);
     await accessible(page, "space and time");
@@ -144,9 +146,9 @@ test("keys and pointers move the camera, and not the time", async (t) => {
   assert.equal(await page.locator("#time-now").innerText(), "1:20:00");
   assert.equal(await page.evaluate(() => window.muster.clock.speed), 300);
   const box = await page.locator("#scene").boundingBox();
-  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.move(box.x + 600, box.y + 200);
   await page.mouse.down();
-  await page.mouse.move(box.x + 260, box.y + 220);
+  await page.mouse.move(box.x + 660, box.y + 220);
   await page.mouse.up();
   assert.notEqual((await camera(page)).azimuth, keyed.azimuth);
   assert.ok(!(await page.locator("#card").isVisible()), "a drag selects nothing");

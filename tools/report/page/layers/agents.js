@@ -7,6 +7,7 @@ import { pairsOf } from "./pairs.js";
 const TURNS = 32;
 const BATTERY_STEPS = 12; // of the arc around a UAV
 const LOW_STEPS = 2; // of them, and fewer: hardly any range is left
+export const PAIR = 2.5; // radii of a symbol: half of the frame of a pair
 export const RING = 1.85; // radii of a symbol: the ring around it
 const ARC_R = 3.8; // of smaller symbols the arc would be a blot
 
@@ -61,7 +62,7 @@ function mark(c, { kind, status, turn, r, battery, alert }) {
 
 /** A UAV and who works with it: both in one frame, in the colour of what they do. */
 function badge(c, { kind, status, r }) {
-  const [wide, high] = [r * 5, r * 3];
+  const [wide, high] = [r * 2 * PAIR, r * 3];
   c.beginPath();
   c.roundRect(-wide / 2, -high / 2, wide, high, high / 2);
   c.fillStyle = theme.panel;
@@ -95,7 +96,7 @@ export const agents = {
       }
     }
     for (const { uav: { status, px, py }, partner: { agent: { kind } } } of pairs) {
-      sprites.stamp(c, `pair ${kind} ${status} ${r}`, r * 2.5 + 3, px, py, (s) => badge(s, { kind, status, r }));
+      sprites.stamp(c, `pair ${kind} ${status} ${r}`, r * PAIR + 3, px, py, (s) => badge(s, { kind, status, r }));
     }
   },
 };

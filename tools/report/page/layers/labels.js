@@ -3,7 +3,7 @@ import { drawLabels } from "../map_labels.js";
 import { labelOf, shortName } from "../names.js";
 import { theme } from "../theme.js";
 import { CANCELLED, DONE, EXPIRED, IDLE, MOVING } from "../words.js";
-import { RING } from "./agents.js";
+import { PAIR, RING } from "./agents.js";
 import { baseMapNames } from "./base_map.js";
 import { badgeOf } from "./clusters.js";
 import { pairsOf } from "./pairs.js";
@@ -22,12 +22,12 @@ export function rankOf({ urgent, status }) {
   return status === MOVING ? MOVES : status === IDLE ? RESTS : WORKS;
 }
 
-/** The names of agents and tasks in view, without what is selected, in the order in which they matter: { text, px, py, rank }. */
+/** The names of agents and tasks in view, without what is selected, in the order in which they matter: { text, px, py, rank, wide (of a pair) }. */
 export function namesInView({ near, sites, k, state }) {
   const chosen = (item) => state.isSelected(item);
   const { names: paired, partners } = pairsOf(near);
   const agents = near.filter(({ agent }) => !chosen({ type: "agent", index: agent.index }) && !partners.has(agent))
-    .map((item) => ({ text: paired.get(item.agent) ?? shortName(item.agent), px: item.px, py: item.py, rank: rankOf(item) }));
+    .map((item) => ({ text: paired.get(item.agent) ?? shortName(item.agent), px: item.px, py: item.py, rank: rankOf(item), wide: paired.has(item.agent) }));
   const tasks = sites.filter(({ task, status, urgent }) => (urgent || k >= REST_ZOOM) && ![DONE, CANCELLED, EXPIRED].includes(status)
     && !chosen({ type: "task", id: task.id })).map(({ task, px, py, urgent }) => ({ text: `${task.id}`, px, py, rank: urgent ? ALERT : RESTS }));
   return [...agents, ...tasks].filter(({ rank }) => rank !== RESTS || k >= REST_ZOOM).sort((a, b) => a.rank - b.rank);
@@ -40,14 +40,14 @@ export const labels = {
   draw(c, map) {
     const { run, state: { allSelected }, t, x, y, r } = map;
     const found = [];
-    const put = (text, px, py, colour) => map.inView(px, py) && found.push({ text, px, py, gap: r * RING + 3, colour });
+    const put = (text, px, py, colour, wide = false) => map.inView(px, py) && found.push({ text, px, py, gap: r * (wide ? PAIR : RING) + 3, colour });
     for (const item of allSelected) {
       const place = placeOf(run, item, t);
       if (place) put(labelOf(run, item), x(place.x), y(place.y), theme.text);
     }
     const room = (map.width * map.height) / LABEL_PX;
     const colour = (rank) => (rank === ALERT ? theme.failed : rank === RESTS ? theme.muted : theme.text);
-    for (const { text, px, py, rank } of namesInView(map).slice(0, room)) put(text, px, py, colour(rank));
+    for (const { text, px, py, rank, wide } of namesInView(map).slice(0, room)) put(text, px, py, colour(rank), wide);
     for (const { text, x: px, y: py } of baseMapNames(map)) put(text, x(px), y(py), theme.muted);
     drawLabels(c, found, map, theme.bg, [...scaleBoxes(map.perMetre, map.frame), ...map.clusters.map((cluster) => badgeOf(cluster, map))]);
   },
