@@ -68,8 +68,11 @@ export class Sheet {
 
   /** The figures stand in the header or, on a phone, in the sheet. */
   #place() {
-    if (this.phone.matches) byId("sheet-top").append(byId("summary"));
+    const isPhone = this.phone.matches;
+    if (isPhone) byId("sheet-top").append(byId("summary"));
     else byId("language").before(byId("summary"));
+    if (isPhone) byId("side-body").tabIndex = 0; // it scrolls
+    else byId("side-body").removeAttribute("tabindex");
     this.state.emit("fold");
   }
 
