@@ -43,7 +43,7 @@ const inTile = (column, row) => {
 
 for (const [width, height, colorScheme] of LOOKS) {
   test(`pictures lie below the mission, at ${width} x ${height}, ${colorScheme}`, async (t) => {
-    const page = await open(t, "red.html", { viewport: { width, height }, colorScheme }, "#t=0&off=tasks,grid");
+    const page = await open(t, "red.html", { viewport: { width, height }, colorScheme }, "#t=0&off=tasks,grid&fold=none");
     await soon(async () => assert.ok((await coloursAt(page, [inTile(612, 916)])).every(isRed)));
     assert.equal(await page.locator("#map-source").innerText(), "somebody");
     assert.equal(await page.locator("#legend-basemap").innerText(), "map: somebody");

@@ -44,7 +44,7 @@ const coloursAt = (page, places) => page.evaluate(async (wanted) => {
 
 for (const [width, height, colorScheme] of LOOKS) {
   test(`water is filled and land is not, at ${width} x ${height}, ${colorScheme}`, async (t) => {
-    const page = await open(t, "coast.html", { viewport: { width, height }, colorScheme }, "#t=0");
+    const page = await open(t, "coast.html", { viewport: { width, height }, colorScheme }, "#t=0&fold=none");
     await soon(async () => assert.ok(await page.locator("#legend-water").isVisible()));
     assert.equal(await page.locator("#legend-water").innerText(), "water (made up)");
     // Sea, the bay in the land, the island, land: away from the lines of the grid and from agents.

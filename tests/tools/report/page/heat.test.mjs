@@ -51,7 +51,7 @@ test("a square is covered once a UAV has been in it", () => {
 
 for (const [width, height, colorScheme] of LOOKS) {
   test(`layers of heat are shown when asked for, at ${width} x ${height}, ${colorScheme}`, async (t) => {
-    const page = await open(t, "a.html", { viewport: { width, height }, colorScheme }, "#t=5400");
+    const page = await open(t, "a.html", { viewport: { width, height }, colorScheme }, "#t=5400&fold=none");
     const seen = [await picture(page, "map")];
     await page.locator("#layers summary").click();
     for (const id of ["open-heat", "response-heat", "coverage"]) {

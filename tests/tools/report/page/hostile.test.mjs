@@ -97,7 +97,8 @@ test("an area of a hundred metres has numbers, a scale that fits and places to t
   for (const number of ["0", "0.06", "0.1"]) assert.ok(texts.filter((line) => line === number).length >= 2, `${number}: ${texts}`);
   assert.ok(texts.includes("20 m"), texts.join());
   const map = await box(page, "#map");
-  await page.mouse.move(map.x + map.width / 2, map.y + map.height / 2);
+  const [x, y] = await page.evaluate(() => [window.muster.parts.map.shown.x(50), window.muster.parts.map.shown.y(50)]);
+  await page.mouse.move(map.x + x, map.y + y);
   assert.match(await page.locator("#map-cursor").innerText(), /^0\.0[45]\d, 0\.0[45]\d km$/);
 });
 

@@ -43,7 +43,7 @@ before(() => {
 for (const [width, height, colorScheme] of LOOKS) {
   test(`closed roads are on the map while they are closed, at ${width} x ${height}, ${colorScheme}`, async (t) => {
     const phone = width < 500;
-    const page = await open(t, "closed.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" });
+    const page = await open(t, "closed.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" }, "#fold=none");
     await accessible(page, "with closed roads");
     assert.ok(await page.locator("#legend-closed").isVisible());
     assert.match(await page.locator("#legend-roads").innerText(), /made up/);

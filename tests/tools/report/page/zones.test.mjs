@@ -20,7 +20,7 @@ before(() => {
 for (const [width, height, colorScheme] of LOOKS) {
   test(`zones are on the map while they hold, at ${width} x ${height}, ${colorScheme}`, async (t) => {
     const phone = width < 500;
-    const page = await open(t, "zoned.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" });
+    const page = await open(t, "zoned.html", { viewport: { width, height }, colorScheme, isMobile: phone, hasTouch: phone, reducedMotion: "reduce" }, "#fold=none");
     await accessible(page, "with zones");
     assert.ok(await page.locator("#legend-zones").isVisible());
     assert.ok(!(await page.locator("#legend-closed").isVisible()), "no road is closed");
