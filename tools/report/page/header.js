@@ -77,6 +77,15 @@ export class Header {
     return this.clock.t >= this.state.run.nowMs ? null : say(n.live ? "{n} by now" : "{n} in the end", { n: number(end) });
   }
 
+  /** How many tasks nobody is sent to; counted once for each time. */
+  #openAt(run, t) {
+    const known = this.counted;
+    if (known?.run !== run || known.t !== t || known.nowMs !== run.nowMs) {
+      this.counted = { run, t, nowMs: run.nowMs, open: run.tasks.filter((task) => taskStatusAt(task, t) === OPEN).length };
+    }
+    return this.counted.open;
+  }
+
   /** The four figures of the header. */
   #drawMission() {
     const { run } = this.state;
@@ -84,7 +93,7 @@ export class Header {
     if (!run || !n) return;
     const { t } = this.clock;
     const { risk, isOver } = wallFigures(run, t, this.attention.all);
-    const open = run.tasks.filter((task) => taskStatusAt(task, t) === OPEN).length;
+    const open = this.#openAt(run, t);
     const tasks = tile("tasks_done", say("Tasks done"), say("{n} of {total}", { n: number(n.tasksDone), total: number(n.tasksTotal) }), n.tasksDone);
     tasks.classList.add("lead");
     tasks.append(

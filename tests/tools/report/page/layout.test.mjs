@@ -98,7 +98,7 @@ test("the engine room has what concerns the machine, by key and from the strip",
   await page.keyboard.press("t");
   assert.ok(await isShown(page, "#task-table") && !(await isShown(page, "#engine")));
   await page.locator("#jumps button", { hasText: "Map" }).click();
-  assert.equal(await page.evaluate(() => Math.round(document.getElementById("map-panel").getBoundingClientRect().top)) >= 0, true);
+  assert.ok(await page.evaluate(() => document.getElementById("map-panel").getBoundingClientRect().top) >= -1, "the map is in view");
   await page.locator("#jumps button", { hasText: "Engine room" }).click();
   assert.ok((await box(page, "#engine")).y < 843, "in view");
 });
@@ -130,4 +130,36 @@ test("on a phone the map comes first, and a sheet is drawn up", async (t) => {
   assert.deepEqual(small, [], "large enough for a finger");
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
   await accessible(page, "the sheet");
+});
+
+test("names on the map are short, and none stands over another, however near the map is", async (t) => {
+  const page = await open(t, "a.html", { viewport: { width: 1440, height: 900 } }, "#t=4800&sel=uav:2");
+  /** What the newest drawing of the map names: [{ text, left, right, top, bottom }]. */
+  const named = () => page.evaluate(() => new Promise((resolve) => {
+    const found = [];
+    const { fillText: write } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+      if (this.canvas.id === "map" && this.textAlign === "left" && this.font.startsWith("11px")) {
+        found.push({ text, left: x, right: x + this.measureText(text).width, top: y - 8, bottom: y + 2 });
+      }
+      return write.call(this, text, x, y);
+    };
+    window.muster.parts.map.draw();
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      CanvasRenderingContext2D.prototype.fillText = write;
+      resolve(found);
+    }));
+  }));
+  for (const zoom of [0, 1, 2]) {
+    if (zoom > 0) await page.locator("#map").dispatchEvent("wheel", { deltaY: -400, clientX: 900, clientY: 450 });
+    await drawn(page);
+    const names = await named();
+    assert.ok(names.length > 5, `${names.length} at ${zoom}`);
+    assert.ok(names.every(({ text }) => /^(uav:2|[UWV]\d+( [WV]\d+)?|\d+)$/.test(text)), names.map(({ text }) => text).join());
+    for (const [i, a] of names.entries()) {
+      for (const b of names.slice(i + 1)) {
+        assert.ok(a.right < b.left || b.right < a.left || a.bottom < b.top || b.bottom < a.top, `${a.text} and ${b.text} at ${zoom}`);
+      }
+    }
+  }
 });
