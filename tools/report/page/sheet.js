@@ -46,6 +46,7 @@ export class Sheet {
   }
 
   #set(height) {
+    this.raised = false; // for a card, and not by the user
     this.root.dataset.sheet = height;
     this.handle.setAttribute("aria-expanded", String(height !== "peek"));
     this.state.emit("fold");
@@ -84,9 +85,15 @@ export class Sheet {
   #onSelection() {
     const { selected } = this.state;
     this.root.toggleAttribute("data-card", Boolean(selected));
-    if (!selected || !this.phone.matches) return;
+    if (!this.phone.matches) return;
+    if (!selected) {
+      if (this.raised) this.#set("peek");
+      return;
+    }
     byId("side-body").scrollTop = 0;
-    if (this.height === "peek") this.#set("half");
+    if (this.height !== "peek") return;
+    this.#set("half");
+    this.raised = true;
   }
 
   #grab(event) {

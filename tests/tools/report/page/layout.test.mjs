@@ -130,6 +130,14 @@ test("on a phone the map comes first, and a sheet is drawn up", async (t) => {
   assert.deepEqual(small, [], "large enough for a finger");
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
   await accessible(page, "the sheet");
+  // A card draws it up, and leaves it where it was.
+  await page.keyboard.press("n");
+  await page.keyboard.press("n");
+  assert.equal(await high(), peek);
+  await page.evaluate(() => window.muster.state.select({ type: "task", id: 3 }));
+  await soon(async () => assert.ok(await isShown(page, "#card") && await high() === half));
+  await page.keyboard.press("Escape");
+  await soon(async () => assert.equal(await high(), peek));
 });
 
 test("names on the map are short, and none stands over another, however near the map is", async (t) => {
@@ -154,7 +162,7 @@ test("names on the map are short, and none stands over another, however near the
     if (zoom > 0) await page.locator("#map").dispatchEvent("wheel", { deltaY: -400, clientX: 900, clientY: 450 });
     await drawn(page);
     const names = await named();
-    assert.ok(names.length > 5, `${names.length} at ${zoom}`);
+    assert.ok(names.length >= 3, `${names.length} at ${zoom}`);
     assert.ok(names.every(({ text }) => /^(uav:2|[UWV]\d+( [WV]\d+)?|\d+)$/.test(text)), names.map(({ text }) => text).join());
     for (const [i, a] of names.entries()) {
       for (const b of names.slice(i + 1)) {
