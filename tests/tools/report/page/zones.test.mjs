@@ -32,7 +32,10 @@ for (const [width, height, colorScheme] of LOOKS) {
         const c = Object.assign(document.createElement("canvas"), { width: map.width, height: map.height }).getContext("2d");
         c.drawImage(map, 0, 0);
         const most = new Map();
-        const { data } = c.getImageData(map.width * 0.45, map.height * 0.45, map.width * 0.1, map.height * 0.1);
+        const { parts: { map: { shown } }, state: { run: { scenario } } } = window.muster;
+        const scale = map.width / map.clientWidth;
+        const [x, y] = [shown.x(scenario.width_m / 2) * scale, shown.y(scenario.height_m / 2) * scale];
+        const { data } = c.getImageData(x - 20, y - 20, 40, 40);
         for (let i = 0; i < data.length; i += 4) {
           const colour = `${data[i]},${data[i + 1]},${data[i + 2]}`;
           most.set(colour, (most.get(colour) ?? 0) + 1);
