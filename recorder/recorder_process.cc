@@ -33,7 +33,7 @@ RecorderProcess::RecorderProcess(const Identity& identity, int window, std::opti
       window_(window),
       part_(part),
       patience_us_(patience_us),
-      seal_(seal),
+      seal_(std::move(seal)),
       follower_(identity.run_id),
       copy_sender_({identity.run_id, process_name::kSecondMarks, identity.boot_id}, 0),
       idle_(kMarksIdleUs, kMarksIdleUs) {

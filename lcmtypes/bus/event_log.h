@@ -47,7 +47,7 @@ class EventLogReader {
   std::optional<LogEvent> Next();
 
   /// From now on what is on channels of ours without the right tag is left out, and counted.
-  void OnlyWith(std::optional<Seal> seal) { seal_ = seal; }
+  void OnlyWith(std::optional<Seal> seal) { seal_ = std::move(seal); }
   std::int64_t refused() const { return refused_; }
 
   /// Bytes that belonged to no event.

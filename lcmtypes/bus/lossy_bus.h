@@ -53,7 +53,7 @@ class LossyBus : public Bus {
 
   /// From now on what is sent has a tag, and of what arrives only that comes through which has the
   /// right one. A network's faults come before: what they damage is refused.
-  void SetSeal(Seal seal) { seal_ = seal; }
+  void SetSeal(Seal seal) { seal_ = std::move(seal); }
   bool sealed() const { return seal_.has_value(); }
   /// Of what arrives it is known which member has sent it.
   bool proves_senders() const { return seal_ && seal_->members() != nullptr; }

@@ -87,6 +87,29 @@ void DrawDrivers(std::uint64_t seed, VirtualMission* mission) {
   };
 }
 
+/// With some of the processes that are killed, others die at the same moment, as all of a host do.
+void DrawHosts(std::uint64_t seed, VirtualMission* mission) {
+  Random random(seed, Stream::kSoak, 7);
+  FaultPlan more;
+  for (const PlannedFault& fault : mission->faults) {
+    // Out of mission time all of them start again at once.
+    if (fault.kind != FaultKind::kProcessKilled || fault.for_us > 0 ||
+        fault.target == process_name::kLogger) {
+      continue;
+    }
+    for (const std::string& name :
+         simulation::ProcessNames(mission->schedulers, mission->per_class)) {
+      if (name == fault.target || random.Below(3) > 0) continue;
+      PlannedFault& other = more.emplace_back(fault);
+      other.id = fmt::format("{}-{}", fault.id, name);
+      other.target = name;
+    }
+  }
+  mission->faults.insert(mission->faults.end(), more.begin(), more.end());
+  std::stable_sort(mission->faults.begin(), mission->faults.end(),
+                   [](const PlannedFault& a, const PlannedFault& b) { return a.at_us < b.at_us; });
+}
+
 void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMission* mission) {
   Random random(seed, Stream::kSoak, 4);
   const auto draws = [&](Extra extra) {
@@ -95,12 +118,14 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   };
   const bool roads = draws(Extra::kRoads), zones = draws(Extra::kZones);
   const bool orders = draws(Extra::kOrders), measured = draws(Extra::kMeasured);
+  const bool hosts = draws(Extra::kHosts);
   Scenario& scenario = mission->scenario;
   if (orders) DrawOrders(seed, mission);
   if (roads && !settings.scenario) DrawStreets(seed, &scenario);
   if (roads && scenario.roads) DrawClosures(&random, mission);
   if (zones && (!settings.scenario || scenario.air)) DrawZones(&random, mission);
   if (measured) DrawDrivers(seed, mission);
+  if (hosts) DrawHosts(seed, mission);
 }
 
 /// A log in memory.

@@ -60,8 +60,9 @@ void AddCampaignOptions(Options* options) {
   options->Add("kinds", "KIND,...", "Faults to draw from (default: all but corruption)").List();
   options
       ->Add("draw", "WHAT,...",
-            "What missions may have besides faults, each by chance: roads, zones, orders, measured "
-            "(agents); or none (default: all four)")
+            "What missions may have besides, each by chance: roads, zones, orders, measured "
+            "(agents), "
+            "hosts (processes that die together); or none (default: all five)")
       .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);

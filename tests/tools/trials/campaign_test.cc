@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "model/scenario_json.h"
 
 namespace muster::tools {
@@ -24,22 +29,35 @@ TEST(Campaign, RandomMissionsBreakNoPromise) {
   }
 }
 
-TEST(Campaign, DrawsRoadsZonesOrdersAndMeasuredAgents) {
-  int roads = 0, zones = 0, orders = 0, measured = 0;
+/// How often a process is killed at the same moment as the one before it in the plan.
+int KillsTogether(const FaultPlan& plan) {
+  int n = 0;
+  for (std::size_t i = 1; i < plan.size(); ++i) {
+    n += plan[i].kind == FaultKind::kProcessKilled &&
+         plan[i - 1].kind == FaultKind::kProcessKilled && plan[i].at_us == plan[i - 1].at_us;
+  }
+  return n;
+}
+
+TEST(Campaign, DrawsRoadsZonesOrdersMeasuredAgentsAndHosts) {
+  int roads = 0, zones = 0, orders = 0, measured = 0, hosts = 0;
+  CampaignSettings plain, without_hosts;
+  plain.extras.clear();
+  without_hosts.extras.erase(Extra::kHosts);
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const VirtualMission mission = DrawMission({}, seed);
     roads += mission.scenario.roads != nullptr;
     zones += mission.scenario.air != nullptr;
     orders += !mission.orders.empty();
     measured += mission.drivers != nullptr;
-    CampaignSettings plain;
-    plain.extras.clear();
+    hosts += KillsTogether(mission.faults) > KillsTogether(DrawMission(without_hosts, seed).faults);
     const VirtualMission without = DrawMission(plain, seed);
     EXPECT_TRUE(!without.scenario.roads && !without.scenario.air && without.orders.empty() &&
                 !without.drivers);
     EXPECT_EQ(without.policy, mission.policy);
   }
   for (const int n : {roads, zones, orders, measured}) EXPECT_GT(n, 8);
+  EXPECT_GT(hosts, 4);
 }
 
 TEST(Campaign, SeedsThatOnceBrokeAPromise) {
@@ -51,6 +69,24 @@ TEST(Campaign, SeedsThatOnceBrokeAPromise) {
   for (const std::uint64_t seed : {155, 239, 267, 337, 453, 712, 734, 741, 102586, 102656}) {
     for (const std::string& finding : FindingsOf(DrawMission(settings, seed))) {
       ADD_FAILURE() << "seed " << seed << ": " << finding;
+    }
+  }
+}
+
+TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
+  // An agent joins in a place whose process was lost before (24, 140), or is lost (54, 122).
+  // Measured agents by road: a driver that knows a shorter way (3, 21), a road outside the area
+  // (106), a pair that a closed road ends (113, 128).
+  const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
+      {{Extra::kOrders}, {24, 54, 122, 140}},
+      {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
+  for (const auto& [extras, of] : seeds) {
+    CampaignSettings settings;
+    settings.extras = extras;
+    for (const std::uint64_t seed : of) {
+      for (const std::string& finding : FindingsOf(DrawMission(settings, seed))) {
+        ADD_FAILURE() << "seed " << seed << ": " << finding;
+      }
     }
   }
 }
