@@ -21,6 +21,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "lcmtypes/bus/lcm_bus.h"
+#include "lcmtypes/bus/member_keys.h"
 #include "protocol/beside.h"
 #include "protocol/drive.h"
 #include "protocol/outage_watch.h"
@@ -158,6 +159,12 @@ ProcessFlags ReadProcessFlags(const Arguments& arguments, std::string_view only_
   flags.quiet = arguments.Has("quiet");
   if (arguments.Has("key")) {
     flags.seal.emplace(Seal::Load(arguments.Get("key"), flags.identity.run_id));
+    const MemberKeys* const members = flags.seal->members();
+    const Member* const own = members ? members->Find(flags.identity.name) : nullptr;
+    if (members != nullptr && (own == nullptr || !own->secret_key)) {
+      throw InputError("command line", "--key", "a key of another process",
+                       fmt::format("that of {}, as --name says", Printable(flags.identity.name)));
+    }
   }
   if (HasControls(flags.identity.name)) {
     throw InputError("command line", "--name", Printable(flags.identity.name),

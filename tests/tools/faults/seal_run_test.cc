@@ -201,8 +201,9 @@ using Sealing = std::function<std::vector<Packet>(const Packet& lie, const Tag& 
 /// Speaks for every role: what it hears of them, changed.
 class Impostor {
  public:
-  Impostor(const std::string& url, Sealing sealing)
-      : bus_(url, kMostTagBytes), sealing_(std::move(sealing)) {}
+  /// `most`: lies of one sender on one channel, older and newer ones.
+  Impostor(const std::string& url, int most, Sealing sealing)
+      : bus_(url, kMostTagBytes), most_(most), sealing_(std::move(sealing)) {}
 
   /// Hears and speaks for a moment.
   void Turn() {
@@ -211,7 +212,7 @@ class Impostor {
       std::optional<Message> message = DecodeMessage(packet);
       if (!message || tag.empty()) continue;  // what is its own has none, or a wrong one
       const std::string sender = HeaderOf(*message).sender;
-      if (++told_[{sender, packet.channel}] > kMost) continue;
+      if (++told_[{sender, packet.channel}] > most_) continue;
       for (const bool newer : {false, true}) {
         const Packet lie = Changed(*message, packet.channel, newer);
         for (const Packet& sent : sealing_(lie, tag)) bus_.Publish(sent);
@@ -222,8 +223,6 @@ class Impostor {
   const std::set<std::string>& senders() const { return senders_; }
 
  private:
-  static constexpr int kMost = 200;  // lies of one sender on one channel, times six
-
   static void Twist(clock_t* m) { m->phase = NumberOf(ClockPhase::kEnded); }
   static void Twist(world_state_t* m) {
     for (std::int8_t& status : m->task_status) status = NumberOf(TaskStatus::kDone);
@@ -251,6 +250,7 @@ class Impostor {
   }
 
   LcmBus bus_;
+  const int most_;
   Sealing sealing_;
   std::map<std::pair<std::string, std::string>, int> told_;
   std::set<std::string> senders_;
@@ -259,7 +259,7 @@ class Impostor {
 TEST_F(SealRunTest, AnImpostorOfEachRoleChangesNothingAndIsNamed) {
   Muster muster = Start({"--seal", "--quiet", "--rate", "3600"});
   // Without a tag, with a tag of no key, and with the tag of what was said.
-  Impostor impostor(MissionUrl(port_), [](const Packet& lie, const Tag& tag) {
+  Impostor impostor(MissionUrl(port_), 200, [](const Packet& lie, const Tag& tag) {
     return std::vector{lie, WithTag(lie, Tag(kTagBytes, 0x55)), WithTag(lie, tag)};
   });
   while (!muster.child().Poll()) impostor.Turn();
@@ -311,7 +311,7 @@ TEST_F(SealRunTest, SealedPerProcessAStolenKeySpeaksForNobodyElse) {
       Start({"--seal", "per-process", "--quiet", "--rate", "3600", "--processes", "uav=2"});
   const std::string key_file = Run() + "/keys/worker.key";
   ASSERT_TRUE(Eventually([&] { return fs::exists(key_file) || muster.child().Poll(); }));
-  Impostor impostor(MissionUrl(port_), SealingOfThief(key_file, "worker"));
+  Impostor impostor(MissionUrl(port_), 20, SealingOfThief(key_file, "worker"));
   while (!muster.child().Poll()) impostor.Turn();
   ASSERT_EQ(muster.Wait(kLongest), 0) << muster.output();
   EXPECT_TRUE(impostor.senders().contains("world"));
@@ -344,6 +344,14 @@ TEST_F(SealRunTest, SealedPerProcessAllComeBackAndTheLogIsProvenWithoutASecret) 
   EXPECT_NE(said.find("seal.public: members: found keys that are not of this mission"),
             std::string::npos)
       << said;
+  const Json keys = Json::parse(TextOf(Run() + "/seal.public"));
+  Child wrong({"wrong",
+               {(fs::path(MUSTER_PROGRAM).parent_path() / "muster-worker").string(), "--run-id",
+                keys["run_id"].dump(), "--key", Run() + "/keys/uav.key"},
+               folder_.File("wrong")});
+  ASSERT_TRUE(Eventually([&] { return wrong.Poll().has_value(); }));
+  EXPECT_NE(TextOf(folder_.File("wrong")).find("found a key of another process"), std::string::npos)
+      << TextOf(folder_.File("wrong"));
   struct stat status {};
   ASSERT_EQ(stat((Run() + "/keys/uav.key").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);

@@ -22,7 +22,7 @@ TEST(Campaign, AMissionIsAFunctionOfItsSeed) {
 }
 
 TEST(Campaign, RandomMissionsBreakNoPromise) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     for (const std::string& finding : FindingsOf(DrawMission({}, seed))) {
       ADD_FAILURE() << "seed " << seed << ": " << finding;
     }
