@@ -94,10 +94,14 @@ test("three closures are given on the page of a mission that runs, and the log p
   await page.goto(url);
   await page.waitForFunction(() => document.getElementById("control-state").textContent === "control");
   const button = (name) => page.locator("#order").getByRole("button", { name, exact: true });
-  const { width, height } = await page.locator("#map").boundingBox();
-  for (const [i, [x, y]] of [[0.5, 0.5], [0.35, 0.6], [0.6, 0.3]].entries()) {
+  /** Where on the map that part of the area is, east and north. */
+  const at = (east, north) => page.evaluate(([x, y]) => {
+    const { parts: { map: { shown } }, state: { run: { scenario } } } = window.muster;
+    return { x: Math.round(shown.x(x * scenario.width_m)), y: Math.round(shown.y(y * scenario.height_m)) };
+  }, [east, north]);
+  for (const [i, [east, north]] of [[0.5, 0.5], [0.35, 0.4], [0.6, 0.7]].entries()) {
     await page.locator("#order-road").click();
-    await page.locator("#map").click({ position: { x: Math.round(x * width), y: Math.round(y * height) } });
+    await page.locator("#map").click({ position: await at(east, north) });
     await page.locator("#order input[name=radius]").fill("1.5");
     await page.locator("#order input[name=name]").fill(`closure ${i + 1}`);
     if (i === 1) await page.locator("#order input[name=minutes]").fill("20");
