@@ -3,19 +3,36 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <memory>
+#include <string>
 
+#include "base/check.h"
 #include "base/options.h"
 #include "base/program.h"
 #include "tools/host/stop_signals.h"
 #include "tools/live/live_server.h"
 #include "tools/live/packet_source.h"
 #include "tools/report/page.h"
+#include "tools/tiles/tile_file.h"
 #include "tools/tiles/tiles_beside.h"
 
 namespace muster::tools {
 namespace {
 
 constexpr TimeUs kLookUs = 100'000;
+
+/// The file that was asked for, or else the one that was found; null: neither, or kNoTiles. Throws
+/// InputError where the one that was asked for is no file of tiles.
+std::unique_ptr<const TileFile> TilesFor(const std::string& asked, const std::string& found) {
+  if (asked == kNoTiles) return nullptr;
+  if (!asked.empty()) return OpenTiles(asked);
+  try {
+    return found.empty() ? nullptr : OpenTiles(found);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "no base map: {}\n", error.what());
+    return nullptr;
+  }
+}
 
 }  // namespace
 
@@ -42,10 +59,8 @@ int LiveCommand(int argc, const char* const* argv) {
   const std::string run = arguments->Has("run") ? arguments->Get("run") : MissionHere();
   const auto source = OpenPacketSource(run);
   const StopSignals stop;
-  const std::string tiles = arguments->Has("tiles") ? arguments->Get("tiles")
-                            : source->is_log()      ? TilesOfRun(run)
-                                                    : kNoTiles;
-  LiveFeed feed(source->name(), tiles.empty() || tiles == kNoTiles ? nullptr : OpenTiles(tiles));
+  LiveFeed feed(source->name(), TilesFor(arguments->Has("tiles") ? arguments->Get("tiles") : "",
+                                         source->is_log() ? TilesOfRun(run) : ""));
   LiveServer server(port);
   if (source->is_log()) server.AnswerAbout(run);
   server.Start(&feed);
