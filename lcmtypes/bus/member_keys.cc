@@ -187,11 +187,6 @@ const Member* MemberKeys::Find(std::string_view name) const {
   return found == members_.end() ? nullptr : &found->second;
 }
 
-bool MemberKeys::has_secret() const {
-  return std::any_of(members_.begin(), members_.end(),
-                     [](const auto& member) { return member.second.secret_key.has_value(); });
-}
-
 bool MemberKeys::AreOf(const KeyBytes& run_key) const {
   return std::all_of(members_.begin(), members_.end(), [&](const auto& member) {
     return Derive(run_key, member.first).public_key == member.second.public_key;

@@ -47,7 +47,6 @@ class MemberKeys {
   const std::string& launcher() const { return launcher_; }
   /// The sender of that name; nullptr: none.
   const Member* Find(std::string_view name) const;
-  bool has_secret() const;
   /// Whether all public keys are those that are derived from this key of the run.
   bool AreOf(const std::array<std::uint8_t, 32>& run_key) const;
 

@@ -61,8 +61,8 @@ Seal SealOf(const SealKey& key, const LaunchOptions& options, const Scenario& sc
 MissionSeal::MissionSeal(const SealKey& key, const LaunchOptions& options, const Scenario& scenario,
                          const std::vector<ProcessPlan>& processes)
     : key_(key),
-      seal_(SealOf(key, options, scenario, processes, SendersOf(key, options, processes))),
-      senders_(SendersOf(key, options, processes)) {}
+      senders_(SendersOf(key, options, processes)),
+      seal_(SealOf(key, options, scenario, processes, senders_)) {}
 
 std::string MissionSeal::KeyFor(const std::string& process) const {
   if (seal_.members() == nullptr) return key_.Text();

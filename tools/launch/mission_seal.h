@@ -17,7 +17,6 @@ class MissionSeal {
   MissionSeal(const SealKey& key, const LaunchOptions& options, const Scenario& scenario,
               const std::vector<ProcessPlan>& processes);
 
-  const SealKey& key() const { return key_; }
   /// The launcher's.
   const Seal& seal() const { return seal_; }
   /// What that process gets on its stdin: a line.
@@ -28,9 +27,9 @@ class MissionSeal {
 
  private:
   SealKey key_;
-  Seal seal_;
   /// The senders that each process is. Empty: all have the same key.
   std::map<std::string, std::vector<std::string>> senders_;
+  Seal seal_;
 };
 
 }  // namespace muster::tools

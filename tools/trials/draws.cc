@@ -20,7 +20,7 @@ std::uint32_t LastMinute(const Scenario& scenario) {
 
 world::PlannedOrder Planned(const std::string& json) { return {ParseOrder(json, "order"), json}; }
 
-/// The id of a road, or near one.
+/// The id of any road.
 std::int64_t IdOf(const Roads& roads, Random* random) {
   return roads.roads[random->Below(static_cast<std::uint32_t>(roads.roads.size()))].id;
 }
