@@ -70,8 +70,8 @@ bool ComesToBe(const AgentState& agent, const Activity& activity, const Verdict&
 bool Takes(const AgentState& agent, const Activity& activity) {
   if (activity.start_us < agent.depart_us) return false;
   if (agent.action == ActionKind::kNone) {
-    // A meeting (Rules::start_on_meeting) begins without a command.
-    return activity.end_us > agent.busy_until_us;
+    // A meeting (Rules::start_on_meeting) begins without a command, at once.
+    return activity.start_us != kNever && activity.end_us > agent.busy_until_us;
   }
   return IsOf(agent, activity);
 }
@@ -121,19 +121,21 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
   const Ways& before = *agent->leg_ways;
   agent->ways = &now;
   const bool under_way = agent->action != ActionKind::kNone && !agent->failed;
+  const bool measured = agent->measured.has_value();
   // Where a measured agent is it says itself, so its leg is always one by the ways of the present.
-  if (!under_way || agent->measured) agent->leg_ways = &now;
-  if (!under_way || (agent->measured && agent->measured->arrived)) return;
+  if (!under_way || measured) agent->leg_ways = &now;
+  if (!under_way || (measured && (agent->measured->arrived || agent->arrive_us <= t))) return;
   AgentState moved = *agent;
   moved.leg_ways = &before;
-  const auto barred_us = BarredAt(moved, since_us, now);
-  if (!barred_us) return;
-  const Point here = PositionAt(moved, agent->measured ? t : std::min(*barred_us, t));
+  const auto barred_us = BarredAt(moved, measured ? t : since_us, now);
+  if (!barred_us && !measured) return;
+  agent->from = PositionAt(moved, measured ? t : std::min(*barred_us, t));
   if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = RangeOnWayAt(moved, t);
-  const TimeUs rest_of_hold_us = std::max<TimeUs>(0, moved.depart_us + HoldUs(moved) - t);
-  agent->leg_ways = &now;
-  agent->from = here;
   agent->depart_us = t;
+  if (!barred_us) return;  // the rest of its leg, from where it is
+  const TimeUs rest_of_hold_us = std::max<TimeUs>(0, moved.depart_us + HoldUs(moved) - t);
+  const Point here = agent->from;
+  agent->leg_ways = &now;
   agent->activity.reset();
   const double way_m = now.Length(agent->kind, here, agent->to);
   if (std::isinf(way_m)) {
@@ -293,6 +295,9 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     }
     if (!Takes(*agent, activity)) return;
     if (agent->measured && agent->action == ActionKind::kNone) agent->measured->arrived = true;
+    if (agent->measured && agent->activity && agent->activity->end_us < activity.start_us) {
+      HasNotBegun(agent);  // what it said to be done with: its partner is late
+    }
     agent->activity = activity;
     agent->action = ActionOf(activity.kind);
     agent->target = activity.site;
@@ -305,7 +310,8 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
     } else if (agent->action != ActionKind::kNone && ruling.at_us >= SetOutAt(*agent)) {
-      StopAt(agent, ruling.at_us, tasks);
+      // A measured one has gone on until it is told.
+      StopAt(agent, agent->measured ? t : ruling.at_us, tasks);
     }
   }
   agent->failed = failed;

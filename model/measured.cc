@@ -241,6 +241,11 @@ std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs 
   }
 }
 
+void HasNotBegun(AgentState* agent) {
+  agent->measured->done = agent->measured->overdue = false;
+  agent->measured->range_after_m.reset();
+}
+
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
   if (!agent->measured || agent->failed || agent->action == ActionKind::kNone) return;
   if (IsOnItsWay(*agent)) {
@@ -255,11 +260,7 @@ void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
     return;
   }
   if (!IsPair(agent->action) || !agent->activity) return;
-  if (agent->activity->start_us > t) {  // it has not begun after all: its partner is late
-    agent->measured->done = agent->measured->overdue = false;
-    agent->measured->range_after_m.reset();
-    return;
-  }
+  if (agent->activity->start_us > t) return HasNotBegun(agent);
   TimeUs& end = agent->activity->end_us;
   if (agent->measured->done) {
     end = std::min(end, t);
@@ -298,7 +299,8 @@ void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
   }
   told.planned_us = reported->depart_us +
                     TravelUs(reported->GoneM(reported->from, reported->to), reported->speed_m_s);
-  if (reported->arrive_us != told.planned_us ||
+  const bool has_way = !std::isinf(reported->LegM());
+  if (!has_way || reported->arrive_us != told.planned_us ||
       Distance(PositionAt(*reported, t), here) > kSamePlace_m) {
     RestFrom(here, range_left_m, t, reported);
   }

@@ -41,6 +41,9 @@ inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
 [[nodiscard]] std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
                                       std::span<const Task> tasks);
 
+/// Forgets that it said to be done with sensing or charging: that has not begun after all.
+void HasNotBegun(AgentState* agent);
+
 /// After the reports of tick time t: what was expected of a measured agent by then, arrival or the
 /// end of its sensing or charging, and was not said, is expected at the next tick; what is done is
 /// over by t. The rest of a leg that is not as planned begins where the agent is then.

@@ -291,7 +291,9 @@ void FollowWays(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
   TimeUs since_us = kNever;
   for (const TakenOrder& one : taken) {
     if (!ChangesWays(one.order.kind)) continue;
-    since_us = std::min({since_us, t, one.order.since_us.value_or(t)});
+    // A road may be closed since before; an agent in the air hears of zones alone, now.
+    const bool flies = agent->kind == AgentKind::kUav;
+    since_us = std::min({since_us, t, flies ? t : one.order.since_us.value_or(t)});
   }
   if (since_us != kNever) GoRound(agent, since_us, t, scenario.WaysAt(t));
 }

@@ -38,9 +38,12 @@ Point Destination(const agent_t& wire, AgentKind kind, ActionKind action, TimeUs
   if (const auto stop = limits.scenario.ways->NumberedStop(kind, wire.target_id)) return *stop;
   const Point from{wire.from_x_m, wire.from_y_m};
   if (t <= wire.depart_us) return here;
-  return Lerp(from, here,
-              static_cast<double>(wire.arrive_us - wire.depart_us) /
-                  static_cast<double>(t - wire.depart_us));
+  const auto way_us = static_cast<double>(wire.arrive_us - wire.depart_us);
+  const auto gone_us = static_cast<double>(t - wire.depart_us);
+  const Point goal = Lerp(from, here, way_us / gone_us);
+  // Most goals are whole millimetres, which arithmetic misses by little.
+  const Point whole{std::round(goal.x_m * 1e3) / 1e3, std::round(goal.y_m * 1e3) / 1e3};
+  return Lerp(from, whole, gone_us / way_us) == here ? whole : goal;
 }
 
 bool TargetFits(const agent_t& wire, ActionKind action, AgentKind kind, const WireLimits& limits) {

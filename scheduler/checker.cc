@@ -171,7 +171,11 @@ class Checker {
   void CheckDestination(const Action& a, const AgentState& mover) {
     Point expected = mover.to;
     if (a.kind == ActionKind::kGoTo) {
-      if (a.to.x_m < 0 || a.to.y_m < 0 || a.to.x_m > site_.width_m || a.to.y_m > site_.height_m) {
+      const bool is_inside =
+          a.to.x_m >= 0 && a.to.y_m >= 0 && a.to.x_m <= site_.width_m && a.to.y_m <= site_.height_m;
+      // Roads lead out of the area, and it can wait there.
+      const Ways::Stop stop = mover.ways->StopNear(mover.kind, a.to);
+      if (!is_inside && (stop.number < 0 || stop.at != a.to)) {
         Broken(Rule::kDestination, fmt::format("({}, {}) m is outside the area of {} m x {} m",
                                                a.to.x_m, a.to.y_m, site_.width_m, site_.height_m));
       }

@@ -48,6 +48,9 @@ void Referee::MoveActivities(TimeUs t, Agents* agents) {
     const AgentState& partner = agents->at(PartnerKind(activity.kind), activity.partner);
     const bool is_measured = uav.measured || partner.measured;
     if (known.is_aborted || (!is_measured && !WaysChange())) continue;
+    if (IsCutOff(activity, uav) || IsCutOff(activity, partner)) {
+      activity.start_us = activity.end_us = kNever;  // FindLate ends it
+    }
     if (!AreAt(activity, uav, partner)) continue;
     if (activity.start_us > previous_us_) activity = ActivityOf(uav, partner, scenario_);
     if (activity.start_us > t || !is_measured) continue;
@@ -64,16 +67,20 @@ bool Referee::WaysChange() const {
                      [](const TakenOrder& taken) { return ChangesWays(taken.order.kind); });
 }
 
+bool Referee::IsCutOff(const Activity& activity, const AgentState& member) const {
+  return WaysChange() && activity.start_us > previous_us_ && !member.failed &&
+         member.action == ActionKind::kNone;
+}
+
 std::string Referee::BarredPair(const Activity& activity, const AgentState& uav,
                                 const AgentState& partner, TimeUs t) const {
   if (!WaysChange() || partner.failed || uav.failed) return "";
   for (const AgentState* member : {&partner, &uav}) {
-    if (activity.start_us != kNever && member->action == ActionKind::kNone) {
-      return NameOf(*member) + " is cut off";
-    }
+    if (IsCutOff(activity, *member)) return NameOf(*member) + " is cut off";
   }
   const auto goes_round = [&](const AgentState& member) {
-    return member.depart_us == t && AreAt(activity, uav, partner);
+    const TimeUs set_out_us = member.measured ? member.measured->set_out_us : member.depart_us;
+    return set_out_us == t && AreAt(activity, uav, partner);
   };
   if (goes_round(uav) && !HasRangeFor(activity, uav)) {
     return NameOf(uav) + " lacks the range to go round";

@@ -242,7 +242,7 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
   if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentState& agent : (*agents)[kind]) {
-        if (agent.online(t) &&
+        if (agent.online(t) && !JoinsNow({kind, agent.id}) &&
             SuddenlyFails(kind, agent.id, decision, scenario_.disturbances, scenario_.seed)) {
           failures.push_back({t, {kind, agent.id}, {Cause::kSudden}});
         }
@@ -263,6 +263,13 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     ExpireUntil(failure.at_us);
     if (!dry || !released_before(failure)) Fail(failure, agents);
   }
+}
+
+bool Referee::JoinsNow(AgentKey agent) const {
+  return std::any_of(orders_.begin(), orders_.end(), [&](const TakenOrder& taken) {
+    return taken.order.kind == OrderKind::kAgentJoin &&
+           AgentKey(taken.order.agent_kind, taken.agent_id) == agent;
+  });
 }
 
 void Referee::Abort(Known* known, TimeUs t, const std::optional<AgentKey>& agent) {

@@ -127,6 +127,8 @@ class Referee {
   void FindLate(TimeUs t, Agents* agents);
   /// Whether the tick's orders close or open roads.
   bool WaysChange() const;
+  /// Whether closed ways have stopped a member on its way to the activity.
+  bool IsCutOff(const Activity& activity, const AgentState& member) const;
   /// Whether the range of a UAV that has just set out suffices for its way, its work and the way on
   /// to the nearest charging point.
   bool HasRangeFor(const Activity& activity, const AgentState& uav) const;
@@ -159,6 +161,8 @@ class Referee {
   /// A task that is no longer sensed at `t` expires if sensing may not begin at that time.
   void ExpireIfLate(std::size_t task, TimeUs t);
   void EmitReports(TimeUs t);
+  /// Whether an order adds it at this tick.
+  bool JoinsNow(AgentKey agent) const;
   bool IsOutBecauseOfAnother(const Failure& failure) const;
   void Meet(TimeUs t, Agents* agents);
   void EmitPresence(TimeUs t, Agents* agents);

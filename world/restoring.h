@@ -44,7 +44,7 @@ class Restoring {
     Verdict verdict;
     std::vector<Packet> reports;  ///< those of the states at `tick`
     std::vector<Lost> lost;
-    bool is_certain = true;  ///< false: an agent's last report is missing and may still come
+    bool is_certain = true;  ///< false: an agent's last report, or that of `tick`, may still come
     std::set<std::string> given_up;  ///< processes with agents of Gap::kAccept
   };
   /// The newest tick at which the states of all agents are known; none: something is still missing.

@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/audit/values.h"
+
 namespace muster::tools::audit {
 
 std::string AgentModel::name() const { return fmt::format("{}:{}", ToString<AgentKind>(kind), id); }
+
+std::int64_t AgentModel::RoundingUs() const {
+  return kToleranceUs + static_cast<std::int64_t>(ways->rounding_m(kind) / spec->speed_m_s * 1e6);
+}
 
 double AgentModel::PartAt(std::int64_t t) const {
   const std::int64_t begin_us = depart_us + hold_us;
@@ -60,6 +66,7 @@ void AgentModel::StopAt(std::int64_t t) {
   target = partner = -1;
   activity.reset();
   range_after_m.reset();
+  origin = from;
   set_out_us = planned_us = t;
   goes_on_anew = overdue = false;
 }
@@ -76,6 +83,7 @@ void AgentModel::GoRound(const Ways& now, Place here, std::int64_t t) {
     return StopAt(t);
   }
   arrive_us = planned_us = t + hold_us + DurationUs(way_m, spec->speed_m_s);
+  origin = from;
   set_out_us = t;
   busy_until_us = pair() ? kForever : arrive_us;
 }

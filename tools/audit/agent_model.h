@@ -46,6 +46,8 @@ struct AgentModel {
   std::optional<Activity> activity;
   double cost_m = 0;  ///< of the activity, when it senses
   bool failed = false;
+  bool joined_unheard =
+      false;  ///< its process was lost when it joined, and has not been heard since
   /// As it was before its way was closed, while nobody has heard from it since: it may turn out to
   /// have failed before that. null: it was heard.
   std::shared_ptr<const AgentModel> unheard;
@@ -53,10 +55,12 @@ struct AgentModel {
   std::int64_t was_us = 0;
 
   // Of a measured one. Where it was for sure, since it has said so or stood there, when and with
-  // what range; when it set out on its leg, its arrival as planned then; what its last report says.
+  // what range; where and when it set out on its leg, its arrival as planned then, by the ways of
+  // the present; what its last report says.
   Place anchor;
   std::int64_t anchor_us = 0;
   double anchor_range_m = 0;
+  Place origin;  ///< of its leg
   std::int64_t set_out_us = 0, planned_us = 0;
   bool says_arrived = false, says_done = false;
   bool overdue = false;         ///< what it does should be done by now
@@ -75,6 +79,8 @@ struct AgentModel {
     const double range_m = range_at_departure_m - range_per_m * leg_ways->Length(kind, from, to);
     return spec->measured ? std::max(0.0, range_m) : range_m;
   }
+  /// Microseconds by which two right answers to when it arrives may differ.
+  std::int64_t RoundingUs() const;
   /// Metres of the present leg behind it at t.
   double MovedAt(std::int64_t t) const { return leg_ways->Gone(kind, from, At(t)); }
   double WayM(Place a, Place b) const { return ways->Length(kind, a, b); }

@@ -197,6 +197,7 @@ class AroundZones : public Ways {
                                 const std::set<int>& roads, const Ways& now) const override {
     const auto* const air_now = dynamic_cast<const AroundZones*>(&now);
     if (kind != kUav) return ground_->MeetsAt(kind, from, to, part, roads, *air_now->ground_);
+    if (air_now->zones_ == zones_) return {};
     const auto [places, length_m] = RouteOf(from, to);
     if (std::isinf(length_m)) return {};
     double gone_m = 0;

@@ -149,9 +149,7 @@ void Scenario::TakeWays() {
   }
   ways = FlyAround(std::move(around), *margin_m, width_m, height_m, std::move(ground));
   const Nearest charging(charges, *ways);
-  for (std::size_t i = 0; i + static_cast<std::size_t>(room_tasks) < tasks.size(); ++i) {
-    tasks[i].to_charge_m = charging.WayFrom(tasks[i].at);
-  }
+  for (Task& task : tasks) task.to_charge_m = charging.WayFrom(task.at);
 }
 
 std::int32_t Scenario::DecisionAt(std::int64_t tick) const {

@@ -221,7 +221,7 @@ class Check {
       const bool has_area = std::any_of(
           all_.begin(), all_.end(), [&](const Directive& other) { return other.of_class == kind; });
       if (has_area) continue;
-      const double way_m = model.WayM(model.to, one.place);
+      const double way_m = model.WayM(model.to, model.ways->StopNear(kind, one.place).first);
       const std::int64_t travel = DurationUs(way_m, model.spec->speed_m_s);
       if (!std::isfinite(way_m) || view_.now_us + travel + kNarrow_us > view_.LatestEnd(model) ||
           (kind == kUav && way_m + kNarrow_m > model.RangeAt(view_.now_us))) {

@@ -44,7 +44,7 @@ void Arrive(const View& view, AgentModel* model, const agent_t& a) {
   model->way_seen = true;
   double range_m = a.range_left_m;
   if (model->activity && model->activity->start_us < view.now_us &&
-      view.now_us < model->activity->end_us) {
+      (view.now_us < model->activity->end_us || model->says_done)) {
     const Activity& activity = *model->activity;
     const double part = model->says_done ? 1
                                          : ToSeconds(view.now_us - activity.start_us) /
@@ -169,15 +169,78 @@ agent_t SeeTold(View& view, AgentModel* model, agent_t a) {
   return a;
 }
 
+const Report* TakenReport(View& view, int kind, int id, bool world_is_new) {
+  const auto candidates = [&](int of_kind, int of) {
+    std::vector<const Report*> all;
+    const auto& first = view.said->reports[of_kind][static_cast<std::size_t>(of)];
+    if (first) all.push_back(&*first);
+    const auto again = view.said->again.find({of_kind, of});
+    if (again == view.said->again.end()) return all;
+    for (const Report& report : again->second) all.push_back(&report);
+    return all;
+  };
+  const std::vector<const Report*> all = candidates(kind, id);
+  if (all.size() < 2 || !view.Model(kind, id).spec->measured) {
+    return all.empty() ? nullptr : all.front();
+  }
+  const auto arrives_us = [&](const Report& report) {
+    return report.base_tick < 0 ? report.agent.arrive_us
+                                : view.Model(report.kind, report.agent.id).arrive_us;
+  };
+  for (const activity_t& wire : view.said->world->activities) {
+    const Activity activity = FromWire(wire);
+    if (!activity.involves(kind, id)) continue;
+    const int other = kind == kUav ? activity.partner : activity.uav;
+    for (const Report* report : all) {
+      for (const Report* of_other :
+           candidates(kind == kUav ? activity.partner_class() : kUav, other)) {
+        const std::int64_t start_us = std::max(arrives_us(*report), arrives_us(*of_other));
+        if (NearUs(start_us, activity.start_us)) return report;
+      }
+    }
+  }
+  return world_is_new ? all.back() : all.front();
+}
+
+void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& a) {
+  const bool arrives = a.action != ActionKind::kNone && a.arrive_us <= view.now_us;
+  if (model->says_arrived || arrives) return;
+  const Place here{a.x_m, a.y_m};
+  const bool stops = a.action == ActionKind::kNone;
+  if (!stops && !(model->pair() && a.depart_us == view.now_us)) {
+    // It goes on, by the ways of the present as far as it is computed.
+    model->goes_on_anew = true;
+    const double planned_m = model->ways->Gone(model->kind, model->origin, model->to);
+    model->planned_us = model->set_out_us + DurationUs(planned_m, model->spec->speed_m_s);
+    return;
+  }
+  CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
+  model->Anchor(here, view.now_us, a.range_left_m);
+  model->range_at_departure_m = a.range_left_m;
+  model->from = here;
+  const double rest_m = model->WayM(here, model->to);
+  if (stops && std::isfinite(rest_m)) {
+    view.Violate("motion", "{} stops, though {:.3f} m of way lead it to its place", model->name(),
+                 rest_m);
+  }
+  model->arrive_us = model->depart_us = view.now_us;
+  model->GoRound(*model->ways, here, view.now_us);
+}
+
 void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   const Activity before = std::exchange(tracked->activity, listed);
   const auto members = view.MembersOf(listed);
   const AgentModel &uav = *members[0], &partner = *members[1];
   const bool begun = before.start_us <= view.before_us;
   Activity expected = before;
-  // Who has come to a closed road has stopped; the world ends the pair at the next tick.
-  const bool has_stopped = uav.action == ActionKind::kNone || partner.action == ActionKind::kNone;
-  if (!begun && !has_stopped) {
+  const auto has_stopped = [](const AgentModel& m) { return m.action == ActionKind::kNone; };
+  // The world has not heard that it stopped: its process is lost.
+  const auto unheard = [&](const AgentModel& m) { return has_stopped(m) && m.unheard != nullptr; };
+  if (begun || unheard(uav) || unheard(partner)) {
+    // As it was.
+  } else if (has_stopped(uav) || has_stopped(partner)) {
+    expected.start_us = expected.end_us = kForever;
+  } else {
     expected.start_us = std::max(uav.arrive_us, partner.arrive_us);
     expected.end_us =
         expected.start_us + view.DurationOf(listed, std::max(0.0, uav.RangeOnArrival()));
@@ -228,10 +291,9 @@ bool IsBarred(View& view, const Activity& activity) {
   const auto [uav, partner] = view.MembersOf(activity);
   if (uav->failed || partner->failed) return false;
   const bool runs_dry = activity.start_us == kForever;
-  const bool is_free = partner->action == ActionKind::kNone || uav->action == ActionKind::kNone;
-  if (is_free && !runs_dry) return true;
-  const bool partner_anew = partner->depart_us == view.now_us;
-  const bool uav_anew = uav->depart_us == view.now_us;
+  if (partner->action == ActionKind::kNone || uav->action == ActionKind::kNone) return true;
+  const bool partner_anew = partner->set_out_us == view.now_us;
+  const bool uav_anew = uav->set_out_us == view.now_us;
   if (uav_anew && !HasRangeFor(view, activity, *uav)) return true;
   return !runs_dry && (partner_anew || uav_anew) &&
          activity.end_us > std::min(view.LatestEnd(*uav), view.LatestEnd(*partner));
@@ -246,6 +308,15 @@ std::int64_t GivenUpAt(View& view, const Activity& activity) {
     planned_us = std::max(planned_us, is_late ? member->planned_us : member->arrive_us);
   }
   const std::int64_t at = std::max(planned_us + view.scenario.patience_us, view.before_us + 1);
+  // Of two roundings of a way the world's.
+  const auto released = view.released.find({kUav, activity.uav});
+  if (released != view.released.end()) {
+    const AgentModel& uav = view.Model(kUav, activity.uav);
+    const AgentModel& partner = view.Model(activity.partner_class(), activity.partner);
+    if (std::abs(released->second - at) <= std::max(uav.RoundingUs(), partner.RoundingUs())) {
+      return released->second;
+    }
+  }
   return at <= view.now_us ? at : kForever;
 }
 

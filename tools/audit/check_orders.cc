@@ -98,6 +98,7 @@ void Join(View& view, const AuditOrder& order) {
   model.from = model.to = model.was = model.spec->at;
   // Its process may have been lost, and come back, while nobody had its place.
   if (!model.failed) model.depart_us = model.arrive_us = model.busy_until_us = 0;
+  model.joined_unheard = model.failed;
   model.range_at_departure_m = model.spec->range_m;
   model.was_us = view.now_us;
   if (order.kind == kUav) view.flown[static_cast<std::size_t>(order.agent)].seen.reset();

@@ -125,7 +125,8 @@ void SettleAgents(View& view) {
                        "having failed",
                        model.name(), release->second);
         }
-        model.StopAt(release->second);
+        // A measured one has gone on until it is told.
+        model.StopAt(model.spec->measured ? view.now_us : release->second);
       }
       model.failed = fails;
       if (model.busy_until_us < view.now_us && model.action == ActionKind::kNone) {

@@ -31,9 +31,7 @@ void CheckSpec(const View& view, const AgentModel& model, const agent_t& a) {
 
 /// Which of two roundings is right does not matter; what follows rests on the reported one.
 void TakeRoundedArrival(AgentModel* model, const agent_t& a) {
-  const double rounding_us = model->ways->rounding_m(model->kind) / model->spec->speed_m_s * 1e6;
-  if (NearUs(model->arrive_us, a.arrive_us) ||
-      std::abs(static_cast<double>(model->arrive_us - a.arrive_us)) <= rounding_us) {
+  if (std::abs(model->arrive_us - a.arrive_us) <= model->RoundingUs()) {
     model->arrive_us = a.arrive_us;
   }
 }
@@ -107,6 +105,7 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->decision = command.decision;
   model->activity.reset();
   model->busy_until_us = pair ? kForever : model->arrive_us;
+  model->origin = model->from;
   model->set_out_us = model->depart_us;
   model->planned_us = model->arrive_us;
   model->range_after_m.reset();
@@ -119,17 +118,23 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   if (!view.ways_since_us) return;
   const Ways& now = *view.scenario.ways;
   const bool under_way = model->action != ActionKind::kNone && !model->failed;
+  if (model->spec->measured && report != nullptr) {
+    model->ways = model->leg_ways = &now;
+    if (under_way) FollowWaysAsTold(view, model, *report);
+    return;
+  }
   const Ways& before =
       *std::exchange(model->leg_ways, under_way && !model->spec->measured ? model->leg_ways : &now);
   model->ways = &now;
+  // A road may be closed since before, a zone is not.
+  const std::int64_t since_us = model->kind == kUav ? view.now_us : *view.ways_since_us;
   const bool has_arrived =
-      model->spec->measured ? model->says_arrived : model->arrive_us <= *view.ways_since_us;
+      model->spec->measured ? model->says_arrived : model->arrive_us <= since_us;
   if (!under_way || has_arrived || model->arrive_us <= model->depart_us) return;
   const std::int64_t begin_us = model->depart_us + model->hold_us;
   const auto duration = static_cast<double>(model->arrive_us - begin_us);
-  const auto part =
-      before.MeetsAt(model->kind, model->from, model->to, model->PartAt(*view.ways_since_us),
-                     view.scenario.ClosedRoads(), now);
+  const auto part = before.MeetsAt(model->kind, model->from, model->to, model->PartAt(since_us),
+                                   view.scenario.ClosedRoads(), now);
   if (!part) return;
   const bool stands_before =
       !model->spec->measured &&
@@ -255,26 +260,28 @@ void ReportCheck::NoteUav(View& view, std::int64_t tick, const agent_t& a) {
 
 void ReportCheck::Check(View& view) {
   const TickFacts& said = *view.said;
-  // What a process says of the tick in which it is lost never reached the world.
+  // What a process says while it is lost does not count.
   std::set<AgentKey> unheard;
   for (const ruling_t& r : said.rulings->rulings) {
-    if (r.kind == RulingKind::kLost && r.at_us > view.before_us) {
+    if (r.kind == RulingKind::kLost) {
       unheard.insert({r.agent_kind, r.agent_id});
     }
     if (r.agent_kind == kUav && r.kind != RulingKind::kReleased && r.at_us > view.before_us) {
       failing_.insert({view.tick, r.agent_id});
     }
   }
+  const std::int64_t start = said.world->header.boot_id;
+  const bool world_is_new = std::exchange(world_start_, start) != start;
   for (const int kind : kClasses) {
     for (AgentModel& model : view.agents[kind]) {
-      const auto id = static_cast<std::size_t>(model.id);
-      const auto& report = said.reports[kind][id];
-      const std::optional<agent_t> told = report ? Read(view, *report) : std::optional<agent_t>();
-      if (report && !told) {
+      const Report* const report = TakenReport(view, kind, model.id, world_is_new);
+      const std::optional<agent_t> told =
+          report != nullptr ? Read(view, *report) : std::optional<agent_t>();
+      if (report != nullptr && !told) {
         view.Violate("lockstep",
                      "{} has not changed since tick {}, says {}, which has not been told",
                      model.name(), report->base_tick, report->sender);
-      } else if (report && !unheard.contains({kind, model.id})) {
+      } else if (report != nullptr && !unheard.contains({kind, model.id})) {
         CheckReport(view, &model, *told, report->applied_decision);
       } else {
         view.commands.erase({kind, model.id});  // of a lost process: what it did is not known
@@ -308,6 +315,11 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   model->was = here;
   model->was_us = view.now_us;
   model->unheard.reset();
+  if (std::exchange(model->joined_unheard, false) && a.status != AgentStatus::kFailed) {
+    // It has heard of its joining after its loss.
+    model->failed = false;
+    model->depart_us = model->arrive_us = model->busy_until_us = 0;
+  }
   if (model->kind == kUav) {
     NoteUav(view, view.tick, a);
     if (a.range_left_m < 0 || a.range_left_m > model->spec->range_full_m + kTolerance_m) {

@@ -35,6 +35,7 @@ class ReportCheck {
   void CheckReport(View& view, AgentModel* model, const agent_t& a, std::int32_t applied_decision);
 
   std::vector<Told> told_[3];
+  std::int64_t world_start_ = 0;                    ///< that ruled last
   std::set<std::pair<std::int64_t, int>> failing_;  ///< by tick: UAVs that fail at it
 };
 
@@ -100,6 +101,12 @@ void CheckProposals(const View& view, const Heard& heard);
 /// Takes what its report tells into the model, if it can be. The report as its motion is to be
 /// checked.
 agent_t SeeTold(View& view, AgentModel* model, agent_t report);
+/// The ways have changed under a measured agent on its way: whether it goes round, or stops, it
+/// says.
+void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& report);
+/// What the world took of a measured agent whose process was started again, and told the tick
+/// twice. null: nothing was told. `world_is_new`: it was started again, too.
+const Report* TakenReport(View& view, int kind, int id, bool world_is_new);
 /// Of a pair of which an agent is measured: whether it is listed as its agents say.
 void CheckMoved(View& view, Tracked* tracked, const Activity& listed);
 /// When such a pair is given up, because one is too late; kForever: it is not.

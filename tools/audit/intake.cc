@@ -259,7 +259,10 @@ void Intake::TakeReport(const Report& report, TickFacts* facts) {
     return;
   }
   // A restarted process may say its last tick again.
-  if (known->sender == report.sender && known->boot_id != report.boot_id) return;
+  if (known->sender == report.sender && known->boot_id != report.boot_id) {
+    if (!facts->world) facts->again[{kind, id}].push_back(report);
+    return;
+  }
   findings_->Add(t, "lockstep",
                  "{}:{} is reported twice for tick {}, by {} (start {}) and {} (start {})",
                  ToString<AgentKind>(kind), id, report.tick, known->sender, known->boot_id,

@@ -45,7 +45,8 @@ bool View::IsMeasured(const Activity& activity) {
 bool View::GoesRound(const Activity& activity) {
   const auto members = MembersOf(activity);
   return ways_since_us && std::any_of(members.begin(), members.end(), [&](const AgentModel* one) {
-           return one->action == activity.action() && one->depart_us == now_us;
+           const bool is_on_its_way = one->action == activity.action();
+           return (is_on_its_way || one->action == ActionKind::kNone) && one->depart_us == now_us;
          });
 }
 

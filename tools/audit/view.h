@@ -126,7 +126,7 @@ struct View {
   /// How long its sensing or charging takes when the UAV begins with that range.
   std::int64_t DurationOf(const Activity& activity, double range_m);
   bool IsMeasured(const Activity& activity);
-  /// Whether one of its pair has set out anew at this tick, as its way was closed.
+  /// Whether one of its pair has set out anew at this tick, or stopped, as its way was closed.
   bool GoesRound(const Activity& activity);
   /// When an agent must be free.
   std::int64_t LatestEnd(const AgentModel& model) const;

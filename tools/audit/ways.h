@@ -11,6 +11,7 @@ namespace muster::tools::audit {
 struct Place {
   double x_m = 0;
   double y_m = 0;
+  bool operator==(const Place&) const = default;
 };
 
 /// Metres between two places in a straight line.

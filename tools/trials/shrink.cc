@@ -26,7 +26,13 @@ class Shrinker {
           [](const VirtualMission& mission) { return mission.drop > 0; });
       Try(LetAgentsMoveAsComputed,
           [](const VirtualMission& mission) { return mission.drivers != nullptr; });
-      Try([](VirtualMission* mission) { mission->schedulers = 1; },
+      Try(
+          [](VirtualMission* mission) {
+            mission->schedulers = 1;
+            std::erase_if(mission->faults, [](const PlannedFault& fault) {
+              return fault.target.find("scheduler-") != std::string::npos;
+            });
+          },
           [](const VirtualMission& mission) { return mission.schedulers > 1; });
       for (std::size_t i = 0; i < best_.faults.size(); ++i) {
         Shorten(i, &PlannedFault::for_us, kShortestUs);

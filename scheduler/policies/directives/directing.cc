@@ -136,6 +136,10 @@ class Director {
     }
     result_.actions.push_back(action);
   }
+  /// Whether it is there, or will be: to the rounding of a place that was told.
+  static bool IsAt(const AgentState& agent, Point place) {
+    return TravelUs(agent.WayM(agent.to, place), agent.speed_m_s) == 0;
+  }
   void Hold(const AgentState& agent) { standing_.insert({agent.kind, agent.id}); }
 
   /// Sends it there alone if that is possible; it stays where it is otherwise.
@@ -143,7 +147,7 @@ class Director {
     const bool is_uav = agent.kind == AgentKind::kUav;
     const Action action =
         MakeAction(site_, is_uav ? &agent : nullptr, is_uav ? nullptr : &agent, task, charge);
-    if (action.to == agent.to || !Broken(action).empty()) return Hold(agent);
+    if (IsAt(agent, action.to) || !Broken(action).empty()) return Hold(agent);
     Send(action);
   }
 
@@ -307,8 +311,8 @@ class Director {
     if (muster::IsOffLimits(site_.directives, kind, goal)) {
       return {State::kUnkept, "the place lies in an area that is forbidden to it"};
     }
-    if (!IsFree(*agent)) return agent->to == goal ? Outcome{State::kOver} : Busy(*agent);
-    if (agent->to == goal) {
+    if (!IsFree(*agent)) return IsAt(*agent, goal) ? Outcome{State::kOver} : Busy(*agent);
+    if (IsAt(*agent, goal)) {
       Hold(*agent);
       return {};
     }

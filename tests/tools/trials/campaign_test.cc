@@ -77,7 +77,18 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // An agent joins in a place whose process was lost before (24, 140), or is lost (54, 122).
   // Measured agents by road: a driver that knows a shorter way (3, 21), a road outside the area
   // (106), a pair that a closed road ends (113, 128).
+  // Of all that there is: measured agents whose way is closed (200007, 201417, 202023, 300564),
+  // cut off when it was to have arrived (200202), released after it has gone on (202354), done with
+  // what has not begun (301297), told twice by a restarted process (201503, 300069). A directive to
+  // a road outside the area (200826), one that is kept after a kill on the way (300369, 301467). An
+  // agent that fails as it joins (201379), that joins unheard (202156, 203062). A task that is
+  // added in a zone (202209). A road closed for a UAV that leaves a zone (200055), since before a
+  // zone was (302428). Cut off as its partner is lost (301132). A world that has not heard a report
+  // of the tick that it goes on with (305164).
+  const std::set<Extra> all = CampaignSettings().extras;
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
+      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826,
+             300369, 301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
