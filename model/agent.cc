@@ -295,7 +295,7 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     }
     if (!Takes(*agent, activity)) return;
     if (agent->measured && agent->action == ActionKind::kNone) agent->measured->arrived = true;
-    if (agent->measured && agent->activity && agent->activity->end_us < activity.start_us) {
+    if (agent->measured && agent->measured->done && agent->busy_until_us < activity.start_us) {
       HasNotBegun(agent);  // what it said to be done with: its partner is late
     }
     agent->activity = activity;
