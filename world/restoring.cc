@@ -115,12 +115,6 @@ std::optional<Restoring::State> Restoring::At(std::int64_t tick) const {
   if (const auto reports = reports_.find(tick); reports != reports_.end()) {
     for (const auto& [message, packet] : reports->second) state.reports.push_back(packet);
   }
-  // One that has told the next tick has told this one, too, and perhaps cannot tell it again.
-  for (const AgentKind kind : kAgentKinds) {
-    for (const Told& agent : told_[kind]) {
-      state.is_certain &= agent.newest() <= tick || agent.states.contains(tick);
-    }
-  }
   if (tick == 0) return state;
   const auto world = worlds_.find(tick - 1);
   if (world == worlds_.end() || !rulings_.contains(tick - 1) ||
@@ -174,6 +168,8 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
   std::set<std::string> lost_owners;
   for (const AgentKind kind : kAgentKinds) {
     for (const Told& agent : told_[kind]) {
+      // One that has told the next tick has told this one, too, and perhaps cannot tell it again.
+      state->is_certain &= agent.newest() <= tick || agent.states.contains(tick);
       const AgentState& any = agent.states.begin()->second;
       const std::optional<Ruling> before = FailureOf(any, verdicts, tick - 1);
       std::optional<Ruling> failure = before;
