@@ -42,10 +42,10 @@ VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed)
 
 /// Runs it, and says what of it breaks a promise; empty: nothing. It must end with its log
 /// complete, at most three fifths of it repeats (five sevenths with several processes of a role and
-/// losses), and each fault seen; the log must pass the audit,
-/// and its report agree with it; each decision made again from the log must be the same; and where
-/// the mission waits for everybody, and no agent is measured, decisions and outcomes must be those
-/// without any fault but those of agents.
+/// losses), and each fault seen; the log must pass the audit, and its report agree with it; each
+/// decision made again from the log must be the same; and where the mission waits for everybody,
+/// and no agent is measured, decisions and outcomes must be those without any fault but those of
+/// agents.
 std::vector<std::string> FindingsOf(const VirtualMission& mission);
 
 }  // namespace muster::tools
