@@ -119,8 +119,8 @@ std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const W
 
 /// The ways have changed at t; those that are closed have been so since since_us, in the last tick.
 /// An agent that is under way to what is closed goes round: from where it stands before it, or from
-/// where it is at t. If no way is left, it stops there, free. A measured agent takes the new ways in
-/// any case, for the rest of its leg from where it is at t.
+/// where it is at t. If no way is left, it stops there, free. A measured agent takes the new ways
+/// in any case, for the rest of its leg from where it is at t.
 void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now);
 
 /// Where the agent is at t (t >= depart_us).
