@@ -117,6 +117,14 @@ std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const W
   return set_out_us + static_cast<TimeUs>(std::ceil(*share * way_us));
 }
 
+/// What was used of the range on a leg that is over does not depend on the ways of the present.
+void EndLeg(AgentState* agent, double range_m) {
+  if (agent->kind != AgentKind::kUav || RangeOnArrival(*agent) == range_m) return;
+  agent->from = agent->to;
+  agent->depart_us = agent->arrive_us;
+  agent->range_at_departure_m = range_m;
+}
+
 void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
   const Ways& before = *agent->leg_ways;
   agent->ways = &now;
@@ -124,9 +132,13 @@ void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {
   const bool measured = agent->measured.has_value();
   // Where a measured agent is it says itself, so its leg is always one by the ways of the present.
   if (!under_way || measured) agent->leg_ways = &now;
-  if (!under_way || (measured && (agent->measured->arrived || agent->arrive_us <= t))) return;
+  if (!under_way) return;
   AgentState moved = *agent;
   moved.leg_ways = &before;
+  if (measured && (agent->measured->arrived || agent->arrive_us <= t)) {
+    EndLeg(agent, RangeOnArrival(moved));
+    return;
+  }
   const auto barred_us = BarredAt(moved, measured ? t : since_us, now);
   if (!barred_us && !measured) return;
   agent->from = PositionAt(moved, measured ? t : std::min(*barred_us, t));

@@ -276,6 +276,8 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
     case OrderSubject::kPerson:
       TakePerson(*order.person, scenario);
       return taken;
+    case OrderSubject::kOrder:
+      return taken;
     case OrderSubject::kTask:
       break;
   }

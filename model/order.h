@@ -40,7 +40,7 @@ struct Order {
   std::optional<Directive> directive;  ///< to be in force from now on
   std::optional<Person> person;        ///< who may order from now on, or no longer
   /// To end, instead: the id of the order that closed the roads, added the zone or gave the
-  /// directive.
+  /// directive. Of kWithdraw: of the order that is not to be taken.
   std::string closure;
   /// The roads have been closed since then, though nobody knew: one who came to them stands there.
   std::optional<TimeUs> since_us;

@@ -303,6 +303,10 @@ Order ParseOrder(std::string_view json, const std::string& where) {
     case OrderSubject::kPerson:
       ReadPerson(top, &order);
       return order;
+    case OrderSubject::kOrder:
+      top.AllowOnly({"id", "issuer", "at_min", "order", "withdraws"});
+      order.closure = ReadName(top, "withdraws");
+      return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {
         top.AllowOnly({"id", "issuer", "at_min", "order", "task"});

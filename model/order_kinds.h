@@ -28,10 +28,21 @@ enum class OrderKind : std::int8_t {
   kGoTo,
   kRelease,
   kPerson,
+  kWithdraw,
 };
 
 /// What an order names, and so which keys it has.
-enum class OrderSubject { kNewTask, kTask, kNewAgent, kAgent, kRoads, kAir, kDirective, kPerson };
+enum class OrderSubject {
+  kNewTask,
+  kTask,
+  kNewAgent,
+  kAgent,
+  kRoads,
+  kAir,
+  kDirective,
+  kPerson,
+  kOrder
+};
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
 /// have their own rules for that.
@@ -78,6 +89,7 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kGoTo, "go_to", OrderSubject::kDirective},
     {OrderKind::kRelease, "release", OrderSubject::kDirective},
     {OrderKind::kPerson, "person", OrderSubject::kPerson},
+    {OrderKind::kWithdraw, "withdraw", OrderSubject::kOrder},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {

@@ -30,8 +30,9 @@ std::optional<Role> RoleOf(std::string_view name) {
 
 Role RoleFor(OrderKind kind) {
   const OrderSubject subject = RowOf(kind).subject;
-  const bool is_task = subject == OrderSubject::kNewTask || subject == OrderSubject::kTask;
-  return is_task ? Role::kOrder : Role::kControl;
+  const bool needs_control = subject != OrderSubject::kNewTask && subject != OrderSubject::kTask &&
+                             subject != OrderSubject::kOrder;  // that is one's own
+  return needs_control ? Role::kControl : Role::kOrder;
 }
 
 SignedOrder SplitSignature(std::string_view json, const std::string& where) {

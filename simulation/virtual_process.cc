@@ -1,6 +1,7 @@
 #include "simulation/virtual_process.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/check.h"
 
@@ -19,8 +20,10 @@ std::unique_ptr<LossyBus> OpenBus(Bus* socket, std::uint64_t seed, const std::st
 }  // namespace
 
 VirtualProcess::VirtualProcess(VirtualNetwork* network, std::unique_ptr<Process> core,
-                               std::uint64_t seed, const PacketFaults& faults)
+                               std::uint64_t seed, const PacketFaults& faults,
+                               std::function<TimeUs()> wall_us)
     : network_(network),
+      wall_us_(std::move(wall_us)),
       core_(std::move(core)),
       socket_(new VirtualSocket(network, this)),
       bus_(OpenBus(socket_, seed, name(), faults, *network)),
@@ -44,7 +47,7 @@ void VirtualProcess::Wake() {
   if (arrived.empty() && now_us < turn_us_) return;
   // No host, no CPU time: nothing in a log that its seed does not tell.
   try {
-    drive_.Turn(arrived, {now_us, now_us}, [] { return Usage(); });
+    drive_.Turn(arrived, {now_us, wall_us_ ? wall_us_() : now_us}, [] { return Usage(); });
   } catch (const InputError& error) {
     failure_ = error.what();
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -16,9 +17,10 @@ namespace muster::simulation {
 /// no time. Destroying it is SIGKILL.
 class VirtualProcess : private Participant {
  public:
-  /// `seed`: of what becomes of its packets, as LossyBus's; `faults`: from the start.
+  /// `seed`: of what becomes of its packets, as LossyBus's; `faults`: from the start; `wall_us`:
+  /// its host's clock, since the Unix epoch; null: that of the network.
   VirtualProcess(VirtualNetwork* network, std::unique_ptr<Process> core, std::uint64_t seed,
-                 const PacketFaults& faults = {});
+                 const PacketFaults& faults = {}, std::function<TimeUs()> wall_us = {});
   ~VirtualProcess() override;
   VirtualProcess(const VirtualProcess&) = delete;
   VirtualProcess& operator=(const VirtualProcess&) = delete;
@@ -40,6 +42,7 @@ class VirtualProcess : private Participant {
   void Wake() override;
 
   VirtualNetwork* network_;
+  std::function<TimeUs()> wall_us_;
   std::unique_ptr<Process> core_;
   VirtualSocket* socket_;  ///< owned by bus_
   std::unique_ptr<LossyBus> bus_;

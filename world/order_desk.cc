@@ -76,6 +76,16 @@ PlannedOrder ToOrder(const PlannedZone& planned, std::ptrdiff_t number) {
   return Written(fmt::format("zone:{}", number), json + "}");
 }
 
+bool IsWithdrawal(const std::string& json) {
+  const std::string name = JsonText(RowOf(OrderKind::kWithdraw).name);
+  if (json.find(name) == std::string::npos) return false;
+  try {
+    return ParseOrder(json, "order").kind == OrderKind::kWithdraw;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 bool IsInForce(const std::string& closure, const Scenario& scenario) {
   return std::any_of(scenario.closures.begin(), scenario.closures.end(),
                      [&](const Closure& one) { return one.order == closure; });
@@ -133,7 +143,12 @@ bool OrderDesk::Hear(const order_t& order) {
   if (answered_.contains(order.id)) return false;
   if (waiting_.size() >= kMostWaiting || waiting_ids_.contains(order.id)) return true;
   waiting_ids_.insert(order.id);
-  waiting_.push_back({order.id, order.issuer, order.json});
+  Waiting waiting{order.id, order.issuer, order.json, IsWithdrawal(order.json)};
+  const auto place = !waiting.withdraws
+                         ? waiting_.end()
+                         : std::find_if(waiting_.begin(), waiting_.end(),
+                                        [](const Waiting& w) { return !w.withdraws; });
+  waiting_.insert(place, std::move(waiting));
   return true;
 }
 
@@ -227,6 +242,27 @@ orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status
   return said;
 }
 
+void OrderDesk::CheckWithdrawal(const Order& withdrawal, const orders_t& said) const {
+  const std::string& id = withdrawal.closure;
+  const auto is_it = [&](const auto& order) { return order.id == id; };
+  if (answered_.contains(id) || std::any_of(said.taken.begin(), said.taken.end(), is_it) ||
+      std::any_of(said.refused.begin(), said.refused.end(), is_it)) {
+    throw InputError(fmt::format("order {} has been answered already", id));
+  }
+  const auto waiting = std::find_if(waiting_.begin(), waiting_.end(), is_it);
+  if (waiting == waiting_.end() || scenario().persons.empty()) return;
+  const std::string by = SplitSignature(waiting->json, "order").by;
+  if (by != withdrawal.signed_by) throw InputError(fmt::format("order {} is of {}", id, by));
+}
+
+const Order* OrderDesk::WithdrawalOf(const Order& order) const {
+  if (order.issuer == process_name::kWorld) return nullptr;
+  const auto found = withdrawals_.find(order.id);
+  if (found == withdrawals_.end()) return nullptr;
+  const bool is_own = found->second.signed_by == order.signed_by;
+  return is_own || scenario().persons.empty() ? &found->second : nullptr;
+}
+
 void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
                          const Agents& agents, Scenario* scenario, orders_t* said) {
   waiting_ids_.erase(waiting.id);
@@ -242,6 +278,13 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
     if (!scenario->persons.empty() && order.issuer != process_name::kWorld) {
       const std::string why = WhyMayNot(scenario->persons, order.signed_by, order.kind);
       if (!why.empty()) throw InputError(why);
+    }
+    if (const Order* withdrawal = WithdrawalOf(order); withdrawal != nullptr) {
+      throw InputError(fmt::format("withdrawn by order {}", withdrawal->id));
+    }
+    if (order.kind == OrderKind::kWithdraw) {
+      CheckWithdrawal(order, *said);
+      withdrawals_.try_emplace(order.closure, order);
     }
     const TakenOrder taken = TakeInto(scenario, order, t);
     if (order.task_id >= 0 && static_cast<std::size_t>(order.task_id) < status.size()) {
@@ -262,11 +305,16 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
   }
 }
 
+void OrderDesk::Note(const TakenOrder& taken, std::int64_t tick) {
+  PlanOpening(taken, scenario().rules.TimeOf(tick));
+  if (taken.order.kind == OrderKind::kWithdraw) {
+    withdrawals_.try_emplace(taken.order.closure, taken.order);
+  }
+}
+
 void OrderDesk::Take(const orders_t& orders) {
   MUSTER_CHECK(book_.Take(orders), "orders of tick {}", orders.tick);
-  for (const TakenOrder& taken : book_.TakenAt(orders.tick)) {
-    PlanOpening(taken, scenario().rules.TimeOf(orders.tick));
-  }
+  for (const TakenOrder& taken : book_.TakenAt(orders.tick)) Note(taken, orders.tick);
   for (const taken_order_t& order : orders.taken) answered_[order.id] = orders.tick;
   for (const refused_order_t& order : orders.refused) answered_[order.id] = orders.tick;
 }
@@ -276,9 +324,7 @@ bool OrderDesk::Take(const order_book_t& book) {
   for (const auto& [tick, orders] : book_.said()) {
     for (const taken_order_t& order : orders.taken) answered_[order.id] = tick;
     for (const refused_order_t& order : orders.refused) answered_[order.id] = tick;
-    for (const TakenOrder& taken : book_.TakenAt(tick)) {
-      PlanOpening(taken, scenario().rules.TimeOf(tick));
-    }
+    for (const TakenOrder& taken : book_.TakenAt(tick)) Note(taken, tick);
   }
   return true;
 }

@@ -15,7 +15,8 @@
 
 namespace muster::world {
 
-/// Takes orders or refuses them with a reason: each id once, and all of a tick together.
+/// Takes orders or refuses them with a reason: each id once, and all of a tick together. An order
+/// that its giver withdraws before or at its tick is refused.
 class OrderDesk {
  public:
   /// `planned`, and the scenario's planned closures of roads, are taken at the first tick that is
@@ -53,18 +54,26 @@ class OrderDesk {
  private:
   struct Waiting {
     std::string id, issuer, json;
+    bool withdraws = false;
   };
   /// Plans the opening of roads that the order closes for a time.
   void PlanOpening(const TakenOrder& taken, TimeUs t);
+  /// What follows later from an order that was taken at that tick.
+  void Note(const TakenOrder& taken, std::int64_t tick);
+  /// Throws InputError where the order that it names is answered, or somebody else's.
+  void CheckWithdrawal(const Order& withdrawal, const orders_t& said) const;
+  /// Who has withdrawn that order; null: nobody who may.
+  const Order* WithdrawalOf(const Order& order) const;
   void DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
                 const Agents& agents, Scenario* scenario, orders_t* said);
 
   OrderBook book_;
   bool has_persons_;                   ///< the mission was started with some
   std::vector<PlannedOrder> planned_;  ///< latest first
-  std::vector<Waiting> waiting_;       ///< in order of arrival
+  std::vector<Waiting> waiting_;       ///< withdrawals, then others, each in order of arrival
   std::set<std::string> waiting_ids_;
   std::map<std::string, std::int64_t> answered_;  ///< ticks, by id
+  std::map<std::string, Order> withdrawals_;      ///< taken, by the id of the order withdrawn
 };
 
 }  // namespace muster::world

@@ -62,6 +62,7 @@ void Referee::Obey(TimeUs t, Agents* agents) {
       case OrderSubject::kAir:        // who is concerned follows before it reports
       case OrderSubject::kDirective:  // the scheduler keeps it
       case OrderSubject::kPerson:     // the desk knows them
+      case OrderSubject::kOrder:      // it refuses what is withdrawn
         break;
       case OrderSubject::kTask:
         ObeyOfTask(taken, t);

@@ -101,7 +101,9 @@ std::string FirstFinding(const std::function<void(orders_t*)>& change) {
   std::vector<world::PlannedOrder> orders;
   for (const char* json : {R"({"at_min": 5, "order": "task_add", "task": {"x_km": 3, "y_km": 3}})",
                            R"({"at_min": 5, "order": "task_cancel", "task": 2})",
-                           R"({"at_min": 8, "order": "agent_leave", "agent": "worker:1"})"}) {
+                           R"({"at_min": 8, "order": "agent_leave", "agent": "worker:1"})",
+                           R"({"at_min": 6, "order": "withdraw", "withdraws": "o5"})",
+                           R"({"at_min": 7, "order": "task_hold", "task": 4})"}) {
     orders.push_back({ParseOrder(json, "order"), json});
     orders.back().order.id = fmt::format("o{}", orders.size());
   }
@@ -143,6 +145,19 @@ TEST(OrdersMission, TheAuditSeesWhatWasNotTaken) {
               said->n_taken = 1;
             }),
             "task-status: task:2 is said to be cancelled, it is open");
+  EXPECT_EQ(FirstFinding([](orders_t* said) {
+              if (said->tick == 12)
+                said->taken[0].json = R"({"order":"withdraw","withdraws":"o1"})";
+            }),
+            "orders: order o4: withdraws o1, which was answered before");
+  EXPECT_EQ(FirstFinding([](orders_t* said) {
+              if (said->tick != 14) return;
+              said->refused.clear();
+              said->n_refused = 0;
+              said->taken.push_back({"o5", "", R"({"order":"task_hold","task":4})", 4, 0, -1});
+              said->n_taken = 1;
+            }),
+            "orders: order o5: was withdrawn and is taken");
 }
 
 /// Processes die, stand still, and lose packets: what was taken when does not change.

@@ -65,6 +65,91 @@ TEST_F(OrderDeskTest, TakesEachOrderOnce) {
             "no room for another task: the mission was started without more");
 }
 
+std::string Withdraws(const std::string& id) {
+  return fmt::format(R"({{"order": "withdraw", "withdraws": "{}"}})", id);
+}
+
+TEST_F(OrderDeskTest, AnOrderIsWithdrawnUntilItsTick) {
+  const std::string hold = R"({"order": "task_hold", "task": 3})";
+  Hear("a", hold);
+  Hear("b", hold);
+  Hear("w", Withdraws("a"));
+  orders_t said = Decide(1);
+  ASSERT_EQ(said.n_taken, 2);
+  EXPECT_EQ(said.taken[0].id, "w");
+  EXPECT_EQ(said.taken[1].id, "b");
+  ASSERT_EQ(said.n_refused, 1);
+  EXPECT_EQ(said.refused[0].id, "a");
+  EXPECT_EQ(said.refused[0].reason, "withdrawn by order w");
+
+  Hear("late", Withdraws("b"));
+  Hear("again", Withdraws("a"));
+  Hear("itself", Withdraws("w"));
+  said = Decide(2);
+  ASSERT_EQ(said.n_refused, 3);
+  EXPECT_EQ(said.refused[0].reason, "order b has been answered already");
+}
+
+/// It may arrive before the order, and the world may start again between the two.
+TEST_F(OrderDeskTest, AWithdrawalHoldsForAnOrderThatIsHeardLater) {
+  Hear("w", Withdraws("a"));
+  const orders_t first = Decide(1);
+  ASSERT_EQ(first.n_taken, 1);
+  OrderDesk anew(scenario_, {});
+  anew.Take(first);
+  order_t order{};
+  order.id = "a";
+  order.json = R"({"order": "task_hold", "task": 3})";
+  anew.Hear(order);
+  const orders_t second = anew.Decide(2, status_, agents_);
+  ASSERT_EQ(second.n_refused, 1);
+  EXPECT_EQ(second.refused[0].reason, "withdrawn by order w");
+}
+
+TEST_F(OrderDeskTest, AnOrderThatIsPlannedForLaterIsWithdrawn) {
+  const std::string hold = R"({"order": "task_hold", "task": 3, "at_min": 2})";
+  Order order = ParseOrder(hold, "order");
+  order.id = "planned";
+  OrderDesk desk(scenario_, {{order, hold}});
+  order_t withdrawal{};
+  withdrawal.id = "w";
+  withdrawal.json = Withdraws("planned");
+  desk.Hear(withdrawal);
+  for (std::int64_t tick = 0; tick < 5; ++tick) {
+    const orders_t said = desk.Decide(tick, status_, agents_);
+    EXPECT_EQ(said.n_taken, tick == 0 ? 1 : 0);
+    EXPECT_EQ(said.n_refused, tick == 4 ? 1 : 0);
+    desk.Take(said);
+  }
+}
+
+/// Where persons are known, each withdraws only what is their own.
+TEST_F(OrderDeskTest, NobodyWithdrawsWhatAnotherHasOrdered) {
+  Scenario scenario = Roomy();
+  for (const char* name : {"Ann", "Bob"}) {
+    scenario.persons.push_back({name, Role::kOrder, "", ""});
+  }
+  OrderDesk desk(scenario, {});
+  const auto hear = [&](const std::string& id, const std::string& by, const std::string& json) {
+    order_t order{};
+    order.id = id;
+    order.issuer = by;
+    order.json = ToJson(SignedOrder{json, by, by, std::string(128, '0')});
+    desk.Hear(order);
+  };
+  hear("a", "Ann", R"({"order": "task_hold", "task": 3})");
+  hear("w1", "Bob", Withdraws("a"));
+  hear("w2", "Bob", Withdraws("c"));
+  orders_t said = desk.Decide(1, status_, agents_);
+  desk.Take(said);
+  ASSERT_EQ(said.n_refused, 1);
+  EXPECT_EQ(said.refused[0].reason, "order a is of Ann");
+  EXPECT_EQ(said.n_taken, 2);
+  hear("c", "Ann", R"({"order": "task_hold", "task": 4})");
+  said = desk.Decide(2, status_, agents_);
+  EXPECT_EQ(said.n_taken, 1) << "what Bob has withdrawn is not his";
+}
+
 TEST_F(OrderDeskTest, SaysWhyATaskOrAnAgentIsNotForThatOrder) {
   status_[1] = TaskStatus::kDone;
   status_[2] = TaskStatus::kSensing;

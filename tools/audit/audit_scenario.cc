@@ -268,6 +268,8 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
   const json top = json::parse(text);
   AuditOrder order;
   order.what = top.at("order").get<std::string>();
+  if (top.contains("signed")) order.by = top.at("signed").at("by").get<std::string>();
+  if (order.is_withdrawal()) order.closure = top.at("withdraws").get<std::string>();
   const auto time = [&](const json& item, const char* at, const char* in) {
     return item.contains(in) ? now_us + Minutes(item.at(in)) : MinutesOr(item, at, kForever);
   };

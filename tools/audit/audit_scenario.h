@@ -127,7 +127,8 @@ struct AuditOrder {
   Scenario::Agent new_agent;
   std::optional<std::int64_t> expires_us;  ///< of a change
   int task = -1, kind = kUav, agent = -1;
-  std::string id, closure;  ///< its own, and that of the closure that it ends
+  std::string id, closure;  ///< its own, and that of what it ends or withdraws
+  std::string by;           ///< the person who has signed it; "": nobody
   std::set<int> roads;      ///< to be closed or opened
   Rings zone;               ///< to be added
   std::int64_t since_us = kForever, until_us = kForever;  ///< of a closure
@@ -139,6 +140,7 @@ struct AuditOrder {
   bool is_zone() const { return what.starts_with("zone_"); }
   bool changes_ways() const { return is_roads() || is_zone(); }
   bool is_person() const { return what == "person"; }
+  bool is_withdrawal() const { return what == "withdraw"; }
   /// Whether it gives a directive, or ends one.
   bool is_directive() const {
     return what == "pin" || what == "forbid" || what == "charge_now" || what == "go_to" ||

@@ -169,7 +169,7 @@ agent_t SeeTold(View& view, AgentModel* model, agent_t a) {
   return a;
 }
 
-const Report* TakenReport(View& view, int kind, int id, bool world_is_new) {
+const Report* TakenReport(View& view, int kind, int id) {
   const auto candidates = [&](int of_kind, int of) {
     std::vector<const Report*> all;
     const auto& first = view.said->reports[of_kind][static_cast<std::size_t>(of)];
@@ -191,7 +191,9 @@ const Report* TakenReport(View& view, int kind, int id, bool world_is_new) {
     const Activity activity = FromWire(wire);
     if (!activity.involves(kind, id)) continue;
     const int other = kind == kUav ? activity.partner : activity.uav;
-    for (const Report* report : all) {
+    // The newest that fits.
+    for (auto word = all.rbegin(); word != all.rend(); ++word) {
+      const Report* const report = *word;
       for (const Report* of_other :
            candidates(kind == kUav ? activity.partner_class() : kUav, other)) {
         const std::int64_t start_us = std::max(arrives_us(*report), arrives_us(*of_other));
@@ -199,7 +201,8 @@ const Report* TakenReport(View& view, int kind, int id, bool world_is_new) {
       }
     }
   }
-  return world_is_new ? all.back() : all.front();
+  // It would not have told it again differently if the world had heard it.
+  return all.back();
 }
 
 void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& a) {
@@ -215,7 +218,6 @@ void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& a) {
     return;
   }
   CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
-  model->Anchor(here, view.now_us, a.range_left_m);
   model->range_at_departure_m = a.range_left_m;
   model->from = here;
   const double rest_m = model->WayM(here, model->to);
@@ -236,14 +238,18 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   const auto has_stopped = [](const AgentModel& m) { return m.action == ActionKind::kNone; };
   // The world has not heard that it stopped: its process is lost.
   const auto unheard = [&](const AgentModel& m) { return has_stopped(m) && m.unheard != nullptr; };
+  // Nor that it goes round.
+  const auto as_heard = [](const AgentModel& m) -> const AgentModel& {
+    return m.unheard != nullptr ? *m.unheard : m;
+  };
   if (begun || unheard(uav) || unheard(partner)) {
     // As it was.
   } else if (has_stopped(uav) || has_stopped(partner)) {
     expected.start_us = expected.end_us = kForever;
   } else {
-    expected.start_us = std::max(uav.arrive_us, partner.arrive_us);
-    expected.end_us =
-        expected.start_us + view.DurationOf(listed, std::max(0.0, uav.RangeOnArrival()));
+    const double range_m = std::max(0.0, as_heard(uav).RangeOnArrival());
+    expected.start_us = std::max(as_heard(uav).arrive_us, as_heard(partner).arrive_us);
+    expected.end_us = expected.start_us + view.DurationOf(listed, range_m);
   }
   if (listed.start_us == kForever && (uav.RangeOnArrival() < -1e-6 || !uav.way_seen)) {
     expected.start_us = expected.end_us = kForever;  // a UAV that is computed does not get there

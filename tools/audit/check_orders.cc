@@ -217,6 +217,23 @@ void OrderCheck::CheckWays(View& view) {
   scenario.changes.emplace_back(view.now_us, scenario.ways);
 }
 
+void OrderCheck::CheckWithdrawal(const View& view, const AuditOrder& order, bool is_of_world) {
+  if (order.is_withdrawal()) {
+    const auto& refused = view.said->orders->refused;
+    const bool is_now = std::any_of(refused.begin(), refused.end(),
+                                    [&](const auto& one) { return one.id == order.closure; });
+    if (answered_.contains(order.closure) && !is_now) {
+      view.Violate("orders", "order {}: withdraws {}, which was answered before", order.id,
+                   order.closure);
+    }
+    withdrawn_[order.closure].insert(order.by);
+    return;
+  }
+  const auto found = withdrawn_.find(order.id);
+  if (is_of_world || found == withdrawn_.end() || !found->second.contains(order.by)) return;
+  view.Violate("orders", "order {}: was withdrawn and is taken", order.id);
+}
+
 void OrderCheck::Check(View& view) {
   if (!view.said->orders) return;
   const orders_t& orders = *view.said->orders;
@@ -237,11 +254,12 @@ void OrderCheck::Check(View& view) {
       view.Violate("orders", "order {}: cannot be read: {}", taken.id, error.what());
       continue;
     }
-    if (order.changes_ways()) continue;  // CheckWays
+    order.id = taken.id;
+    CheckWithdrawal(view, order, taken.issuer == kWorld);
+    if (order.is_withdrawal() || order.changes_ways()) continue;  // CheckWays has the latter
     order.task = taken.task_id;
     order.kind = NumberOfClass(taken.agent_kind);
     order.agent = taken.agent_id;
-    order.id = taken.id;
     if (const std::string wrong = WrongOf(view, order); !wrong.empty()) {
       view.Violate("orders", "order {}: {}", taken.id, wrong);
       continue;

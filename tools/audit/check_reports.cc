@@ -45,8 +45,8 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const bool pair = action.kind == ActionKind::kSense || action.kind == ActionKind::kCharge;
   const bool begins =
       model->spec->measured ? a.decision == command.decision : a.depart_us == command.at_us;
-  // Roads that are closed right before it may have sent it round, or stopped it.
-  const bool goes_round = view.ways_since_us && model->kind != kUav && a.depart_us == view.now_us;
+  // Roads or zones that are new right after it may have sent it round, or stopped it.
+  const bool goes_round = view.ways_since_us && a.depart_us == view.now_us;
   const bool obeys = (a.action == action.kind && begins) || goes_round;
   if (!obeys && command.by_itself) return;
   if (!obeys && pair && view.scenario.match_failure.high > 0) {
@@ -119,7 +119,13 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   const Ways& now = *view.scenario.ways;
   const bool under_way = model->action != ActionKind::kNone && !model->failed;
   if (model->spec->measured && report != nullptr) {
+    const double on_arrival_m = model->RangeOnArrival();
     model->ways = model->leg_ways = &now;
+    if (under_way && model->says_arrived) {
+      // What it used on its way does not depend on the ways of the present.
+      model->from = model->to;
+      model->range_at_departure_m = on_arrival_m;
+    }
     if (under_way) FollowWaysAsTold(view, model, *report);
     return;
   }
@@ -270,11 +276,9 @@ void ReportCheck::Check(View& view) {
       failing_.insert({view.tick, r.agent_id});
     }
   }
-  const std::int64_t start = said.world->header.boot_id;
-  const bool world_is_new = std::exchange(world_start_, start) != start;
   for (const int kind : kClasses) {
     for (AgentModel& model : view.agents[kind]) {
-      const Report* const report = TakenReport(view, kind, model.id, world_is_new);
+      const Report* const report = TakenReport(view, kind, model.id);
       const std::optional<agent_t> told =
           report != nullptr ? Read(view, *report) : std::optional<agent_t>();
       if (report != nullptr && !told) {

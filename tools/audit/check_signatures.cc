@@ -14,7 +14,6 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kLauncher = "launcher";
-constexpr const char* kWorld = "world";
 
 /// 0 to 3; -1: no role.
 int RankOf(const std::string& role) {
@@ -72,8 +71,8 @@ std::string SignatureCheck::WrongOf(const taken_order_t& taken, std::int64_t run
   if (person == persons_.end() || signer == persons_.end() || (key != by && key != kLauncher)) {
     return "is signed by nobody whom the mission knows";
   }
-  const bool of_tasks = what.starts_with("task_");
-  if (person->second.rank < (of_tasks ? 2 : 3) || (is_person && by != kLauncher)) {
+  const bool is_simple = what.starts_with("task_") || what == "withdraw";
+  if (person->second.rank < (is_simple ? 2 : 3) || (is_person && by != kLauncher)) {
     return "is " + by + "'s, who may not give it";
   }
   const std::size_t end = taken.json.rfind(",\"signed\":");

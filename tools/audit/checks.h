@@ -12,6 +12,9 @@
 
 namespace muster::tools::audit {
 
+/// Who gives orders of the world's own.
+inline constexpr const char* kWorld = "world";
+
 // The checks of a tick, in their order.
 
 /// What each agent reports, against its command and the audit's own arithmetic.
@@ -35,7 +38,6 @@ class ReportCheck {
   void CheckReport(View& view, AgentModel* model, const agent_t& a, std::int32_t applied_decision);
 
   std::vector<Told> told_[3];
-  std::int64_t world_start_ = 0;                    ///< that ruled last
   std::set<std::pair<std::int64_t, int>> failing_;  ///< by tick: UAVs that fail at it
 };
 
@@ -47,7 +49,12 @@ class OrderCheck {
   void Check(View& view);
 
  private:
+  /// Whether it withdraws what can be, or is withdrawn itself.
+  void CheckWithdrawal(const View& view, const AuditOrder& order, bool is_of_world);
+
   std::set<std::string> answered_;  ///< ids
+  /// By the id of the order withdrawn: who has withdrawn it.
+  std::map<std::string, std::set<std::string>> withdrawn_;
 };
 
 /// Who gave the orders that were taken, where the mission knows its persons.
@@ -105,8 +112,8 @@ agent_t SeeTold(View& view, AgentModel* model, agent_t report);
 /// says.
 void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& report);
 /// What the world took of a measured agent whose process was started again, and told the tick
-/// twice. null: nothing was told. `world_is_new`: it was started again, too.
-const Report* TakenReport(View& view, int kind, int id, bool world_is_new);
+/// twice. null: nothing was told.
+const Report* TakenReport(View& view, int kind, int id);
 /// Of a pair of which an agent is measured: whether it is listed as its agents say.
 void CheckMoved(View& view, Tracked* tracked, const Activity& listed);
 /// When such a pair is given up, because one is too late; kForever: it is not.

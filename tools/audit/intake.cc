@@ -260,7 +260,7 @@ void Intake::TakeReport(const Report& report, TickFacts* facts) {
   }
   // A restarted process may say its last tick again.
   if (known->sender == report.sender && known->boot_id != report.boot_id) {
-    if (!facts->world) facts->again[{kind, id}].push_back(report);
+    facts->again[{kind, id}].push_back(report);
     return;
   }
   findings_->Add(t, "lockstep",

@@ -36,8 +36,8 @@ struct TickFacts {
   std::optional<rulings_t> rulings;
   std::optional<orders_t> orders;  ///< of the latest start of the world
   std::vector<std::optional<Report>> reports[3];
-  /// What later starts of an agent's process said of the tick before the world ruled, by class and
-  /// id.
+  /// What later starts of an agent's process said of the tick, by class and id. The log may have it
+  /// after the world's verdict on it.
   std::map<std::pair<int, int>, std::vector<Report>> again;
 };
 

@@ -28,8 +28,12 @@ void Track::Add(std::int64_t tick, Point at, double range_left_m) {
   const auto place =
       std::lower_bound(pending_.begin(), pending_.end(), tick,
                        [](const Mark& mark, std::int64_t t) { return mark.tick < t; });
-  if (place != pending_.end() && place->tick == tick) return;
-  pending_.insert(place, {tick, at, range_left_m});
+  const Mark mark{tick, at, range_left_m};
+  if (place != pending_.end() && place->tick == tick) {
+    *place = mark;
+    return;
+  }
+  pending_.insert(place, mark);
   if (pending_.size() <= kWindow) return;
   // Half at a time, so that each position moves a bounded number of times.
   const auto end = pending_.begin() + kWindow / 2;

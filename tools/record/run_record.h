@@ -33,7 +33,8 @@ class Track {
   /// The scenario must outlive the track, and takes the orders of the mission.
   explicit Track(const Scenario& scenario) : scenario_(&scenario) {}
   /// Position at a tick. Ticks may come in any order within a window of 64; a tick that comes
-  /// later than that is left out.
+  /// later than that is left out. Of two positions at one tick, as after a restart, the later
+  /// counts.
   void Add(std::int64_t tick, Point at, double range_left_m);
   /// What is said of that tick does not count: the UAV is ruled to have failed before it.
   void Exclude(std::int64_t tick);

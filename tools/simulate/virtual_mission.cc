@@ -61,7 +61,7 @@ class VirtualHost : public MissionHost {
  public:
   explicit VirtualHost(const VirtualMission& mission);
 
-  Now now() const override { return {network_.now_us(), network_.now_us()}; }
+  Now now() const override { return {network_.now_us(), WallUs(process_name::kLauncher)}; }
   Usage usage() const override { return {}; }
   LossyBus& bus() override { return *bus_; }
   int stops_asked() const override;
@@ -93,6 +93,8 @@ class VirtualHost : public MissionHost {
     std::vector<VirtualLogger::Event> events = {};
     std::size_t read = 0;
   };
+  /// What that process's host has as time.
+  TimeUs WallUs(const std::string& process) const;
   /// The seed of the draws by which that process loses packets.
   std::uint64_t SeedOf(const std::string& name) const;
 
@@ -136,6 +138,14 @@ int VirtualHost::stops_asked() const {
   return std::max(asked, out_of_patience() ? 1 : 0);
 }
 
+TimeUs VirtualHost::WallUs(const std::string& process) const {
+  TimeUs wall_us = mission_.epoch_us + network_.now_us();
+  for (const ClockJump& jump : mission_.clock_jumps) {
+    if (jump.process == process && jump.at_us <= network_.now_us()) wall_us += jump.by_us;
+  }
+  return wall_us;
+}
+
 std::uint64_t VirtualHost::SeedOf(const std::string& name) const {
   const std::vector<std::string> names = ProcessNames(mission_.schedulers, mission_.per_class);
   const auto place = std::find(names.begin(), names.end(), name) - names.begin();
@@ -153,7 +163,7 @@ void VirtualHost::Start(const std::string& name, std::int64_t starts) {
   processes_.erase(name);
   processes_[name] = std::make_unique<VirtualProcess>(
       &network_, simulation::StartProcess({kRunId, name, starts}, settings_), SeedOf(name),
-      PacketFaults{.loss = mission_.drop});
+      PacketFaults{.loss = mission_.drop}, [this, name] { return WallUs(name); });
 }
 
 std::optional<ChildEnd> VirtualHost::EndOf(const std::string& name) {

@@ -3,12 +3,20 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "simulation/start_process.h"
 #include "simulation/virtual_logger.h"
 #include "tools/launch/supervisor.h"
 
 namespace muster::tools {
+
+/// A host's clock is set, forward or back.
+struct ClockJump {
+  std::string process;  ///< on that host; the launcher's: process_name::kLauncher
+  TimeUs at_us = 0;     ///< of network time
+  TimeUs by_us = 0;
+};
 
 /// A mission with faults in virtual time.
 struct VirtualMission {
@@ -23,6 +31,9 @@ struct VirtualMission {
   RestartPolicy restarts = {};
   double drop = 0;               ///< share of received packets that each process drops
   std::uint64_t fault_seed = 1;  ///< of what becomes of packets, and of how long they travel
+
+  std::vector<ClockJump> clock_jumps = {};
+  TimeUs epoch_us = 0;  ///< what all clocks show at first, since the Unix epoch
 
   simulation::DriversOf drivers = {};  ///< of measured agents
 

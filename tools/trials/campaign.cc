@@ -58,6 +58,23 @@ GeneratorSettings DrawSettings(Random* random) {
   return settings;
 }
 
+/// Some of the orders, in time or too late.
+void DrawWithdrawals(std::uint64_t seed, std::vector<world::PlannedOrder>* orders) {
+  Random random(seed, Stream::kSoak, 9);
+  const std::vector<world::PlannedOrder> all = *orders;
+  for (const world::PlannedOrder& one : all) {
+    if (random.Below(10) > 0) continue;
+    const int early_min = static_cast<int>(random.Below(6)) - 2;
+    const auto at_min = std::max<TimeUs>(0, one.order.not_before_us / kMinuteUs - early_min);
+    const std::string json = fmt::format(
+        "{{\"at_min\": {}, \"order\": \"withdraw\", \"withdraws\": \"{}\"}}", at_min, one.order.id);
+    world::PlannedOrder planned{ParseOrder(json, "order"), json};
+    planned.order.id = "withdraw-" + one.order.id;
+    planned.order.issuer = "drawn";
+    orders->push_back(std::move(planned));
+  }
+}
+
 void DrawOrders(std::uint64_t seed, VirtualMission* mission) {
   Random random(seed, Stream::kSoak, 5);
   AddRoom({random.Below(40), {3, 3, 3}}, &mission->scenario);
@@ -67,6 +84,7 @@ void DrawOrders(std::uint64_t seed, VirtualMission* mission) {
       mission->orders.push_back(std::move(order));
     }
   }
+  DrawWithdrawals(seed, &mission->orders);
 }
 
 /// All agents of some classes are measured; every other one of them has a driver.
@@ -110,6 +128,28 @@ void DrawHosts(std::uint64_t seed, VirtualMission* mission) {
                    [](const PlannedFault& a, const PlannedFault& b) { return a.at_us < b.at_us; });
 }
 
+/// In one mission in three, the clocks of some hosts are wrong by up to a day, or are set during
+/// it.
+void DrawClocks(std::uint64_t seed, VirtualMission* mission) {
+  Random random(seed, Stream::kSoak, 8);
+  if (random.Below(3) > 0) return;
+  constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
+  // Longer than most of the missions take.
+  constexpr std::uint32_t kMissionMs = 500;
+  mission->epoch_us = 10 * kDayUs;
+  std::vector<std::string> names =
+      simulation::ProcessNames(mission->schedulers, mission->per_class);
+  names.emplace_back(process_name::kLauncher);
+  for (const std::string& name : names) {
+    for (std::uint32_t jumps = random.Below(3); jumps > 0; --jumps) {
+      const bool before = random.Below(2) == 0;
+      const TimeUs at_us = before ? 0 : 1000 * TimeUs{random.Below(kMissionMs)};
+      mission->clock_jumps.push_back(
+          {name, at_us, ToUs(ToSeconds(kDayUs) * random.Uniform(-1, 1))});
+    }
+  }
+}
+
 void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMission* mission) {
   Random random(seed, Stream::kSoak, 4);
   const auto draws = [&](Extra extra) {
@@ -126,6 +166,7 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   if (zones && (!settings.scenario || scenario.air)) DrawZones(&random, mission);
   if (measured) DrawDrivers(seed, mission);
   if (hosts) DrawHosts(seed, mission);
+  if (settings.extras.contains(Extra::kClocks)) DrawClocks(seed, mission);
 }
 
 /// A log in memory.

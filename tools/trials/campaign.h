@@ -16,9 +16,9 @@
 namespace muster::tools {
 
 /// What a drawn mission may have besides faults.
-enum class Extra { kRoads, kZones, kOrders, kMeasured, kHosts };
-inline constexpr std::array<std::string_view, 5> kExtraNames = {"roads", "zones", "orders",
-                                                                "measured", "hosts"};
+enum class Extra { kRoads, kZones, kOrders, kMeasured, kHosts, kClocks };
+inline constexpr std::array<std::string_view, 6> kExtraNames = {"roads",    "zones", "orders",
+                                                                "measured", "hosts", "clocks"};
 
 /// What the missions of a campaign have in common.
 struct CampaignSettings {
@@ -30,11 +30,12 @@ struct CampaignSettings {
   std::optional<int> schedulers;            ///< none: drawn, one to three
   std::vector<FaultKind> kinds = AllSurvivableKinds();
   std::optional<bool> goes_on;  ///< none: every other mission
-  /// A mission has each of these by chance. Hosts: with a process that is killed others die. Roads
+  /// A mission has each of these by chance. Hosts: with a process that is killed others die.
+  /// Clocks: those of hosts are wrong by up to a day, or are set during the mission. Roads
   /// and zones are not added to a scenario that is given, but where it has them, they are closed
   /// and opened, added and lifted.
-  std::set<Extra> extras = {Extra::kRoads, Extra::kZones, Extra::kOrders, Extra::kMeasured,
-                            Extra::kHosts};
+  std::set<Extra> extras = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
+                            Extra::kMeasured, Extra::kHosts, Extra::kClocks};
 };
 
 /// The mission of that seed: a function of settings and seed alone.

@@ -61,8 +61,8 @@ void AddCampaignOptions(Options* options) {
   options
       ->Add("draw", "WHAT,...",
             "What missions may have besides, each by chance: roads, zones, orders, measured "
-            "(agents), "
-            "hosts (processes that die together); or none (default: all five)")
+            "(agents), hosts (processes that die together), clocks (of hosts, wrong or set "
+            "anew); or none (default: all six)")
       .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);
@@ -192,10 +192,14 @@ void ReportSmallest(const VirtualMission& mission, const std::string& findings,
     fmt::print("  {} {} at {:.1f} min\n", ToString<FaultKind>(fault.kind), fault.target,
                ToMinutes(fault.at_us));
   }
+  for (const ClockJump& jump : smallest.clock_jumps) {
+    fmt::print("  clock of {} set by {:+.1f} min after {:.3f} s\n", jump.process,
+               ToMinutes(jump.by_us), ToSeconds(jump.at_us));
+  }
   if (directory == nullptr) return;
   const std::string command = WriteMission(smallest, *directory);
-  // Its drivers are drawn with it, and no program.
-  if (!smallest.drivers) fmt::print("again: {}\n", command);
+  // Its drivers and clocks are drawn with it, and no program has them.
+  if (!smallest.drivers && smallest.clock_jumps.empty()) fmt::print("again: {}\n", command);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ class Shrinker {
       changed_ = false;
       LeaveOut(&VirtualMission::faults);
       LeaveOut(&VirtualMission::orders);
+      LeaveOut(&VirtualMission::clock_jumps);
       Try([](VirtualMission* mission) { mission->drop = 0; },
           [](const VirtualMission& mission) { return mission.drop > 0; });
       Try(LetAgentsMoveAsComputed,

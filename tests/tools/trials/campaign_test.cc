@@ -39,8 +39,8 @@ int KillsTogether(const FaultPlan& plan) {
   return n;
 }
 
-TEST(Campaign, DrawsRoadsZonesOrdersMeasuredAgentsAndHosts) {
-  int roads = 0, zones = 0, orders = 0, measured = 0, hosts = 0;
+TEST(Campaign, DrawsAllThatMissionsMayHaveBesides) {
+  int roads = 0, zones = 0, orders = 0, measured = 0, hosts = 0, clocks = 0;
   CampaignSettings plain, without_hosts;
   plain.extras.clear();
   without_hosts.extras.erase(Extra::kHosts);
@@ -50,13 +50,14 @@ TEST(Campaign, DrawsRoadsZonesOrdersMeasuredAgentsAndHosts) {
     zones += mission.scenario.air != nullptr;
     orders += !mission.orders.empty();
     measured += mission.drivers != nullptr;
+    clocks += !mission.clock_jumps.empty();
     hosts += KillsTogether(mission.faults) > KillsTogether(DrawMission(without_hosts, seed).faults);
     const VirtualMission without = DrawMission(plain, seed);
     EXPECT_TRUE(!without.scenario.roads && !without.scenario.air && without.orders.empty() &&
-                !without.drivers);
+                !without.drivers && without.clock_jumps.empty());
     EXPECT_EQ(without.policy, mission.policy);
   }
-  for (const int n : {roads, zones, orders, measured}) EXPECT_GT(n, 8);
+  for (const int n : {roads, zones, orders, measured, clocks}) EXPECT_GT(n, 8);
   EXPECT_GT(hosts, 4);
 }
 
@@ -84,11 +85,15 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // agent that fails as it joins (201379), that joins unheard (202156, 203062). A task that is
   // added in a zone (202209). A road closed for a UAV that leaves a zone (200055), since before a
   // zone was (302428). Cut off as its partner is lost (301132). A world that has not heard a report
-  // of the tick that it goes on with (305164).
+  // of the tick that it goes on with (305164). Sensing while a zone is lifted (401119), lost as one
+  // is added (310938), sent as one is lifted (402299). A computed place that a driver corrects
+  // (401598, 402620, 402648, 403001). Ticks that a restarted process tells otherwise (310539,
+  // 401969, 403235, 403350).
   const std::set<Extra> all = CampaignSettings().extras;
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
-      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826,
-             300369, 301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164}},
+      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
+             301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164, 401119, 310938,
+             402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
