@@ -16,7 +16,7 @@ const PICKED = { "order-add": say("Click the place of the new task on the map, o
   "order-zone": say("Click the middle of the zone, or a zone to lift on the map, or"), "go-to": say("Click where it is to go on the map, or") };
 /** What can be ordered of several at once. */
 const TO_SEVERAL = ["task_hold", "task_resume", "task_cancel", "charge_now", "agent_recall", "agent_leave"];
-const MARKS = { pending: "…", taken: "✓", refused: "×", unanswered: "!" };
+const MARKS = { pending: "…", taken: "✓", refused: "×", withdrawn: "↶", unanswered: "!" };
 
 /** The token of the address, or of this tab before it was loaded again; null on pages that may not give orders. */
 function tokenOfPage() {
@@ -275,6 +275,8 @@ export class Control {
       entry.taken ? `, ${say("at {time}", { time: entry.taken })}` : entry.note ? `, ${entry.note}` : "",
       ...(entry.known && entry.order.order === "task_add" ? [" ", ...sayParts("as {task}", {
         task: element("button", { type: "button", class: "name", onclick: () => this.state.flyTo(item) }, taskName(entry.task)) })] : []),
+      ...(entry.state === "pending" ? [" ", element("button", { type: "button", class: "undo", disabled: Boolean(entry.withdrawal),
+        title: say("Take the order back, as long as the mission has not answered it"), onclick: () => this.orders.withdraw(entry) }, say("Undo"))] : []),
       ...(entry.state === "unanswered" ? [" ", element("button", { type: "button", onclick: () => this.orders.send(entry) }, say("Send again"))] : [])];
   }
 }

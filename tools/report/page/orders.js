@@ -84,7 +84,7 @@ export function tokenOf(hash) {
 
 /**
  * Orders given on this page, the newest first: { id, order, words, at (mission time), state, note, task, agent }. state:
- * "pending", "taken", "refused", "unanswered". Without a token nothing can be ordered. `changed` is called whenever one changes.
+ * "pending", "taken", "refused", "withdrawn", "unanswered". Without a token nothing can be ordered. `changed` is called whenever one changes.
  */
 export class Orders {
   constructor(token, changed, ask = (...request) => fetch(...request)) {
@@ -130,6 +130,13 @@ export class Orders {
     this.#take(entry, answer);
   }
 
+  /** Takes back an order that waits for its tick. One that is answered before stays as it is answered. */
+  withdraw(entry) {
+    entry.withdrawal = `${entry.id}-withdraw`;
+    this.changed(entry);
+    return this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.withdrawal, order: "withdraw", withdraws: entry.id }) });
+  }
+
   async #request(address, options) {
     try {
       const response = await this.ask(address, { ...options, headers: { Authorization: `Bearer ${this.token}`, "Content-Type": "application/json" } });
@@ -148,6 +155,7 @@ export class Orders {
       entry.taken = clockText(1000 * body.taken.sim_s);
       return this.#set(entry, "taken", say("taken at {time}", { time: entry.taken }));
     }
+    if (entry.withdrawal && body.refused?.endsWith(` ${entry.withdrawal}`)) return this.#set(entry, "withdrawn", "");
     // 403 with a reason: of this order alone, which asks for another role.
     const barred = status === 401 || (status === 403 && !body.refused);
     if (barred) this.refused = true;

@@ -55,7 +55,7 @@ function dataWords() {
   });
   const [, untold] = /\[([^\]]*)\]\.includes\(e\.kind\)/.exec(read(`${PAGE}/panels.js`)); // events that no table has
   const live = [...read(`${PAGE}/data.js`).matchAll(/status\("(\w+)"\)/g)].map(([, word]) => word);
-  return [...wire.filter((word) => !untold.includes(`"${word.replaceAll(" ", "_")}"`)), ...live, "connecting", "live", "ended", "pending", "taken", "refused"];
+  return [...wire.filter((word) => !untold.includes(`"${word.replaceAll(" ", "_")}"`)), ...live, "connecting", "live", "ended", "pending", "taken", "refused", "withdrawn"];
 }
 
 /** Units and marks that are the same in all languages. */

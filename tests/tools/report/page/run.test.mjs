@@ -377,6 +377,26 @@ test("an order is sent with its token and an id of its own, and what became of i
   assert.ok(!new Orders(null, () => {}).allowed);
 });
 
+test("an order that waits for its tick is taken back", async () => {
+  let decide;
+  const tick = new Promise((resolve) => { decide = resolve; });
+  const asked = [];
+  const orders = new Orders("secret", () => {}, async (_, options) => {
+    const body = JSON.parse(options.body);
+    asked.push(body);
+    if (body.order === "withdraw") return { status: 200, json: async () => ({ taken: { tick: 3, sim_s: 90 } }) };
+    return { status: 409, json: () => tick };
+  });
+  const given = orders.give({ order: "task_hold", task: 1 }, 0);
+  const [entry] = orders.list;
+  await orders.withdraw(entry);
+  assert.deepEqual(asked[1], { id: `${entry.id}-withdraw`, order: "withdraw", withdraws: entry.id });
+  assert.equal(entry.state, "pending", "until the mission says so");
+  decide({ refused: `withdrawn by order ${entry.id}-withdraw` });
+  await given;
+  assert.deepEqual([entry.state, orders.list.length], ["withdrawn", 1]);
+});
+
 test("tasks and agents that orders bring are known from then on", () => {
   const run = begun({ scenario: { ...SCENARIO, uavs: 2, range_full_m: [30000, 1], vacant: [1, 0, 0],
     task_times: [[0, null, null, 1, ""], [null, null, null, 1, ""]] }, tasks: [[1, 0, [0, 4]]] });
