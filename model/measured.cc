@@ -32,7 +32,9 @@ double RangeThere(const AgentState& agent, Point at) {
   const bool is_computed = agent.depart_us > seen.at_us;
   const double way = is_computed ? agent.GoneM(seen.at, at) - agent.GoneM(seen.at, agent.from)
                                  : agent.GoneM(agent.from, at);
-  return std::max(0.0, agent.range_at_departure_m - agent.range_per_m * way);
+  // Ways may have changed in between. It has flown at least the straight line.
+  const double most = seen.range_m - Distance(seen.at, at);
+  return std::max(0.0, std::min(agent.range_at_departure_m - agent.range_per_m * way, most));
 }
 
 double SlackM(const AgentState& agent) { return agent.speed_m_s * ToSeconds(kMeasuredSlackUs); }

@@ -112,6 +112,26 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->goes_on_anew = false;
 }
 
+/// The wind on a leg is known from the first report of it.
+void SeeFactor(const View& view, AgentModel* model, double spent_m, double moved_m) {
+  if (model->way_seen || moved_m <= 0) return;
+  model->range_per_m = spent_m / moved_m;
+  model->way_seen = true;
+  if (!Within(model->range_per_m, {1 + view.scenario.wind.low, 1 + view.scenario.wind.high},
+              kTolerance_m / moved_m)) {
+    view.Violate("range",
+                 "{} spent {:.6g} m of range on {:.6g} m of way, wind allows a factor of "
+                 "{:.6g} to {:.6g}",
+                 model->name(), spent_m, moved_m, 1 + view.scenario.wind.low,
+                 1 + view.scenario.wind.high);
+  }
+}
+
+void SeeWay(const View& view, AgentModel* model, const agent_t& a) {
+  if (a.range_left_m <= 0) return;
+  SeeFactor(view, model, model->range_at_departure_m - a.range_left_m, model->MovedAt(view.now_us));
+}
+
 /// Roads are closed or opened, or zones added or lifted, at this tick, before the agent reports it.
 /// `report`: null: it has none.
 void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
@@ -156,29 +176,17 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   }
   if (model->kind == kUav) {
     const double gone_m = before.Length(kUav, model->from, model->to) * here_part;
-    model->range_at_departure_m =
-        std::max(0.0, model->range_at_departure_m - model->range_per_m * gone_m);
+    double& range_m = model->range_at_departure_m;
+    const bool is_told = report != nullptr && report->range_left_m > 0 && !model->way_seen;
+    if (is_told && !model->cost_is_hidden) {
+      SeeFactor(view, model, range_m - report->range_left_m, gone_m);
+    }
+    range_m = is_told ? report->range_left_m : std::max(0.0, range_m - model->range_per_m * gone_m);
   }
   model->GoRound(now, here, view.now_us);
   if (report != nullptr) TakeRoundedArrival(model, *report);
   model->planned_us = model->arrive_us;
   if (!model->pair()) model->busy_until_us = model->arrive_us;
-}
-
-void SeeWay(const View& view, AgentModel* model, const agent_t& a) {
-  const double moved = model->MovedAt(view.now_us);
-  if (model->way_seen || moved <= 0 || a.range_left_m <= 0) return;
-  const double spent = model->range_at_departure_m - a.range_left_m;
-  model->range_per_m = spent / moved;
-  model->way_seen = true;
-  if (!Within(model->range_per_m, {1 + view.scenario.wind.low, 1 + view.scenario.wind.high},
-              kTolerance_m / moved)) {
-    view.Violate("range",
-                 "{} spent {:.6g} m of range on {:.6g} m of way, wind allows a factor of "
-                 "{:.6g} to {:.6g}",
-                 model->name(), spent, moved, 1 + view.scenario.wind.low,
-                 1 + view.scenario.wind.high);
-  }
 }
 
 void CheckMotion(const View& view, const AgentModel& model, const agent_t& a) {
