@@ -86,14 +86,15 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // added in a zone (202209). A road closed for a UAV that leaves a zone (200055), since before a
   // zone was (302428). Cut off as its partner is lost (301132). A world that has not heard a report
   // of the tick that it goes on with (305164). Sensing while a zone is lifted (401119), lost as one
-  // is added (310938), sent as one is lifted (402299). A computed place that a driver corrects
-  // (401598, 402620, 402648, 403001). Ticks that a restarted process tells otherwise (310539,
-  // 401969, 403235, 403350).
+  // is added (310938), sent as one is lifted (402299, 405005). A computed place that a driver
+  // corrects (401598, 402620, 402648, 403001), with ways that have changed (404278). Ticks that a
+  // restarted process tells otherwise (310539, 401969, 403235, 403350).
   const std::set<Extra> all = CampaignSettings().extras;
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
-      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
-             301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164, 401119, 310938,
-             402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350}},
+      {all,
+       {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
+        301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164, 401119, 310938,
+        402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
