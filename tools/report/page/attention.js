@@ -121,11 +121,18 @@ function agentsInTrouble(run, t) {
   return kept.found;
 }
 
-/** The agents that an alert names at t. */
+/** The agents that an alert names at t, each with its place in the order of urgency: 0 is the most urgent. */
 export function agentsWithAlerts(run, t) {
-  const found = new Set(agentsInTrouble(run, t).map(({ item }) => run.agents[item.index]));
-  for (const { a, b } of closePairs(run, t)) found.add(a).add(b);
+  const found = new Map();
+  const add = (agent) => found.has(agent) || found.set(agent, found.size);
+  for (const { item, others = [] } of byUrgency([...agentsInTrouble(run, t), ...nearPairs(run, t)])) [run.agents[item.index], ...others].forEach(add);
   return found;
+}
+
+/** The most harmful kinds first, and of each the most harmful. */
+function byUrgency(found) {
+  const rank = new Map(KINDS.map((kind, i) => [kind.id, i]));
+  return found.sort((a, b) => rank.get(a.kind) - rank.get(b.kind) || b.harm - a.harm);
 }
 
 function findTrouble(run, t) {
@@ -143,7 +150,7 @@ const closePairs = (run, t) => (run.ended && t >= run.nowMs ? [] : comingClose(r
 
 function nearPairs(run, t) {
   return closePairs(run, t).map(({ a, b, ...approach }) => ({ kind: "near", harm: -approach.inS, note: approachText(approach),
-    item: { type: "agent", index: a.index }, text: say("{a} and {b}", { a: a.label, b: b.label }) }));
+    item: { type: "agent", index: a.index }, others: [b], text: say("{a} and {b}", { a: a.label, b: b.label }) }));
 }
 
 /** Metres to the nearest charging point: those further to the east or west than the nearest so far are not looked at. */
@@ -183,8 +190,7 @@ export function attentionAt(run, t, silentMs = 0) {
     found.push({ kind: "log", item: null, harm: 0, text: say("the log is incomplete"),
       note: say("{n} messages missing", { n: number(run.report.log.n_missing) }) });
   }
-  const rank = new Map(KINDS.map((kind, i) => [kind.id, i]));
-  return found.sort((a, b) => rank.get(a.kind) - rank.get(b.kind) || b.harm - a.harm);
+  return byUrgency(found);
 }
 
 /**

@@ -15,6 +15,8 @@ export const CHARGING_POINT = 5;
 const NAMES = [[say("{n} UAV"), say("{n} UAVs")], [say("{n} worker"), say("{n} workers")], [say("{n} vehicle"), say("{n} vehicles")],
   [say("{n} task to do"), say("{n} tasks to do")], [say("{n} task over"), say("{n} tasks over")], [say("{n} charging point"), say("{n} charging points")]];
 
+const ALERTS = [say("{n} alert"), say("{n} alerts")];
+
 export const classOfTask = (status) => ([DONE, EXPIRED, CANCELLED].includes(status) ? OVER : TO_DO);
 
 /** The level of the grid whose squares have metres of 2 ** level at their sides, for a zoom in pixels a metre. */
@@ -63,7 +65,7 @@ export class Squares {
     return this.found.agents;
   }
 
-  /** The cluster of a square's crowd: its number by class, the middle of its places and the box around them. */
+  /** The cluster of a square's crowd: its number by class, that of alerts, the middle of its places and the box around them. */
   clusterOf(square) {
     square.cluster ??= makeCluster(square, this.side);
     return square.cluster;
@@ -73,9 +75,11 @@ export class Squares {
 function makeCluster({ key, column, row, crowd }, side) {
   const box = { west: Infinity, east: -Infinity, south: Infinity, north: -Infinity };
   const counts = NAMES.map(() => 0);
+  let alerts = 0;
   let [x, y] = [0, 0];
   for (const item of crowd) {
     ++counts[item.of];
+    if (item.urgent) ++alerts;
     x += item.x / crowd.length;
     y += item.y / crowd.length;
     box.west = Math.min(box.west, item.x);
@@ -83,7 +87,7 @@ function makeCluster({ key, column, row, crowd }, side) {
     box.south = Math.min(box.south, item.y);
     box.north = Math.max(box.north, item.y);
   }
-  return { key: `${key} ${side}`, x, y, counts, box, items: crowd, square: { west: column * side, south: row * side, side } };
+  return { key: `${key} ${side}`, x, y, counts, alerts, box, items: crowd, square: { west: column * side, south: row * side, side } };
 }
 
 /** The agents in those squares where nothing stands together. */
@@ -93,7 +97,8 @@ export const agentsWithRoom = (squares, room) => squares.filter(({ crowd }) => c
 /** Those of a square that are drawn by themselves, where so many symbols have room. */
 export const apart = ({ crowd, alone }, room) => (crowd.length > room ? alone : [...alone, ...crowd]);
 
-/** "12 UAVs, 30 workers, 4 tasks to do" */
-export function clusterWords({ counts }) {
-  return counts.map((n, of) => (n > 0 ? fill(NAMES[of][n === 1 ? 0 : 1], { n: number(n) }) : "")).filter(Boolean).join(", ");
+/** "12 UAVs, 30 workers, 4 tasks to do, 2 alerts" */
+export function clusterWords({ counts, alerts }) {
+  const words = (n, [one, many]) => (n > 0 ? fill(n === 1 ? one : many, { n: number(n) }) : "");
+  return [...counts.map((n, of) => words(n, NAMES[of])), words(alerts, ALERTS)].filter(Boolean).join(", ");
 }

@@ -1,3 +1,4 @@
+import { loudAlerts } from "./alert_marks.js";
 import { agentsWithAlerts } from "./attention.js";
 import { CHARGING_POINT, OVER, Squares, classOfTask } from "./clusters.js";
 import { placeAt, statusAt, taskStatusAt } from "./run.js";
@@ -48,16 +49,24 @@ export class Present {
     return true;
   }
 
-  /** What is selected stands alone, as do agents with alerts and emergencies. */
   #mark() {
     const { selected, allSelected } = this.state;
     this.chosen = -1;
     this.items.forEach((item, i) => {
       const found = allSelected.find((one) => isSame(one, selectedOf(item)));
-      item.alone = item.urgent || found !== undefined;
+      item.chosen = found !== undefined;
       if (found && found === selected) this.chosen = i;
     });
     this.made = null;
+  }
+
+  /** What is selected stands alone, and so does what is `loud` at that level: emergencies, and of the agents with alerts those that stand out. */
+  #part(level) {
+    const loud = loudAlerts(this.items.filter(({ agent, urgent }) => agent && urgent), level);
+    for (const item of this.items) {
+      item.loud = item.urgent && (!item.agent || item.chosen || loud.has(item));
+      item.alone = item.loud || item.chosen;
+    }
   }
 
   /** Of a cluster's items the first after what is selected, and after the last again the first. */
@@ -72,7 +81,10 @@ export class Present {
   }
 
   squares(level) {
-    if (this.made?.level !== level) this.made = { level, squares: new Squares(this.items, level) };
+    if (this.made?.level !== level) {
+      this.#part(level);
+      this.made = { level, squares: new Squares(this.items, level) };
+    }
     return this.made.squares;
   }
 
@@ -84,7 +96,7 @@ export class Present {
       const status = statusAt(agent, t);
       if (status === OFFLINE) continue;
       const place = placeAt(agent, t);
-      if (place) yield { x: place.x, y: place.y, of: agent.kind, urgent: alerts.has(agent), agent, status, place };
+      if (place) yield { x: place.x, y: place.y, of: agent.kind, urgent: alerts.has(agent), order: alerts.get(agent), agent, status, place };
     }
   }
 

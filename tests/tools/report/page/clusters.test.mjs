@@ -29,10 +29,12 @@ test("a square's crowd is counted by class, wherever the view is", () => {
   assert.equal(found.length, 3);
   const [square] = squares.within({ west: 5, east: 6, south: 5, north: 6 });
   assert.equal(squares.within({ west: 5, east: 6, south: 5, north: 6 }).length, 1);
+  items[0].urgent = items[2].urgent = true;
   const cluster = squares.clusterOf(square);
   assert.deepEqual(cluster.counts, [2, 1, 1, 1, 1, 1]);
   assert.deepEqual(cluster.box, { west: 1, east: 63, south: 1, north: 30 });
-  assert.equal(clusterWords(cluster), "2 UAVs, 1 worker, 1 vehicle, 1 task to do, 1 task over, 1 charging point");
+  assert.equal(clusterWords(cluster), "2 UAVs, 1 worker, 1 vehicle, 1 task to do, 1 task over, 1 charging point, 2 alerts");
+  assert.equal(squares.clusterOf(found.find((other) => other.crowd.length === 1)).alerts, 0);
   assert.equal(found.find((other) => squares.clusterOf(other).key === cluster.key), square);
 });
 
@@ -72,7 +74,7 @@ test("what is selected, agents with alerts and emergencies stand alone", () => {
   const state = new State();
   state.runs = [run];
   const present = new Present(state);
-  const alone = () => present.items.filter((item) => item.alone).map(({ agent, task, point }) => agent?.label ?? (task ? `task:${task.id}` : `charge:${point.id}`));
+  const alone = () => present.squares(6) && present.items.filter((item) => item.alone).map(({ agent, task, point }) => agent?.label ?? (task ? `task:${task.id}` : `charge:${point.id}`));
   assert.equal(present.look(1000), true);
   assert.equal(present.look(1000), false, "nothing has changed");
   assert.equal(present.items.length, 6);
@@ -108,14 +110,14 @@ test("of a cluster that cannot part, members are selected in turn", () => {
 
 test("names on the map are short, and those that matter come first", () => {
   const agent = (index, kind, status, more = {}) => ({ agent: { index, id: index, kind }, status, px: 10 * index, py: 0, place: { x: index, y: 0 }, ...more });
-  const site = (id, priority, urgent) => ({ task: { id, priority }, status: 0, px: 0, py: 50, urgent });
+  const site = (id, priority, loud) => ({ task: { id, priority }, status: 0, px: 0, py: 50, loud });
   const { statuses } = begun().words;
   const [idle, moving, sensing] = ["idle", "moving", "sensing"].map((name) => statuses.indexOf(name));
-  const near = [agent(1, 0, idle), agent(2, 1, moving), agent(3, 2, idle, { urgent: true }), agent(4, 0, sensing), agent(5, 1, sensing, { px: 40, place: { x: 4, y: 0 } })];
+  const near = [agent(1, 0, idle), agent(2, 1, moving), agent(3, 2, idle, { urgent: true, loud: true }), agent(4, 0, sensing), agent(5, 1, sensing, { px: 40, place: { x: 4, y: 0 } }), agent(6, 2, idle, { urgent: true, loud: false })];
   const state = { isSelected: ({ index }) => index === 9 };
   const names = (k) => namesInView({ near, sites: [site(17, 3, true), site(18, 1, false)], k, state }).map(({ text }) => text);
   assert.deepEqual(names(1), ["V3", "17", "W2", "U4 W5"]);
-  assert.deepEqual(names(2), ["V3", "17", "W2", "U4 W5", "U1", "18"], "nearer, all");
+  assert.deepEqual(names(2), ["V3", "17", "W2", "U4 W5", "U1", "V6", "18"], "nearer, all");
   assert.deepEqual(namesInView({ near, sites: [], k: 1, state: { isSelected: ({ index }) => index === 2 } }).map(({ text }) => text), ["V3", "U4 W5"],
     "what is selected has its full name");
 });

@@ -10,6 +10,8 @@ const LOW_STEPS = 2; // of them, and fewer: hardly any range is left
 export const PAIR = 2.5; // radii of a symbol: half of the frame of a pair
 export const RING = 1.85; // radii of a symbol: the ring around it
 const ARC_R = 3.8; // of smaller symbols the arc would be a blot
+const DOT_PX = 2;
+const [NONE, QUIET, LOUD] = [0, 1, 2]; // alerts
 
 /** The way that a UAV flies as one of TURNS directions; up when it stands. */
 function turnOf(status, place) {
@@ -40,24 +42,33 @@ function arc(c, r, share, colour, wide, dash = []) {
   c.stroke();
 }
 
+/** An alert that does not stand out. */
+export function alertDot(c, x, y) {
+  c.beginPath();
+  c.arc(x, y, DOT_PX, 0, 2 * Math.PI);
+  c.fillStyle = theme.failed;
+  c.fill();
+}
+
 /** Idle ones are hollow, failed ones a cross; a ring while working, a dotted one while waiting. The ring of a UAV is as long as its range left. */
 function mark(c, { kind, status, turn, r, battery, alert }) {
   if (status === FAILED) {
     c.beginPath();
     cross(c, 0, 0, r * 1.1);
     c.strokeStyle = theme.failed;
-    c.lineWidth = 3;
+    c.lineWidth = alert === QUIET ? 1.4 : 3;
     c.stroke();
     return;
   }
   body(c, kind, 0, kind === UAV ? r * 1.05 : r, (-turn * 2 * Math.PI) / TURNS, status === IDLE);
   const works = status !== IDLE && status !== MOVING;
   const ring = r * RING;
-  if (alert) arc(c, r < ARC_R ? ring : ring + 2.5, 1, theme.failed, r < ARC_R ? 1.3 : 2);
+  if (alert === LOUD) arc(c, r < ARC_R ? ring : ring + 2.5, 1, theme.failed, r < ARC_R ? 1.3 : 2);
   if (battery !== null) {
     arc(c, ring, 1, theme.line, 1.4);
     arc(c, ring, battery / BATTERY_STEPS, battery <= LOW_STEPS ? theme.failed : works ? theme.status[status] : theme.kinds[kind], 2.2);
   } else if (works) arc(c, ring, 1, theme.status[status], 1.8, status === WAITING ? [2, 3] : []);
+  if (alert === QUIET) alertDot(c, ring * 0.75, -ring * 0.75);
 }
 
 /** A UAV and who works with it: both in one frame, in the colour of what they do. */
@@ -82,13 +93,15 @@ export const agents = {
     { mark: '<circle cx="6" cy="6" r="5" class="l-dots"/><circle cx="6" cy="6" r="2" class="l-dot"/>', words: say("dots: waiting") },
     { mark: '<path d="M6 1A5 5 0 1 1 1 6" class="l-idle"/>', words: say("arc: a UAV’s range left") },
     { mark: '<path d="M2 2 10 10M2 10 10 2" class="l-failed"/>', words: say("failed") },
+    { mark: '<circle cx="6" cy="6" r="5" class="l-alert"/><circle cx="6" cy="6" r="2" class="l-loud"/>', words: say("red ring or dot: needs attention") },
   ],
   draw(c, { near, r, sprites }) {
     const { pairs, partners } = pairsOf(near);
     const paired = new Set(pairs.map(({ uav }) => uav.agent));
     for (const kind of [2, WORKER, UAV]) {
       for (const item of near) {
-        const { agent, status, place, urgent: alert, px, py } = item;
+        const { agent, status, place, urgent, loud, px, py } = item;
+        const alert = loud ? LOUD : urgent ? QUIET : NONE;
         if (agent.kind !== kind || partners.has(agent) || paired.has(agent)) continue;
         const turn = kind === UAV ? turnOf(status, place) : 0;
         const battery = kind === UAV && r >= ARC_R && status !== FAILED ? batteryOf(item) : null;

@@ -1,6 +1,7 @@
 import { agentShape } from "../canvas.js";
 import { CHARGING_POINT, OVER, TO_DO } from "../clusters.js";
 import { theme } from "../theme.js";
+import { alertDot } from "./agents.js";
 
 const COLUMN_PX = 29;
 const ROW_PX = 12;
@@ -56,8 +57,8 @@ function shape(c, of, x, y) {
   return c.stroke();
 }
 
-/** A badge around the origin: for each class its shape and its number. */
-function badge(c, counts, wide, high) {
+/** A badge around the origin: for each class its shape and its number, and a dot at its corner where it hides an alert. */
+function badge(c, { counts, alerts }, wide, high) {
   c.beginPath();
   c.rect(-wide / 2, -high / 2, wide, high);
   c.fillStyle = theme.panel;
@@ -75,6 +76,7 @@ function badge(c, counts, wide, high) {
     c.fillStyle = theme.text;
     c.fillText(short(n), left + 2 * SHAPE_PX + 4, middle + 0.5);
   });
+  if (alerts > 0) alertDot(c, wide / 2, -high / 2);
 }
 
 /** A badge for each cluster, and a ring around the one that the keyboard is at. */
@@ -83,8 +85,8 @@ export const clusters = {
   draw(c, map) {
     for (const cluster of map.clusters) {
       const { left, top, wide, high } = badgeOf(cluster, map);
-      const key = `badge ${cluster.counts.map(short).join()}`;
-      map.sprites.stamp(c, key, Math.max(wide, high) / 2 + 1, left + wide / 2, top + high / 2, (s) => badge(s, cluster.counts, wide, high));
+      const key = `badge ${cluster.counts.map(short).join()} ${cluster.alerts > 0}`;
+      map.sprites.stamp(c, key, Math.max(wide, high) / 2 + 3, left + wide / 2, top + high / 2, (s) => badge(s, cluster, wide, high));
       if (cluster.key !== map.pointed) continue;
       c.strokeStyle = theme.accent;
       c.lineWidth = 3;

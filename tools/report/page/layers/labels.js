@@ -16,9 +16,9 @@ const REST_ZOOM = 1.5; // from that on those are named that do nothing, and task
 /** Why something is named, what matters most first. */
 const [ALERT, MOVES, WORKS, RESTS] = [0, 1, 2, 3];
 
-/** How much the name of an agent matters: with an alert, on its way, at work, or none of these. */
-export function rankOf({ urgent, status }) {
-  if (urgent) return ALERT;
+/** How much the name of an agent matters: with an alert that stands out, on its way, at work, or none of these. */
+export function rankOf({ loud, status }) {
+  if (loud) return ALERT;
   return status === MOVING ? MOVES : status === IDLE ? RESTS : WORKS;
 }
 
@@ -28,12 +28,12 @@ export function namesInView({ near, sites, k, state }) {
   const { names: paired, partners } = pairsOf(near);
   const agents = near.filter(({ agent }) => !chosen({ type: "agent", index: agent.index }) && !partners.has(agent))
     .map((item) => ({ text: paired.get(item.agent) ?? shortName(item.agent), px: item.px, py: item.py, rank: rankOf(item), wide: paired.has(item.agent) }));
-  const tasks = sites.filter(({ task, status, urgent }) => (urgent || k >= REST_ZOOM) && ![DONE, CANCELLED, EXPIRED].includes(status)
-    && !chosen({ type: "task", id: task.id })).map(({ task, px, py, urgent }) => ({ text: `${task.id}`, px, py, rank: urgent ? ALERT : RESTS }));
+  const tasks = sites.filter(({ task, status, loud }) => (loud || k >= REST_ZOOM) && ![DONE, CANCELLED, EXPIRED].includes(status)
+    && !chosen({ type: "task", id: task.id })).map(({ task, px, py, loud }) => ({ text: `${task.id}`, px, py, rank: loud ? ALERT : RESTS }));
   return [...agents, ...tasks].filter(({ rank }) => rank !== RESTS || k >= REST_ZOOM).sort((a, b) => a.rank - b.rank);
 }
 
-/** Names: of what is selected first, then of what has an alert, of who moves, who works, and near enough of the rest. */
+/** Names: of what is selected first, then of alerts that stand out, of who moves, who works, and near enough of the rest. */
 export const labels = {
   id: "names",
   title: say("Names"),
