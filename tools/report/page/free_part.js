@@ -12,16 +12,22 @@ export function freeWithin(box, { side, tools, legend }, phone) {
   return { left: phone || !side ? 0 : Math.max(0, side.right - box.left), top: tools ? Math.max(0, tools.bottom - box.top) : 0, right: 0, bottom };
 }
 
-/** The same as it is on the page; null while the map is not shown. */
-export function freePart(state) {
-  const box = byId("map-box").getBoundingClientRect();
+/** Tells the style sheet how much is covered: what stands at the edges of the map stands within. */
+function tell(free) {
+  for (const side of ["left", "top", "bottom"]) byId("map-panel").style.setProperty(`--free-${side}`, `${Math.round(free[side])}px`);
+  return free;
+}
+
+/** The same as it is on the page, of the map or of another `view` in its place; null while that is not shown. */
+export function freePart(state, view = byId("map-box")) {
+  const box = view.getBoundingClientRect();
   if (box.width === 0) return null;
-  if (state.wall || matchMedia("print").matches) return ALL_FREE;
+  if (state.wall || matchMedia("print").matches || "stage" in document.documentElement.dataset) return tell(ALL_FREE);
   const phone = matchMedia(PHONE).matches;
   const boxOf = (id) => byId(id).getBoundingClientRect();
   const isLow = document.documentElement.hasAttribute("data-below");
   const side = phone ? (isLow ? null : boxOf("side")) : state.folded.has("attention") ? null : boxOf("side");
   // Tools that are unfolded on a phone, for a moment, lie over the map.
   const tools = boxOf(phone ? "search-box" : "map-tools");
-  return freeWithin(box, { side, tools, legend: boxOf("legend-box") }, phone);
+  return tell(freeWithin(box, { side, tools, legend: boxOf("legend-box") }, phone));
 }

@@ -104,7 +104,6 @@ export class MapView {
     const free = freePart(this.state);
     if (!free) return;
     this.free = free;
-    for (const side of ["left", "top", "bottom"]) byId("map-panel").style.setProperty(`--free-${side}`, `${Math.round(free[side])}px`);
     this.draw();
   }
 

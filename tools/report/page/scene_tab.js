@@ -1,6 +1,7 @@
 import { inflate } from "./data.js";
 import { byId, element } from "./dom.js";
 import { describe } from "./describe.js";
+import { freePart } from "./free_part.js";
 import { language, say } from "./language.js";
 
 const NO_WEBGL = say("This browser has no WebGL 2, so it cannot draw the scene. The map shows the same mission.");
@@ -25,6 +26,13 @@ export class SceneTab {
     this.canvas.addEventListener("pointerleave", () => { byId("scene-tip").hidden = true; });
     state.on("look", () => this.#show());
     state.on("selection", () => this.#showFollow());
+    state.on("fold wall", () => this.view?.measure());
+    matchMedia("print").addEventListener("change", () => {
+      this.view?.measure();
+      this.view?.drawNow(); // paper does not wait for a frame
+    });
+    const sizes = new ResizeObserver(() => this.view?.measure());
+    for (const id of ["map-tools", "legend-box", "side"]) sizes.observe(byId(id));
   }
 
   reset() {
@@ -74,7 +82,8 @@ export class SceneTab {
       const code = await new Response(inflate(packed.textContent)).text();
       document.head.append(element("script", {}, code));
       this.view = new window.musterScene.SceneView({
-        canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock, language: language() });
+        canvas: this.canvas, context, labels: byId("scene-labels"), state: this.state, clock: this.clock, language: language(),
+        freeOf: () => freePart(this.state, byId("scene-box")) });
     } catch (error) {
       this.#cannot(say("The scene cannot be drawn: {why}. The map shows the same mission.", { why: error.message }));
       return;

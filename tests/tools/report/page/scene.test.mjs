@@ -114,6 +114,50 @@ test("what is selected in the scene is selected everywhere, and the other way", 
   await page.waitForFunction(() => location.hash.includes("look=scene"));
 });
 
+/** The corners of the area on the ground, and the box on the screen that what floats leaves free. */
+const corners = (page) => page.evaluate(() => {
+  const { camera, canvas, plane, orbit } = window.muster.scene;
+  const box = (id) => document.getElementById(id).getBoundingClientRect();
+  const within = canvas.getBoundingClientRect();
+  const seen = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, z]) => {
+    const v = camera.position.clone().set((x * plane.width) / 2, 0, (z * plane.height) / 2).project(camera);
+    return { x: within.left + ((v.x + 1) / 2) * within.width, y: within.top + ((1 - v.y) / 2) * within.height };
+  });
+  return { seen, within, side: box("side"), tools: box("map-tools"), search: box("search-box"), legend: box("legend-box"), moved: orbit.moved };
+});
+
+for (const [width, height] of [[1440, 900], [390, 844]]) {
+  test(`all of the area is seen between what floats on the scene, at ${width} x ${height}`, async (t) => {
+    const phone = width < 500;
+    const page = await open(t, "a.html", { viewport: { width, height }, isMobile: phone, hasTouch: phone }, "#look=scene&t=4800");
+    const fits = async (what) => {
+      await scene(page);
+      await soon(async () => {
+        const { seen, within, side, tools, search, legend } = await corners(page);
+        const free = phone ? { left: within.left, right: within.right, top: search.bottom, bottom: side.top }
+          : { left: side.right, right: within.right, top: tools.bottom, bottom: legend.top };
+        for (const { x, y } of seen) assert.ok(x > free.left && x < free.right && y > free.top && y < free.bottom, `${what}: ${JSON.stringify({ x, y, free })}`);
+        const fill = (from, to, values) => (Math.max(...values) - Math.min(...values)) / (to - from);
+        const filled = Math.max(fill(free.left, free.right, seen.map(({ x }) => x)), fill(free.top, free.bottom, seen.map(({ y }) => y)));
+        assert.ok(filled > 0.85 && filled < 1, `${what}: ${filled} of the free part`);
+      });
+    };
+    await fits("as it opens");
+    await page.locator("#scene").focus();
+    for (const key of ["ArrowLeft", "+", "Shift+ArrowRight"]) await page.keyboard.press(key);
+    assert.ok((await corners(page)).moved);
+    await page.locator("#map-reset").click();
+    await fits("Fit");
+    if (phone) return;
+    await page.keyboard.press("n");
+    await page.keyboard.press("c");
+    await soon(async () => {
+      const { seen } = await corners(page);
+      assert.ok(Math.min(...seen.map(({ x }) => x)) < 250, "what is folded leaves its room");
+    });
+  });
+}
+
 test("the camera follows the selected agent", async (t) => {
   const page = await open(t, "a.html", { reducedMotion: "reduce" }, "#t=4860&sel=uav:2&look=scene");
   await scene(page);
@@ -123,8 +167,9 @@ test("the camera follows the selected agent", async (t) => {
     await scrub(page, minutes);
     await scene(page);
     const { at, middle, target } = await page.evaluate(() => {
-      const { canvas, orbit } = window.muster.scene;
-      return { at: window.muster.scene.whereIs(2), middle: { px: canvas.clientWidth / 2, py: canvas.clientHeight / 2 }, target: orbit.target.join() };
+      const { canvas: { clientWidth: width, clientHeight: height }, orbit } = window.muster.scene;
+      const { left, right, top, bottom } = orbit.free;
+      return { at: window.muster.scene.whereIs(2), middle: { px: (left + width - right) / 2, py: (top + height - bottom) / 2 }, target: orbit.target.join() };
     });
     assert.ok(Math.hypot(at.px - middle.px, at.py - middle.py) < 2, JSON.stringify({ at, middle }));
     targets.add(target);

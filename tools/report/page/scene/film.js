@@ -34,6 +34,7 @@ export class Film {
     document.documentElement.dataset.stage = "";
     await frames(3); // until the canvas has its size
     const { canvas, orbit } = this.view;
+    this.view.measure();
     if (!this.view.follow) orbit.fit();
     this.canvas = Object.assign(document.createElement("canvas"), { width: canvas.clientWidth, height: canvas.clientHeight });
     if (this.canvas.width === 0) throw new Error(say("the scene has no room"));

@@ -1,3 +1,4 @@
+import { ALL_FREE } from "../free_part.js";
 import { SIZE } from "./plane.js";
 
 const NEAREST = 3;
@@ -6,7 +7,8 @@ const LOWEST = 1.5; // radians from above
 const TURN = 0.006; // radians a pixel
 const DRAG_PX = 4;
 const FITS = 12;
-const FILLED = 0.93; // of the canvas
+const FILLED = 0.93; // of the free part of the canvas
+const LEAST_PX = 40; // that are free each way
 
 /** How much is seen from top to bottom. */
 export const FIELD_DEG = 38;
@@ -20,6 +22,7 @@ export class Orbit {
     this.changed = changed;
     this.pointers = new Map();
     this.travelled = 0;
+    this.free = ALL_FREE; // how many pixels at each side are covered by what floats on the canvas
     this.reset(SIZE, SIZE);
     this.#bind();
   }
@@ -30,10 +33,17 @@ export class Orbit {
     this.fit();
   }
 
-  /** As near as shows all, in the middle, for the canvas as it is. */
+  /** The size of the canvas' free part, and how far its middle is from that of the canvas: pixels. */
+  get #room() {
+    const { free: { left, right, top, bottom }, canvas: { clientWidth: width, clientHeight: height } } = this;
+    return { wide: Math.max(LEAST_PX, width - left - right), high: Math.max(LEAST_PX, height - top - bottom), dx: (left - right) / 2, dy: (top - bottom) / 2 };
+  }
+
+  /** As near as shows all, in the middle, for the canvas' free part as it is. */
   fit() {
-    const tanY = Math.tan((FIELD_DEG * Math.PI) / 360);
-    const tanX = tanY * (this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight) || 1);
+    const { wide, high } = this.#room;
+    const perPixel = Math.tan((FIELD_DEG * Math.PI) / 360) / Math.max(1, this.canvas.clientHeight);
+    const [tanX, tanY] = [wide * perPixel, high * perPixel];
     const [sinA, cosA, sinP, cosP] = [Math.sin(this.azimuth), Math.cos(this.azimuth), Math.sin(this.polar), Math.cos(this.polar)];
     const [back, right, up] = [[sinP * sinA, cosP, sinP * cosA], [cosA, 0, -sinA], [-cosP * sinA, sinP, -cosP * cosA]];
     const along = (v, axis) => v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
@@ -63,6 +73,10 @@ export class Orbit {
     camera.position.set(this.target[0] + flat * Math.sin(this.azimuth), this.target[1] + this.distance * Math.cos(this.polar),
       this.target[2] + flat * Math.cos(this.azimuth));
     camera.lookAt(...this.target);
+    // What is looked at is in the middle of the free part.
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { dx, dy } = this.#room;
+    camera.setViewOffset(width, height, -dx, -dy, width, height);
   }
 
   turn(azimuth, polar) {

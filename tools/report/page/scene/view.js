@@ -20,10 +20,10 @@ const LABEL_PX = 7000; // of the scene for each name
 const CLOSE = 26; // how near the camera comes to what is chosen elsewhere
 const MOST_PIXELS = 2;
 
-/** The mission in three dimensions, at the clock's time: draws on `canvas`, names on `labels`. */
+/** The mission in three dimensions, at the clock's time: draws on `canvas`, names on `labels`. `freeOf()` is what floats on it leaves free. */
 export class SceneView {
-  constructor({ canvas, context, labels, state, clock, language }) {
-    Object.assign(this, { canvas, labels, state, clock });
+  constructor({ canvas, context, labels, state, clock, language, freeOf }) {
+    Object.assign(this, { canvas, labels, state, clock, freeOf });
     speak(language);
     readTheme();
     readWords(state.run.words);
@@ -60,12 +60,16 @@ export class SceneView {
     state.on("classes selection", () => this.#ways());
     state.on("trails", this.draw);
     state.on("fly", () => this.#fly());
-    new ResizeObserver(() => {
-      if (!this.orbit.moved) this.orbit.fit();
-      this.draw();
-    }).observe(canvas);
+    new ResizeObserver(() => this.measure()).observe(canvas);
     canvas.addEventListener("click", (event) => state.select(this.find(event.offsetX, event.offsetY)));
     canvas.addEventListener("dblclick", () => this.reset());
+  }
+
+  /** Looks how much of the canvas is covered. */
+  measure() {
+    this.orbit.free = this.freeOf() ?? this.orbit.free;
+    if (!this.orbit.moved) this.orbit.fit();
+    this.draw();
   }
 
   setMode(mode) {
@@ -175,8 +179,6 @@ export class SceneView {
       const at = this.#placeOf(state.selected);
       if (at) this.orbit.target = [at.x, at.y, at.z];
     }
-    camera.aspect = width / height;
-    camera.updateProjectionMatrix();
     this.orbit.aim(camera);
     camera.updateMatrixWorld();
     renderer.setClearColor(new Color(theme.page));
