@@ -15,10 +15,20 @@ export function fit(canvas) {
   return { context, width, height };
 }
 
-/** Runs `draw` at most once a frame, however often it is asked for. */
+const paper = globalThis.matchMedia?.("print");
+
+/** Runs `draw` at most once a frame, however often it is asked for; on paper, which does not wait for a frame, at once. */
 export function oncePerFrame(draw) {
   let due = false;
+  let drawing = false;
   return () => {
+    if (paper?.matches) {
+      if (drawing) return;
+      drawing = true;
+      draw();
+      drawing = false;
+      return;
+    }
     if (due) return;
     due = true;
     requestAnimationFrame(() => {

@@ -78,10 +78,7 @@ export class MapView {
       this.draw();
     });
     state.on("fold wall", () => this.#measure());
-    this.paper.addEventListener("change", () => {
-      this.#measure();
-      this.#draw(); // paper does not wait for a frame
-    });
+    this.paper.addEventListener("change", () => this.#measure());
     const sizes = new ResizeObserver(() => this.#measure());
     for (const id of ["map", "map-tools", "legend-box", "side"]) sizes.observe(byId(id));
   }

@@ -27,10 +27,7 @@ export class SceneTab {
     state.on("look", () => this.#show());
     state.on("selection", () => this.#showFollow());
     state.on("fold wall", () => this.view?.measure());
-    matchMedia("print").addEventListener("change", () => {
-      this.view?.measure();
-      this.view?.drawNow(); // paper does not wait for a frame
-    });
+    matchMedia("print").addEventListener("change", () => this.view?.measure());
     const sizes = new ResizeObserver(() => this.view?.measure());
     for (const id of ["map-tools", "legend-box", "side"]) sizes.observe(byId(id));
   }

@@ -16,10 +16,13 @@ export function readTheme() {
 
 export const RUN_DASHES = [[], [7, 3], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
 
+/** Reads the colours, and again when they change: dark or light, and on paper, which is always light. */
 export function watchTheme(changed) {
   readTheme();
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    readTheme();
-    changed();
-  });
+  for (const query of ["(prefers-color-scheme: dark)", "print"]) {
+    matchMedia(query).addEventListener("change", () => {
+      readTheme();
+      changed();
+    });
+  }
 }

@@ -71,6 +71,27 @@ for (const [width, height, colorScheme] of LOOKS) {
   });
 }
 
+test("printed, a map with heat has its squares and its legend, in light colours whatever the screen's are", async (t) => {
+  const printed = async (hash, colorScheme) => {
+    const page = await open(t, "a.html", { colorScheme }, `#t=5400&fold=legend${hash}`);
+    const screen = await picture(page, "map");
+    await page.emulateMedia({ media: "print", colorScheme });
+    const legends = page.locator("#legend-open-heat, #legend-response-heat, #legend-coverage");
+    const shown = await legends.evaluateAll((spans) => spans.filter((span) => span.checkVisibility()).length);
+    const map = await picture(page, "map");
+    const pdf = (await page.pdf({ format: "A4", landscape: true, scale: 0.7 })).toString("latin1");
+    assert.equal(pdf.match(/\/Type\s*\/Page\b/g).length, 1);
+    await page.emulateMedia({ media: "screen", colorScheme });
+    await soon(async () => assert.equal(await picture(page, "map"), screen, "the screen has its own colours again"));
+    return { shown, map };
+  };
+  const on = "&on=open-heat,response-heat,coverage";
+  const [plain, light, dark] = [await printed("", "light"), await printed(on, "light"), await printed(on, "dark")];
+  assert.deepEqual([plain.shown, light.shown, dark.shown], [0, 3, 3]);
+  assert.notEqual(light.map, plain.map, "the squares are there");
+  assert.equal(dark.map, light.map);
+});
+
 test("the browser and a link remember layers of heat", async (t) => {
   const context = await browser().newContext({ viewport: { width: 1400, height: 900 } });
   t.after(() => context.close());
