@@ -59,7 +59,7 @@ export class MapView {
     };
     this.drops = null; // what becomes of an agent that is dropped: drops(agent, goal, place); null: agents cannot be dragged
     bindDrag(this.canvas, { grab: (event) => this.#grab(event), moved: (drag) => this.#drag(drag), dropped: (agent, event) => this.#drop(agent, event) });
-    bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
+    this.isHeld = bindZoom(this.canvas, () => this.view, (view) => this.#look(view));
     this.canvas.addEventListener("pointermove", (event) => this.#hover(event));
     this.canvas.addEventListener("pointerleave", () => {
       this.tip.hidden = true;
@@ -376,6 +376,10 @@ export class MapView {
 
   #hover(event) {
     if (!this.shown) return;
+    if (this.isHeld()) { // the map goes with the pointer: what is below it stays the same
+      this.tip.hidden = true;
+      return;
+    }
     const found = this.#find(event);
     const cluster = found ? null : this.#clusterAt(event);
     const words = found ? describe(this.state.run, found, this.clock.t) : cluster ? clusterWords(cluster) : "";

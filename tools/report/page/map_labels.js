@@ -1,5 +1,9 @@
+import { Sprites } from "./sprites.js";
+
 const FONT = "11px system-ui, sans-serif";
 const HEIGHT = 12;
+const HALO_PX = 3;
+const pictures = new Sprites();
 
 /**
  * Texts beside places, the first ones first, none over another: each goes to the first of four sides where there is
@@ -22,17 +26,33 @@ export function placeLabels(labels, widthOf, { width, height }, taken = []) {
   return placed;
 }
 
-export function drawLabels(c, labels, size, halo, taken) {
-  c.save();
+const widths = new Map(); // in pixels, by text
+
+function measured(c, text) {
+  if (!widths.has(text)) {
+    c.font = FONT;
+    widths.set(text, c.measureText(text).width);
+  }
+  return widths.get(text);
+}
+
+function drawText(c, text, colour, halo) {
   c.font = FONT;
   c.textAlign = "left";
   c.lineJoin = "round";
-  c.lineWidth = 3;
+  c.lineWidth = HALO_PX;
   c.strokeStyle = halo;
-  for (const { text, left, bottom, colour } of placeLabels(labels, (of) => c.measureText(of).width, size, taken)) {
-    c.strokeText(text, left, bottom);
-    c.fillStyle = colour;
-    c.fillText(text, left, bottom);
+  c.strokeText(text, 0, 0);
+  c.fillStyle = colour;
+  c.fillText(text, 0, 0);
+}
+
+/** Draws labels where they have room. They are stamped, as symbols are: to draw a text and its halo anew takes much longer. */
+export function drawLabels(c, labels, size, halo, taken) {
+  c.save();
+  for (const { text, left, bottom, colour } of placeLabels(labels, (of) => measured(c, of), size, taken)) {
+    const reach = { left: HALO_PX, right: measured(c, text) + HALO_PX, top: HEIGHT + HALO_PX, bottom: HALO_PX + 2 };
+    pictures.stampBox(c, `${colour} ${halo} ${text}`, reach, left, bottom, (s) => drawText(s, text, colour, halo));
   }
   c.restore();
 }

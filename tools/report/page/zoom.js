@@ -22,7 +22,7 @@ export function gripped(view, before, after) {
   return zoomed(moved, apart(after) / apart(before), to.x, to.y);
 }
 
-/** The wheel, a drag and two fingers move and zoom `canvas`: change(next view) after each. */
+/** The wheel, a drag and two fingers move and zoom `canvas`: change(next view) after each. Returns whether it is held, when asked. */
 export function bindZoom(canvas, view, change) {
   const pointers = new Map();
   let travelled = 0;
@@ -60,4 +60,5 @@ export function bindZoom(canvas, view, change) {
     if (travelled > DRAG_PX) event.stopImmediatePropagation();
     travelled = 0;
   }, true);
+  return () => pointers.size > 0;
 }

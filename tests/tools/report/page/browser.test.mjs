@@ -144,8 +144,17 @@ test("the map is zoomed by the wheel and moved by a drag, which selects nothing"
   await page.mouse.wheel(0, -600);
   maps.push(await picture(page, "map"));
   await page.mouse.down();
+  const written = await page.evaluate(() => {
+    window.written = 0;
+    new MutationObserver((changes) => { window.written += changes.length; }).observe(document.getElementById("map-cursor"), { childList: true });
+    return document.getElementById("map-cursor").textContent;
+  });
   await page.mouse.move(box.x + 660, box.y + 240, { steps: 3 });
+  assert.equal(await page.evaluate(() => window.written), 0, "the map goes with the pointer: what is below it is not looked for");
+  assert.equal(await page.locator("#map-cursor").innerText(), written);
   await page.mouse.up();
+  await page.mouse.move(box.x + 640, box.y + 240);
+  assert.notEqual(await page.locator("#map-cursor").innerText(), written);
   maps.push(await picture(page, "map"));
   assert.equal(new Set(maps).size, 3);
   assert.ok(!(await page.locator("#selection").isVisible()));

@@ -10,20 +10,9 @@ const stepOf = ([first, second]) => second - first;
 function drawOutside(c, { x, y, width, height, step }) {
   if (!(step > 0)) return;
   c.globalAlpha = 0.55;
-  c.strokeStyle = theme.line;
-  c.lineWidth = 1;
-  c.beginPath();
-  for (let i = Math.ceil(x.invert(0) / step); i * step <= x.invert(width); ++i) {
-    const px = Math.round(x(i * step)) + 0.5;
-    c.moveTo(px, 0);
-    c.lineTo(px, height);
-  }
-  for (let i = Math.ceil(y.invert(height) / step); i * step <= y.invert(0); ++i) {
-    const py = Math.round(y(i * step)) + 0.5;
-    c.moveTo(0, py);
-    c.lineTo(width, py);
-  }
-  c.stroke();
+  c.fillStyle = theme.line;
+  for (let i = Math.ceil(x.invert(0) / step); i * step <= x.invert(width); ++i) c.fillRect(Math.round(x(i * step)), 0, 1, height);
+  for (let i = Math.ceil(y.invert(height) / step); i * step <= y.invert(0); ++i) c.fillRect(0, Math.round(y(i * step)), width, 1);
   c.globalAlpha = 1;
 }
 
@@ -34,24 +23,20 @@ function draw(c, { run, x, y, width, height, free = null }) {
   const metres = (from, to, pixels) => roundTicks([Math.max(0, from), to], pixels / 55, [1, 2, 5]);
   if (free) drawOutside(c, { x, y, width, height, step: stepOf(metres(x.invert(0), Math.min(w, x.invert(width)), right - left)) });
   const numbers = [];
-  c.strokeStyle = theme.grid;
-  c.lineWidth = 1;
-  c.beginPath();
+  c.fillStyle = theme.grid; // rectangles: a path of all lines takes several times as long
   for (const m of metres(x.invert(0), Math.min(w, x.invert(width)), right - left)) {
     const px = Math.round(x(m)) + 0.5;
-    c.moveTo(px, top);
-    c.lineTo(px, bottom);
+    c.fillRect(px - 0.5, top, 1, bottom - top);
     numbers.push([`${m / 1000}`, "center", px, Math.min(height - (free?.bottom ?? 0) - 5, y(0) + 13)]);
   }
   c.font = `10px ${FONT}`;
   for (const m of metres(y.invert(height), Math.min(h, y.invert(0)), bottom - top)) {
     const py = Math.round(y(m)) + 0.5;
-    c.moveTo(left, py);
-    c.lineTo(right, py);
+    c.fillRect(left, py - 0.5, right - left, 1);
     const text = `${m / 1000}`;
     numbers.push([text, "right", Math.max((free?.left ?? 0) + c.measureText(text).width + 5, x(0) - 5), py + 3]);
   }
-  c.stroke();
+  c.lineWidth = 1;
   c.strokeStyle = theme.line;
   c.strokeRect(x(0), y(h), x(w) - x(0), y(0) - y(h));
   // Numbers stand over the lines, the area's border too.
