@@ -19,8 +19,8 @@ export const RUN_DASHES = [[], [7, 3], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
 /** Reads the colours, and again when they change: dark or light, and on paper, which is always light. */
 export function watchTheme(changed) {
   readTheme();
-  for (const query of ["(prefers-color-scheme: dark)", "print"]) {
-    matchMedia(query).addEventListener("change", () => {
+  for (const query of [matchMedia("(prefers-color-scheme: dark)"), matchMedia("print")]) {
+    query.addEventListener("change", () => {
       readTheme();
       changed();
     });
