@@ -289,19 +289,32 @@ test("what another run decided otherwise is on the map, and names stand once", a
   await soon(async () => assert.ok(!(await page.locator("#differences").isVisible())));
 
   const faulty = await open(t, "faulty.html", {}, "#t=7000&sel=uav:3");
-  const names = await faulty.evaluate(() => new Promise((resolve) => {
-    let texts = []; // of the newest drawing
-    const { fillText: write, clearRect: clear } = CanvasRenderingContext2D.prototype;
-    CanvasRenderingContext2D.prototype.clearRect = function (...box) {
-      if (this.canvas.id === "map") texts = [];
-      return clear.call(this, ...box);
-    };
-    CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
-      if (this.canvas.id === "map") texts.push(text);
+  await faulty.evaluate(() => {
+    window.texts = []; // of the map's newest drawing: names are drawn aside once, and stamped
+    const texts = new WeakMap(); // by canvas, then by picture
+    const { clearRect: clear, drawImage: stamp } = CanvasRenderingContext2D.prototype;
+    const { fillText: write } = OffscreenCanvasRenderingContext2D.prototype;
+    const { transferToImageBitmap: take } = OffscreenCanvas.prototype;
+    OffscreenCanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+      texts.set(this.canvas, text);
       return write.call(this, text, ...at);
     };
-    window.muster.clock.seek(window.muster.clock.t);
-    requestAnimationFrame(() => requestAnimationFrame(() => resolve(texts)));
-  }));
+    OffscreenCanvas.prototype.transferToImageBitmap = function () {
+      const made = take.call(this);
+      texts.set(made, texts.get(this));
+      return made;
+    };
+    CanvasRenderingContext2D.prototype.clearRect = function (...box) {
+      if (this.canvas.id === "map") window.texts = [];
+      return clear.call(this, ...box);
+    };
+    CanvasRenderingContext2D.prototype.drawImage = function (what, ...at) {
+      if (this.canvas.id === "map") window.texts.push(texts.get(what));
+      return stamp.call(this, what, ...at);
+    };
+  });
+  await faulty.emulateMedia({ colorScheme: "dark" }); // everything is drawn anew
+  await soon(async () => assert.ok((await faulty.evaluate(() => window.texts)).includes("uav:3")));
+  const names = await faulty.evaluate(() => window.texts);
   assert.equal(names.filter((name) => name === "uav:3").length, 1);
 });
