@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
 import { inflateSync } from "node:zlib";
-import { LOOKS, MUSTER_SCENARIOS, accessible, file, json, muster, open, picture, raw, scrub, soon } from "./support.mjs";
+import { LOOKS, MUSTER_SCENARIOS, accessible, file, json, muster, namesOf, open, picture, raw, scrub, soon } from "./support.mjs";
 
 const now = (page) => page.locator("#time-now").innerText();
 
@@ -289,32 +289,8 @@ test("what another run decided otherwise is on the map, and names stand once", a
   await soon(async () => assert.ok(!(await page.locator("#differences").isVisible())));
 
   const faulty = await open(t, "faulty.html", {}, "#t=7000&sel=uav:3");
-  await faulty.evaluate(() => {
-    window.texts = []; // of the map's newest drawing: names are drawn aside once, and stamped
-    const texts = new WeakMap(); // by canvas, then by picture
-    const { clearRect: clear, drawImage: stamp } = CanvasRenderingContext2D.prototype;
-    const { fillText: write } = OffscreenCanvasRenderingContext2D.prototype;
-    const { transferToImageBitmap: take } = OffscreenCanvas.prototype;
-    OffscreenCanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
-      texts.set(this.canvas, text);
-      return write.call(this, text, ...at);
-    };
-    OffscreenCanvas.prototype.transferToImageBitmap = function () {
-      const made = take.call(this);
-      texts.set(made, texts.get(this));
-      return made;
-    };
-    CanvasRenderingContext2D.prototype.clearRect = function (...box) {
-      if (this.canvas.id === "map") window.texts = [];
-      return clear.call(this, ...box);
-    };
-    CanvasRenderingContext2D.prototype.drawImage = function (what, ...at) {
-      if (this.canvas.id === "map") window.texts.push(texts.get(what));
-      return stamp.call(this, what, ...at);
-    };
-  });
-  await faulty.emulateMedia({ colorScheme: "dark" }); // everything is drawn anew
-  await soon(async () => assert.ok((await faulty.evaluate(() => window.texts)).includes("uav:3")));
-  const names = await faulty.evaluate(() => window.texts);
-  assert.equal(names.filter((name) => name === "uav:3").length, 1);
+  const named = await namesOf(faulty);
+  const names = async () => (await named()).map(({ text }) => text);
+  await soon(async () => assert.ok((await names()).includes("uav:3")));
+  assert.equal((await names()).filter((name) => name === "uav:3").length, 1);
 });

@@ -1,7 +1,7 @@
 // The map as the page, and what floats on it, in Chromium. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
-import { LOOKS, accessible, drawn, file, muster, open, soon } from "./support.mjs";
+import { LOOKS, accessible, drawn, file, muster, namesOf, open, soon } from "./support.mjs";
 
 const box = (page, id) => page.locator(id).boundingBox();
 const isShown = (page, id) => page.locator(id).isVisible();
@@ -142,22 +142,7 @@ test("on a phone the map comes first, and a sheet is drawn up", async (t) => {
 
 test("names on the map are short, and none stands over another, however near the map is", async (t) => {
   const page = await open(t, "a.html", { viewport: { width: 1440, height: 900 } }, "#t=4800&sel=uav:2");
-  /** What the newest drawing of the map names: [{ text, left, right, top, bottom }]. */
-  const named = () => page.evaluate(() => new Promise((resolve) => {
-    const found = [];
-    const { fillText: write } = CanvasRenderingContext2D.prototype;
-    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
-      if (this.canvas.id === "map" && this.textAlign === "left" && this.font.startsWith("11px")) {
-        found.push({ text, left: x, right: x + this.measureText(text).width, top: y - 8, bottom: y + 2 });
-      }
-      return write.call(this, text, x, y);
-    };
-    window.muster.parts.map.draw();
-    requestAnimationFrame(() => requestAnimationFrame(() => {
-      CanvasRenderingContext2D.prototype.fillText = write;
-      resolve(found);
-    }));
-  }));
+  const named = await namesOf(page);
   for (const zoom of [0, 1, 2]) {
     if (zoom > 0) await page.locator("#map").dispatchEvent("wheel", { deltaY: -400, clientX: 900, clientY: 450 });
     await drawn(page);

@@ -112,6 +112,42 @@ export const picture = (page, id) => page.evaluate((name) => new Promise((resolv
   requestAnimationFrame(() => requestAnimationFrame(() => resolve(document.getElementById(name).toDataURL())));
 }), id);
 
+/**
+ * Names on the map: resolves to a function that tells those of the newest drawing, [{ text, left, right, top, bottom }]. A name is drawn
+ * aside once and stamped from then on, so all are drawn anew after this.
+ */
+export async function namesOf(page) {
+  await page.evaluate(() => {
+    window.names = [];
+    const texts = new WeakMap(); // by canvas, then by picture
+    const { clearRect: clear, drawImage: stamp } = CanvasRenderingContext2D.prototype;
+    const { fillText: write } = OffscreenCanvasRenderingContext2D.prototype;
+    const { transferToImageBitmap: take } = OffscreenCanvas.prototype;
+    OffscreenCanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+      if (this.textAlign === "left" && this.font.startsWith("11px")) texts.set(this.canvas, { text, wide: this.measureText(text).width });
+      return write.call(this, text, ...at);
+    };
+    OffscreenCanvas.prototype.transferToImageBitmap = function () {
+      const made = take.call(this);
+      if (texts.has(this)) texts.set(made, texts.get(this));
+      return made;
+    };
+    CanvasRenderingContext2D.prototype.clearRect = function (...box) {
+      if (this.canvas.id === "map") window.names = [];
+      return clear.call(this, ...box);
+    };
+    CanvasRenderingContext2D.prototype.drawImage = function (what, x, y, ...size) {
+      const name = this.canvas.id === "map" && texts.get(what);
+      // Its halo is 3 pixels wide, and its line begins 15 pixels below the picture's upper edge.
+      if (name) window.names.push({ text: name.text, left: x + 3, right: x + 3 + name.wide, top: y + 7, bottom: y + 17 });
+      return stamp.call(this, what, x, y, ...size);
+    };
+  });
+  await page.emulateMedia({ colorScheme: "dark" });
+  await drawn(page);
+  return () => page.evaluate(() => window.names);
+}
+
 /** No violation of axe-core's rules in the page as it is shown. */
 export async function accessible(page, what) {
   await page.evaluate(axe);
