@@ -76,6 +76,14 @@ bool Takes(const AgentState& agent, const Activity& activity) {
   return IsOf(agent, activity);
 }
 
+/// What was used of the range on a leg that is over does not depend on the ways of the present.
+void EndLeg(AgentState* agent, double range_m) {
+  if (agent->kind != AgentKind::kUav || RangeOnArrival(*agent) == range_m) return;
+  agent->from = agent->to;
+  agent->depart_us = agent->arrive_us;
+  agent->range_at_departure_m = range_m;
+}
+
 }  // namespace
 
 AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const Ways& ways) {
@@ -115,14 +123,6 @@ std::optional<TimeUs> BarredAt(const AgentState& agent, TimeUs since_us, const W
   const TimeUs set_out_us = agent.depart_us + HoldUs(agent);
   const auto way_us = static_cast<double>(agent.arrive_us - set_out_us);
   return set_out_us + static_cast<TimeUs>(std::ceil(*share * way_us));
-}
-
-/// What was used of the range on a leg that is over does not depend on the ways of the present.
-void EndLeg(AgentState* agent, double range_m) {
-  if (agent->kind != AgentKind::kUav || RangeOnArrival(*agent) == range_m) return;
-  agent->from = agent->to;
-  agent->depart_us = agent->arrive_us;
-  agent->range_at_departure_m = range_m;
 }
 
 void GoRound(AgentState* agent, TimeUs since_us, TimeUs t, const Ways& now) {

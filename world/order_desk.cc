@@ -249,18 +249,21 @@ void OrderDesk::CheckWithdrawal(const Order& withdrawal, const orders_t& said) c
       std::any_of(said.refused.begin(), said.refused.end(), is_it)) {
     throw InputError(fmt::format("order {} has been answered already", id));
   }
-  const auto waiting = std::find_if(waiting_.begin(), waiting_.end(), is_it);
-  if (waiting == waiting_.end() || scenario().persons.empty()) return;
-  const std::string by = SplitSignature(waiting->json, "order").by;
-  if (by != withdrawal.signed_by) throw InputError(fmt::format("order {} is of {}", id, by));
+  if (scenario().persons.empty()) return;
+  const auto check = [&](const std::string& by) {
+    if (by != withdrawal.signed_by) throw InputError(fmt::format("order {} is of {}", id, by));
+  };
+  for (const Waiting& waiting : waiting_) {
+    if (is_it(waiting)) check(SplitSignature(waiting.json, "order").by);
+  }
+  for (const PlannedOrder& planned : planned_) {
+    if (is_it(planned.order)) check(planned.order.signed_by);
+  }
 }
 
-const Order* OrderDesk::WithdrawalOf(const Order& order) const {
-  if (order.issuer == process_name::kWorld) return nullptr;
-  const auto found = withdrawals_.find(order.id);
-  if (found == withdrawals_.end()) return nullptr;
-  const bool is_own = found->second.signed_by == order.signed_by;
-  return is_own || scenario().persons.empty() ? &found->second : nullptr;
+std::pair<std::string, std::string> OrderDesk::Own(const std::string& id,
+                                                   const Order& given) const {
+  return {id, scenario().persons.empty() ? "" : given.signed_by};
 }
 
 void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
@@ -279,12 +282,13 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
       const std::string why = WhyMayNot(scenario->persons, order.signed_by, order.kind);
       if (!why.empty()) throw InputError(why);
     }
-    if (const Order* withdrawal = WithdrawalOf(order); withdrawal != nullptr) {
-      throw InputError(fmt::format("withdrawn by order {}", withdrawal->id));
+    const auto withdrawal = withdrawals_.find(Own(order.id, order));
+    if (withdrawal != withdrawals_.end() && order.issuer != process_name::kWorld) {
+      throw InputError(fmt::format("withdrawn by order {}", withdrawal->second));
     }
     if (order.kind == OrderKind::kWithdraw) {
       CheckWithdrawal(order, *said);
-      withdrawals_.try_emplace(order.closure, order);
+      withdrawals_.try_emplace(Own(order.closure, order), order.id);
     }
     const TakenOrder taken = TakeInto(scenario, order, t);
     if (order.task_id >= 0 && static_cast<std::size_t>(order.task_id) < status.size()) {
@@ -308,7 +312,7 @@ void OrderDesk::DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskS
 void OrderDesk::Note(const TakenOrder& taken, std::int64_t tick) {
   PlanOpening(taken, scenario().rules.TimeOf(tick));
   if (taken.order.kind == OrderKind::kWithdraw) {
-    withdrawals_.try_emplace(taken.order.closure, taken.order);
+    withdrawals_.try_emplace(Own(taken.order.closure, taken.order), taken.order.id);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/order_book.h"
@@ -62,8 +63,8 @@ class OrderDesk {
   void Note(const TakenOrder& taken, std::int64_t tick);
   /// Throws InputError where the order that it names is answered, or somebody else's.
   void CheckWithdrawal(const Order& withdrawal, const orders_t& said) const;
-  /// Who has withdrawn that order; null: nobody who may.
-  const Order* WithdrawalOf(const Order& order) const;
+  /// The order's id and its giver, where the mission knows its persons: each withdraws their own.
+  std::pair<std::string, std::string> Own(const std::string& id, const Order& given) const;
   void DecideOn(const Waiting& waiting, TimeUs t, std::span<const TaskStatus> status,
                 const Agents& agents, Scenario* scenario, orders_t* said);
 
@@ -73,7 +74,8 @@ class OrderDesk {
   std::vector<Waiting> waiting_;       ///< withdrawals, then others, each in order of arrival
   std::set<std::string> waiting_ids_;
   std::map<std::string, std::int64_t> answered_;  ///< ticks, by id
-  std::map<std::string, Order> withdrawals_;      ///< taken, by the id of the order withdrawn
+  /// Ids of those that were taken, by Own() of the order that they withdraw.
+  std::map<std::pair<std::string, std::string>, std::string> withdrawals_;
 };
 
 }  // namespace muster::world

@@ -148,6 +148,16 @@ TEST_F(OrderDeskTest, NobodyWithdrawsWhatAnotherHasOrdered) {
   hear("c", "Ann", R"({"order": "task_hold", "task": 4})");
   said = desk.Decide(2, status_, agents_);
   EXPECT_EQ(said.n_taken, 1) << "what Bob has withdrawn is not his";
+  desk.Take(said);
+
+  // Nor does Bob's keep Ann from it.
+  hear("w3", "Bob", Withdraws("d"));
+  hear("w4", "Ann", Withdraws("d"));
+  desk.Take(desk.Decide(3, status_, agents_));
+  hear("d", "Ann", R"({"order": "task_hold", "task": 5})");
+  said = desk.Decide(4, status_, agents_);
+  ASSERT_EQ(said.n_refused, 1);
+  EXPECT_EQ(said.refused[0].reason, "withdrawn by order w4");
 }
 
 TEST_F(OrderDeskTest, SaysWhyATaskOrAnAgentIsNotForThatOrder) {

@@ -201,7 +201,7 @@ const Report* TakenReport(View& view, int kind, int id) {
       }
     }
   }
-  // It would not have told it again differently if the world had heard it.
+  // A restarted process asks the world: had that heard its first word, it would have said it again.
   return all.back();
 }
 

@@ -134,7 +134,7 @@ void DrawClocks(std::uint64_t seed, VirtualMission* mission) {
   Random random(seed, Stream::kSoak, 8);
   if (random.Below(3) > 0) return;
   constexpr TimeUs kDayUs = 24 * 60 * kMinuteUs;
-  // Longer than most of the missions take.
+  // About as long as a mission takes.
   constexpr std::uint32_t kMissionMs = 500;
   mission->epoch_us = 10 * kDayUs;
   std::vector<std::string> names =

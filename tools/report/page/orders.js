@@ -131,10 +131,13 @@ export class Orders {
   }
 
   /** Takes back an order that waits for its tick. One that is answered before stays as it is answered. */
-  withdraw(entry) {
+  async withdraw(entry) {
     entry.withdrawal = `${entry.id}-withdraw`;
     this.changed(entry);
-    return this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.withdrawal, order: "withdraw", withdraws: entry.id }) });
+    const answer = await this.#request("/orders", { method: "POST", body: JSON.stringify({ id: entry.withdrawal, order: "withdraw", withdraws: entry.id }) });
+    if (answer) return;
+    entry.withdrawal = null; // no connection: it may be tried again
+    this.changed(entry);
   }
 
   async #request(address, options) {

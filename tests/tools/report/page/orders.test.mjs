@@ -360,6 +360,31 @@ test("without a token a page is read-only, with a wrong one it becomes so, and w
   await right.waitForFunction(() => document.getElementById("control-state").textContent === "control");
 });
 
+test("an order that waits for its tick is undone, at the second try after the connection has failed", async (t) => {
+  const run = liveRun("o.html", MINUTES);
+  let withdrawal = null;
+  const { url, given } = await serve(html, run, (order) => {
+    if (order.order === "withdraw") withdrawal = order;
+    if (order.order === "withdraw") return taken(order);
+    const id = order.asked ?? order.id;
+    return withdrawal ? [409, { id, refused: `withdrawn by order ${withdrawal.id}` }] : [202, { id, pending: true }];
+  });
+  const page = await openLive(t, `${url}#token=${TOKEN}`, {}, /ERR_FAILED|status of 409/);
+  await select(page, `task:${openTask(run)}`);
+  await page.getByRole("button", { name: "Hold" }).click();
+  await press(page, "Give the order");
+  const undo = page.locator("#order-latest").getByRole("button", { name: "Undo" });
+  await undo.waitFor();
+  await accessible(page, "an order that can be undone");
+  await page.route("**/orders", (route) => route.abort());
+  await undo.click();
+  await soon(async () => assert.ok(await undo.isEnabled()));
+  await page.unroute("**/orders");
+  await undo.click();
+  await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /: withdrawn$/));
+  assert.equal(withdrawal.withdraws, given[0].id);
+});
+
 test("a place is typed in; outside the area it is refused before it is asked back", async (t) => {
   const { url, given } = await serve(html, liveRun("o.html", MINUTES), taken);
   const page = await openLive(t, `${url}#token=${TOKEN}`);
