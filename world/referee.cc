@@ -225,7 +225,9 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     const AgentState& uav = agents->at(AgentKind::kUav, known.activity.uav.value);
     if (uav.failed) continue;
     if (const auto dry = RunsDryAt(uav, known.activity, scenario_.tasks); dry && *dry <= t) {
-      failures.push_back({*dry, {AgentKind::kUav, uav.id}, {Cause::kOutOfRange}});
+      // A partner that is done early shortens the sensing: at the last tick there was range left.
+      failures.push_back(
+          {std::max(*dry, previous_us_ + 1), {AgentKind::kUav, uav.id}, {Cause::kOutOfRange}});
     }
   }
   for (const Outage& outage : outages_) {

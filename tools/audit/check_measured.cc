@@ -279,15 +279,23 @@ void CheckMoved(View& view, Tracked* tracked, const Activity& listed) {
   }
 }
 
-/// Whether a UAV that has just set out anew can make its way, its work and the way on to charge.
+/// Whether a UAV that has just set out anew can make its way, its work and the way on to charge. As
+/// long as no report has told the wind, and the wind decides, that is as the world says.
 bool HasRangeFor(const View& view, const Activity& activity, const AgentModel& uav) {
-  const double way_m = uav.range_per_m * uav.leg_ways->Length(kUav, uav.from, uav.to);
+  const double way_m = uav.leg_ways->Length(kUav, uav.from, uav.to);
   const auto& tasks = view.scenario.tasks;
   const double more_m = !activity.senses()
                             ? 0
                             : tasks[static_cast<std::size_t>(activity.site)].cost_m +
                                   tasks[static_cast<std::size_t>(activity.site)].to_charge_m;
-  return way_m + more_m <= uav.range_at_departure_m + kTolerance_m;
+  const auto suffices = [&](double range_per_m) {
+    return range_per_m * way_m + more_m <= uav.range_at_departure_m + kTolerance_m;
+  };
+  const auto& wind = view.scenario.wind;
+  if (uav.way_seen || suffices(1 + wind.low) == suffices(1 + wind.high)) {
+    return suffices(uav.way_seen ? uav.range_per_m : 1 + wind.low);
+  }
+  return !view.released.contains({kUav, activity.uav});
 }
 
 /// Whether what the tick's orders close keeps one of the pair from its place, or lets it come too

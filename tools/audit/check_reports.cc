@@ -109,7 +109,7 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   model->set_out_us = model->depart_us;
   model->planned_us = model->arrive_us;
   model->range_after_m.reset();
-  model->goes_on_anew = false;
+  model->goes_on_anew = model->says_arrived = model->says_done = false;
 }
 
 /// The wind on a leg is known from the first report of it.
@@ -296,6 +296,8 @@ void ReportCheck::Check(View& view) {
       } else if (report != nullptr && !unheard.contains({kind, model.id})) {
         CheckReport(view, &model, *told, report->applied_decision);
       } else {
+        // A UAV flew to where its lost process says, in time or late.
+        if (told && kind == kUav) NoteUav(view, view.tick, *told);
         view.commands.erase({kind, model.id});  // of a lost process: what it did is not known
         FollowWays(view, &model, nullptr);
       }

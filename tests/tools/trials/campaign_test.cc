@@ -88,13 +88,15 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // of the tick that it goes on with (305164). Sensing while a zone is lifted (401119), lost as one
   // is added (310938), sent as one is lifted (402299, 405005). A computed place that a driver
   // corrects (401598, 402620, 402648, 403001), with ways that have changed (404278). Ticks that a
-  // restarted process tells otherwise (310539, 401969, 403235, 403350).
+  // restarted process tells otherwise (310539, 401969, 403235, 403350). A tick that a lost process
+  // tells in time (408742). A worker that is done before the UAV has run dry (500643), or that is
+  // sent on and stopped within a tick (501531). A wind that no report has told (502718).
   const std::set<Extra> all = CampaignSettings().extras;
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
-      {all,
-       {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
-        301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164, 401119, 310938,
-        402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005}},
+      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826,
+             300369, 301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164,
+             401119, 310938, 402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235,
+             403350, 404278, 405005, 408742, 500643, 501531, 502718}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
