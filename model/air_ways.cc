@@ -58,7 +58,7 @@ double AirWays::BentLength(AgentKind kind, Point from, Point to) const {
 void AirWays::BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                           std::span<double> lengths_m) const {
   if (kind != AgentKind::kUav) return ground_->Lengths(kind, from, to, lengths_m);
-  Ways::BentLengths(kind, from, to, lengths_m);
+  air_->Lengths(from, to, lengths_m);
 }
 
 std::vector<Ways::Corner> AirWays::BentCorners(AgentKind kind, Point from, Point to) const {

@@ -22,6 +22,9 @@ constexpr std::size_t kMostInLeaf = 4;
 /// Lengths are kept from so many places to so many goals: at most 16 MB, for each set of zones.
 constexpr std::int32_t kMostRows = 2048, kMostGoals = 1024;
 
+/// A place that is so near to a line counts as lying on it.
+constexpr double kBeside_m = 0.001;
+
 /// Flights whose lengths differ by no more than that are equally long.
 constexpr double kTie_m = 1e-7;
 
@@ -45,6 +48,24 @@ std::array<Point, 8> Octagon(double margin_m) {
            {-t, -margin_m},
            {t, -margin_m},
            {margin_m, -t}}};
+}
+
+Point Sum(Point a, Point b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
+Point Difference(Point a, Point b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
+double Cross(Point a, Point b) { return a.x_m * b.y_m - a.y_m * b.x_m; }
+
+/// From that corner of a piece between two places, along its sides to the left and to the right.
+std::array<Point, 2> SidesAt(Point corner, Point a, Point b, const std::array<Point, 8>& octagon) {
+  std::optional<Point> left, right;
+  for (const Point end : {a, b}) {
+    for (const Point out : octagon) {
+      const Point side = Difference(Sum(end, out), corner);
+      if (std::abs(side.x_m) + std::abs(side.y_m) < kBeside_m) continue;
+      if (!left || Cross(*left, side) > 0) left = side;
+      if (!right || Cross(*right, side) < 0) right = side;
+    }
+  }
+  return {*left, *right};
 }
 
 }  // namespace
@@ -142,6 +163,8 @@ Airspace::Airspace(std::vector<Zone> zones, double margin_m, Extent extent)
   }
   if (!by_place_.empty()) AddNode(0, by_place_.size());
   FindCorners(margin_m);
+  seen_from_corner_.resize(corners_.size());
+  corner_once_ = std::make_unique<std::once_flag[]>(corners_.size());
 }
 
 Airspace::~Airspace() = default;
@@ -171,14 +194,31 @@ void Airspace::FindCorners(double margin_m) {
   const auto octagon = Octagon(margin_m);
   for (const Zone& zone : zones_) {
     for (const std::vector<Point>& ring : zone.rings) {
-      for (const Point at : ring) {
-        for (const Point corner : octagon) {
-          const Point place{at.x_m + corner.x_m, at.y_m + corner.y_m};
-          if (extent_.Contains(place) && IsFree(place)) corners_.push_back(place);
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point before = ring[(i + ring.size() - 1) % ring.size()];
+        const Point after = ring[(i + 1) % ring.size()];
+        for (const Point out : octagon) {
+          const Point at = Sum(ring[i], out);
+          if (!extent_.Contains(at) || !IsFree(at)) continue;
+          corners_.push_back({at,
+                              {SidesAt(at, before, ring[i], octagon),  //
+                               SidesAt(at, ring[i], after, octagon)}});
         }
       }
     }
   }
+}
+
+bool Airspace::Corner::TurnsFrom(Point place) const {
+  const Point line = Difference(at, place);
+  const double tolerance = kBeside_m * Distance(at, place);
+  for (const auto& [left, right] : sides) {
+    const double of_left = Cross(line, left), of_right = Cross(line, right);
+    if (std::min(of_left, of_right) < -tolerance && std::max(of_left, of_right) > tolerance) {
+      return false;
+    }
+  }
+  return true;
 }
 
 std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
@@ -234,14 +274,46 @@ std::shared_ptr<Airspace::Known> Airspace::KnownOf(Point place) const {
   return known_.emplace(place, std::move(made)).first->second;
 }
 
+std::vector<std::shared_ptr<Airspace::Known>> Airspace::KnownOf(
+    std::span<const Point> places) const {
+  std::vector<std::shared_ptr<Known>> known(places.size());
+  {
+    const std::shared_lock lock(mutex_);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (const auto found = known_.find(places[i]); found != known_.end())
+        known[i] = found->second;
+    }
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (known[i] == nullptr) known[i] = KnownOf(places[i]);
+  }
+  return known;
+}
+
+bool Airspace::IsSeen(const Corner& corner, Point from) const {
+  return corner.at != from && corner.TurnsFrom(from) && IsClear(from, corner.at);
+}
+
 const std::vector<Airspace::Seen>& Airspace::SeenFrom(Known* place) const {
   std::call_once(place->seen_once, [&] {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (corners_[i] == place->at || !IsClear(place->at, corners_[i])) continue;
-      place->seen.push_back({static_cast<std::int32_t>(i), Distance(place->at, corners_[i])});
+      if (!IsSeen(corners_[i], place->at)) continue;
+      place->seen.push_back({static_cast<std::int32_t>(i), Distance(place->at, corners_[i].at)});
     }
   });
   return place->seen;
+}
+
+const std::vector<Airspace::Seen>& Airspace::SeenFromCorner(std::int32_t corner) const {
+  std::vector<Seen>& seen = seen_from_corner_[At(corner)];
+  std::call_once(corner_once_[At(corner)], [&] {
+    const Corner& here = corners_[At(corner)];
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (!here.TurnsFrom(corners_[i].at) || !IsSeen(corners_[i], here.at)) continue;
+      seen.push_back({static_cast<std::int32_t>(i), Distance(here.at, corners_[i].at)});
+    }
+  });
+  return seen;
 }
 
 void Airspace::SearchTo(Known* goal) const {
@@ -257,7 +329,7 @@ void Airspace::SearchTo(Known* goal) const {
       queue.emplace(metres, corner);
     };
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (corners_[i] == goal->at) reach(static_cast<std::int32_t>(i), 0, -1);
+      if (corners_[i].at == goal->at) reach(static_cast<std::int32_t>(i), 0, -1);
     }
     for (const Seen& seen : SeenFrom(goal)) reach(seen.corner, seen.metres, -1);
     std::vector<std::int32_t> reached;
@@ -266,21 +338,20 @@ void Airspace::SearchTo(Known* goal) const {
       queue.pop();
       if (metres > goal->rest_m[At(corner)]) continue;
       reached.push_back(corner);
-      const std::shared_ptr<Known> here = KnownOf(corners_[At(corner)]);
-      for (const Seen& seen : SeenFrom(here.get())) {
+      for (const Seen& seen : SeenFromCorner(corner)) {
         reach(seen.corner, metres + seen.metres, corner);
       }
     }
     for (const Seen& seen : SeenFrom(goal)) goal->next[At(seen.corner)] = -1;
     for (const std::int32_t corner : reached) {
-      const std::shared_ptr<Known> here = KnownOf(corners_[At(corner)]);
       const double rest_m = goal->rest_m[At(corner)];
       std::int32_t* const next = &goal->next[At(corner)];
       if (*next < 0) continue;
-      for (const Seen& seen : SeenFrom(here.get())) {
+      const Point here = corners_[At(corner)].at;
+      for (const Seen& seen : SeenFromCorner(corner)) {
         const double its_m = goal->rest_m[At(seen.corner)];
         if (!(its_m < rest_m) || seen.metres + its_m > rest_m + kTie_m) continue;
-        if (IsBefore(here->at, corners_[At(seen.corner)], corners_[At(*next)])) {
+        if (IsBefore(here, corners_[At(seen.corner)].at, corners_[At(*next)].at)) {
           *next = seen.corner;
         }
       }
@@ -306,7 +377,7 @@ std::optional<Point> Airspace::WayOut(Point place) const {
       }
     }
   }
-  for (const Point corner : corners_) offer(corner);
+  for (const Corner& corner : corners_) offer(corner.at);
   // Where two sides meet in a corner that points inwards. Those of both are nearer than the
   // nearest.
   std::vector<const Side*> near;
@@ -345,7 +416,7 @@ double Airspace::FreeLength(Known* from, Known* to, std::int32_t* first) const {
   if (least_m == kNowhere) return kNowhere;
   for (const Seen& seen : SeenFrom(from)) {
     if (seen.metres + to->rest_m[At(seen.corner)] > least_m + kTie_m) continue;
-    if (*first < 0 || IsBefore(from->at, corners_[At(seen.corner)], corners_[At(*first)])) {
+    if (*first < 0 || IsBefore(from->at, corners_[At(seen.corner)].at, corners_[At(*first)].at)) {
       *first = seen.corner;
     }
   }
@@ -355,30 +426,51 @@ double Airspace::FreeLength(Known* from, Known* to, std::int32_t* first) const {
 
 double Airspace::Length(Point from, Point to) const {
   if (from == to) return 0;
-  const std::shared_ptr<Known> goal = KnownOf(to);
-  if (!goal->is_free) return kNowhere;
-  const std::shared_ptr<Known> start = KnownOf(from);
-  std::atomic<double>* const kept = KeptLength(start.get(), goal.get());
-  if (kept == nullptr) return FindLength(start.get(), goal.get());
-  double length_m = kept->load(std::memory_order_relaxed);
-  if (length_m < 0) {
-    length_m = FindLength(start.get(), goal.get());
-    kept->store(length_m, std::memory_order_relaxed);
-  }
-  return length_m;
+  const std::shared_ptr<Known> goal = KnownOf(to), start = KnownOf(from);
+  KeepLengthsTo(goal.get());
+  KeepLengthsFrom(start.get());
+  return LengthBetween(start.get(), goal.get());
 }
 
-std::atomic<double>* Airspace::KeptLength(Known* from, Known* to) const {
-  std::call_once(to->goal_once, [&] {
-    if (n_goals_ < kMostGoals) to->goal = n_goals_++;
+void Airspace::Lengths(std::span<const Point> from, std::span<const Point> to,
+                       std::span<double> lengths_m) const {
+  const std::vector<std::shared_ptr<Known>> goals = KnownOf(to);
+  for (const auto& goal : goals) KeepLengthsTo(goal.get());
+  std::size_t i = 0;
+  for (const std::shared_ptr<Known>& start : KnownOf(from)) {
+    KeepLengthsFrom(start.get());
+    for (const std::shared_ptr<Known>& goal : goals) {
+      lengths_m[i++] = start->at == goal->at ? 0 : LengthBetween(start.get(), goal.get());
+    }
+  }
+}
+
+void Airspace::KeepLengthsTo(Known* goal) const {
+  std::call_once(goal->goal_once, [&] {
+    if (!goal->is_free || n_goals_ >= kMostGoals) return;
+    const std::int32_t number = n_goals_++;
+    if (number < kMostGoals) goal->goal = number;
   });
-  if (to->goal < 0 || to->goal >= kMostGoals) return nullptr;
-  std::call_once(from->row_once, [&] {
-    if (n_rows_++ >= kMostRows) return;
-    from->lengths_m = std::make_unique<std::atomic<double>[]>(At(kMostGoals));
-    for (std::int32_t i = 0; i < kMostGoals; ++i) from->lengths_m[At(i)] = -1;
+}
+
+void Airspace::KeepLengthsFrom(Known* place) const {
+  std::call_once(place->row_once, [&] {
+    if (n_rows_ >= kMostRows || n_rows_++ >= kMostRows) return;
+    place->lengths_m = std::make_unique<std::atomic<double>[]>(At(kMostGoals));
+    for (std::int32_t i = 0; i < kMostGoals; ++i) place->lengths_m[At(i)] = -1;
   });
-  return from->lengths_m ? &from->lengths_m[At(to->goal)] : nullptr;
+}
+
+double Airspace::LengthBetween(Known* from, Known* to) const {
+  if (!to->is_free) return kNowhere;
+  if (to->goal < 0 || !from->lengths_m) return FindLength(from, to);
+  std::atomic<double>& kept = from->lengths_m[At(to->goal)];
+  double length_m = kept.load(std::memory_order_relaxed);
+  if (length_m < 0) {
+    length_m = FindLength(from, to);
+    kept.store(length_m, std::memory_order_relaxed);
+  }
+  return length_m;
 }
 
 double Airspace::FindLength(Known* from, Known* to) const {
@@ -406,8 +498,9 @@ std::shared_ptr<const Airspace::Flight> Airspace::FlightBetween(Point from, Poin
   std::int32_t corner = -1;
   if (from != to) FreeLength(begin.get(), goal.get(), &corner);
   for (; corner >= 0; corner = goal->next[At(corner)]) {
-    if (corners_[At(corner)] == to) break;
-    flight->corners.push_back(corners_[At(corner)]);
+    const Point at = corners_[At(corner)].at;
+    if (at == to) break;
+    flight->corners.push_back(at);
     flight->reached_m.push_back(
         std::max(flight->reached_m.back(), length_m - goal->rest_m[At(corner)]));
   }

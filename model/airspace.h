@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <shared_mutex>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -51,6 +52,10 @@ class Airspace {
   };
   /// Metres; infinity: no flight leads there, as it lies in a zone or is enclosed by some.
   double Length(Point from, Point to) const;
+  /// What Length() says of each of `from` and each of `to`, in less time: into `lengths_m`
+  /// [from.size() * to.size()], all of the first of `from` first.
+  void Lengths(std::span<const Point> from, std::span<const Point> to,
+               std::span<double> lengths_m) const;
   /// Its last reached_m is the length. Null: there is none.
   std::shared_ptr<const Flight> FlightBetween(Point from, Point to) const;
   /// After how many of its metres, not before `begin_m`, a flight comes into one of the zones or
@@ -83,7 +88,16 @@ class Airspace {
     Box box;
     std::size_t first, end, other_half;
   };
-  /// Another corner in sight.
+  /// Where flights can turn.
+  struct Corner {
+    Point at;
+    /// Of both pieces that have it: the way along each of its two sides there.
+    std::array<std::array<Point, 2>, 2> sides;
+    /// Whether a flight from that place can turn there: the line leads past both pieces. If it led
+    /// on into one of them, the flight would be shorter without that corner.
+    bool TurnsFrom(Point place) const;
+  };
+  /// A corner in sight at which a flight can turn.
   struct Seen {
     std::int32_t corner;
     double metres;
@@ -95,19 +109,26 @@ class Airspace {
   /// The share of the line at which it enters the piece; none: it stays outside.
   static std::optional<double> EntersPiece(const Piece& piece, Point a, Point b);
   void FindCorners(double margin_m);
+  bool IsSeen(const Corner& corner, Point from) const;
   /// Appends the node of those of by_place_, and below it the nodes of its halves.
   void AddNode(std::size_t first, std::size_t end);
   bool IsClear(Point a, Point b) const;
   std::shared_ptr<Known> KnownOf(Point place) const;
+  std::vector<std::shared_ptr<Known>> KnownOf(std::span<const Point> places) const;
   const std::vector<Seen>& SeenFrom(Known* place) const;
+  /// Where a flight that turns at that corner can turn next.
+  const std::vector<Seen>& SeenFromCorner(std::int32_t corner) const;
   /// Shortest ways from all corners to that place.
   void SearchTo(Known* goal) const;
   /// The nearest place that is free.
   std::optional<Point> WayOut(Point place) const;
+  double LengthBetween(Known* from, Known* to) const;
   /// Length() without what is kept.
   double FindLength(Known* from, Known* to) const;
-  /// Where the length between these is kept, below 0 while it is not known; null: nowhere.
-  std::atomic<double>* KeptLength(Known* from, Known* to) const;
+  /// Gives the place a number among the goals and room for lengths to them, as long as there are
+  /// some left.
+  void KeepLengthsTo(Known* goal) const;
+  void KeepLengthsFrom(Known* place) const;
   /// Metres by the corner that the flight turns at first; -1: at none.
   double FreeLength(Known* from, Known* to, std::int32_t* first) const;
 
@@ -115,7 +136,10 @@ class Airspace {
   std::vector<Pieces> pieces_;          ///< of each zone
   std::vector<const Piece*> by_place_;  ///< of all zones, in the order of the tree
   std::vector<Node> nodes_;             ///< each before its halves
-  std::vector<Point> corners_;          ///< where flights can turn
+  std::vector<Corner> corners_;
+  /// [corner], each found when it is asked for.
+  mutable std::vector<std::vector<Seen>> seen_from_corner_;
+  std::unique_ptr<std::once_flag[]> corner_once_;
   Extent extent_;
 
   mutable std::shared_mutex mutex_;
