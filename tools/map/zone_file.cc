@@ -3,13 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/check.h"
 #include "base/json_tree.h"
 #include "base/text.h"
+#include "base/text_file.h"
+#include "tools/map/ogr.h"
 
 namespace muster::tools {
 namespace {
@@ -37,6 +44,19 @@ class Reader {
     if (is_object && top.value("type", ZoneJson()) == "Feature") return ReadItem(top);
     throw InputError(file_, "content", "no zones",
                      "GeoJSON with polygons, ED-269 (UASZoneList or features) or ED-318");
+  }
+
+  /// A feature as ogr2ogr makes it of a placemark of KML. Returns whether it has an area.
+  bool ReadPlacemark(const ZoneJson& feature, std::size_t number) {
+    where_ = fmt::format("placemark {}", number);
+    const ZoneJson& properties = At(feature, "properties");
+    MapZone zone;
+    zone.id = zone.name = TextOf(At(properties, "Name"));
+    zone.from = TimeOf(At(properties, "begin"));
+    zone.until = TimeOf(At(properties, "end"));
+    const std::size_t before = zones_->size();
+    ReadAreas(At(feature, "geometry"), zone);
+    return zones_->size() > before;
   }
 
  private:
@@ -116,24 +136,25 @@ class Reader {
     return of == "FT" || of == "ft" ? *value * kFoot_m : *value;
   }
 
+  std::optional<Moment> TimeOf(const ZoneJson& value) const {
+    if (value.is_null()) return {};
+    auto parsed = ParseMoment(TextOf(value));
+    if (!parsed) Fail("time", value, kMomentExpected);
+    return parsed;
+  }
+
   void ReadTimes(const ZoneJson& periods, MapZone* zone) const {
     if (!periods.is_array() || periods.empty()) return;
     bool always = false, is_first = true;
     std::optional<Moment> from, until;
-    const auto moment = [&](const ZoneJson& value) -> std::optional<Moment> {
-      if (value.is_null()) return {};
-      auto parsed = ParseMoment(TextOf(value));
-      if (!parsed) Fail("time", value, kMomentExpected);
-      return parsed;
-    };
     for (const ZoneJson& period : periods) {
       for (const char* key : {"schedule", "dailyPeriod"}) {
         for (const ZoneJson& part : At(period, key)) {
           zone->recurs |= !At(part, "startTime").is_null() || !At(part, "day").empty();
         }
       }
-      const auto begins = moment(At(period, "startDateTime"));
-      const auto ends = moment(At(period, "endDateTime"));
+      const auto begins = TimeOf(At(period, "startDateTime"));
+      const auto ends = TimeOf(At(period, "endDateTime"));
       always |= TextOf(At(period, "permanent")) == "YES" || (!begins && !ends);
       if (is_first || (from && begins && begins->unix_us < from->unix_us) || !begins) from = begins;
       if (is_first || (until && ends && ends->unix_us > until->unix_us) || !ends) until = ends;
@@ -196,10 +217,38 @@ class Reader {
     Fail("geometry.type", At(shape, "type"), "Polygon, MultiPolygon or a circle");
   }
 
+  /// The polygons of a geometry of any kind.
+  void ReadAreas(const ZoneJson& geometry, const MapZone& zone) {
+    const std::string type = TextOf(At(geometry, "type"));
+    if (type == "Polygon" || type == "MultiPolygon") ReadShape(geometry, zone);
+    if (type != "GeometryCollection") return;
+    for (const ZoneJson& part : At(geometry, "geometries")) ReadAreas(part, zone);
+  }
+
   const std::string& file_;
   std::string where_;
   std::vector<MapZone>* zones_;
 };
+
+MapZones ReadKml(const std::string& file) {
+  constexpr std::string_view kExpected = "KML or KMZ with polygons";
+  const std::ifstream in(file);
+  if (!in) {
+    throw InputError(fmt::format("{}: cannot read zones from it: {}", file, std::strerror(errno)));
+  }
+  MapZones read;
+  Reader reader(file, &read.zones);
+  std::size_t number = 0;
+  ReadByOgr(file, {}, kExpected, [&](std::string_view line) {
+    const ZoneJson feature = ZoneJson::parse(line, nullptr, false);
+    if (!reader.ReadPlacemark(feature, ++number)) ++read.n_others;
+  });
+  if (read.zones.empty()) {
+    throw InputError(file, "content", fmt::format("{} placemarks without an area", number),
+                     kExpected);
+  }
+  return read;
+}
 
 }  // namespace
 
@@ -208,6 +257,13 @@ std::vector<MapZone> ParseZones(std::string_view text, const std::string& file) 
   std::vector<MapZone> zones;
   Reader(file, &zones).Read(ZoneJson::parse(text));
   return zones;
+}
+
+MapZones ReadZones(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".kml" || ending == ".kmz") return ReadKml(file);
+  return {ParseZones(ReadTextFile(file, "zones"), file)};
 }
 
 }  // namespace muster::tools

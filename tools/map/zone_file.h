@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,8 +24,18 @@ struct MapZone {
   double radius_m = 0;
 };
 
-/// Reads the zones of a GeoJSON file, or of one in the European formats ED-269 or ED-318. What
-/// GeoJSON alone says is prohibited. Throws InputError.
+/// The zones of a GeoJSON text, or of one in the European formats ED-269 or ED-318. What GeoJSON
+/// alone says is prohibited. Throws InputError.
 std::vector<MapZone> ParseZones(std::string_view text, const std::string& file);
+
+struct MapZones {
+  std::vector<MapZone> zones;
+  std::size_t n_others = 0;  ///< points and lines of a KML file
+};
+
+/// The zones of a file: the polygons of .kml and .kmz (Google Earth), read by ogr2ogr, which are
+/// all prohibited and whose ids are their names; of all else what ParseZones() says of its text.
+/// Throws InputError.
+MapZones ReadZones(const std::string& file);
 
 }  // namespace muster::tools

@@ -12,7 +12,6 @@
 
 #include "base/check.h"
 #include "base/text.h"
-#include "base/text_file.h"
 #include "tools/map/local_frame.h"
 #include "tools/map/zone_file.h"
 
@@ -172,14 +171,15 @@ class ZoneTaker {
 
 void AddZonesOptions(Options* options) {
   options->Group("Zone");
-  options->Add("zones", "FILE",
-               "UAVs keep out of these zones: GeoJSON polygons, ED-269 or ED-318 (prohibited, and "
-               "those that need an authorisation)");
+  options->Add(
+      "zones", "FILE",
+      "UAVs keep out of these zones: polygons of GeoJSON or KML, ED-269 or ED-318 (prohibited, "
+      "and those that need an authorisation)");
   options->Add("zone-margin", "M", "Metres that UAVs stay away from a zone")
       .Number({1, 10'000})
       .Default(30);
   options->Add("authorised", "ID,ID,...",
-               "Zones of the file that the mission is authorised to fly in");
+               "Zones of the file that the mission is authorised to fly in (of KML by name)");
   options->Flag("keep-apart",
                 "UAVs are kept apart from each other; orders may add zones. --zones does so, too");
   options->Group("");
@@ -198,7 +198,7 @@ std::vector<std::string> TakeZones(const Arguments& arguments, Scenario* scenari
     throw InputError("command line", "--origin", "none",
                      "LAT,LON of the area's south-west corner, to place the zones");
   }
-  const std::vector<MapZone> zones = ParseZones(ReadTextFile(file, "zones"), file);
+  const auto [zones, n_others] = ReadZones(file);
   std::set<std::string> authorised;
   if (arguments.Has("authorised")) {
     for (std::string& id : Split(arguments.Get("authorised"), ','))
@@ -210,7 +210,9 @@ std::vector<std::string> TakeZones(const Arguments& arguments, Scenario* scenari
   for (const MapZone& zone : zones) taker.Take(zone, air.margin_m, file);
   air.zones = taker.zones();
   UseAir(std::move(air), scenario);
-  return taker.Summary(file, zones.size());
+  std::vector<std::string> said = taker.Summary(file, zones.size());
+  if (n_others > 0) said.push_back(fmt::format("  left out: {} without an area", n_others));
+  return said;
 }
 
 }  // namespace muster::tools

@@ -44,11 +44,12 @@ class ZonesOption : public ::testing::Test {
     scenario_.width_m = scenario_.height_m = 10'000;
   }
 
-  std::vector<std::string> Take(const std::string& json, std::vector<std::string> more = {}) {
-    std::ofstream(folder_.File("z.json")) << json;
+  std::vector<std::string> Take(const std::string& text, std::vector<std::string> more = {},
+                                const std::string& name = "z.json") {
+    std::ofstream(folder_.File(name)) << text;
     Options options("test", "");
     AddZonesOptions(&options);
-    more.insert(more.begin(), {"test", "--zones", folder_.File("z.json")});
+    more.insert(more.begin(), {"test", "--zones", folder_.File(name)});
     std::vector<const char*> argv;
     for (const std::string& argument : more) argv.push_back(argument.c_str());
     return TakeZones(options.Parse(static_cast<int>(argv.size()), argv.data()).value(), &scenario_);
@@ -163,6 +164,72 @@ TEST_F(ZonesOption, SamplesOfBothFormatsAreRead) {
     EXPECT_FALSE(zones[0].recurs);
     EXPECT_GE(zones[0].rings[0].size(), 5U);
   }
+}
+
+std::string Placemark(const std::string& name, const std::string& shape) {
+  return "<Placemark><name>" + name + "</name>" + shape + "</Placemark>";
+}
+
+std::string KmlTriangle(double west, double south) {
+  return fmt::format(
+      "<Polygon><outerBoundaryIs><LinearRing><coordinates>{0},{1},90 {2},{1},90 {2},{3},90 "
+      "{0},{1},90</coordinates></LinearRing></outerBoundaryIs></Polygon>",
+      west, south, west + 0.01, south + 0.01);
+}
+
+std::string Kml(const std::string& content) {
+  return R"(<?xml version="1.0" encoding="UTF-8"?><kml xmlns="http://www.opengis.net/kml/2.2">)"
+         "<Document>" +
+         content + "</Document></kml>";
+}
+
+TEST_F(ZonesOption, PolygonsOfKmlAreKeptOutOf) {
+  scenario_.start = ParseMoment("2026-11-28T10:00:00Z");
+  scenario_.rules.limit_us = 60 * kMinuteUs;
+  const std::string line =
+      "<LineString><coordinates>20.01,10.01 20.02,10.02</coordinates></LineString>";
+  const auto said = Take(Kml("<Folder>" + Placemark("Field &amp; hill", KmlTriangle(20.02, 10.02)) +
+                             Placemark("A path", line) + "</Folder><Folder>" +
+                             Placemark("Crowd",
+                                       "<TimeSpan><begin>2026-11-28T10:20:00Z</begin>"
+                                       "<end>2026-11-28T10:50:00Z</end></TimeSpan><MultiGeometry>" +
+                                           KmlTriangle(20.04, 10.02) + line +
+                                           KmlTriangle(20.06, 10.02) + "</MultiGeometry>") +
+                             Placemark("Ours", KmlTriangle(20.02, 10.05)) + "</Folder>"),
+                         {"--authorised", "Ours"}, "Zones.KML");
+  EXPECT_EQ(said, (std::vector<std::string>{"zones: Zones.KML: 4, of which 3 are kept out of",
+                                            "  left out: 1 authorised",
+                                            "  left out: 1 without an area"}));
+  const auto& zones = scenario_.air->zones;
+  ASSERT_EQ(zones.size(), 3U);
+  EXPECT_EQ(zones[0].zone.name, "Field & hill");
+  EXPECT_EQ(zones[0].from_us, 0);
+  EXPECT_TRUE(IsInside(zones[0].zone, {2900, 2500}));
+  EXPECT_EQ(zones[2].zone.name, "Crowd");
+  EXPECT_EQ(zones[2].from_us, 20 * kMinuteUs);
+  EXPECT_EQ(zones[2].until_us, 50 * kMinuteUs);
+  EXPECT_TRUE(IsInside(zones[2].zone, {7300, 2500}));
+}
+
+TEST_F(ZonesOption, KmlWithoutAreasOrOfAnotherKindIsRefused) {
+  const std::string point = "<Point><coordinates>20.01,10.01</coordinates></Point>";
+  const std::pair<std::string, const char*> cases[] = {
+      {Kml(Placemark("P", point)), "1 placemarks without an area, expected KML"},
+      {Kml(""), "0 placemarks"},
+      {"zones", "what ogr2ogr cannot read"},
+      {Kml(Placemark("P", KmlTriangle(220, 10))), "longitude and latitude"},
+  };
+  for (const auto& [text, expected] : cases) {
+    SCOPED_TRACE(text);
+    try {
+      Take(text, {}, "z.kml");
+      ADD_FAILURE() << "was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("z.kml"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(ReadZones(folder_.File("none.kml")), InputError);
 }
 
 TEST_F(ZonesOption, WhatIsNoZoneIsRefusedByFileAndKey) {
