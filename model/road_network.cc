@@ -232,6 +232,17 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, RoadSearch*
   return best;
 }
 
+std::int32_t RoadNetwork::NodeOf(const Spot& spot) const {
+  const Line& line = map_->lines[At(spot.road)];
+  return spot.along_mm == 0 ? line.first_node : spot.along_mm == line.cost_mm ? line.last_node : -1;
+}
+
+bool RoadNetwork::IsSame(const Spot& a, const Spot& b) const {
+  if (a.road == b.road && a.along_mm == b.along_mm) return true;
+  const std::int32_t node = NodeOf(a);
+  return node >= 0 && node == NodeOf(b);
+}
+
 RoadNetwork::Start RoadNetwork::StartOf(Point place) const {
   Known* const known = KnownOf(place, false);
   return {known->spot, known->to_site.get()};
@@ -240,12 +251,12 @@ RoadNetwork::Start RoadNetwork::StartOf(Point place) const {
 std::int64_t RoadNetwork::Cost(Point from, Point to) const {
   const Start start = StartOf(from);
   std::int64_t cost_mm = -1;
-  CostsTo({&from, 1}, {&start, 1}, to, {&cost_mm, 1});
+  CostsTo({&from, 1}, {&start, 1}, to, true, {&cost_mm, 1});
   return cost_mm;
 }
 
-void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
-                          std::span<std::int64_t> costs) const {
+bool RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
+                          bool waits, std::span<std::int64_t> costs) const {
   Known* const goal = KnownOf(to, true);
   std::unique_lock<std::mutex> lock(goal->mutex, std::defer_lock);
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -256,20 +267,22 @@ void RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> st
       costs[i] = cost == kUnreached ? -1 : std::int64_t{cost} - 1;
       continue;
     }
-    if (!lock) lock.lock();
+    if (!lock && waits) lock.lock();
+    if (!lock && !lock.try_lock()) return false;
     costs[i] = CostTo(from[i], starts[i], to, goal);
     if (known && costs[i] < std::int64_t{kUnreached} - 1) {
       known->store(costs[i] < 0 ? kUnreached : static_cast<std::uint32_t>(costs[i] + 1),
                    std::memory_order_relaxed);
     }
   }
+  return true;
 }
 
 std::int64_t RoadNetwork::CostTo(Point from, const Start& begins, Point to, Known* goal) const {
   const std::optional<Spot>&start = begins.spot, &end = goal->spot;
   if (from == to) return 0;
   if (!start || !end) return -1;
-  if (start->road == end->road && start->along_mm == end->along_mm) {
+  if (IsSame(*start, *end)) {
     const std::int64_t direct_mm = OpenCost(Distance(from, to));
     return direct_mm >= 0 ? direct_mm : start->off_mm + end->off_mm;
   }
@@ -333,7 +346,7 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
   Known* const known_goal = KnownOf(to, true);
   const std::optional<Spot>& goal = known_goal->spot;
   if (!start || !goal) return nullptr;
-  if (start->road == goal->road && start->along_mm == goal->along_mm) {
+  if (IsSame(*start, *goal)) {
     if (const std::int64_t direct_mm = OpenCost(Distance(from, to)); direct_mm >= 0) {
       across(to, direct_mm);
       return finished();

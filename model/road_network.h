@@ -50,17 +50,21 @@ class RoadNetwork {
   /// Cost from one place to the other; -1: there is no way.
   std::int64_t Cost(Point from, Point to) const;
   /// Cost from each of `from` to each of `to`: visit(from's index, to's index, cost). A goal's
-  /// costs are looked up for all beginnings at once, while they are at hand.
+  /// costs are looked up for all beginnings at once, while they are at hand. Goals that another
+  /// thread looks at come last: several threads that ask about the same goals share the work.
   template <class Visit>
   void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const {
     std::vector<Start> starts;
     starts.reserve(from.size());
     for (const Point& place : from) starts.push_back(StartOf(place));
     std::vector<std::int64_t> costs(from.size());
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      CostsTo(from, starts, to[j], costs);
+    std::vector<std::size_t> later;
+    const auto tell = [&](std::size_t j, bool waits) {
+      if (!CostsTo(from, starts, to[j], waits, costs)) return later.push_back(j);
       for (std::size_t i = 0; i < from.size(); ++i) visit(i, j, costs[i]);
-    }
+    };
+    for (std::size_t j = 0; j < to.size(); ++j) tell(j, false);
+    for (const std::size_t j : std::exchange(later, {})) tell(j, true);
   }
   /// The same way in full; its last reached_mm is the cost. Null: there is none.
   std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
@@ -151,14 +155,20 @@ class RoadNetwork {
   std::unique_ptr<RoadSearch> SearchOfAll(Point to, std::int32_t road) const;
   /// Forgets searches until half the room is free.
   void DropSearches(const Known* but) const;
+  /// The node that the spot is at; -1: it is between two.
+  std::int32_t NodeOf(const Spot& spot) const;
+  /// Whether they are one place. At a node that may be on different roads: rounding decides on
+  /// which.
+  bool IsSame(const Spot& a, const Spot& b) const;
   /// Where a way begins.
   struct Start {
     std::optional<Spot> spot;
     std::atomic<std::uint32_t>* to_site = nullptr;  ///< costs that are known; null: none are kept
   };
   Start StartOf(Point place) const;
-  /// `starts`: of `from`.
-  void CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
+  /// `starts`: of `from`. False: another thread looks for ways to that goal, and this one does not
+  /// wait.
+  bool CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to, bool waits,
                std::span<std::int64_t> costs) const;
   std::int64_t CostTo(Point from, const Start& start, Point to, Known* goal) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves

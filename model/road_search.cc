@@ -1,6 +1,7 @@
 #include "model/road_search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/index.h"
 
@@ -10,6 +11,22 @@ namespace {
 constexpr std::size_t kFirstSlots = 64;
 
 }  // namespace
+
+void CostQueue::Sort() {
+  if (!buckets_[0].empty()) return;
+  const auto first = std::find_if(buckets_.begin(), buckets_.end(),
+                                  [](const auto& bucket) { return !bucket.empty(); });
+  least_ = std::min_element(first->begin(), first->end())->first;
+  for (const Entry& entry : *first) buckets_[BucketOf(entry.first)].push_back(entry);
+  first->clear();
+}
+
+void CostQueue::Lower(std::uint32_t least) {
+  least_ = least;
+  for (auto& bucket : std::exchange(buckets_, {})) {
+    for (const Entry& entry : bucket) buckets_[BucketOf(entry.first)].push_back(entry);
+  }
+}
 
 RoadSearch::RoadSearch(const RoadGraph& graph, bool far,
                        std::shared_ptr<std::atomic<std::size_t>> bytes)

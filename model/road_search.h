@@ -1,11 +1,12 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
-#include <queue>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,6 +23,41 @@ struct RoadGraph {
   std::vector<std::size_t> arcs_of;  ///< [nodes + 1] into arcs
 
   std::size_t n_nodes() const { return arcs_of.size() - 1; }
+};
+
+/// A queue of nodes by cost for a search that never asks for less than it had: a radix heap (Ahuja,
+/// Mehlhorn, Orlin and Tarjan 1990). An entry moves at most 32 times, mostly few, and in runs that
+/// lie together in memory.
+class CostQueue {
+ public:
+  using Entry = std::pair<std::uint32_t, std::int32_t>;  ///< cost, node
+
+  bool empty() const { return size_ == 0; }
+  /// Seldom a cost below that of top(): then all entries move.
+  void push(Entry entry) {
+    if (entry.first < least_) Lower(entry.first);
+    buckets_[BucketOf(entry.first)].push_back(entry);
+    ++size_;
+    if (size_ == 1) Sort();
+  }
+  /// One of those of the least cost.
+  const Entry& top() const { return buckets_[0].back(); }
+  void pop() {
+    buckets_[0].pop_back();
+    if (--size_ > 0) Sort();
+  }
+
+ private:
+  std::size_t BucketOf(std::uint32_t cost) const {
+    return static_cast<std::size_t>(std::bit_width(cost ^ least_));
+  }
+  /// Brings those of the least cost into the first bucket.
+  void Sort();
+  void Lower(std::uint32_t least);
+
+  std::array<std::vector<Entry>, 33> buckets_;  ///< by the highest bit that differs from least_
+  std::uint32_t least_ = 0;
+  std::size_t size_ = 0;
 };
 
 /// Costs from nodes to one place, found outwards from it as far as was asked: of what Dijkstra's
@@ -57,7 +93,7 @@ class RoadSearch {
   }
 
  private:
-  using Entry = std::pair<std::uint32_t, std::int32_t>;  ///< cost, node
+  using Entry = CostQueue::Entry;
 
   std::uint32_t final_mm() const { return queue_.empty() ? kUnreached : queue_.top().first; }
   std::uint32_t CostOf(std::int32_t node) const;
@@ -78,7 +114,7 @@ class RoadSearch {
   std::vector<std::uint32_t> cost_mm_;  ///< by node; empty: the table has them
   std::vector<Entry> table_;            ///< a power of two of slots; node -1: free
   std::size_t n_in_table_ = 0;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  CostQueue queue_;
 };
 
 }  // namespace muster

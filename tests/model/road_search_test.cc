@@ -1,7 +1,9 @@
 #include "model/road_search.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -61,6 +63,35 @@ std::vector<std::uint32_t> CostsByRelaxation(std::int32_t n_nodes,
     }
   }
   return costs;
+}
+
+TEST(CostQueue, GivesTheLeastCost) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed, Stream::kTest);
+    CostQueue queue;
+    std::multiset<CostQueue::Entry> expected;
+    for (std::int32_t i = 0; i < 2000; ++i) {
+      if (!expected.empty() && random.Below(5) < 2) {
+        const CostQueue::Entry top = queue.top();
+        ASSERT_EQ(top.first, expected.begin()->first);
+        const auto same = expected.find(top);
+        ASSERT_NE(same, expected.end()) << "never came in";
+        expected.erase(same);
+        queue.pop();
+      } else {
+        // Now and then less than what has been taken, or as much as there can be.
+        const std::uint32_t least = expected.empty() ? 0 : expected.begin()->first;
+        const std::uint32_t from = random.Below(50) == 0 ? 0 : least;
+        const std::uint32_t cost = random.Below(100) == 0
+                                       ? std::numeric_limits<std::uint32_t>::max()
+                                       : from + random.Below(3000);
+        queue.push({cost, i});
+        expected.emplace(cost, i);
+      }
+      ASSERT_EQ(queue.empty(), expected.empty());
+    }
+  }
 }
 
 TEST(RoadSearch, FindsTheCostsOfRelaxationWhateverIsAskedFirst) {

@@ -64,6 +64,21 @@ TEST(RoadWays, LengthsOfAVillageByHand) {
   EXPECT_EQ(ways.ToRoad(kWorker, {400, -401}), std::nullopt);
 }
 
+TEST(RoadWays, TheEndsOfTwoRoadsAtOneJunctionAreOnePlace) {
+  // Both places are nearest to the junction. By rounding one is nearer to the first road's end, the
+  // other to the second's beginning.
+  Roads roads;
+  roads.classes = {{"street", {0, 100, 100}, false}};
+  roads.points = {{1'541'432, 9'937'964}, {4'055'761, 10'227'253}, {4'279'182, 14'053'740}};
+  roads.roads = {{10, 0, {0, 1}}, {11, 0, {1, 2}}};
+  constexpr PerKind<OpenGround> kOpen = {{}, {50, 5000}, {50, 5000}};
+  const RoadWays ways(std::make_shared<const Roads>(roads), kOpen, {});
+  const Point from{6249, 8237}, to{5019.004, 7657.31};
+  const double straight_m = std::sqrt(1229.996 * 1229.996 + 579.69 * 579.69);
+  EXPECT_NEAR(ways.Length(kVehicle, from, to), 2 * straight_m, 0.01);
+  EXPECT_TRUE(ways.Corners(kVehicle, from, to).empty());
+}
+
 TEST(RoadWays, PlacesAndCornersOfAVillageByHand) {
   const RoadWays ways(std::make_shared<const Roads>(Village()), kFields, {});
   EXPECT_EQ(ways.Corners(kVehicle, {400, 200}, {0, 0}),

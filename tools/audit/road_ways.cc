@@ -72,7 +72,7 @@ class Streets {
     if (Same(from, to)) return 0;
     const auto start = FootOf(from), goal = FootOf(to);
     if (!start || !goal) return kNone;
-    if (start->piece == goal->piece && start->along == goal->along) {
+    if (IsSame(*start, *goal)) {
       const Mm direct = Aside(from, to);
       return direct != kNone ? direct : start->aside + goal->aside;
     }
@@ -95,7 +95,7 @@ class Streets {
     };
     const auto start = FootOf(from), goal = FootOf(to);
     if (Same(from, to) || !start || !goal) return steps;
-    const bool direct = start->piece == goal->piece && start->along == goal->along;
+    const bool direct = IsSame(*start, *goal);
     if (!direct || Aside(from, to) == kNone) {
       go(start->at, start->aside, -1);
       if (!direct) Walk(*start, *goal, go);
@@ -175,6 +175,15 @@ class Streets {
   Place At(int point) const {
     const auto& [x, y] = points_[static_cast<std::size_t>(point)];
     return {static_cast<double>(x) / 1000, static_cast<double>(y) / 1000};
+  }
+  /// Of the piece's two ends the one that it is at; -1: neither.
+  int PointOf(const Foot& foot) const {
+    const Piece& piece = PieceAt(foot.piece);
+    return foot.along == 0 ? piece.a : foot.along == piece.cost ? piece.b : -1;
+  }
+  bool IsSame(const Foot& one, const Foot& other) const {
+    if (one.piece == other.piece && one.along == other.along) return true;
+    return PointOf(one) >= 0 && PointOf(one) == PointOf(other);
   }
   const Piece& PieceAt(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
 
