@@ -40,7 +40,11 @@ void StopAt(AgentState* agent, TimeUs t, std::span<const Task> tasks) {
   agent->action = ActionKind::kNone;
   agent->target = agent->partner = -1;
   agent->activity.reset();
-  if (agent->measured) NoteLeg(agent);
+  if (!agent->measured) return;
+  // What it has said since does not count: it is ruled to have stopped before.
+  Measured::Seen& seen = agent->measured->seen;
+  if (t < seen.at_us) seen = {here, t, range};
+  NoteLeg(agent);
 }
 
 /// When the present leg began: that of a measured agent is told anew as it goes.
@@ -307,6 +311,10 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     }
     if (!Takes(*agent, activity)) return;
     if (agent->measured && agent->action == ActionKind::kNone) agent->measured->arrived = true;
+    if (agent->measured && !agent->measured->arrived && activity.start_us <= t) {
+      // Its process was started again, and says that it is on its way: too late.
+      HasArrived(agent, activity.start_us);
+    }
     if (agent->measured && agent->measured->done && agent->busy_until_us < activity.start_us) {
       HasNotBegun(agent);  // what it said to be done with: its partner is late
     }

@@ -183,10 +183,7 @@ std::string ApplyArrived(AgentState* agent, const MeasuredReport& report, TimeUs
   if (!problem.empty() || agent->measured->arrived) return problem;
   problem = CheckSpeed(*agent, agent->to, t);
   if (!problem.empty()) return problem;
-  agent->arrive_us = std::min(agent->arrive_us, t);
-  Measured::Seen& seen = agent->measured->seen;
-  seen = {agent->to, t, std::max(0.0, seen.range_m - agent->GoneM(seen.at, agent->to))};
-  agent->measured->arrived = true;
+  HasArrived(agent, t);
   if (!IsPair(agent->action)) agent->busy_until_us = agent->arrive_us;
   return {};
 }
@@ -241,6 +238,13 @@ std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs 
     default:
       return {};
   }
+}
+
+void HasArrived(AgentState* agent, TimeUs at_us) {
+  agent->arrive_us = std::min(agent->arrive_us, at_us);
+  Measured::Seen& seen = agent->measured->seen;
+  seen = {agent->to, at_us, std::max(0.0, seen.range_m - agent->GoneM(seen.at, agent->to))};
+  agent->measured->arrived = true;
 }
 
 void HasNotBegun(AgentState* agent) {

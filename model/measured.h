@@ -41,6 +41,9 @@ inline constexpr TimeUs kMeasuredSlackUs = kSecondUs;
 [[nodiscard]] std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs t,
                                       std::span<const Task> tasks);
 
+/// It is where it was sent, since then at the latest.
+void HasArrived(AgentState* agent, TimeUs at_us);
+
 /// Forgets that it said to be done with sensing or charging: that has not begun after all.
 void HasNotBegun(AgentState* agent);
 

@@ -60,7 +60,9 @@ void ReadRulings(View& view) {
     const std::string name = view.Model(r.agent_kind, r.agent_id).name();
     const bool silent = r.kind == RulingKind::kLost && IsVacant(view, agent);
     if (r.kind == RulingKind::kReleased) {
-      view.released[agent] = r.at_us;
+      // A pair may have ended before an order frees its members: the first counts.
+      const auto first = view.released.try_emplace(agent, r.at_us).first;
+      first->second = std::min(first->second, r.at_us);
       continue;
     }
     const auto known = view.failed.find(agent);

@@ -36,6 +36,13 @@ void TakeRoundedArrival(AgentModel* model, const agent_t& a) {
   }
 }
 
+void CheckCommunication(const View& view, const AgentModel& model, double cost_m) {
+  if (model.spec->measured || Within(cost_m, view.scenario.communication_m, kTolerance_m)) return;
+  view.Violate("range", "{} paid {:.6g} m to communicate, expected {:.6g} to {:.6g} m",
+               model.name(), cost_m, view.scenario.communication_m.low,
+               view.scenario.communication_m.high);
+}
+
 void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const auto found = view.commands.find({model->kind, model->id});
   if (found == view.commands.end()) return;
@@ -72,14 +79,14 @@ void ResolveCommand(View& view, AgentModel* model, const agent_t& a) {
   const bool tells_departure = a.depart_us == command.at_us;
   model->cost_is_hidden = view.scenario.communication_m.high > 0 && !tells_departure;
   if (model->kind == kUav && view.scenario.communication_m.high > 0 && tells_departure) {
-    const double cost_m = range_m - a.range_at_departure_m;
-    if (!model->spec->measured && a.range_at_departure_m > 0 &&
-        !Within(cost_m, view.scenario.communication_m, kTolerance_m)) {
-      view.Violate("range", "{} paid {:.6g} m to communicate, expected {:.6g} to {:.6g} m",
-                   model->name(), cost_m, view.scenario.communication_m.low,
-                   view.scenario.communication_m.high);
+    if (a.range_at_departure_m > 0) {
+      CheckCommunication(view, *model, range_m - a.range_at_departure_m);
     }
     range_m = std::min(range_m, a.range_at_departure_m);
+  }
+  // Of two roundings the reported one: what follows is computed from it.
+  if (model->kind == kUav && tells_departure && Near(range_m, a.range_at_departure_m)) {
+    range_m = a.range_at_departure_m;
   }
   model->from = model->to;
   model->to = goal;
@@ -177,11 +184,17 @@ void FollowWays(const View& view, AgentModel* model, const agent_t* report) {
   if (model->kind == kUav) {
     const double gone_m = before.Length(kUav, model->from, model->to) * here_part;
     double& range_m = model->range_at_departure_m;
-    const bool is_told = report != nullptr && report->range_left_m > 0 && !model->way_seen;
+    const bool is_told = report != nullptr && report->range_left_m > 0 &&
+                         (!model->way_seen || model->cost_is_hidden);
     if (is_told && !model->cost_is_hidden) {
       SeeFactor(view, model, range_m - report->range_left_m, gone_m);
     }
+    if (is_told && model->cost_is_hidden && model->way_seen) {
+      CheckCommunication(view, *model,
+                         range_m - model->range_per_m * gone_m - report->range_left_m);
+    }
     range_m = is_told ? report->range_left_m : std::max(0.0, range_m - model->range_per_m * gone_m);
+    if (is_told) model->cost_is_hidden = false;
   }
   model->GoRound(now, here, view.now_us);
   if (report != nullptr) TakeRoundedArrival(model, *report);
@@ -315,10 +328,9 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   CheckSpec(view, *model, a);
 
   const Place here{a.x_m, a.y_m};
-  // A report runs ahead of what the world rules afterwards: the agent may have stopped before it.
-  const bool is_new_leg = view.commands.contains({model->kind, model->id});
-  const Ways& ways = is_new_leg ? *model->ways : *model->leg_ways;
-  const double moved = ways.Gone(model->kind, model->was, here);
+  // By the straight line: CheckMotion compares it with its way. By road a place beside the road may
+  // be near to another one, and far by the ways of both.
+  const double moved = Apart(model->was, here);
   const double seconds = ToSeconds(view.now_us - model->was_us);
   const double most = model->spec->speed_m_s * seconds;
   const double rounding_m = model->ways->rounding_m(model->kind);
