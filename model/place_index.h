@@ -15,6 +15,8 @@ class PlaceIndex {
  public:
   PlaceIndex(std::span<const Point> places, WaysOf ways) : grid_(places), ways_(ways) {}
 
+  bool straight() const { return ways_.straight(); }
+
   /// Calls visit(index, metres) for every place whose way from `from` is at most `radius_m`, in an
   /// order that depends on the places alone.
   template <class Visit>

@@ -90,9 +90,9 @@ class Builder {
   }
 
   template <class Find>
-  std::vector<Way> FindWays(std::size_t n, const Find& find) const {
+  std::vector<Way> FindWays(std::size_t n, const WaysOf& by, const Find& find) const {
     std::vector<Way> ways, second;
-    ParallelFor(n, threads_, 512, [&](std::size_t begin, std::size_t end) {
+    ParallelFor(n, threads_, by.straight() ? 512 : 16, [&](std::size_t begin, std::size_t end) {
       std::vector<Way>* out = begin == 0 ? &ways : &second;
       for (std::size_t i = begin; i < end; ++i) find(i, out);
     });
@@ -105,7 +105,7 @@ class Builder {
   void FindUavWays() {
     const std::vector<double>& range_m = roster_.range_m;
     const PlaceIndex tasks(roster_.task_at, uavs_.ways), charges(roster_.charge_at, uavs_.ways);
-    uav_to_task_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
+    uav_to_task_ = FindWays(uavs_.size(), uavs_.ways, [&](std::size_t u, std::vector<Way>* ways) {
       const LevelOf& level = uavs_.level_of(u);
       tasks.WithinFrom(uavs_.at[u], range_m[u], [&](Index x, double metres) {
         const double to_charge_m = site_.task_to_charge_m[roster_.tasks[At(x)].index()];
@@ -113,7 +113,7 @@ class Builder {
         ways->push_back({static_cast<Index>(u), x, metres, level(metres)});
       });
     });
-    uav_to_charge_ = FindWays(uavs_.size(), [&](std::size_t u, std::vector<Way>* ways) {
+    uav_to_charge_ = FindWays(uavs_.size(), uavs_.ways, [&](std::size_t u, std::vector<Way>* ways) {
       const LevelOf& level = uavs_.level_of(u);
       charges.WithinFrom(uavs_.at[u], range_m[u], [&](Index y, double metres) {
         ways->push_back({static_cast<Index>(u), y, metres, level(metres)});
@@ -129,7 +129,7 @@ class Builder {
       return NearWays(crew, charging);
     }
     const PlaceIndex index(places, crew.ways);
-    return FindWays(crew.size(), [&](std::size_t i, std::vector<Way>* ways) {
+    return FindWays(crew.size(), crew.ways, [&](std::size_t i, std::vector<Way>* ways) {
       const LevelOf& level = crew.level_of(i);
       const double speed_m_s = crew.agents[i]->speed_m_s;
       const TimeUs left = TimeLeft(*crew.agents[i]);
@@ -151,7 +151,7 @@ class Builder {
     double reach_m = 0;
     for (const LevelOf& level : crew.levels) reach_m = std::max(reach_m, level.reach_m());
     if (rest_level_.empty()) rest_level_.assign(roster_.tasks.size() + roster_.charges.size(), 0);
-    return FindWays(places.size(), [&](std::size_t k, std::vector<Way>* ways) {
+    return FindWays(places.size(), crew.ways, [&](std::size_t k, std::vector<Way>* ways) {
       const Index site = charging ? roster_.site_of_charge[k] : static_cast<Index>(k);
       if (site < 0) return;
       const std::size_t before = ways->size();

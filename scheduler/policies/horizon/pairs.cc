@@ -18,6 +18,7 @@ namespace {
 
 /// Sites and agents from which on two threads are worth while.
 constexpr std::size_t kManySites = 512, kManyAgents = 1024;
+constexpr std::size_t kManyOfBentWays = 16;  // agents, each of which takes long
 /// Ways that memory is taken for at once.
 constexpr std::size_t kFewWays = 4096;
 
@@ -60,7 +61,8 @@ class SiteWays {
   SiteWays(const std::vector<Mover>& movers, const PlaceIndex& sites, std::size_t n_sites,
            int threads, const Reaches& reaches) {
     std::array<std::vector<Way>, 2> halves;
-    ParallelFor(movers.size(), threads, kManyAgents, [&](std::size_t begin, std::size_t end) {
+    const std::size_t many = sites.straight() ? kManyAgents : kManyOfBentWays;
+    ParallelFor(movers.size(), threads, many, [&](std::size_t begin, std::size_t end) {
       std::vector<Way>* found = &halves[begin == 0 ? 0 : 1];
       found->reserve(std::min((end - begin) * n_sites, kFewWays));
       for (std::size_t i = begin; i < end; ++i) {
