@@ -28,22 +28,22 @@ std::vector<double> KeyOf(const std::vector<Zone>& zones, double margin_m,
   return key;
 }
 
-std::shared_ptr<const Airspace> SharedAirspace(std::vector<Zone> zones, double margin_m,
-                                               const Airspace::Extent& extent) {
+std::shared_ptr<const LazyAirspace> SharedAirspace(std::vector<Zone> zones, double margin_m,
+                                                   const Airspace::Extent& extent) {
   static std::mutex mutex;
-  static std::map<std::vector<double>, std::weak_ptr<const Airspace>> known;
+  static std::map<std::vector<double>, std::weak_ptr<const LazyAirspace>> known;
   const std::lock_guard lock(mutex);
   std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<const Airspace>& entry = known[KeyOf(zones, margin_m, extent)];
-  std::shared_ptr<const Airspace> air = entry.lock();
+  std::weak_ptr<const LazyAirspace>& entry = known[KeyOf(zones, margin_m, extent)];
+  std::shared_ptr<const LazyAirspace> air = entry.lock();
   if (air == nullptr)
-    entry = air = std::make_shared<const Airspace>(std::move(zones), margin_m, extent);
+    entry = air = std::make_shared<const LazyAirspace>(std::move(zones), margin_m, extent);
   return air;
 }
 
 }  // namespace
 
-AirWays::AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const Airspace> air,
+AirWays::AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const LazyAirspace> air,
                  Extent extent)
     : Ways({true, !ground->straight(AgentKind::kWorker), !ground->straight(AgentKind::kVehicle)}),
       ground_(std::move(ground)),
@@ -52,18 +52,18 @@ AirWays::AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const Airsp
       rows_(Count(extent.height_m)) {}
 
 double AirWays::BentLength(AgentKind kind, Point from, Point to) const {
-  return kind == AgentKind::kUav ? air_->Length(from, to) : ground_->Length(kind, from, to);
+  return kind == AgentKind::kUav ? air().Length(from, to) : ground_->Length(kind, from, to);
 }
 
 void AirWays::BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                           std::span<double> lengths_m) const {
   if (kind != AgentKind::kUav) return ground_->Lengths(kind, from, to, lengths_m);
-  air_->Lengths(from, to, lengths_m);
+  air().Lengths(from, to, lengths_m);
 }
 
 std::vector<Ways::Corner> AirWays::BentCorners(AgentKind kind, Point from, Point to) const {
   if (kind != AgentKind::kUav) return ground_->Corners(kind, from, to);
-  const auto flight = air_->FlightBetween(from, to);
+  const auto flight = air().FlightBetween(from, to);
   std::vector<Corner> corners;
   if (!flight) return corners;
   const double length_m = flight->reached_m.back();
@@ -79,7 +79,7 @@ Point AirWays::BentPlaceAfter(AgentKind kind, Point from, Point to, double share
 }
 
 double AirWays::BentGroundLength(AgentKind kind, Point from, Point to) const {
-  return kind == AgentKind::kUav ? air_->Length(from, to) : ground_->GroundLength(kind, from, to);
+  return kind == AgentKind::kUav ? air().Length(from, to) : ground_->GroundLength(kind, from, to);
 }
 
 Ways::Stop AirWays::BentStopNear(AgentKind kind, Point wanted) const {
@@ -97,7 +97,7 @@ Ways::Stop AirWays::BentStopNear(AgentKind kind, Point wanted) const {
     const double metres = Distance(wanted, at);
     const std::int32_t number = j * columns_ + i;
     if (metres > least_m || (metres == least_m && number > best.number)) return;
-    if (!air_->IsFree(at)) return;
+    if (!air().IsFree(at)) return;
     best = {at, number};
     least_m = metres;
   };
@@ -118,12 +118,12 @@ Ways::Stop AirWays::BentStopNear(AgentKind kind, Point wanted) const {
 
 Point AirWays::BentStopBefore(AgentKind kind, Point from, Point to, double share) const {
   if (kind != AgentKind::kUav) return ground_->StopBefore(kind, from, to, share);
-  const double length_m = air_->Length(from, to);
+  const double length_m = air().Length(from, to);
   if (std::isinf(length_m)) return from;
   // Near the way, and no further than the share of it.
   for (double part = share; part > 0; part -= std::max(0.01, kGrid_m / length_m)) {
     const Point stop = StopNear(kind, PlaceAfter(kind, from, to, part)).at;
-    if (air_->Length(from, stop) <= share * length_m) return stop;
+    if (air().Length(from, stop) <= share * length_m) return stop;
   }
   return from;
 }
@@ -142,10 +142,10 @@ std::optional<double> AirWays::BentBarredAt(AgentKind kind, Point from, Point to
   if (kind != AgentKind::kUav) {
     return ground_->BarredAt(kind, from, to, share, *air_now->ground_);
   }
-  const auto flight = air_->FlightBetween(from, to);
+  const auto flight = air().FlightBetween(from, to);
   if (!flight || air_ == air_now->air_) return {};
   const double length_m = flight->reached_m.back();
-  const auto enters_m = air_now->air_->EntersAt(*flight, share * length_m);
+  const auto enters_m = air_now->air().EntersAt(*flight, share * length_m);
   if (!enters_m) return {};
   return std::min(1.0, std::max(share, *enters_m / length_m));
 }

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,25 @@
 
 namespace muster {
 
+/// An airspace that is made when it is asked for first: a mission that begins with many zones takes
+/// them one by one, and hardly anybody flies in between. Safe in several threads.
+class LazyAirspace {
+ public:
+  LazyAirspace(std::vector<Zone> zones, double margin_m, Airspace::Extent extent)
+      : zones_(std::move(zones)), margin_m_(margin_m), extent_(extent) {}
+  const Airspace& get() const {
+    std::call_once(made_once_, [&] { made_.emplace(std::move(zones_), margin_m_, extent_); });
+    return *made_;
+  }
+
+ private:
+  mutable std::once_flag made_once_;
+  mutable std::vector<Zone> zones_;
+  double margin_m_;
+  Airspace::Extent extent_;
+  mutable std::optional<Airspace> made_;
+};
+
 /// UAVs fly around zones; workers and vehicles travel as `ground` says.
 ///
 /// A move of a UAV to no site ends at a place of a grid of 100 m, numbered from the south-west
@@ -18,9 +38,10 @@ namespace muster {
 class AirWays final : public Ways {
  public:
   using Extent = Airspace::Extent;
-  AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const Airspace> air, Extent extent);
+  AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const LazyAirspace> air,
+          Extent extent);
 
-  const Airspace& air() const { return *air_; }
+  const Airspace& air() const { return air_->get(); }
 
  private:
   double BentLength(AgentKind kind, Point from, Point to) const override;
@@ -36,7 +57,7 @@ class AirWays final : public Ways {
                                      const Ways& now) const override;
 
   std::shared_ptr<const Ways> ground_;
-  std::shared_ptr<const Airspace> air_;
+  std::shared_ptr<const LazyAirspace> air_;
   std::int32_t columns_, rows_;  ///< of the grid
 };
 

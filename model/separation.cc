@@ -145,7 +145,7 @@ struct Between {
 }  // namespace
 
 LandingPlaces::LandingPlaces(std::span<const ChargingPoint> points) {
-  for (const ChargingPoint& point : points) places_.insert(point.at);
+  for (const ChargingPoint& point : points) places_.insert(Rounded(point.at));
 }
 
 double AltitudeAt(const AgentState& uav, const Clearance& clearance, TimeUs t,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -21,9 +22,14 @@ namespace muster {
 class LandingPlaces {
  public:
   explicit LandingPlaces(std::span<const ChargingPoint> points);
-  bool Contains(Point place) const { return places_.contains(place); }
+  /// To the millimetre: one that is stopped right after it was sent has not taken off.
+  bool Contains(Point place) const { return places_.contains(Rounded(place)); }
 
  private:
+  static Point Rounded(Point place) {
+    return {std::round(place.x_m * 1e3) / 1e3, std::round(place.y_m * 1e3) / 1e3};
+  }
+
   std::unordered_set<Point, PointHash> places_;
 };
 

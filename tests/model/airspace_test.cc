@@ -190,8 +190,8 @@ TEST(Airspace, DrawnZonesAreKeptOutOfByTheMargin) {
 }
 
 TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
-  const auto air = std::make_shared<const Airspace>(std::vector<Zone>{Square(900, 900, 1300, 1300)},
-                                                    10, Airspace::Extent{3000, 2000});
+  const auto air = std::make_shared<const LazyAirspace>(
+      std::vector<Zone>{Square(900, 900, 1300, 1300)}, 10, Airspace::Extent{3000, 2000});
   const AirWays ways(DefaultWays(), air, {3000, 2000});
   EXPECT_EQ(ways.StopNear(kUav, {140, 160}).at, (Point{100, 200}));
   EXPECT_EQ(ways.StopNear(kUav, {140, 160}).number, 2 * 31 + 1);

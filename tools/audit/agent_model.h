@@ -65,6 +65,7 @@ struct AgentModel {
   bool says_arrived = false, says_done = false;
   bool overdue = false;         ///< what it does should be done by now
   bool goes_on_anew = false;    ///< its leg is not as planned: its rest begins at each report
+  bool may_have_paid = false;   ///< to communicate, for a command of which its process told nothing
   bool cost_is_hidden = false;  ///< what it paid to communicate cannot be told from its way
   std::optional<double> range_after_m = {};  ///< that it has when it is done
 

@@ -41,14 +41,29 @@ Place Between(Place a, Place b, double part) {
 
 /// A convex polygon, counter-clockwise.
 struct Shape {
+  explicit Shape(std::vector<Place> its) : corners(std::move(its)) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Place at = corners[i];
+      sides_m.push_back(Apart(at, corners[(i + 1) % corners.size()]));
+      low = {std::min(low.x_m, at.x_m), std::min(low.y_m, at.y_m)};
+      high = {std::max(high.x_m, at.x_m), std::max(high.y_m, at.y_m)};
+    }
+  }
   std::vector<Place> corners;
+  std::vector<double> sides_m;  ///< after each corner
+  Place low{kNever_m, kNever_m}, high{-kNever_m, -kNever_m};
 
+  /// Whether all of the line is on one side of it, to the west, east, south or north.
+  bool IsBeside(Place a, Place b) const {
+    return std::max(a.x_m, b.x_m) < low.x_m || std::min(a.x_m, b.x_m) > high.x_m ||
+           std::max(a.y_m, b.y_m) < low.y_m || std::min(a.y_m, b.y_m) > high.y_m;
+  }
   /// Metres of a place inside of the line through the side after corner i.
   double Depth(std::size_t i, Place at) const {
-    const Place a = corners[i], b = corners[(i + 1) % corners.size()];
-    return Turn(a, b, at) / Apart(a, b);
+    return Turn(corners[i], corners[(i + 1) % corners.size()], at) / sides_m[i];
   }
   bool Has(Place at) const {
+    if (IsBeside(at, at)) return false;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (Depth(i, at) <= kSlack_m) return false;
     }
@@ -56,6 +71,7 @@ struct Shape {
   }
   /// The part of the line after which it is inside; none: it never is.
   std::optional<double> EnteredAt(Place a, Place b) const {
+    if (IsBeside(a, b)) return {};
     double from = 0, until = 1;
     for (std::size_t i = 0; i < corners.size() && from < until; ++i) {
       const double at_a = Depth(i, a) - kSlack_m, at_b = Depth(i, b) - kSlack_m;
@@ -83,7 +99,7 @@ Shape HullOf(std::vector<Place> places) {
   const std::size_t lower = hull.size();
   for (auto place = places.rbegin() + 1; place != places.rend(); ++place) add(*place, lower);
   hull.pop_back();
-  return {hull};
+  return Shape(std::move(hull));
 }
 
 /// An edge of a zone, widened by the octagon whose sides are the margin away.
@@ -112,6 +128,66 @@ bool Encloses(const Rings& rings, Place at) {
   return crossed % 2 == 1;
 }
 
+/// Where a flight may turn.
+struct Corner {
+  Place at;
+  std::vector<std::pair<Place, Place>> beside;  ///< of each piece that has it: before and after it
+
+  /// Whether a flight from there may turn here: the line leads past each of the pieces. One that
+  /// led on into a piece would be shorter without this corner.
+  bool TurnsFrom(Place from) const {
+    const double much = 0.001 * Apart(from, at);
+    return std::none_of(beside.begin(), beside.end(), [&](const auto& sides) {
+      const double one = Turn(from, at, sides.first), other = Turn(from, at, sides.second);
+      return std::min(one, other) < -much && std::max(one, other) > much;
+    });
+  }
+};
+
+/// Pieces by square cells of the map, of which a line meets few.
+class ShapeMap {
+ public:
+  void Add(const std::vector<Shape>& shapes) {
+    shapes_ = &shapes;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      for (int x = Cell(shapes[i].low.x_m); x <= Cell(shapes[i].high.x_m); ++x) {
+        for (int y = Cell(shapes[i].low.y_m); y <= Cell(shapes[i].high.y_m); ++y) {
+          cells_[{y, x}].push_back(i);
+        }
+      }
+    }
+  }
+  /// Whether test(shape) holds of none that may meet the line. A shape may be asked about twice.
+  template <class Test>
+  bool NoneNear(Place a, Place b, const Test& test) const {
+    if (cells_.empty()) return true;
+    if (a.y_m > b.y_m) std::swap(a, b);
+    for (int y = Cell(a.y_m); y <= Cell(b.y_m); ++y) {
+      // The part of the line in this row of cells.
+      const auto at = [&](double y_m) {
+        const double part = (y_m - a.y_m) / (b.y_m - a.y_m);
+        return a.x_m + (b.x_m - a.x_m) * std::min(1.0, std::max(0.0, part));
+      };
+      const bool level = b.y_m == a.y_m;
+      const double x0 = level ? a.x_m : at(y * kCell_m), x1 = level ? b.x_m : at((y + 1) * kCell_m);
+      const auto end = cells_.upper_bound({y, Cell(std::max(x0, x1) + 1)});
+      for (auto cell = cells_.lower_bound({y, Cell(std::min(x0, x1) - 1)}); cell != end; ++cell) {
+        for (const std::size_t i : cell->second) {
+          if (test((*shapes_)[i])) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  static constexpr double kCell_m = 500;
+  static int Cell(double metres) { return static_cast<int>(std::floor(metres / kCell_m)); }
+
+  const std::vector<Shape>* shapes_ = nullptr;
+  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  ///< by row and column
+};
+
 class AroundZones : public Ways {
  public:
   AroundZones(std::vector<Rings> zones, double margin_m, double width_m, double height_m,
@@ -129,12 +205,7 @@ class AroundZones : public Ways {
         }
       }
     }
-    for (const Shape& shape : shapes_) {
-      for (const Place corner : shape.corners) {
-        if (IsInArea(corner) && IsFree(corner)) corners_.push_back(corner);
-      }
-    }
-    rows_seen_.resize(corners_.size());
+    map_.Add(shapes_);
   }
 
   double Length(int kind, Place from, Place to) const override {
@@ -219,8 +290,7 @@ class AroundZones : public Ways {
 
  private:
   bool IsFree(Place at) const {
-    return std::none_of(shapes_.begin(), shapes_.end(),
-                        [&](const Shape& shape) { return shape.Has(at); }) &&
+    return map_.NoneNear(at, at, [&](const Shape& shape) { return shape.Has(at); }) &&
            std::none_of(zones_.begin(), zones_.end(),
                         [&](const Rings& rings) { return Encloses(rings, at); });
   }
@@ -228,20 +298,47 @@ class AroundZones : public Ways {
     return 0 <= at.x_m && at.x_m <= width_m_ && 0 <= at.y_m && at.y_m <= height_m_;
   }
   bool SeesEachOther(Place a, Place b) const {
-    return std::none_of(shapes_.begin(), shapes_.end(),
-                        [&](const Shape& shape) { return shape.EnteredAt(a, b).has_value(); });
+    return map_.NoneNear(a, b,
+                         [&](const Shape& shape) { return shape.EnteredAt(a, b).has_value(); });
   }
-  /// Metres from a place to each corner in sight; infinity to the others.
-  std::vector<double> ToCorners(Place at) const {
-    std::vector<double> metres(corners_.size(), kNever_m);
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (SeesEachOther(at, corners_[i])) metres[i] = Apart(at, corners_[i]);
+  /// Found when they are asked for: where zones are added one by one, hardly anybody flies between.
+  const std::vector<Corner>& Corners() const {
+    if (!corners_.empty() || shapes_.empty()) return corners_;
+    std::map<std::pair<double, double>, std::size_t> known;  // pieces of one zone share corners
+    for (const Shape& shape : shapes_) {
+      const std::size_t n = shape.corners.size();
+      for (std::size_t i = 0; i < n; ++i) {
+        const Place at = shape.corners[i];
+        if (!IsInArea(at) || !IsFree(at)) continue;
+        const auto [which, is_new] = known.try_emplace({at.x_m, at.y_m}, corners_.size());
+        if (is_new) corners_.push_back({at, {}});
+        corners_[which->second].beside.emplace_back(shape.corners[(i + n - 1) % n],
+                                                    shape.corners[(i + 1) % n]);
+      }
     }
-    return metres;
+    rows_seen_.resize(corners_.size());
+    return corners_;
   }
-  const std::vector<double>& RowOf(std::size_t corner) const {
-    if (rows_seen_[corner].empty()) rows_seen_[corner] = ToCorners(corners_[corner]);
-    return rows_seen_[corner];
+  struct Sight {
+    std::size_t corner;
+    double metres;
+  };
+  /// The corners in sight at which a flight from there may turn. `own`: the corner that it is at.
+  std::vector<Sight> ToCorners(Place at, const Corner* own = nullptr) const {
+    std::vector<Sight> seen;
+    for (std::size_t i = 0; i < Corners().size(); ++i) {
+      const Corner& corner = Corners()[i];
+      if ((own == nullptr || own->TurnsFrom(corner.at)) && corner.TurnsFrom(at) &&
+          Apart(at, corner.at) > 0 && SeesEachOther(at, corner.at)) {
+        seen.push_back({i, Apart(at, corner.at)});
+      }
+    }
+    return seen;
+  }
+  const std::vector<Sight>& RowOf(std::size_t corner) const {
+    auto& row = rows_seen_[corner];
+    if (!row) row = ToCorners(Corners()[corner].at, &Corners()[corner]);
+    return *row;
   }
   /// To a goal: what is left from each corner, and the corner after it; -1: the goal.
   struct Rest {
@@ -249,48 +346,47 @@ class AroundZones : public Ways {
     std::vector<int> next;
   };
   const Rest& RestTo(Place goal) const {
-    Rest& rest = rests_[{goal.x_m, goal.y_m}];
-    if (!rest.metres.empty() || corners_.empty()) return rest;
-    rest.metres = ToCorners(goal);
-    rest.next.assign(corners_.size(), -1);
-    std::vector<bool> is_final(corners_.size());
-    for (;;) {
-      std::size_t least = corners_.size();
-      for (std::size_t i = 0; i < corners_.size(); ++i) {
-        const bool is_less = least == corners_.size() || rest.metres[i] < rest.metres[least];
-        if (!is_final[i] && !std::isinf(rest.metres[i]) && is_less) least = i;
-      }
-      if (least == corners_.size()) break;
-      is_final[least] = true;
-      const std::vector<double>& row = RowOf(least);
-      for (std::size_t i = 0; i < corners_.size(); ++i) {
-        const double by_it_m = rest.metres[least] + row[i];
-        if (by_it_m >= rest.metres[i]) continue;
-        rest.metres[i] = by_it_m;
-        rest.next[i] = static_cast<int>(least);
+    constexpr std::size_t kMost = 2000;
+    if (rests_.size() >= kMost) rests_.clear();
+    const auto [known, is_new] = rests_.try_emplace({goal.x_m, goal.y_m});
+    Rest& rest = known->second;
+    if (!is_new) return rest;
+    rest.metres.assign(Corners().size(), kNever_m);
+    rest.next.assign(Corners().size(), -1);
+    std::set<std::pair<double, std::size_t>> rim;
+    const auto offer = [&](std::size_t corner, double metres, int next) {
+      if (metres >= rest.metres[corner]) return;
+      rim.erase({rest.metres[corner], corner});
+      rim.insert({metres, corner});
+      rest.metres[corner] = metres;
+      rest.next[corner] = next;
+    };
+    const std::vector<Sight> straight = ToCorners(goal);
+    for (const Sight& seen : straight) offer(seen.corner, seen.metres, -1);
+    while (!rim.empty()) {
+      const auto [metres, least] = *rim.begin();
+      rim.erase(rim.begin());
+      for (const Sight& seen : RowOf(least)) {
+        offer(seen.corner, metres + seen.metres, static_cast<int>(least));
       }
     }
-    SettleTies(ToCorners(goal), &rest);
+    // From each corner straight to the goal if it is in sight, else to the first of those corners
+    // that lead there equally soon.
+    for (std::size_t i = 0; i < rest.next.size(); ++i) {
+      if (rest.next[i] >= 0)
+        rest.next[i] = FirstOf(Corners()[i].at, RowOf(i), rest, rest.metres[i]);
+    }
+    for (const Sight& seen : straight) rest.next[seen.corner] = -1;
     return rest;
   }
-  /// From each corner straight to the goal if it is in sight, else to the first of those corners
-  /// that lead there equally soon.
-  void SettleTies(const std::vector<double>& straight, Rest* rest) const {
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (std::isinf(rest->metres[i])) continue;
-      rest->next[i] =
-          std::isinf(straight[i]) ? FirstOf(corners_[i], RowOf(i), *rest, rest->metres[i]) : -1;
-    }
-  }
   /// Of the corners that are in sight, the first by which no more than `least_m` is left; -1: none.
-  int FirstOf(Place from, const std::vector<double>& sight, const Rest& rest,
-              double least_m) const {
+  int FirstOf(Place from, const std::vector<Sight>& sight, const Rest& rest, double least_m) const {
     int first = -1;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (!(sight[i] + rest.metres[i] <= least_m + kTie_m) || sight[i] <= 0) continue;
+    for (const auto& [i, metres] : sight) {
+      if (!(metres + rest.metres[i] <= least_m + kTie_m)) continue;
       if (rest.metres[i] >= least_m) continue;
-      const bool is_before =
-          first < 0 || IsBefore(from, corners_[i], corners_[static_cast<std::size_t>(first)]);
+      const bool is_before = first < 0 || IsBefore(from, Corners()[i].at,
+                                                   Corners()[static_cast<std::size_t>(first)].at);
       if (is_before) first = static_cast<int>(i);
     }
     return first;
@@ -316,9 +412,12 @@ class AroundZones : public Ways {
                at.y_m - depth_m * (b.x_m - a.x_m) / side_m});
       }
     }
-    for (const Place corner : corners_) offer(corner);
+    for (const Corner& corner : Corners()) offer(corner.at);
     for (std::size_t k = 0; k < shapes_.size(); ++k) {
-      for (std::size_t l = 0; l < k; ++l) OfferCrossings(shapes_[k], shapes_[l], offer);
+      for (std::size_t l = 0; l < k; ++l) {
+        if (shapes_[k].IsBeside(shapes_[l].low, shapes_[l].high)) continue;
+        OfferCrossings(shapes_[k], shapes_[l], offer);
+      }
     }
     return nearest;
   }
@@ -349,15 +448,19 @@ class AroundZones : public Ways {
       return {places, metres + Apart(begin, to)};
     }
     const Rest& rest = RestTo(to);
-    const std::vector<double> first = ToCorners(begin);
+    if (!sight_of_ || sight_of_->x_m != begin.x_m || sight_of_->y_m != begin.y_m) {
+      sight_ = ToCorners(begin);
+      sight_of_ = begin;
+    }
+    const std::vector<Sight>& first = sight_;
     double least_m = kNever_m;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      least_m = std::min(least_m, first[i] + rest.metres[i]);
+    for (const auto& [i, metres_there] : first) {
+      least_m = std::min(least_m, metres_there + rest.metres[i]);
     }
     if (std::isinf(least_m)) return {places, kNever_m};
     int best = FirstOf(begin, first, rest, least_m);
     for (; best >= 0; best = rest.next[static_cast<std::size_t>(best)]) {
-      places.push_back(corners_[static_cast<std::size_t>(best)]);
+      places.push_back(Corners()[static_cast<std::size_t>(best)].at);
     }
     places.push_back(to);
     return {places, metres + least_m};
@@ -365,12 +468,15 @@ class AroundZones : public Ways {
 
   std::vector<Rings> zones_;
   std::vector<Shape> shapes_;
-  std::vector<Place> corners_;
+  ShapeMap map_;
   double width_m_, height_m_;  ///< flights stay in the area
   int columns_, rows_;
   std::shared_ptr<const Ways> ground_;
-  mutable std::vector<std::vector<double>> rows_seen_;
+  mutable std::vector<Corner> corners_;
+  mutable std::vector<std::optional<std::vector<Sight>>> rows_seen_;
   mutable std::map<std::pair<double, double>, Rest> rests_;
+  mutable std::optional<Place> sight_of_;  ///< whence a flight was looked for last
+  mutable std::vector<Sight> sight_;       ///< from there
 };
 
 Place InMillimetres(double x_m, double y_m) {

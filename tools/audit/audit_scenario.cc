@@ -97,16 +97,19 @@ class Nearest {
   /// Metres; infinity where there is none.
   double WayFrom(Place at) const {
     double nearest = std::numeric_limits<double>::infinity();
+    const auto offer = [&](Place place) {
+      if (Apart(at, place) < nearest) nearest = std::min(nearest, ways_.Length(kUav, at, place));
+    };
     const auto middle =
         std::lower_bound(places_.begin(), places_.end(), at.x_m,
                          [](const Place& place, double x_m) { return place.x_m < x_m; });
     for (auto east = middle; east != places_.end() && east->x_m - at.x_m <= nearest; ++east) {
-      nearest = std::min(nearest, ways_.Length(kUav, at, *east));
+      offer(*east);
     }
     for (auto west = middle; west != places_.begin();) {
       --west;
       if (at.x_m - west->x_m > nearest) break;
-      nearest = std::min(nearest, ways_.Length(kUav, at, *west));
+      offer(*west);
     }
     return nearest;
   }

@@ -311,7 +311,9 @@ void ReportCheck::Check(View& view) {
       } else {
         // A UAV flew to where its lost process says, in time or late.
         if (told && kind == kUav) NoteUav(view, view.tick, *told);
-        view.commands.erase({kind, model.id});  // of a lost process: what it did is not known
+        // Of a lost process: what it did is not known.
+        const bool commanded = view.commands.erase({kind, model.id}) > 0;
+        if (commanded && view.scenario.communication_m.high > 0) model.may_have_paid = true;
         FollowWays(view, &model, nullptr);
       }
     }
@@ -326,6 +328,7 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
                  applied_decision, view.in_force);
   }
   CheckSpec(view, *model, a);
+  const bool is_commanded = view.commands.contains({model->kind, model->id});
 
   const Place here{a.x_m, a.y_m};
   // By the straight line: CheckMotion compares it with its way. By road a place beside the road may
@@ -355,6 +358,13 @@ void ReportCheck::CheckReport(View& view, AgentModel* model, const agent_t& a,
   }
   if (view.findings->count() != before) return;
 
+  if (model->may_have_paid && model->kind == kUav && !is_commanded) {
+    model->may_have_paid = false;
+    const double cost_m = model->RangeAt(view.now_us) - a.range_left_m;
+    if (Within(cost_m, view.scenario.communication_m, kTolerance_m)) {
+      model->range_at_departure_m -= cost_m;
+    }
+  }
   ResolveCommand(view, model, a);
   FollowWays(view, model, &a);
   if (!model->spec->measured) {
