@@ -189,6 +189,83 @@ TEST(Airspace, DrawnZonesAreKeptOutOfByTheMargin) {
   }
 }
 
+/// By the definition: from the first place to the second, by any of the others.
+double ShortestByCorners(const Airspace& air, const std::vector<Point>& places) {
+  std::vector<double> metres(places.size(), kNoWay);
+  std::vector<bool> is_final(places.size());
+  metres[0] = 0;
+  for (;;) {
+    std::size_t least = places.size();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!is_final[i] && metres[i] < (least < places.size() ? metres[least] : kNoWay)) least = i;
+    }
+    if (least == places.size() || least == 1) return metres[1];
+    is_final[least] = true;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double straight_m = Distance(places[least], places[i]);
+      if (metres[least] + straight_m >= metres[i]) continue;
+      if (air.Length(places[least], places[i]) == straight_m)
+        metres[i] = metres[least] + straight_m;
+    }
+  }
+}
+
+/// The corners of the octagons around the corners of zones, those that are free.
+std::vector<Point> FreeCorners(const std::vector<Zone>& zones, double margin_m, const Airspace& air,
+                               const Airspace::Extent& extent) {
+  const double t = margin_m * (std::sqrt(2.0) - 1);
+  std::vector<Point> corners;
+  for (const Zone& zone : zones) {
+    for (const auto& ring : zone.rings) {
+      for (const Point at : ring) {
+        for (int k = 0; k < 8; ++k) {
+          const double x = k % 4 < 2 ? margin_m : t, y = k % 4 < 2 ? t : margin_m;
+          const Point corner{at.x_m + (k % 2 == 0 ? x : -x), at.y_m + (k < 4 ? y : -y)};
+          if (extent.Contains(corner) && air.IsFree(corner)) corners.push_back(corner);
+        }
+      }
+    }
+  }
+  return corners;
+}
+
+TEST(Airspace, NoWayByAnyCornerIsShorter) {
+  constexpr double kMargin_m = 40;
+  constexpr Airspace::Extent kArea{2000, 2000};
+  int n_bent = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    Random random(seed, Stream::kTest, 4);
+    std::vector<Zone> zones = DrawnZones(&random, 2000, 3);
+    // Squares beside each other, between which a flight along both margins just fits.
+    if (seed % 2 == 0) {
+      zones = {Square(400, 400, 800, 800), Square(880, 400, 1200, 800),
+               Square(400, 880, 800, 1300)};
+    }
+    const Airspace air(zones, kMargin_m, kArea);
+    const std::vector<Point> corners = FreeCorners(zones, kMargin_m, air, kArea);
+    const auto free_place = [&] {
+      for (;;) {
+        const Point at{random.Uniform(0, 2000), random.Uniform(0, 2000)};
+        if (air.IsFree(at)) return at;
+      }
+    };
+    for (int i = 0; i < 12; ++i) {
+      std::vector<Point> places{free_place(), free_place()};
+      places.insert(places.end(), corners.begin(), corners.end());
+      const double shortest_m = ShortestByCorners(air, places);
+      const double length_m = air.Length(places[0], places[1]);
+      n_bent += length_m > Distance(places[0], places[1]) ? 1 : 0;
+      if (std::isinf(shortest_m)) {
+        EXPECT_EQ(length_m, shortest_m);
+      } else {
+        EXPECT_NEAR(length_m, shortest_m, 1e-6);
+      }
+    }
+  }
+  EXPECT_GT(n_bent, 20);
+}
+
 TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
   const auto air = std::make_shared<const LazyAirspace>(
       std::vector<Zone>{Square(900, 900, 1300, 1300)}, 10, Airspace::Extent{3000, 2000});
