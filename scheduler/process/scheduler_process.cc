@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
@@ -18,6 +19,9 @@ constexpr int kMostOutdated = 20;
 /// Of altitudes that are kept: the decision in force is one of the last two, or older where some
 /// were not made in time; those are asked for.
 constexpr std::size_t kMostClearances = 4;
+/// A clock heard so often: who has gone on can no longer repeat what it reported of that tick.
+constexpr int kManyRepeats = 20;
+constexpr std::array kReportChannels = {channel::kUavs, channel::kWorkers, channel::kVehicles};
 
 }  // namespace
 
@@ -40,22 +44,36 @@ void SchedulerProcess::OnScenario() {
 
 void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, const Now&) {
   const auto take = [&](const auto& m) {
-    // Before it knows of earlier orders, a leg may lead to a task that is none yet.
-    if (due_ < 0 || !orders().complete(tick_ - 1)) return;
-    if (!fusion_->Take(m)) inbox().Reject();
+    if (Collects() && !fusion_->Take(m)) inbox().Reject();
   };
   Handle(
       message, [&](const clock_t& clock) { Take(clock); },
       [&](const clearances_t& clearances) { Take(clearances); },
-      [&](const answer_t& answer) {
-        if (answer.channel != channel::kClearances || !Answers(answer)) return;
-        const auto clearances = DecodeValid<clearances_t>(answer.data);
-        if (!clearances || clearances->header.run_id != identity().run_id) return inbox().Reject();
-        Take(*clearances);
-      },
+      [&](const answer_t& answer) { Take(answer); },
       [&](const agent_states_t& states) { take(states); },
       [&](const world_state_t& world) { take(world); },
       [&](const rulings_t& rulings) { take(rulings); });
+}
+
+bool SchedulerProcess::Collects() const {
+  // Before it knows of earlier orders, a leg may lead to a task that is none yet.
+  return due_ >= 0 && orders().complete(tick_ - 1);
+}
+
+void SchedulerProcess::Take(const answer_t& answer) {
+  const bool has_reports = std::find(kReportChannels.begin(), kReportChannels.end(),
+                                     answer.channel) != kReportChannels.end();
+  if ((!has_reports && answer.channel != channel::kClearances) || !Answers(answer)) return;
+  if (!has_reports) {
+    const auto clearances = DecodeValid<clearances_t>(answer.data);
+    if (!clearances || clearances->header.run_id != identity().run_id) return inbox().Reject();
+    return Take(*clearances);
+  }
+  if (!Collects() || answer.data.empty()) return;
+  const auto states = DecodeValid<agent_states_t>(answer.data);
+  if (!states || states->header.run_id != identity().run_id || !fusion_->Take(*states)) {
+    inbox().Reject();
+  }
 }
 
 void SchedulerProcess::Take(const clearances_t& clearances) {
@@ -79,7 +97,9 @@ void SchedulerProcess::Take(const clock_t& clock) {
   outdated_ = 0;
   const bool is_new_start = clock.header.boot_id != world_boot_;
   if (clock.phase != ClockPhase::kEnded && clock.tick <= tick_) repeat_tick_ = clock.tick;
+  if (clock.tick == tick_ && due_ >= 0) ++n_repeats_;
   if (clock.tick <= tick_ && !is_new_start) return;
+  n_repeats_ = 0;
   world_boot_ = clock.header.boot_id;
   tick_ = clock.tick;
   tick_us_ = clock.tick_us;
@@ -98,7 +118,13 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
     repeat_tick_ = -1;
     return;
   }
-  StopAsking();
+  if (due_ >= 0 && n_repeats_ >= kManyRepeats) {
+    // Each class in turn, for a second.
+    const auto turn = static_cast<std::size_t>(now.monotonic_us / kSecondUs);
+    Ask(kReportChannels[turn % kReportChannels.size()], tick_us_, now);
+  } else {
+    StopAsking();
+  }
   if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
     if (clearances_packet_) sender().Resend(clearances_packet_);
     sender().Resend(schedule_packet_);

@@ -39,6 +39,10 @@ class SchedulerProcess : public Follower {
  private:
   void Take(const clock_t& clock);
   void Take(const clearances_t& clearances);
+  /// Altitudes or reports that it has asked for.
+  void Take(const answer_t& answer);
+  /// Whether what is reported counts for a decision.
+  bool Collects() const;
   /// Whether it knows the altitudes that the decision rests on, if UAVs are kept apart.
   bool HasClearances() const;
   void Decide(const Now& now);
@@ -59,6 +63,7 @@ class SchedulerProcess : public Follower {
   std::int32_t in_force_ = -1;     ///< decision in force at tick_
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
+  int n_repeats_ = 0;              ///< so often while it collects for a decision
   SentPacket schedule_packet_;     ///< the newest, or the newest proposal
   SentPacket clearances_packet_;   ///< that goes with it; null: none does, or it is in the proposal
   std::map<std::int32_t, clearances_t> clearances_;  ///< the newest, by decision
