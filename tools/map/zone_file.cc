@@ -238,11 +238,20 @@ MapZones ReadKml(const std::string& file) {
   }
   MapZones read;
   Reader reader(file, &read.zones);
-  std::size_t number = 0;
+  std::size_t number = 0, odd = 0;  // odd: no JSON, mostly of a program that is about to fail
   ReadByOgr(file, {}, kExpected, [&](std::string_view line) {
     const ZoneJson feature = ZoneJson::parse(line, nullptr, false);
-    if (!reader.ReadPlacemark(feature, ++number)) ++read.n_others;
+    ++number;
+    if (feature.is_discarded()) {
+      odd = number;
+    } else if (!reader.ReadPlacemark(feature, number)) {
+      ++read.n_others;
+    }
   });
+  if (odd > 0) {
+    throw InputError(file, "content", fmt::format("line {} of ogr2ogr, which is no feature", odd),
+                     kExpected);
+  }
   if (read.zones.empty()) {
     throw InputError(file, "content", fmt::format("{} placemarks without an area", number),
                      kExpected);

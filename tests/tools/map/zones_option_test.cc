@@ -232,6 +232,23 @@ TEST_F(ZonesOption, KmlWithoutAreasOrOfAnotherKindIsRefused) {
   EXPECT_THROW(ReadZones(folder_.File("none.kml")), InputError);
 }
 
+TEST_F(ZonesOption, ALineOfOgrThatIsNoFeatureLeavesNoZoneOut) {
+  const std::string program = folder_.File("ogr2ogr");
+  std::ofstream(program) << "#!/bin/sh\necho '{\"type\": \"Feature\", \"geometry\": "
+                         << Square(20.02, 10.02) << "}'\necho nonsense\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (std::filesystem::path(program).parent_path().string() + ":" + before).c_str(), 1);
+  try {
+    Take(Kml(Placemark("P", KmlTriangle(20.02, 10.02))), {}, "z.kml");
+    ADD_FAILURE() << "was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("line 2 of ogr2ogr"), std::string::npos)
+        << error.what();
+  }
+  setenv("PATH", before.c_str(), 1);
+}
+
 TEST_F(ZonesOption, WhatIsNoZoneIsRefusedByFileAndKey) {
   const std::pair<std::string, const char*> cases[] = {
       {"{", "z.json"},
