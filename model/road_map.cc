@@ -11,7 +11,7 @@ std::int64_t RoadNetwork::Map::AtPercent(std::int64_t mm, std::int32_t percent) 
 }
 
 std::uint32_t RoadNetwork::Map::CostOfArc(std::int64_t mm) {
-  return static_cast<std::uint32_t>(std::min<std::int64_t>(mm, RoadSearch::kUnreached));
+  return static_cast<std::uint32_t>(std::min<std::int64_t>(mm, RoadCosts::kUnreached));
 }
 
 void RoadNetwork::Map::AddRoads(const Roads& roads, AgentKind kind) {
@@ -101,6 +101,15 @@ void RoadNetwork::Map::IndexStops(const RoadNetwork& network, const Roads& roads
 std::span<const RoadNetwork::Arc> RoadNetwork::Map::ArcsOf(std::int32_t node) const {
   const std::size_t begin = arcs_of[At(node)];
   return std::span(arcs).subspan(begin, arcs_of[At(node) + 1] - begin);
+}
+
+std::shared_ptr<const RoadHierarchy> RoadNetwork::Map::Hierarchy() const {
+  std::call_once(ordered_, [&] {
+    std::vector<RoadHierarchy::Edge> edges;
+    for (const Line& line : lines) edges.push_back({line.first_node, line.last_node});
+    hierarchy_ = std::make_shared<const RoadHierarchy>(arcs_of.size() - 1, edges);
+  });
+  return hierarchy_;
 }
 
 }  // namespace muster

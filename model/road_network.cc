@@ -17,22 +17,12 @@ constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
 constexpr std::size_t kMostSites = 1 << 16;
 constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;  // of the costs to sites
-constexpr std::size_t kMostSearchBytes = std::size_t{1} << 29;
-constexpr std::uint32_t kUnreached = RoadSearch::kUnreached;
+constexpr std::size_t kMostBytes = std::size_t{1} << 29;      // of labels and searches
+constexpr std::uint32_t kUnreached = RoadCosts::kUnreached;
 
 std::atomic<std::uint64_t> next_id = 1;
 
 }  // namespace
-
-struct RoadNetwork::Known {
-  std::optional<Spot> spot;
-  std::int32_t site = -1;
-  /// [sites] Of the ways from here to the sites: 0, not known yet; kUnreached, none leads there;
-  /// else their cost + 1. Null: not kept. Read and written without the lock.
-  std::unique_ptr<std::atomic<std::uint32_t>[]> to_site;
-  std::mutex mutex;  ///< of what follows
-  std::unique_ptr<RoadSearch> search;
-};
 
 std::size_t RoadNetwork::PairHash::operator()(const Pair& pair) const {
   return Mixed(PointHash()(pair.from), PointHash()(pair.to));
@@ -50,35 +40,31 @@ RoadNetwork::RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& o
     map->site_of.emplace(site, static_cast<std::int32_t>(map->site_of.size()));
   }
   map_ = map;
-  LeadInward();
   map->IndexStops(*this, roads, kind, sites);
 }
 
 RoadNetwork::RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed)
-    : map_(all.map_), closed_(all.map_->lines.size()), all_(&all), id_(next_id++) {
+    : map_(all.map_), closed_(all.map_->lines.size()), id_(next_id++) {
   for (std::size_t i = 0; i < closed_.size(); ++i) {
-    const Line& line = map_->lines[i];
-    if (!closed[At(line.file_road)]) continue;
-    closed_[i] = true;
-    const std::uint32_t cost_mm = Map::CostOfArc(line.cost_mm);
-    closed_arcs_.push_back({line.first_node, line.last_node, cost_mm});
-    if (line.backward) closed_arcs_.push_back({line.last_node, line.first_node, cost_mm});
+    closed_[i] = closed[At(map_->lines[i].file_road)];
   }
-  LeadInward();
 }
 
 RoadNetwork::~RoadNetwork() = default;
 
-void RoadNetwork::LeadInward() {
-  const std::size_t n_nodes = map_->arcs_of.size() - 1;
-  inward_.arcs_of = {0};
-  inward_.arcs_of.reserve(n_nodes + 1);
-  for (std::size_t node = 0; node < n_nodes; ++node) {
-    for (const Arc& arc : map_->ArcsOf(static_cast<std::int32_t>(node))) {
-      if (arc.enters && !IsClosed(arc.line)) inward_.arcs.push_back({arc.other, arc.cost_mm});
+const RoadCosts& RoadNetwork::costs() const {
+  std::call_once(customized_, [&] {
+    std::vector<RoadCosts::Arc> arcs;
+    for (std::size_t i = 0; i < map_->lines.size(); ++i) {
+      const Line& line = map_->lines[i];
+      if (IsClosed(static_cast<std::int32_t>(i))) continue;
+      const std::uint32_t cost_mm = Map::CostOfArc(line.cost_mm);
+      arcs.push_back({line.first_node, line.last_node, cost_mm});
+      if (line.backward) arcs.push_back({line.last_node, line.first_node, cost_mm});
     }
-    inward_.arcs_of.push_back(inward_.arcs.size());
-  }
+    costs_ = std::make_unique<RoadCosts>(map_->Hierarchy(), arcs);
+  });
+  return *costs_;
 }
 
 std::int64_t RoadNetwork::OpenCost(double metres) const {
@@ -120,26 +106,20 @@ std::optional<RoadNetwork::Spot> RoadNetwork::FindSpot(Point place) const {
 }
 
 std::optional<RoadNetwork::Spot> RoadNetwork::SpotOf(Point place) const {
-  return KnownOf(place, false)->spot;
+  return PlaceOf(place, kFrom).known->spot;
 }
 
-RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
+RoadNetwork::Place& RoadNetwork::PlaceOf(Point place, Role role) const {
   // Callers ask for the same places again and again: each thread has those at hand.
-  struct Entry {
-    std::uint64_t network = 0;
-    Point place;
-    Known* known = nullptr;
-  };
-  constexpr std::size_t kEntries = 8192;
-  thread_local std::vector<Entry> at_hand(kEntries);
-  thread_local std::array<std::unique_ptr<Known>, 2> unkept;
-  Entry& entry = at_hand[PointHash()(place) % kEntries];
-  if (entry.network == id_ && entry.place == place) return entry.known;
+  constexpr std::size_t kAtHand = 8192;
+  thread_local std::array<std::vector<Place>, 2> at_hand{std::vector<Place>(kAtHand),
+                                                         std::vector<Place>(kAtHand)};
+  Place& entry = at_hand[role][PointHash()(place) % kAtHand];
+  if (entry.network == id_ && entry.at == place) return entry;
   {
     const std::shared_lock lock(mutex_);
     if (const auto found = known_.find(place); found != known_.end()) {
-      entry = {id_, place, found->second.get()};
-      return entry.known;
+      return entry = {id_, place, found->second.get()};
     }
   }
   auto made = std::make_unique<Known>();
@@ -149,86 +129,87 @@ RoadNetwork::Known* RoadNetwork::KnownOf(Point place, bool is_goal) const {
   }
   const std::unique_lock lock(mutex_);
   if (known_.size() >= kMostKnown) {
-    unkept[is_goal] = std::move(made);
-    return unkept[is_goal].get();
+    Known* const known = made.get();
+    return entry = {id_, place, known, std::move(made)};
   }
   const std::size_t sites = map_->site_of.size();
   if (sites > 0 && known_.size() * sites < kMostCostBytes / 4) {
     made->to_site = std::make_unique<std::atomic<std::uint32_t>[]>(sites);
   }
-  entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
-  return entry.known;
+  return entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
 }
 
-RoadSearch* RoadNetwork::SearchTo(Point to, Known* goal) const {
+RoadNetwork::Ends RoadNetwork::EndsOf(const Spot& spot, Role role) const {
+  const Line& line = map_->lines[At(spot.road)];
+  const std::int64_t rest_mm = line.cost_mm - spot.along_mm;
+  Ends ends;
+  const auto add = [&](std::int32_t node, std::int64_t cost_mm) {
+    ends.ends[ends.n++] = {node, cost_mm};
+  };
+  if (role == kTo || line.backward || spot.along_mm == 0) add(line.first_node, spot.along_mm);
+  if (role == kFrom || line.backward || rest_mm == 0) add(line.last_node, rest_mm);
+  return ends;
+}
+
+std::shared_ptr<const RoadCosts::Label> RoadNetwork::LabelOf(Known* known, Role role) const {
+  std::shared_ptr<const RoadCosts::Label>& label = known->labels[role];
+  if (label != nullptr) return label;
+  const Ends ends = EndsOf(*known->spot, role);
+  const std::span<const RoadCosts::End> nodes(ends.ends.data(), ends.n);
+  auto made = role == kFrom ? costs().LabelFrom(nodes) : costs().LabelTo(nodes);
+  bytes_ += made.Bytes();
+  label = std::make_shared<const RoadCosts::Label>(std::move(made));
+  if (bytes_ > kMostBytes) MakeRoom(known);
+  return label;
+}
+
+RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
   if (goal->search == nullptr) {
-    if (*search_bytes_ > kMostSearchBytes) DropSearches(goal);
-    if (all_ != nullptr) goal->search = SearchOfAll(to, goal->spot->road);
-    if (goal->search != nullptr) return goal->search.get();
-    const std::size_t bytes_of_all =
-        map_->site_of.size() * sizeof(std::uint32_t) * inward_.n_nodes();
-    const bool far = goal->site >= 0 && bytes_of_all < kMostSearchBytes / 2;
-    goal->search = std::make_unique<RoadSearch>(inward_, far, search_bytes_);
-    const Spot& spot = *goal->spot;
-    const Line& line = map_->lines[At(spot.road)];
-    goal->search->BeginAt(line.first_node, spot.along_mm);
-    if (line.backward || spot.along_mm == line.cost_mm) {
-      goal->search->BeginAt(line.last_node, line.cost_mm - spot.along_mm);
-    }
+    goal->search = std::make_unique<RoadSearch>(costs(), *LabelOf(goal, kTo));
+    bytes_ += goal->search->Bytes();
+    if (bytes_ > kMostBytes) MakeRoom(goal);
   }
   return goal->search.get();
 }
 
-std::unique_ptr<RoadSearch> RoadNetwork::SearchOfAll(Point to, std::int32_t road) const {
-  Known* known = nullptr;
-  {
-    const std::shared_lock lock(all_->mutex_);
-    const auto found = all_->known_.find(to);
-    if (found == all_->known_.end()) return nullptr;
-    known = found->second.get();
-  }
-  const std::lock_guard lock(known->mutex);
-  if (known->search == nullptr || known->spot->road != road ||
-      !known->search->StaysWithout(closed_arcs_)) {
-    return nullptr;
-  }
-  return std::make_unique<RoadSearch>(*known->search, inward_, search_bytes_);
-}
-
-void RoadNetwork::DropSearches(const Known* but) const {
+void RoadNetwork::MakeRoom(const Known* but) const {
   const std::shared_lock lock(mutex_);
   // To sites many ways lead, so those come last.
-  for (const bool to_sites : {false, true}) {
+  for (const bool is_site : {false, true}) {
     for (auto& [place, known] : known_) {
-      if (*search_bytes_ < kMostSearchBytes / 2) return;
+      if (bytes_ < kMostBytes / 2) return;
       // Those that another thread works with are left.
-      if (known.get() == but || (known->site >= 0) != to_sites || !known->mutex.try_lock())
-        continue;
+      if (known.get() == but || (known->site >= 0) != is_site || !known->mutex.try_lock()) continue;
+      for (auto& label : known->labels) {
+        if (label != nullptr) bytes_ -= label->Bytes();
+        label.reset();
+      }
+      if (known->search != nullptr) bytes_ -= known->search->Bytes();
       known->search.reset();
       known->mutex.unlock();
     }
   }
 }
 
+std::int64_t RoadNetwork::AlongRoad(const Spot& from, const Spot& to) const {
+  if (from.road != to.road) return -1;
+  if (from.along_mm <= to.along_mm) return to.along_mm - from.along_mm;
+  return map_->lines[At(from.road)].backward ? from.along_mm - to.along_mm : -1;
+}
+
 std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, RoadSearch* search,
                                    std::int32_t* first) const {
-  const Line& line = map_->lines[At(from.road)];
-  std::int64_t best = -1;
-  const auto offer = [&](std::int64_t cost_mm, std::int32_t by) {
-    if (best >= 0 && cost_mm >= best) return;
-    best = cost_mm;
-    *first = by;
-  };
-  if (from.road == to.road) {
-    if (from.along_mm <= to.along_mm) offer(to.along_mm - from.along_mm, -1);
-    if (from.along_mm >= to.along_mm && line.backward) offer(from.along_mm - to.along_mm, -1);
-  }
-  const auto offer_by = [&](std::int32_t node, std::int64_t cost_mm) {
+  std::int64_t best = AlongRoad(from, to);
+  *first = -1;
+  const Ends ends = EndsOf(from, kFrom);
+  // Of two equal ways the one by the road's last point.
+  for (std::size_t i = ends.n; i-- > 0;) {
+    const auto [node, cost_mm] = ends.ends[i];
     const std::uint32_t rest_mm = search->CostFrom(node);
-    if (rest_mm != kUnreached) offer(cost_mm + rest_mm, node);
-  };
-  offer_by(line.last_node, line.cost_mm - from.along_mm);
-  if (line.backward || from.along_mm == 0) offer_by(line.first_node, from.along_mm);
+    if (rest_mm == kUnreached || (best >= 0 && cost_mm + rest_mm >= best)) continue;
+    best = cost_mm + rest_mm;
+    *first = node;
+  }
   return best;
 }
 
@@ -243,52 +224,46 @@ bool RoadNetwork::IsSame(const Spot& a, const Spot& b) const {
   return node >= 0 && node == NodeOf(b);
 }
 
-RoadNetwork::Start RoadNetwork::StartOf(Point place) const {
-  Known* const known = KnownOf(place, false);
-  return {known->spot, known->to_site.get()};
+std::int64_t RoadNetwork::Cost(Point from, Point to) const {
+  return CostBetween(&PlaceOf(from, kFrom), &PlaceOf(to, kTo));
 }
 
-std::int64_t RoadNetwork::Cost(Point from, Point to) const {
-  const Start start = StartOf(from);
+std::int64_t RoadNetwork::CostBetween(Place* from, Place* to) const {
+  const Known &begin = *from->known, &end = *to->known;
+  std::atomic<std::uint32_t>* const kept =
+      end.site < 0 || begin.to_site == nullptr ? nullptr : &begin.to_site[At(end.site)];
+  if (const std::uint32_t cost = kept ? kept->load(std::memory_order_relaxed) : 0; cost != 0) {
+    return cost == kUnreached ? -1 : std::int64_t{cost} - 1;
+  }
   std::int64_t cost_mm = -1;
-  CostsTo({&from, 1}, {&start, 1}, to, true, {&cost_mm, 1});
+  if (from->at == to->at) {
+    cost_mm = 0;
+  } else if (begin.spot && end.spot) {
+    const std::int64_t off_mm = begin.spot->off_mm + end.spot->off_mm;
+    if (IsSame(*begin.spot, *end.spot)) {
+      const std::int64_t direct_mm = OpenCost(Distance(from->at, to->at));
+      cost_mm = direct_mm >= 0 ? direct_mm : off_mm;
+    } else if (const std::int64_t road_mm = RoadCostBetween(from, to); road_mm >= 0) {
+      cost_mm = road_mm + off_mm;
+    }
+  }
+  if (kept && cost_mm < std::int64_t{kUnreached} - 1) {
+    kept->store(cost_mm < 0 ? kUnreached : static_cast<std::uint32_t>(cost_mm + 1),
+                std::memory_order_relaxed);
+  }
   return cost_mm;
 }
 
-bool RoadNetwork::CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to,
-                          bool waits, std::span<std::int64_t> costs) const {
-  Known* const goal = KnownOf(to, true);
-  std::unique_lock<std::mutex> lock(goal->mutex, std::defer_lock);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::atomic<std::uint32_t>* const known =
-        goal->site < 0 || starts[i].to_site == nullptr ? nullptr : &starts[i].to_site[goal->site];
-    const std::uint32_t cost = known ? known->load(std::memory_order_relaxed) : 0;
-    if (cost != 0) {
-      costs[i] = cost == kUnreached ? -1 : std::int64_t{cost} - 1;
-      continue;
-    }
-    if (!lock && waits) lock.lock();
-    if (!lock && !lock.try_lock()) return false;
-    costs[i] = CostTo(from[i], starts[i], to, goal);
-    if (known && costs[i] < std::int64_t{kUnreached} - 1) {
-      known->store(costs[i] < 0 ? kUnreached : static_cast<std::uint32_t>(costs[i] + 1),
-                   std::memory_order_relaxed);
-    }
+std::int64_t RoadNetwork::RoadCostBetween(Place* from, Place* to) const {
+  for (const auto& [place, role] : {std::pair(from, kFrom), std::pair(to, kTo)}) {
+    if (place->label != nullptr) continue;
+    const std::lock_guard lock(place->known->mutex);
+    place->label = LabelOf(place->known, role);
   }
-  return true;
-}
-
-std::int64_t RoadNetwork::CostTo(Point from, const Start& begins, Point to, Known* goal) const {
-  const std::optional<Spot>&start = begins.spot, &end = goal->spot;
-  if (from == to) return 0;
-  if (!start || !end) return -1;
-  if (IsSame(*start, *end)) {
-    const std::int64_t direct_mm = OpenCost(Distance(from, to));
-    return direct_mm >= 0 ? direct_mm : start->off_mm + end->off_mm;
-  }
-  std::int32_t first = -1;
-  const std::int64_t road_mm = RoadCost(*start, *end, SearchTo(to, goal), &first);
-  return road_mm < 0 ? -1 : start->off_mm + road_mm + end->off_mm;
+  const std::int64_t along_mm = AlongRoad(*from->known->spot, *to->known->spot);
+  const std::uint32_t round_mm = costs().Between(*from->label, *to->label);
+  if (round_mm == kUnreached) return along_mm;
+  return along_mm < 0 ? round_mm : std::min<std::int64_t>(along_mm, round_mm);
 }
 
 void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm,
@@ -342,8 +317,8 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     return way;
   };
   if (from == to) return finished();
-  const std::optional<Spot>& start = KnownOf(from, false)->spot;
-  Known* const known_goal = KnownOf(to, true);
+  const std::optional<Spot>& start = PlaceOf(from, kFrom).known->spot;
+  Known* const known_goal = PlaceOf(to, kTo).known;
   const std::optional<Spot>& goal = known_goal->spot;
   if (!start || !goal) return nullptr;
   if (IsSame(*start, *goal)) {
@@ -353,7 +328,7 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     }
   }
   const std::lock_guard lock(known_goal->mutex);
-  RoadSearch* const search = SearchTo(to, known_goal);
+  RoadSearch* const search = SearchTo(known_goal);
   std::int32_t node = -1;
   std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
   if (left_mm < 0) return nullptr;

@@ -1,19 +1,20 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <shared_mutex>
 #include <span>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "base/geometry.h"
 #include "base/grid_index.h"
 #include "base/point_hash.h"
-#include "model/road_search.h"
+#include "model/road_hierarchy.h"
 #include "model/road_ways.h"
 #include "model/roads.h"
 #include "model/ways.h"
@@ -25,7 +26,7 @@ class RoadNetwork {
  public:
   RoadNetwork(const Roads& roads, AgentKind kind, const OpenGround& open_ground,
               std::span<const Point> sites);
-  /// The same without the closed roads. `closed`: [roads of the file]. `all` outlives it.
+  /// The same without the closed roads. `closed`: [roads of the file].
   RoadNetwork(const RoadNetwork& all, const std::vector<bool>& closed);
   ~RoadNetwork();
 
@@ -49,22 +50,16 @@ class RoadNetwork {
   std::optional<Spot> SpotOf(Point place) const;
   /// Cost from one place to the other; -1: there is no way.
   std::int64_t Cost(Point from, Point to) const;
-  /// Cost from each of `from` to each of `to`: visit(from's index, to's index, cost). A goal's
-  /// costs are looked up for all beginnings at once, while they are at hand. Goals that another
-  /// thread looks at come last: several threads that ask about the same goals share the work.
+  /// Cost from each of `from` to each of `to`: visit(from's index, to's index, cost).
   template <class Visit>
   void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const {
-    std::vector<Start> starts;
-    starts.reserve(from.size());
-    for (const Point& place : from) starts.push_back(StartOf(place));
-    std::vector<std::int64_t> costs(from.size());
-    std::vector<std::size_t> later;
-    const auto tell = [&](std::size_t j, bool waits) {
-      if (!CostsTo(from, starts, to[j], waits, costs)) return later.push_back(j);
-      for (std::size_t i = 0; i < from.size(); ++i) visit(i, j, costs[i]);
-    };
-    for (std::size_t j = 0; j < to.size(); ++j) tell(j, false);
-    for (const std::size_t j : std::exchange(later, {})) tell(j, true);
+    std::vector<Place> begins;
+    begins.reserve(from.size());
+    for (const Point& place : from) begins.push_back(PlaceOf(place, kFrom).WithoutLabel());
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      Place end = PlaceOf(to[j], kTo).WithoutLabel();
+      for (std::size_t i = 0; i < from.size(); ++i) visit(i, j, CostBetween(&begins[i], &end));
+    }
   }
   /// The same way in full; its last reached_mm is the cost. Null: there is none.
   std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
@@ -97,9 +92,33 @@ class RoadNetwork {
     std::uint32_t cost_mm;
     bool leaves, enters;  ///< may be taken from here, to here
   };
-  /// What has been found out about a place: where it is in the network, and, once it was a goal,
-  /// what ways to it cost.
-  struct Known;
+  /// Which end of a way a place is.
+  enum Role { kFrom, kTo };
+  /// What has been found out about a place.
+  struct Known {
+    std::optional<Spot> spot;
+    std::int32_t site = -1;
+    /// [sites] Of the ways from here to the sites: 0, not known yet; kUnreached, none leads there;
+    /// else their cost + 1. Null: not kept. Read and written without the lock.
+    std::unique_ptr<std::atomic<std::uint32_t>[]> to_site;
+    std::mutex mutex;                                               ///< of what follows
+    std::array<std::shared_ptr<const RoadCosts::Label>, 2> labels;  ///< by role
+    std::unique_ptr<RoadSearch> search;                             ///< to it
+  };
+  /// An end of ways of which costs are asked.
+  struct Place {
+    std::uint64_t network = 0;  ///< its id; 0: none
+    Point at;
+    Known* known = nullptr;
+    std::shared_ptr<Known> own = nullptr;                     ///< if the network does not keep it
+    std::shared_ptr<const RoadCosts::Label> label = nullptr;  ///< null: not asked for so far
+    /// To copy a label takes time, and often none is needed.
+    Place WithoutLabel() const { return {network, at, known, own, nullptr}; }
+  };
+  struct Ends {
+    std::array<RoadCosts::End, 2> ends;
+    std::size_t n = 0;
+  };
   struct Pair {
     Point from, to;
     bool operator==(const Pair&) const = default;
@@ -137,40 +156,39 @@ class RoadNetwork {
     void IndexStops(const RoadNetwork& network, const Roads& roads, AgentKind kind,
                     std::span<const Point> sites);
     std::span<const Arc> ArcsOf(std::int32_t node) const;
+    /// Made when it is first asked for.
+    std::shared_ptr<const RoadHierarchy> Hierarchy() const;
+
+   private:
+    mutable std::once_flag ordered_;
+    mutable std::shared_ptr<const RoadHierarchy> hierarchy_;
   };
 
-  /// Makes inward_, of what is not closed.
-  void LeadInward();
+  /// Of what is not closed; made when it is first asked for.
+  const RoadCosts& costs() const;
   std::optional<Spot> FindSpot(Point place) const;
   bool IsClosed(std::int32_t line) const {
     return !closed_.empty() && closed_[static_cast<std::size_t>(line)];
   }
-  /// It stays as long as the network, or, when there are too many, until this thread asks for
-  /// another place in the same role.
-  Known* KnownOf(Point place, bool is_goal) const;
-  /// The costs of ways to that place, which has a spot and is locked.
-  RoadSearch* SearchTo(Point to, Known* goal) const;
-  /// What the network without closures has found of ways to that place, which is by that road;
-  /// null: nothing, or some of it is by roads that are closed.
-  std::unique_ptr<RoadSearch> SearchOfAll(Point to, std::int32_t road) const;
-  /// Forgets searches until half the room is free.
-  void DropSearches(const Known* but) const;
+  /// The thread keeps it until it asks for another place in the same role.
+  Place& PlaceOf(Point place, Role role) const;
+  /// The nodes by which a spot is left, or reached.
+  Ends EndsOf(const Spot& spot, Role role) const;
+  /// `known` has a spot, and in these two it is locked.
+  std::shared_ptr<const RoadCosts::Label> LabelOf(Known* known, Role role) const;
+  RoadSearch* SearchTo(Known* goal) const;
+  /// Forgets labels and searches until half the room is free.
+  void MakeRoom(const Known* but) const;
   /// The node that the spot is at; -1: it is between two.
   std::int32_t NodeOf(const Spot& spot) const;
   /// Whether they are one place. At a node that may be on different roads: rounding decides on
   /// which.
   bool IsSame(const Spot& a, const Spot& b) const;
-  /// Where a way begins.
-  struct Start {
-    std::optional<Spot> spot;
-    std::atomic<std::uint32_t>* to_site = nullptr;  ///< costs that are known; null: none are kept
-  };
-  Start StartOf(Point place) const;
-  /// `starts`: of `from`. False: another thread looks for ways to that goal, and this one does not
-  /// wait.
-  bool CostsTo(std::span<const Point> from, std::span<const Start> starts, Point to, bool waits,
-               std::span<std::int64_t> costs) const;
-  std::int64_t CostTo(Point from, const Start& start, Point to, Known* goal) const;
+  std::int64_t CostBetween(Place* from, Place* to) const;
+  /// The same of places that have spots which are not the same, by road.
+  std::int64_t RoadCostBetween(Place* from, Place* to) const;
+  /// Cost between two spots on one road without leaving it; -1: there is no such way.
+  std::int64_t AlongRoad(const Spot& from, const Spot& to) const;
   /// By road, without the open ground; -1: there is no way. `first`: the node that the way leaves
   /// the first road by; -1: it stays on that road.
   std::int64_t RoadCost(const Spot& from, const Spot& to, RoadSearch* search,
@@ -182,16 +200,14 @@ class RoadNetwork {
   void Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm, Way* way) const;
 
   std::shared_ptr<const Map> map_;
-  std::vector<bool> closed_;                  ///< [lines]; empty: none is
-  std::vector<RoadSearch::Arc> closed_arcs_;  ///< of closed_, in each direction that may be taken
-  const RoadNetwork* const all_ = nullptr;    ///< without closures; null: it is this
-  RoadGraph inward_;
+  std::vector<bool> closed_;  ///< [lines]; empty: none is
+  mutable std::once_flag customized_;
+  mutable std::unique_ptr<const RoadCosts> costs_;
 
   const std::uint64_t id_;  ///< no other network of this process has it
 
   // What was asked before.
-  const std::shared_ptr<std::atomic<std::size_t>> search_bytes_ =
-      std::make_shared<std::atomic<std::size_t>>(0);
+  mutable std::atomic<std::size_t> bytes_ = 0;  ///< of labels and searches
   mutable std::shared_mutex mutex_;
   mutable std::unordered_map<Point, std::unique_ptr<Known>, PointHash> known_;
   mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;

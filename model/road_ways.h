@@ -26,8 +26,7 @@ class RoadNetwork;
 /// docs/reference/roads.md has the rules to the millimetre; the auditor keeps them by its own code.
 ///
 /// Lengths are sums of whole millimetres and equal ways are told apart by ids, so every machine
-/// finds the same way. Searches are made when they are first asked for, one for each goal, as far
-/// as was asked, and kept. Memory: 4 bytes for each junction and goal.
+/// finds the same way. What is found out is kept; memory: docs/reference/roads.md.
 class RoadWays final : public Ways, public std::enable_shared_from_this<RoadWays> {
  public:
   /// `sites`: places where agents may stop beside the road points, as tasks and charging points.
