@@ -206,8 +206,9 @@ std::int64_t RoadNetwork::RoadCost(const Spot& from, const Spot& to, RoadSearch*
   for (std::size_t i = ends.n; i-- > 0;) {
     const auto [node, cost_mm] = ends.ends[i];
     const std::uint32_t rest_mm = search->CostFrom(node);
-    if (rest_mm == kUnreached || (best >= 0 && cost_mm + rest_mm >= best)) continue;
-    best = cost_mm + rest_mm;
+    const std::int64_t by_it_mm = cost_mm + rest_mm;
+    if (by_it_mm >= kUnreached || (best >= 0 && by_it_mm >= best)) continue;
+    best = by_it_mm;
     *first = node;
   }
   return best;

@@ -79,6 +79,20 @@ TEST(RoadWays, TheEndsOfTwoRoadsAtOneJunctionAreOnePlace) {
   EXPECT_TRUE(ways.Corners(kVehicle, from, to).empty());
 }
 
+TEST(RoadWays, AWayThatCostsMoreThanCanBeCountedIsNone) {
+  // Three pieces of 10 km at a hundredth of the speed.
+  Roads roads;
+  roads.classes = {{"bog", {0, 1, 1}, false}};
+  roads.points = {{0, 0}, {10'000'000, 0}, {20'000'000, 0}, {30'000'000, 0}};
+  roads.roads = {{1, 0, {0, 1}}, {2, 0, {1, 2}}, {3, 0, {2, 3}}};
+  const RoadWays ways(std::make_shared<const Roads>(roads), kFields, {});
+  EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {20'000, 0}), 2e6);
+  EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {21'474, 0}), 2'147'400);
+  EXPECT_EQ(ways.Corners(kVehicle, {0, 0}, {21'474, 0}).size(), 2U);
+  EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {21'475, 0}), kNoWay);
+  EXPECT_TRUE(ways.Corners(kVehicle, {0, 0}, {21'475, 0}).empty());
+}
+
 TEST(RoadWays, PlacesAndCornersOfAVillageByHand) {
   const RoadWays ways(std::make_shared<const Roads>(Village()), kFields, {});
   EXPECT_EQ(ways.Corners(kVehicle, {400, 200}, {0, 0}),

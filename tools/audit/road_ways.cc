@@ -21,7 +21,8 @@ using nlohmann::json;
 using Mm = std::int64_t;
 
 constexpr Mm kNone = -1;
-constexpr std::size_t kRemembered = 500;  // goals
+constexpr Mm kTooFar = (Mm{1} << 31) - 1;  // from junction to junction
+constexpr std::size_t kRemembered = 500;   // goals
 
 Mm UpTo(Mm amount, Mm percent) { return (amount * 100 + percent - 1) / percent; }
 
@@ -315,7 +316,7 @@ class Streets {
     Around& around = AroundOf(goal);
     const auto by = [&](int point, Mm first) {
       const Mm rest = CostFrom(point, &around);
-      offer(rest == kNone ? kNone : first + rest, point);
+      offer(rest == kNone || first + rest >= kTooFar ? kNone : first + rest, point);
     };
     const auto ahead = [&] { by(piece.b, piece.cost - start.along); };
     const auto behind = [&] {
