@@ -256,6 +256,11 @@ void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
   if (!agent->measured || agent->failed || agent->action == ActionKind::kNone) return;
   if (IsOnItsWay(*agent)) {
     if (agent->arrive_us <= t) {
+      // It is not behind the place that it has told last.
+      if (const Measured::Seen& seen = agent->measured->seen; seen.at_us > agent->depart_us) {
+        const double range_m = std::min(seen.range_m, RangeOnWayAt(*agent, seen.at_us));
+        RestFrom(seen.at, range_m, seen.at_us, agent);
+      }
       agent->arrive_us = next_tick_us;
       if (!IsPair(agent->action)) agent->busy_until_us = next_tick_us;
     }

@@ -312,8 +312,9 @@ bool Referee::AbortActivityOf(const AgentState& agent, TimeUs t, bool fails) {
 bool Referee::IsOutBecauseOfAnother(const Failure& failure) const {
   const TimeUs since_us = failed_.at(failure.agent).at_us;
   return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& other) {
+    // Whose driver has given up has failed for good. A restarted world does not know why.
     return AgentKey(other.kind, other.agent) == failure.agent && other.reason != failure.reason &&
-           other.from_us <= since_us;
+           other.reason.cause != Cause::kSaid && other.from_us <= since_us;
   });
 }
 

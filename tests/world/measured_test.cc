@@ -201,6 +201,18 @@ TEST(Measured, TheWayThatASilentOneWasComputedToMakeTakesNoRange) {
   EXPECT_DOUBLE_EQ(uav.range_at_departure_m, 9900);
 }
 
+TEST(Measured, ASilentOneThatIsOverdueIsNotBehindThePlaceThatItToldLast) {
+  Flight flight(Small());
+  flight.Measure(kUav).Judge(0, 0).Command(Sense()).Until(450);
+  // As computed, 200 m before its task. It is to be there at 500 s, and says nothing at 510 s.
+  flight.At(kUav, {2880, 3840}, 480).Judge(480).Judge(510);
+  const AgentState& uav = flight.agent(kUav);
+  EXPECT_NEAR(Distance(PositionAt(uav, 510 * kSecondUs), {0, 0}), 4900, 1e-6);
+  EXPECT_NEAR(RangeAt(uav, 510 * kSecondUs, flight.scenario().tasks), 15'000 - 4900, 1e-6);
+  flight.Judge(540);
+  EXPECT_GT(Distance(PositionAt(uav, 540 * kSecondUs), {0, 0}), 4900);
+}
+
 TEST(Measured, SensingBringsNoRangeBackThatTheWindWasComputedToTake) {
   Scenario scenario = Small();
   scenario.disturbances.wind = {1, 1};  // a metre takes two

@@ -174,6 +174,27 @@ TEST(Referee, TheEndOfAnOutageBringsBackNobodyWhoHadFailedForGood) {
   EXPECT_FALSE(mission.agents().workers[0].failed);
 }
 
+TEST(Referee, AFaultHasNoEffectOnAnAgentWhoseDriverGaveUp) {
+  // A world that was started again in between knows that the agent has failed, and not why.
+  for (const bool again : {false, true}) {
+    Mission mission(SmallScenario());
+    mission.referee().Add({AgentKind::kWorker,
+                           0,
+                           30 * kSecondUs,
+                           kNever,
+                           {FailureReason::Cause::kSaid, "its driver: tired"}});
+    mission.Judge(30 * kSecondUs);
+    Mission next(SmallScenario());
+    next.referee().Restore(30 * kSecondUs, mission.referee().task_status(),
+                           mission.referee().verdict());
+    Mission& after = again ? next : mission;
+    after.referee().Add({AgentKind::kWorker, 0, 60 * kSecondUs, 90 * kSecondUs, Fault("f")});
+    for (const TimeUs t : {60, 90, 120}) after.Judge(t * kSecondUs);
+    for (const Event& event : after.events()) EXPECT_NE(event.by_fault, "f") << again;
+    EXPECT_TRUE(after.referee().has_failed(AgentKind::kWorker, 0)) << again;
+  }
+}
+
 TEST(Referee, OnlyWhoFailsWithItsProcessIsRuledToBeLost) {
   Mission mission(SmallScenario());
   mission.referee().Add(

@@ -187,19 +187,29 @@ const Report* TakenReport(View& view, int kind, int id) {
     return report.base_tick < 0 ? report.agent.arrive_us
                                 : view.Model(report.kind, report.agent.id).arrive_us;
   };
+  // One that is not done yet is busy until the next tick, which the world takes for the end.
+  const auto ends_us = [&](const Report& report) {
+    return report.base_tick < 0 ? report.agent.busy_until_us
+                                : view.Model(report.kind, report.agent.id).busy_until_us;
+  };
   for (const activity_t& wire : view.said->world->activities) {
     const Activity activity = FromWire(wire);
     if (!activity.involves(kind, id)) continue;
     const int other = kind == kUav ? activity.partner : activity.uav;
-    // The newest that fits.
+    // The newest that fits the start, and if there is one, the end too.
+    const Report* fits = nullptr;
     for (auto word = all.rbegin(); word != all.rend(); ++word) {
       const Report* const report = *word;
       for (const Report* of_other :
            candidates(kind == kUav ? activity.partner_class() : kUav, other)) {
         const std::int64_t start_us = std::max(arrives_us(*report), arrives_us(*of_other));
-        if (NearUs(start_us, activity.start_us)) return report;
+        const std::int64_t end_us = std::max(ends_us(*report), ends_us(*of_other));
+        if (!NearUs(start_us, activity.start_us)) continue;
+        if (NearUs(end_us, activity.end_us)) return report;
+        if (fits == nullptr) fits = report;
       }
     }
+    if (fits != nullptr) return fits;
   }
   // A restarted process asks the world: had that heard its first word, it would have said it again.
   return all.back();

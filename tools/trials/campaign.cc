@@ -9,6 +9,7 @@
 
 #include "base/random.h"
 #include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 #include "protocol/fault_kinds.h"
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
@@ -243,6 +244,31 @@ VirtualMission DrawMission(const CampaignSettings& settings, std::uint64_t seed)
   return mission;
 }
 
+namespace {
+
+/// Whether a fault is without effect because it is to make an agent fail that has failed before, as
+/// its driver said.
+bool IsOfAnAgentThatGaveUp(std::string_view line, const FaultPlan& faults,
+                           const std::vector<Packet>& packets) {
+  const auto fault = std::find_if(faults.begin(), faults.end(), [&](const PlannedFault& one) {
+    return RowOf(one.kind).of_agents() && line.starts_with(fmt::format("fault {} (", one.id));
+  });
+  if (fault == faults.end()) return false;
+  return std::any_of(packets.begin(), packets.end(), [&](const Packet& packet) {
+    if (packet.channel != channel::kEvent) return false;
+    const auto event = DecodeValid<event_t>(packet.bytes);
+    if (!event || event->kind != EventKind::kAgentFailed ||
+        !event->detail.starts_with("its driver"))
+      return false;
+    const PerKind<std::int32_t> ids = {event->uav_id, event->worker_id, event->vehicle_id};
+    return std::any_of(std::begin(kAgentKinds), std::end(kAgentKinds), [&](AgentKind kind) {
+      return ids[kind] >= 0 && fault->target == fmt::format("{}:{}", ToString(kind), ids[kind]);
+    });
+  });
+}
+
+}  // namespace
+
 std::vector<std::string> FindingsOf(const VirtualMission& mission) {
   std::vector<Packet> packets;
   audit::Auditor auditor;
@@ -254,7 +280,9 @@ std::vector<std::string> FindingsOf(const VirtualMission& mission) {
   const MissionResult result = RunVirtualMission(watched);
 
   std::vector<std::string> findings = result.problems;
-  findings.insert(findings.end(), result.without_effect.begin(), result.without_effect.end());
+  for (const std::string& line : result.without_effect) {
+    if (!IsOfAnAgentThatGaveUp(line, mission.faults, packets)) findings.push_back(line);
+  }
   const auto log = result.record.CheckComplete();
   if (!log.complete) {
     findings.push_back(fmt::format("the log is not complete: {} gaps, {} missing, {} said twice",
