@@ -225,8 +225,10 @@ void RoadCosts::Customize() {
 }
 
 RoadCosts::Label RoadCosts::LabelOf(std::span<const End> ends,
-                                    const std::vector<std::uint32_t>& by_edge) const {
+                                    const std::vector<std::uint32_t>& by_edge,
+                                    std::uint32_t until_mm) const {
   Label label;
+  label.until_mm = until_mm;
   for (const End& end : ends) {
     const std::int32_t rank = hierarchy_->RankOf(end.node);
     if (label.rank < 0 || rank < label.rank) label.rank = rank;
@@ -243,7 +245,7 @@ RoadCosts::Label RoadCosts::LabelOf(std::span<const End> ends,
   }
   for (std::int32_t rank = label.rank; rank >= 0; rank = hierarchy_->InTree(rank).parent) {
     const std::uint32_t here_mm = *cost_at(rank);
-    if (here_mm == kUnreached) continue;
+    if (here_mm == kUnreached || here_mm > until_mm) continue;
     const std::size_t end = hierarchy_->EndOfEdges(rank);
     for (std::size_t edge = hierarchy_->FirstEdge(rank); edge < end;) {
       const std::size_t run = hierarchy_->RunFrom(edge);
@@ -254,12 +256,12 @@ RoadCosts::Label RoadCosts::LabelOf(std::span<const End> ends,
   return label;
 }
 
-RoadCosts::Label RoadCosts::LabelFrom(std::span<const End> ends) const {
-  return LabelOf(ends, up_mm_);
+RoadCosts::Label RoadCosts::LabelFrom(std::span<const End> ends, std::uint32_t until_mm) const {
+  return LabelOf(ends, up_mm_, until_mm);
 }
 
-RoadCosts::Label RoadCosts::LabelTo(std::span<const End> ends) const {
-  return LabelOf(ends, down_mm_);
+RoadCosts::Label RoadCosts::LabelTo(std::span<const End> ends, std::uint32_t until_mm) const {
+  return LabelOf(ends, down_mm_, until_mm);
 }
 
 std::uint32_t RoadCosts::Between(const Label& from, const Label& to) const {

@@ -76,15 +76,18 @@ class RoadCosts {
     std::int32_t node;
     std::int64_t cost_mm;  ///< between the place and the node
   };
-  /// Costs between a place and the ancestors of its node that is lowest.
+  /// Costs between a place and the ancestors of its node that is lowest, as far as ways of no more
+  /// than `until_mm` need them; others may be too high.
   struct Label {
+    std::uint32_t until_mm = 0;
     std::int32_t rank = -1;         ///< of that node
     std::vector<std::uint32_t> mm;  ///< [the node and its ancestors], from it up
     std::size_t Bytes() const { return sizeof(Label) + mm.size() * sizeof(std::uint32_t); }
   };
-  Label LabelFrom(std::span<const End> ends) const;
-  Label LabelTo(std::span<const End> ends) const;
-  /// Cost from the place of `from` to that of `to`.
+  Label LabelFrom(std::span<const End> ends, std::uint32_t until_mm) const;
+  Label LabelTo(std::span<const End> ends, std::uint32_t until_mm) const;
+  /// Cost from the place of `from` to that of `to`. If it is more than `until_mm` of one of them,
+  /// it may be too high.
   std::uint32_t Between(const Label& from, const Label& to) const;
 
   const RoadHierarchy& hierarchy() const { return *hierarchy_; }
@@ -93,7 +96,8 @@ class RoadCosts {
 
  private:
   void Customize();
-  Label LabelOf(std::span<const End> ends, const std::vector<std::uint32_t>& by_edge) const;
+  Label LabelOf(std::span<const End> ends, const std::vector<std::uint32_t>& by_edge,
+                std::uint32_t until_mm) const;
 
   std::shared_ptr<const RoadHierarchy> hierarchy_;
   std::vector<std::uint32_t> up_mm_, down_mm_;  ///< [edges]
@@ -103,7 +107,7 @@ class RoadCosts {
 /// Zeitz, 2021).
 class RoadSearch {
  public:
-  /// `costs` outlives it. `to`: from LabelTo of it.
+  /// `costs` outlives it. `to`: from LabelTo of it, for ways of any length.
   RoadSearch(const RoadCosts& costs, const RoadCosts::Label& to);
   /// RoadCosts::kUnreached: no way leads from there.
   std::uint32_t CostFrom(std::int32_t node);

@@ -151,21 +151,28 @@ RoadNetwork::Ends RoadNetwork::EndsOf(const Spot& spot, Role role) const {
   return ends;
 }
 
-std::shared_ptr<const RoadCosts::Label> RoadNetwork::LabelOf(Known* known, Role role) const {
+std::shared_ptr<const RoadCosts::Label> RoadNetwork::LabelOf(Known* known, Role role,
+                                                             std::uint32_t until_mm) const {
   std::shared_ptr<const RoadCosts::Label>& label = known->labels[role];
-  if (label != nullptr) return label;
+  if (label != nullptr) {
+    if (label->until_mm >= until_mm) return label;
+    // Much further than before, so that it is seldom made again.
+    until_mm =
+        std::max(until_mm, label->until_mm < kUnreached / 4 ? 4 * label->until_mm : kUnreached);
+    bytes_ -= label->Bytes();
+  }
   const Ends ends = EndsOf(*known->spot, role);
   const std::span<const RoadCosts::End> nodes(ends.ends.data(), ends.n);
-  auto made = role == kFrom ? costs().LabelFrom(nodes) : costs().LabelTo(nodes);
-  bytes_ += made.Bytes();
-  label = std::make_shared<const RoadCosts::Label>(std::move(made));
+  label = std::make_shared<const RoadCosts::Label>(
+      role == kFrom ? costs().LabelFrom(nodes, until_mm) : costs().LabelTo(nodes, until_mm));
+  bytes_ += label->Bytes();
   if (bytes_ > kMostBytes) MakeRoom(known);
   return label;
 }
 
 RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
   if (goal->search == nullptr) {
-    goal->search = std::make_unique<RoadSearch>(costs(), *LabelOf(goal, kTo));
+    goal->search = std::make_unique<RoadSearch>(costs(), *LabelOf(goal, kTo, kUnreached));
     bytes_ += goal->search->Bytes();
     if (bytes_ > kMostBytes) MakeRoom(goal);
   }
@@ -256,15 +263,23 @@ std::int64_t RoadNetwork::CostBetween(Place* from, Place* to) const {
 }
 
 std::int64_t RoadNetwork::RoadCostBetween(Place* from, Place* to) const {
-  for (const auto& [place, role] : {std::pair(from, kFrom), std::pair(to, kTo)}) {
-    if (place->label != nullptr) continue;
-    const std::lock_guard lock(place->known->mutex);
-    place->label = LabelOf(place->known, role);
-  }
   const std::int64_t along_mm = AlongRoad(*from->known->spot, *to->known->spot);
-  const std::uint32_t round_mm = costs().Between(*from->label, *to->label);
-  if (round_mm == kUnreached) return along_mm;
-  return along_mm < 0 ? round_mm : std::min<std::int64_t>(along_mm, round_mm);
+  // Most ways are less than twice as long as the straight line.
+  const double guess_mm = 2000 * Distance(from->at, to->at);
+  auto until_mm = static_cast<std::uint32_t>(std::min<double>(guess_mm, kUnreached));
+  for (;;) {
+    for (const auto& [place, role] : {std::pair(from, kFrom), std::pair(to, kTo)}) {
+      if (place->label != nullptr && place->label->until_mm >= until_mm) continue;
+      const std::lock_guard lock(place->known->mutex);
+      place->label = LabelOf(place->known, role, until_mm);
+    }
+    std::uint32_t least_mm = costs().Between(*from->label, *to->label);
+    if (along_mm >= 0 && along_mm < least_mm) least_mm = static_cast<std::uint32_t>(along_mm);
+    if (least_mm <= std::min(from->label->until_mm, to->label->until_mm)) {
+      return least_mm == kUnreached ? -1 : std::int64_t{least_mm};
+    }
+    until_mm = least_mm;
+  }
 }
 
 void RoadNetwork::Follow(const Line& line, std::int64_t from_mm, std::int64_t to_mm,

@@ -174,8 +174,9 @@ class RoadNetwork {
   Place& PlaceOf(Point place, Role role) const;
   /// The nodes by which a spot is left, or reached.
   Ends EndsOf(const Spot& spot, Role role) const;
-  /// `known` has a spot, and in these two it is locked.
-  std::shared_ptr<const RoadCosts::Label> LabelOf(Known* known, Role role) const;
+  /// For ways of so much at least. `known` has a spot, and in these two it is locked.
+  std::shared_ptr<const RoadCosts::Label> LabelOf(Known* known, Role role,
+                                                  std::uint32_t until_mm) const;
   RoadSearch* SearchTo(Known* goal) const;
   /// Forgets labels and searches until half the room is free.
   void MakeRoom(const Known* but) const;

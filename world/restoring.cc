@@ -165,7 +165,7 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
   tick = std::min(tick, scenario_.rules.last_tick());
   std::optional<State> state = At(tick);
   if (!state) return {};
-  std::set<std::string> lost_owners;
+  std::set<std::string> lost_owners, present_owners;
   for (const AgentKind kind : kAgentKinds) {
     for (const Told& agent : told_[kind]) {
       // One that has told the next tick has told this one, too, and perhaps cannot tell it again.
@@ -178,6 +178,7 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
         failure = FailureOf(any, verdicts, tick);
         if (!IsLoss(failure)) {
           if (IsLoss(before)) state->lost.push_back({any, before->at_us, true});
+          present_owners.insert(agent.owner);
           continue;
         }
       }
@@ -192,9 +193,10 @@ std::optional<Restoring::State> Restoring::NewestWithoutLost(Gap gap) const {
       lost_owners.insert(agent.owner);
     }
   }
-  // What they say of this tick came too late.
+  // What they say of this tick came too late. A process of which one agent is silent is not lost.
   std::erase_if(state->reports, [&](const Packet& packet) {
-    return lost_owners.contains(DecodeHeader(packet)->sender);
+    const std::string sender = DecodeHeader(packet)->sender;
+    return lost_owners.contains(sender) && !present_owners.contains(sender);
   });
   return state;
 }

@@ -78,7 +78,9 @@ TEST(RoadHierarchy, CostsAreThoseOfRelaxation) {
       const RoadCosts costs(hierarchy, arcs);
       const Ends goal = DrawEnds(n_nodes, all, &random);
       const auto expected = CostsByRelaxation(n_nodes, arcs, goal);
-      const RoadCosts::Label to = costs.LabelTo(goal);
+      const RoadCosts::Label to = costs.LabelTo(goal, RoadCosts::kUnreached);
+      const std::uint32_t until_mm = random.Below(3000);
+      const RoadCosts::Label near = costs.LabelTo(goal, until_mm);
       RoadSearch search(costs, to);
       for (std::int32_t i = 0; i < 2 * n_nodes; ++i) {
         const std::int32_t node = Draw(n_nodes, &random);
@@ -88,7 +90,11 @@ TEST(RoadHierarchy, CostsAreThoseOfRelaxation) {
         for (const auto& end : begin) {
           least = std::min(least, static_cast<std::uint64_t>(end.cost_mm) + expected[At(end.node)]);
         }
-        ASSERT_EQ(costs.Between(costs.LabelFrom(begin), to), least) << "from " << begin[0].node;
+        ASSERT_EQ(costs.Between(costs.LabelFrom(begin, RoadCosts::kUnreached), to), least)
+            << "from " << begin[0].node;
+        const std::uint32_t found = costs.Between(costs.LabelFrom(begin, until_mm), near);
+        ASSERT_TRUE(found == least || (found > least && least > until_mm))
+            << "from " << begin[0].node << ": " << found << ", until " << until_mm << ": " << least;
       }
     }
   }
@@ -127,14 +133,18 @@ TEST(RoadHierarchy, AWayTooLongToCountIsNone) {
   const RoadCosts costs(HierarchyOf(3, arcs), arcs);
   const auto between = [&](std::int32_t from, std::int32_t to) {
     const Ends begin{{from, 0}}, end{{to, 0}};
-    const std::uint32_t cost_mm = costs.Between(costs.LabelFrom(begin), costs.LabelTo(end));
-    EXPECT_EQ(RoadSearch(costs, costs.LabelTo(end)).CostFrom(from), cost_mm);
+    const RoadCosts::Label label = costs.LabelTo(end, RoadCosts::kUnreached);
+    const std::uint32_t cost_mm =
+        costs.Between(costs.LabelFrom(begin, RoadCosts::kUnreached), label);
+    EXPECT_EQ(RoadSearch(costs, label).CostFrom(from), cost_mm);
     return cost_mm;
   };
   EXPECT_EQ(between(0, 2), 2 * kHalf);
   EXPECT_EQ(between(2, 0), RoadCosts::kUnreached);
   const Ends far{{0, std::int64_t{1} << 40}};
-  EXPECT_EQ(costs.Between(costs.LabelFrom(far), costs.LabelTo(far)), RoadCosts::kUnreached);
+  EXPECT_EQ(costs.Between(costs.LabelFrom(far, RoadCosts::kUnreached),
+                          costs.LabelTo(far, RoadCosts::kUnreached)),
+            RoadCosts::kUnreached);
 }
 
 }  // namespace

@@ -225,6 +225,23 @@ TEST_F(RestoringTest, GoesOnWithoutThoseThatWereLost) {
   EXPECT_EQ(restoring_.OwnerOf(AgentKind::kWorker, 0), "worker");
 }
 
+TEST_F(RestoringTest, WhatAProcessSaysCountsThoughOneOfItsAgentsIsSilent) {
+  TakeAllStates(2);
+  EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, 6));
+  EXPECT_TRUE(TakeStates(AgentKind::kVehicle, {0, 1}, 6));
+  EXPECT_TRUE(TakeStates(AgentKind::kWorker, {1}, 6));
+  EXPECT_TRUE(TakeVerdict(2, AgentKind::kWorker, {}, 0));
+  for (const std::int64_t tick : {3, 4, 5}) {
+    EXPECT_TRUE(TakeVerdict(tick, AgentKind::kWorker, {0}, kLostAfterTick2));
+  }
+  const auto state = restoring_.NewestWithoutLost();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->tick, 6);
+  ASSERT_EQ(state->lost.size(), 1u);
+  EXPECT_EQ(state->lost[0].agent.id, 0);
+  EXPECT_EQ(state->reports.size(), 3u) << "all classes', the workers' without that one";
+}
+
 TEST_F(RestoringTest, WhoFailedBeforeItWasLostDoesNotReturnWithItsProcess) {
   const TimeUs dry_us = kMinuteUs + 5;
   for (const std::int64_t tick : {1, 2}) EXPECT_TRUE(TakeStates(AgentKind::kUav, {0, 1}, tick));

@@ -114,6 +114,9 @@ void SeeLeg(const View& view, AgentModel* model, const agent_t& a) {
                   Near(a.range_left_m, std::max(0.0, model->RangeAt(view.now_us)));
   }
   if (as_computed && model->says_arrived) {
+    // Its word may be a microsecond before what is computed.
+    model->arrive_us = a.arrive_us;
+    if (!model->pair()) model->busy_until_us = a.arrive_us;
     if (!model->way_seen) Arrive(view, model, a);
     return;
   }
