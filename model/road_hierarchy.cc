@@ -273,6 +273,7 @@ std::uint32_t RoadCosts::Between(const Label& from, const Label& to) const {
 
 RoadSearch::RoadSearch(const RoadCosts& costs, const RoadCosts::Label& to)
     : costs_(costs),
+      until_mm_(to.until_mm),
       cost_mm_(costs.hierarchy().n_ranks(), RoadCosts::kUnreached),
       is_known_(costs.hierarchy().n_ranks()) {
   std::size_t i = 0;

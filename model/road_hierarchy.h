@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <vector>
@@ -82,7 +83,7 @@ class RoadCosts {
     std::uint32_t until_mm = 0;
     std::int32_t rank = -1;         ///< of that node
     std::vector<std::uint32_t> mm;  ///< [the node and its ancestors], from it up
-    std::size_t Bytes() const { return sizeof(Label) + mm.size() * sizeof(std::uint32_t); }
+    std::ptrdiff_t Bytes() const { return std::ssize(mm) * std::ptrdiff_t{sizeof(std::uint32_t)}; }
   };
   Label LabelFrom(std::span<const End> ends, std::uint32_t until_mm) const;
   Label LabelTo(std::span<const End> ends, std::uint32_t until_mm) const;
@@ -104,17 +105,21 @@ class RoadCosts {
 };
 
 /// Costs from any nodes to one place, found as they are asked for: RPHAST, lazily (Strasser and
-/// Zeitz, 2021).
+/// Zeitz, 2021). What is more than the label's `until_mm` may be too high.
 class RoadSearch {
  public:
-  /// `costs` outlives it. `to`: from LabelTo of it, for ways of any length.
+  /// `costs` outlives it. `to`: from LabelTo of it.
   RoadSearch(const RoadCosts& costs, const RoadCosts::Label& to);
   /// RoadCosts::kUnreached: no way leads from there.
   std::uint32_t CostFrom(std::int32_t node);
-  std::size_t Bytes() const { return cost_mm_.size() * sizeof(std::uint32_t); }
+  std::uint32_t until_mm() const { return until_mm_; }
+  std::ptrdiff_t Bytes() const {
+    return std::ssize(cost_mm_) * std::ptrdiff_t{sizeof(std::uint32_t)};
+  }
 
  private:
   const RoadCosts& costs_;
+  const std::uint32_t until_mm_;
   std::vector<std::uint32_t> cost_mm_;  ///< [ranks] of the way, or of one by the goal's ancestors
   std::vector<bool> is_known_;          ///< [ranks]
   std::vector<std::int32_t> unknown_;   ///< empty between questions

@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
 constexpr std::size_t kMostSites = 1 << 16;
-constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;  // of the costs to sites
-constexpr std::size_t kMostBytes = std::size_t{1} << 29;      // of labels and searches
+constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;    // of the costs to sites
+constexpr std::ptrdiff_t kMostBytes = std::ptrdiff_t{1} << 29;  // of labels and searches
 constexpr std::uint32_t kUnreached = RoadCosts::kUnreached;
 
 std::atomic<std::uint64_t> next_id = 1;
@@ -129,6 +129,7 @@ RoadNetwork::Place& RoadNetwork::PlaceOf(Point place, Role role) const {
   }
   const std::unique_lock lock(mutex_);
   if (known_.size() >= kMostKnown) {
+    made->is_kept = false;
     Known* const known = made.get();
     return entry = {id_, place, known, std::move(made)};
   }
@@ -159,24 +160,30 @@ std::shared_ptr<const RoadCosts::Label> RoadNetwork::LabelOf(Known* known, Role 
     // Much further than before, so that it is seldom made again.
     until_mm =
         std::max(until_mm, label->until_mm < kUnreached / 4 ? 4 * label->until_mm : kUnreached);
-    bytes_ -= label->Bytes();
+    Count(*known, -label->Bytes());
   }
   const Ends ends = EndsOf(*known->spot, role);
   const std::span<const RoadCosts::End> nodes(ends.ends.data(), ends.n);
   label = std::make_shared<const RoadCosts::Label>(
       role == kFrom ? costs().LabelFrom(nodes, until_mm) : costs().LabelTo(nodes, until_mm));
-  bytes_ += label->Bytes();
-  if (bytes_ > kMostBytes) MakeRoom(known);
+  Count(*known, label->Bytes());
   return label;
 }
 
-RoadSearch* RoadNetwork::SearchTo(Known* goal) const {
-  if (goal->search == nullptr) {
-    goal->search = std::make_unique<RoadSearch>(costs(), *LabelOf(goal, kTo, kUnreached));
-    bytes_ += goal->search->Bytes();
-    if (bytes_ > kMostBytes) MakeRoom(goal);
+RoadSearch* RoadNetwork::SearchTo(Known* goal, std::uint32_t until_mm) const {
+  if (goal->search != nullptr) {
+    if (goal->search->until_mm() >= until_mm) return goal->search.get();
+    Count(*goal, -goal->search->Bytes());
   }
+  goal->search = std::make_unique<RoadSearch>(costs(), *LabelOf(goal, kTo, until_mm));
+  Count(*goal, goal->search->Bytes());
   return goal->search.get();
+}
+
+void RoadNetwork::Count(const Known& known, std::ptrdiff_t more) const {
+  if (!known.is_kept) return;
+  bytes_ += more;
+  if (bytes_ > kMostBytes) MakeRoom(&known);
 }
 
 void RoadNetwork::MakeRoom(const Known* but) const {
@@ -333,21 +340,21 @@ std::shared_ptr<const RoadNetwork::Way> RoadNetwork::FindWay(Point from, Point t
     return way;
   };
   if (from == to) return finished();
-  const std::optional<Spot>& start = PlaceOf(from, kFrom).known->spot;
-  Known* const known_goal = PlaceOf(to, kTo).known;
-  const std::optional<Spot>& goal = known_goal->spot;
-  if (!start || !goal) return nullptr;
+  const Place begin = PlaceOf(from, kFrom), end = PlaceOf(to, kTo);
+  const std::int64_t cost_mm = Cost(from, to);
+  if (cost_mm < 0) return nullptr;
+  const std::optional<Spot>&start = begin.known->spot, &goal = end.known->spot;
   if (IsSame(*start, *goal)) {
     if (const std::int64_t direct_mm = OpenCost(Distance(from, to)); direct_mm >= 0) {
       across(to, direct_mm);
       return finished();
     }
   }
-  const std::lock_guard lock(known_goal->mutex);
-  RoadSearch* const search = SearchTo(known_goal);
+  const std::lock_guard lock(end.known->mutex);
+  RoadSearch* const search =
+      SearchTo(end.known, static_cast<std::uint32_t>(std::min<std::int64_t>(cost_mm, kUnreached)));
   std::int32_t node = -1;
   std::int64_t left_mm = RoadCost(*start, *goal, search, &node);
-  if (left_mm < 0) return nullptr;
   across(start->at, start->off_mm);
   const Line& last = map_->lines[At(goal->road)];
   if (node < 0) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -98,6 +99,7 @@ class RoadNetwork {
   struct Known {
     std::optional<Spot> spot;
     std::int32_t site = -1;
+    bool is_kept = true;  ///< by the network
     /// [sites] Of the ways from here to the sites: 0, not known yet; kUnreached, none leads there;
     /// else their cost + 1. Null: not kept. Read and written without the lock.
     std::unique_ptr<std::atomic<std::uint32_t>[]> to_site;
@@ -110,7 +112,7 @@ class RoadNetwork {
     std::uint64_t network = 0;  ///< its id; 0: none
     Point at;
     Known* known = nullptr;
-    std::shared_ptr<Known> own = nullptr;                     ///< if the network does not keep it
+    std::shared_ptr<Known> own = nullptr;                     ///< the same, if it is not kept
     std::shared_ptr<const RoadCosts::Label> label = nullptr;  ///< null: not asked for so far
     /// To copy a label takes time, and often none is needed.
     Place WithoutLabel() const { return {network, at, known, own, nullptr}; }
@@ -177,7 +179,9 @@ class RoadNetwork {
   /// For ways of so much at least. `known` has a spot, and in these two it is locked.
   std::shared_ptr<const RoadCosts::Label> LabelOf(Known* known, Role role,
                                                   std::uint32_t until_mm) const;
-  RoadSearch* SearchTo(Known* goal) const;
+  RoadSearch* SearchTo(Known* goal, std::uint32_t until_mm) const;
+  /// Bytes that a place has more, or less, and makes room if those are too many.
+  void Count(const Known& known, std::ptrdiff_t more) const;
   /// Forgets labels and searches until half the room is free.
   void MakeRoom(const Known* but) const;
   /// The node that the spot is at; -1: it is between two.
@@ -208,7 +212,7 @@ class RoadNetwork {
   const std::uint64_t id_;  ///< no other network of this process has it
 
   // What was asked before.
-  mutable std::atomic<std::size_t> bytes_ = 0;  ///< of labels and searches
+  mutable std::atomic<std::ptrdiff_t> bytes_ = 0;  ///< of labels and searches
   mutable std::shared_mutex mutex_;
   mutable std::unordered_map<Point, std::unique_ptr<Known>, PointHash> known_;
   mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;

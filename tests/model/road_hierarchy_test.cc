@@ -81,10 +81,15 @@ TEST(RoadHierarchy, CostsAreThoseOfRelaxation) {
       const RoadCosts::Label to = costs.LabelTo(goal, RoadCosts::kUnreached);
       const std::uint32_t until_mm = random.Below(3000);
       const RoadCosts::Label near = costs.LabelTo(goal, until_mm);
-      RoadSearch search(costs, to);
+      RoadSearch search(costs, to), near_search(costs, near);
       for (std::int32_t i = 0; i < 2 * n_nodes; ++i) {
         const std::int32_t node = Draw(n_nodes, &random);
         ASSERT_EQ(search.CostFrom(node), expected[At(node)]) << "node " << node;
+        if (expected[At(node)] <= until_mm) {
+          ASSERT_EQ(near_search.CostFrom(node), expected[At(node)]) << "near, node " << node;
+        } else {
+          ASSERT_GE(near_search.CostFrom(node), expected[At(node)]) << "near, node " << node;
+        }
         const Ends begin = DrawEnds(n_nodes, all, &random);
         std::uint64_t least = RoadCosts::kUnreached;
         for (const auto& end : begin) {
