@@ -10,7 +10,7 @@
 namespace muster::tools {
 namespace {
 
-constexpr TimeUs kStopUs = 20 * kSecondUs;  // a disk may stand still for a while
+constexpr TimeUs kStopUs = 20 * kSecondUs;       // a disk may stand still for a while
 constexpr TimeUs kHeartbeatsUs = 3 * kSecondUs;  // three of a process that lives
 constexpr TimeUs kLookAtHostsUs = kSecondUs;
 /// Ten heartbeats of each of its processes have not come.
