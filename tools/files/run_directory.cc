@@ -31,9 +31,10 @@ RunDirectory RunDirectory::Take(const std::string& path) {
                      fs::is_directory(path, error) ? "a folder with files" : "a file",
                      "a new or empty folder");
   }
+  const Ours ours = fs::exists(path, error) ? Ours::kFiles : Ours::kFolder;
   MakeParents(path);
   // No program is to take a file of it for an option.
-  return RunDirectory(path.starts_with('-') ? "./" + path : path);
+  return {path.starts_with('-') ? "./" + path : path, ours};
 }
 
 RunDirectory RunDirectory::MakeNew(const std::string& root, const std::string& stem) {
@@ -41,7 +42,7 @@ RunDirectory RunDirectory::MakeNew(const std::string& root, const std::string& s
   for (int n = 1;; ++n) {
     const fs::path path = fs::path(root) / (n == 1 ? stem : fmt::format("{}-{}", stem, n));
     std::error_code error;
-    if (fs::create_directory(path, error)) return RunDirectory(path.string());
+    if (fs::create_directory(path, error)) return {path.string(), Ours::kFolder};
     if (error && error != std::errc::file_exists) {
       throw SystemError(fmt::format("cannot make folder {}: {}", path.string(), error.message()));
     }
@@ -53,7 +54,7 @@ RunDirectory RunDirectory::Open(const std::string& path) {
   if (!fs::is_directory(path, error)) {
     throw InputError(fmt::format("{}: no such run directory", path));
   }
-  return RunDirectory(path);
+  return {path, Ours::kNothing};
 }
 
 std::string RunDirectory::File(std::string_view name) const {
@@ -66,6 +67,16 @@ void RunDirectory::Write(std::string_view name, std::string_view text) const {
 
 void RunDirectory::WriteSecret(std::string_view name, std::string_view text) const {
   WriteFile(File(name), text, Readers::kOwner);
+}
+
+void RunDirectory::RemoveWithoutLog() const {
+  std::error_code error;
+  if (ours_ == Ours::kNothing || fs::exists(File("mission.lcm"), error) || error) return;
+  if (ours_ == Ours::kFolder) {
+    fs::remove_all(path_, error);
+    return;
+  }
+  for (const auto& entry : fs::directory_iterator(path_, error)) fs::remove_all(entry, error);
 }
 
 NewestRun FindNewestRun(const std::string& root) {

@@ -27,9 +27,15 @@ class RunDirectory {
   /// The same for its owner's eyes alone (mode 0600).
   void WriteSecret(std::string_view name, std::string_view text) const;
 
+  /// Removes the directory if it has no log: its mission has not begun. One that was there before
+  /// stays, empty as it was; one that was opened stays as it is.
+  void RemoveWithoutLog() const;
+
  private:
-  explicit RunDirectory(std::string path) : path_(std::move(path)) {}
+  enum class Ours { kNothing, kFiles, kFolder };
+  RunDirectory(std::string path, Ours ours) : path_(std::move(path)), ours_(ours) {}
   std::string path_;
+  Ours ours_;
 };
 
 /// The run below a folder that was started last.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -286,6 +287,25 @@ void PrepareLaunch(Launch* launch) {
   launch->tiles = TilesOf(launch->options, launch->scenario);
 }
 
+namespace {
+
+/// Where a mission fails before anything was logged, nothing is left of it.
+class LeavesNothing {
+ public:
+  explicit LeavesNothing(const RunDirectory* directory) : directory_(directory) {}
+  ~LeavesNothing() {
+    if (std::uncaught_exceptions() > before_) directory_->RemoveWithoutLog();
+  }
+  LeavesNothing(const LeavesNothing&) = delete;
+  LeavesNothing& operator=(const LeavesNothing&) = delete;
+
+ private:
+  const RunDirectory* directory_;
+  const int before_ = std::uncaught_exceptions();
+};
+
+}  // namespace
+
 int Conduct(Launch* launch, const StopSignals& stop,
             const std::function<RunDirectory(MissionIdentity*)>& directory_of) {
   const LaunchOptions& options = launch->options;
@@ -300,6 +320,7 @@ int Conduct(Launch* launch, const StopSignals& stop,
   mission.lcm_url = FindNetwork(options);
   const std::unique_ptr<LossyBus> bus = OpenBusOf(*launch);
   const RunDirectory directory = directory_of(&mission);
+  const LeavesNothing on_failure(&directory);
   if (!launch->lock) launch->lock.emplace(directory.path());
 
   if (!options.second_log.empty()) {

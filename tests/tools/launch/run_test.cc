@@ -154,12 +154,17 @@ TEST_F(RunTest, WithoutLcmLoggerItIsSaidWhereToGetIt) {
   const char* const path = std::getenv("PATH");
   const std::string kept = path == nullptr ? "" : path;
   setenv("PATH", "/nonexistent", 1);
+  fs::create_directory(Out("empty"));
   Muster with = Start({"--logger", "lcm"}, "with");
+  Muster empty = Start({"--logger", "lcm"}, "empty");
   Muster without = Start({"--limit", "10"}, "without");
   setenv("PATH", kept.c_str(), 1);
   EXPECT_EQ(with.Wait(), 3);
   EXPECT_EQ(with.output(),
             "muster: lcm-logger is not in PATH; Debian has it in the package liblcm-bin\n");
+  EXPECT_FALSE(fs::exists(Out("with"))) << "its mission has not begun";
+  EXPECT_EQ(empty.Wait(), 3);
+  EXPECT_TRUE(fs::exists(Out("empty")) && fs::is_empty(Out("empty")));
   EXPECT_EQ(without.Wait(), 0) << without.output();
 }
 
