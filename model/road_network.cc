@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kMostKnown = 1 << 20;
 constexpr std::size_t kMostWays = 1 << 17;
 constexpr std::size_t kMostSites = 1 << 16;
-constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;    // of the costs to sites
-constexpr std::ptrdiff_t kMostBytes = std::ptrdiff_t{1} << 29;  // of labels and searches
+constexpr std::size_t kMostCostBytes = std::size_t{1} << 26;         // of the costs to sites
+constexpr std::ptrdiff_t kMostBytesFound = std::ptrdiff_t{1} << 29;  // of labels and searches
 constexpr std::uint32_t kUnreached = RoadCosts::kUnreached;
 
 std::atomic<std::uint64_t> next_id = 1;
@@ -183,7 +183,7 @@ RoadSearch* RoadNetwork::SearchTo(Known* goal, std::uint32_t until_mm) const {
 void RoadNetwork::Count(const Known& known, std::ptrdiff_t more) const {
   if (!known.is_kept) return;
   bytes_ += more;
-  if (bytes_ > kMostBytes) MakeRoom(&known);
+  if (bytes_ > kMostBytesFound) MakeRoom(&known);
 }
 
 void RoadNetwork::MakeRoom(const Known* but) const {
@@ -191,7 +191,7 @@ void RoadNetwork::MakeRoom(const Known* but) const {
   // To sites many ways lead, so those come last.
   for (const bool is_site : {false, true}) {
     for (auto& [place, known] : known_) {
-      if (bytes_ < kMostBytes / 2) return;
+      if (bytes_ < kMostBytesFound / 2) return;
       // Those that another thread works with are left.
       if (known.get() == but || (known->site >= 0) != is_site || !known->mutex.try_lock()) continue;
       for (auto& label : known->labels) {
