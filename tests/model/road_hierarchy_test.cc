@@ -105,6 +105,42 @@ TEST(RoadHierarchy, CostsAreThoseOfRelaxation) {
   }
 }
 
+TEST(RoadHierarchy, CostsOnAGridAreThoseOfRelaxation) {
+  // Its last ranks all lead to each other, so costs are looked at in long runs.
+  constexpr std::int32_t kSide = 24;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed, Stream::kTest);
+    Arcs arcs;
+    for (std::int32_t node = 0; node < kSide * kSide; ++node) {
+      for (const std::int32_t step : {1, kSide}) {
+        const bool is_last = step == 1 ? node % kSide == kSide - 1 : node / kSide == kSide - 1;
+        if (is_last) continue;
+        arcs.push_back({node, node + step, 1000 + random.Below(1000)});
+        arcs.push_back({node + step, node, 1000 + random.Below(1000)});
+      }
+    }
+    const auto hierarchy = HierarchyOf(kSide * kSide, arcs);
+    std::size_t longest = 0;
+    for (std::size_t edge = 0; edge < hierarchy->n_edges(); ++edge) {
+      longest = std::max(longest, hierarchy->RunFrom(edge));
+    }
+    EXPECT_GT(longest, 16U);
+    const RoadCosts costs(hierarchy, arcs);
+    const Ends goal{{Draw(kSide * kSide, &random), 0}};
+    const auto expected = CostsByRelaxation(kSide * kSide, arcs, goal);
+    const RoadCosts::Label to = costs.LabelTo(goal, RoadCosts::kUnreached);
+    RoadSearch search(costs, to);
+    for (std::int32_t node = 0; node < kSide * kSide; ++node) {
+      ASSERT_EQ(search.CostFrom(node), expected[At(node)]) << "node " << node;
+      const Ends begin{{node, 0}};
+      ASSERT_EQ(costs.Between(costs.LabelFrom(begin, RoadCosts::kUnreached), to),
+                expected[At(node)])
+          << "node " << node;
+    }
+  }
+}
+
 TEST(RoadHierarchy, RanksShareTheAncestorsThatBothHave) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);

@@ -79,6 +79,20 @@ TEST(RoadWays, TheEndsOfTwoRoadsAtOneJunctionAreOnePlace) {
   EXPECT_TRUE(ways.Corners(kVehicle, from, to).empty());
 }
 
+TEST(RoadWays, OfTwoEqualWaysItLeavesItsRoadByTheLastPoint) {
+  // Round a block, from the middle of one side to the middle of the side across.
+  Roads roads;
+  roads.classes = {{"street", {0, 100, 100}, false}};
+  roads.points = {{0, 0}, {200'000, 0}, {200'000, 100'000}, {0, 100'000}};
+  roads.roads = {{1, 0, {0, 1}}, {2, 0, {1, 2}}, {3, 0, {2, 3}}, {4, 0, {3, 0}}};
+  const RoadWays ways(std::make_shared<const Roads>(roads), kFields, {});
+  EXPECT_EQ(ways.Length(kVehicle, {100, 0}, {100, 100}), 300);
+  const auto corners = ways.Corners(kVehicle, {100, 0}, {100, 100});
+  ASSERT_EQ(corners.size(), 2U);
+  EXPECT_EQ(corners[0].at, (Point{200, 0}));
+  EXPECT_EQ(corners[1].at, (Point{200, 100}));
+}
+
 TEST(RoadWays, AWayThatCostsMoreThanCanBeCountedIsNone) {
   // Three pieces of 10 km at a hundredth of the speed.
   Roads roads;
