@@ -29,8 +29,8 @@ class RoadHierarchy {
   struct Rank {
     std::int32_t parent = -1;    ///< -1: none
     std::int32_t depth = 0;      ///< number of ancestors
-    std::int32_t chain_top = 0;  ///< the last of the ranks from here of which each one's parent is
-                                 ///< the rank after it, and which have the same number here
+    std::int32_t chain_top = 0;  ///< highest rank of its chain: ranks that follow one another, each
+                                 ///< the parent of the one before it
   };
   std::size_t n_ranks() const { return ranks_.size(); }
   std::int32_t RankOf(std::int32_t node) const;
@@ -77,8 +77,8 @@ class RoadCosts {
     std::int32_t node;
     std::int64_t cost_mm;  ///< between the place and the node
   };
-  /// Costs between a place and the ancestors of its node that is lowest, as far as ways of no more
-  /// than `until_mm` need them; others may be too high.
+  /// Costs between a place and each ancestor of the lowest of its nodes. They are right as far as
+  /// ways of at most `until_mm` need them, and may be too high beyond.
   struct Label {
     std::uint32_t until_mm = 0;
     std::int32_t rank = -1;         ///< of that node
