@@ -305,9 +305,9 @@ void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& 
   if (agent->kind != order.agent_kind || agent->id != taken.agent_id) return;
   const OrderSubject subject = RowOf(order.kind).subject;
   if (subject == OrderSubject::kNewAgent) {
-    *agent =
-        StartOf(agent->kind, agent->id,
-                scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)], *scenario.ways);
+    const AgentSpec& spec = scenario.agents(agent->kind)[static_cast<std::size_t>(agent->id)];
+    // The scenario may hold the orders of the next tick, too.
+    *agent = StartOf(agent->kind, agent->id, spec, scenario.WaysAt(t));
   }
   if (subject == OrderSubject::kAgent) {
     const bool busy = agent->busy_until_us != kNever && agent->busy_until_us > t;

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 
 #include "base/check.h"
 #include "base/random.h"
 #include "model/generator.h"
 #include "model/scenario_json.h"
+#include "tests/model/manhattan_ways.h"
 
 namespace muster {
 namespace {
@@ -125,6 +127,22 @@ TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
   agent.busy_until_us = kNow - 5;
   Obey(&agent, leaves, kNow, scenario);
   EXPECT_EQ(agent.online_until_us, kNow);
+}
+
+TEST(Order, WhoJoinsGoesByTheWaysOfThatTick) {
+  Scenario scenario = Roomy();
+  const TakenOrder joins = TakeInto(&scenario,
+                                    ParseOrder(R"({"order": "agent_join", "class": "uav",
+                     "agent": {"x_km": 5, "y_km": 6, "speed_km_per_min": 1, "full_range_km": 20}})",
+                                               "order"),
+                                    kNow);
+  const std::shared_ptr<const Ways> before = scenario.ways;
+  // An agent's process has taken the orders of the next tick before it lets the agent join.
+  scenario.ways = std::make_shared<const testing::ManhattanWays>();
+  scenario.changed_ways = {{0, before, {}}, {kNow + kMinuteUs, scenario.ways, {}}};
+  AgentState agent = StartOf(AgentKind::kUav, 30, AgentSpec(), StraightWays());
+  Obey(&agent, joins, kNow, scenario);
+  EXPECT_EQ(agent.ways, before.get());
 }
 
 /// Ten thousand orders that are none, or that cannot be: each is refused with a reason, and changes
