@@ -302,7 +302,7 @@ void ReadMeasured(Point here, double range_left_m, TimeUs t, const Rules& rules,
   told.planned_us = reported->arrive_us;
   if (reported->action == ActionKind::kNone) return;
   if (!TellsWholeLeg(*reported, t)) {
-    told.set_out_us = std::min(reported->depart_us, reported->decision * rules.interval_us);
+    told.set_out_us = std::min(reported->depart_us, rules.TimeOfDecision(reported->decision));
     told.arrived = reported->arrive_us <= t;
     told.done = IsPair(reported->action) && told.arrived && reported->busy_until_us <= t;
     if (told.done) told.range_after_m = range_left_m;

@@ -278,6 +278,10 @@ TakenOrder TakeInto(Scenario* scenario, const Order& order, TimeUs t) {
       return taken;
     case OrderSubject::kOrder:
       return taken;
+    case OrderSubject::kDecision:
+      if (t >= scenario->rules.limit_us) throw InputError("the mission is over");
+      scenario->rules.DecideAt(scenario->rules.TickOf(t));
+      return taken;
     case OrderSubject::kTask:
       break;
   }

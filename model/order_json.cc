@@ -307,6 +307,9 @@ Order ParseOrder(std::string_view json, const std::string& where) {
       top.AllowOnly({"id", "issuer", "at_min", "order", "withdraws"});
       order.closure = ReadName(top, "withdraws");
       return order;
+    case OrderSubject::kDecision:
+      top.AllowOnly({"id", "issuer", "at_min", "order"});
+      return order;
     case OrderSubject::kTask:
       if (order.kind != OrderKind::kTaskChange) {
         top.AllowOnly({"id", "issuer", "at_min", "order", "task"});

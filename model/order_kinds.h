@@ -29,6 +29,7 @@ enum class OrderKind : std::int8_t {
   kRelease,
   kPerson,
   kWithdraw,
+  kDecideNow,
 };
 
 /// What an order names, and so which keys it has.
@@ -41,7 +42,8 @@ enum class OrderSubject {
   kAir,
   kDirective,
   kPerson,
-  kOrder
+  kOrder,
+  kDecision
 };
 
 /// All that is particular to one kind of order but what comes of it: the referee and the audit each
@@ -90,6 +92,7 @@ inline constexpr OrderRow kOrderRows[] = {
     {OrderKind::kRelease, "release", OrderSubject::kDirective},
     {OrderKind::kPerson, "person", OrderSubject::kPerson},
     {OrderKind::kWithdraw, "withdraw", OrderSubject::kOrder},
+    {OrderKind::kDecideNow, "decide_now", OrderSubject::kDecision},
 };
 
 constexpr const OrderRow& RowOf(OrderKind kind) {

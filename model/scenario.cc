@@ -56,6 +56,45 @@ bool Task::IsPlain() const {
          priority == Priority::kNormal && name.empty() && external_id.empty() && source.empty();
 }
 
+std::int32_t Rules::DecisionAt(std::int64_t tick) const {
+  const auto extra = std::lower_bound(extra_decisions.begin(), extra_decisions.end(), tick);
+  const auto n_extra = static_cast<std::int32_t>(extra - extra_decisions.begin());
+  if (AlwaysDecides(tick)) return static_cast<std::int32_t>(TimeOf(tick) / interval_us) + n_extra;
+  if (extra == extra_decisions.end() || *extra != tick) return -1;
+  return static_cast<std::int32_t>(TimeOf(tick) / interval_us) + 1 + n_extra;
+}
+
+bool Rules::MayDecide(std::int64_t tick, std::int32_t decision) const {
+  if (TimeOf(tick) >= limit_us) return decision < 0;
+  if (decision < 0) return !AlwaysDecides(tick);
+  return decision >= (TimeOf(tick) + interval_us - 1) / interval_us && decision <= tick;
+}
+
+std::int32_t Rules::LastDecisionBefore(TimeUs t) const {
+  const TimeUs end_us = std::min(t, limit_us);
+  if (end_us <= 0) return -1;
+  const auto n_extra = std::count_if(extra_decisions.begin(), extra_decisions.end(),
+                                     [&](std::int64_t tick) { return TimeOf(tick) < end_us; });
+  return static_cast<std::int32_t>(Intervals(end_us, interval_us) + n_extra) - 1;
+}
+
+TimeUs Rules::TimeOfDecision(std::int32_t decision) const {
+  std::int32_t n_extra = 0;
+  for (const std::int64_t tick : extra_decisions) {
+    const std::int32_t extra = DecisionAt(tick);
+    if (extra == decision) return TimeOf(tick);
+    if (extra > decision) break;
+    ++n_extra;
+  }
+  return (decision - n_extra) * interval_us;
+}
+
+void Rules::DecideAt(std::int64_t tick) {
+  if (TimeOf(tick) >= limit_us || DecisionAt(tick) >= 0) return;
+  extra_decisions.insert(std::upper_bound(extra_decisions.begin(), extra_decisions.end(), tick),
+                         tick);
+}
+
 double WorthOf(const Task& task, TimeUs start_us, const Rules& rules) {
   const double worth = rules.priority_worth[static_cast<std::size_t>(task.priority)];
   return start_us <= task.due_us ? worth : worth * rules.late_worth;
@@ -65,6 +104,7 @@ bool Scenario::IsOpen() const {
   const Rules usual;
   return room.any() || rules.priority_worth != usual.priority_worth ||
          rules.late_worth != usual.late_worth || rules.patience_us != usual.patience_us ||
+         rules.emergencies_at_once ||
          std::any_of(std::begin(kAgentKinds), std::end(kAgentKinds),
                      [this](AgentKind kind) {
                        return std::any_of(agents(kind).begin(), agents(kind).end(),
@@ -131,6 +171,7 @@ void AddRoom(const Room& room, Scenario* scenario) {
   scenario->uavs.insert(scenario->uavs.end(), room.agents.uavs, uav);
   scenario->workers.insert(scenario->workers.end(), room.agents.workers, worker);
   scenario->vehicles.insert(scenario->vehicles.end(), room.agents.vehicles, vehicle);
+  scenario->had_room = scenario->had_room || room.any();
   scenario->room.tasks += room.tasks;
   for (const AgentKind kind : kAgentKinds) scenario->room.agents[kind] += room.agents[kind];
 }

@@ -95,6 +95,11 @@ struct Rules {
   /// A pair is given up if a measured agent of it has not arrived this long after both should have.
   /// Ours.
   TimeUs patience_us = 10 * kMinuteUs;
+  /// A decision is made in the tick in which an emergency opens, too. Ours.
+  bool emergencies_at_once = false;
+  /// Ticks of decisions between whole intervals, ascending: those that orders have asked for so
+  /// far.
+  std::vector<std::int64_t> extra_decisions;
 
   /// Ticks are 0 to last_tick(), whose time is the limit.
   std::int64_t last_tick() const { return (limit_us + tick_us - 1) / tick_us; }
@@ -103,11 +108,21 @@ struct Rules {
   std::int64_t TickOf(TimeUs t) const { return t / tick_us; }
   /// Time of the tick after t; after the last one as if the mission went on.
   TimeUs TickAfter(TimeUs t) const { return t < limit_us ? TimeOf(TickOf(t) + 1) : t + tick_us; }
-  /// The decision of that tick; -1: none.
-  std::int32_t DecisionAt(std::int64_t tick) const {
-    const TimeUs t = TimeOf(tick);
-    return t >= limit_us || t % interval_us != 0 ? -1 : static_cast<std::int32_t>(t / interval_us);
+  /// Whether a decision is made at that tick whatever is ordered: at a whole interval.
+  bool AlwaysDecides(std::int64_t tick) const {
+    return TimeOf(tick) < limit_us && TimeOf(tick) % interval_us == 0;
   }
+  /// The decision of that tick; -1: none. Decisions are numbered in the order of their ticks.
+  std::int32_t DecisionAt(std::int64_t tick) const;
+  /// Whether the tick may have that decision, if orders that are not known yet may ask for some.
+  bool MayDecide(std::int64_t tick, std::int32_t decision) const;
+  TimeUs TimeOfDecision(std::int32_t decision) const;
+  /// -1: there is none before t.
+  std::int32_t LastDecisionBefore(TimeUs t) const;
+  /// Of the next decision after t that is made whatever is ordered; also beyond the limit.
+  TimeUs NextDecisionUs(TimeUs t) const { return (t / interval_us + 1) * interval_us; }
+  /// From now on that tick has a decision, if it is before the limit.
+  void DecideAt(std::int64_t tick);
 
   bool operator==(const Rules&) const = default;
 };
@@ -212,7 +227,8 @@ struct Scenario {
   std::vector<Directive> directives;  ///< of the commander, in force, in the order they came in
   std::vector<Person> persons;  ///< who may order, as orders have said; empty: everybody who can
 
-  Room room;  ///< the vacant ends of these lists
+  Room room;              ///< the vacant ends of these lists
+  bool had_room = false;  ///< also when orders have filled it
 
   /// Those that are not vacant.
   std::size_t n_tasks() const { return tasks.size() - room.tasks; }
@@ -227,14 +243,17 @@ struct Scenario {
     return air && air->separation ? &*air->separation : nullptr;
   }
   /// Whether orders may come.
-  bool takes_orders() const { return room.any() || roads != nullptr || air != nullptr; }
+  bool takes_orders() const {
+    return had_room || roads != nullptr || air != nullptr || rules.emergencies_at_once;
+  }
   AgentRow row() const { return AgentRow({uavs.size(), workers.size(), vehicles.size()}); }
   /// Whether it needs version 2 of the file: a task has more than a place and a cost, or a rule of
   /// such tasks is not the usual one.
   bool IsOpen() const;
-  /// Number of decisions: at n * interval < limit.
+  /// Number of decisions: at n * interval < limit, and those that orders have asked for so far.
   int decisions() const {
-    return static_cast<int>((rules.limit_us + rules.interval_us - 1) / rules.interval_us);
+    return static_cast<int>(Intervals(rules.limit_us, rules.interval_us)) +
+           static_cast<int>(rules.extra_decisions.size());
   }
 };
 

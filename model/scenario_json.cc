@@ -141,6 +141,7 @@ void ReadOpenRules(const ObjectReader& object, Rules* rules) {
   if (object.Has("patience_min")) {
     rules->patience_us = object.Time("patience_min", kMinute);
   }
+  rules->emergencies_at_once = object.Boolean("emergencies_at_once", false);
   if (!object.Has("priority_worth")) return;
   const std::vector<JsonValue>& worths = object.Array("priority_worth");
   if (worths.size() != kPriorities) {
@@ -159,7 +160,8 @@ void ReadRules(const ObjectReader& object, int version, Rules* rules) {
         {"availability", "tick_s", "ceil_to_minutes", "mean_over_all", "start_on_meeting"});
   } else {
     object.AllowOnly({"availability", "tick_s", "ceil_to_minutes", "mean_over_all",
-                      "start_on_meeting", "priority_worth", "late_worth", "patience_min"});
+                      "start_on_meeting", "priority_worth", "late_worth", "patience_min",
+                      "emergencies_at_once"});
     ReadOpenRules(object, rules);
   }
   if (object.Has("availability")) {
@@ -271,6 +273,7 @@ class Writer {
       if (rules.patience_us != Rules().patience_us) {
         Add(", \"patience_min\": {}", TimeToText(rules.patience_us, kMinute));
       }
+      if (rules.emergencies_at_once) Add(", \"emergencies_at_once\": true");
     }
     Add("}},\n");
     const Disturbances& disturbances = scenario.disturbances;

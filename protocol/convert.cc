@@ -101,13 +101,22 @@ void TellGoal(const AgentState& agent, TimeUs set_out_us, TimeUs t, agent_t* wir
   }
 }
 
+/// Whether the tick has that decision, or may have it: orders that ask for one may not be known
+/// yet.
+bool HasDecision(std::int64_t tick, std::int32_t decision, const Scenario& scenario) {
+  return scenario.takes_orders() ? scenario.rules.MayDecide(tick, decision)
+                                 : decision == scenario.rules.DecisionAt(tick);
+}
+
 }  // namespace
 
-bool Possible(const clock_t& clock, const Rules& rules) {
+bool Possible(const clock_t& clock, const Scenario& scenario) {
+  const Rules& rules = scenario.rules;
   return clock.tick >= 0 && clock.tick <= rules.last_tick() &&
          clock.tick_us == rules.TimeOf(clock.tick) && clock.limit_us == rules.limit_us &&
-         clock.decision == rules.DecisionAt(clock.tick) &&
-         clock.required_decision <= clock.tick_us / rules.interval_us;
+         HasDecision(clock.tick, clock.decision, scenario) &&
+         clock.required_decision <=
+             (scenario.takes_orders() ? clock.tick : clock.tick_us / rules.interval_us);
 }
 
 bool Possible(const world_state_t& world, const Rules& rules) {
@@ -122,14 +131,14 @@ bool Possible(const rulings_t& rulings, const Rules& rules) {
          });
 }
 
-bool Possible(const schedule_t& schedule, const Rules& rules) {
-  return schedule.tick >= 0 && schedule.tick <= rules.last_tick() && schedule.decision >= 0 &&
-         schedule.decision == rules.DecisionAt(schedule.tick);
+bool Possible(const schedule_t& schedule, const Scenario& scenario) {
+  return schedule.tick >= 0 && schedule.tick <= scenario.rules.last_tick() &&
+         schedule.decision >= 0 && HasDecision(schedule.tick, schedule.decision, scenario);
 }
 
-bool Possible(const clearances_t& clearances, const Rules& rules) {
-  return clearances.tick >= 0 && clearances.tick <= rules.last_tick() && clearances.decision >= 0 &&
-         clearances.decision == rules.DecisionAt(clearances.tick);
+bool Possible(const clearances_t& clearances, const Scenario& scenario) {
+  return clearances.tick >= 0 && clearances.tick <= scenario.rules.last_tick() &&
+         clearances.decision >= 0 && HasDecision(clearances.tick, clearances.decision, scenario);
 }
 
 std::string_view ChannelOf(AgentKind kind) {

@@ -43,11 +43,11 @@ struct WireLimits {
 /// Whether that clock, or a world's state, rulings or schedule of that tick, can be in a mission of
 /// these rules. A process that followed an impossible one would wait for a tick that never comes,
 /// or its reports would be refused.
-bool Possible(const clock_t& clock, const Rules& rules);
+bool Possible(const clock_t& clock, const Scenario& scenario);
 bool Possible(const world_state_t& world, const Rules& rules);
 bool Possible(const rulings_t& rulings, const Rules& rules);
-bool Possible(const schedule_t& schedule, const Rules& rules);
-bool Possible(const clearances_t& clearances, const Rules& rules);
+bool Possible(const schedule_t& schedule, const Scenario& scenario);
+bool Possible(const clearances_t& clearances, const Scenario& scenario);
 
 /// Where the states of that class are published.
 std::string_view ChannelOf(AgentKind kind);

@@ -46,7 +46,7 @@ void Archive::Add(const Packet& packet) {
   if (packet.channel == channel::kSchedule) {
     const auto schedule = DecodeValid<schedule_t>(packet.bytes);
     if (!schedule || schedule->header.run_id != run_id_ || schedule->decision < newest_decision_ ||
-        schedule->decision >= scenario_.decisions()) {
+        !Possible(*schedule, scenario_)) {
       return;
     }
     newest_decision_ = schedule->decision;
@@ -55,8 +55,7 @@ void Archive::Add(const Packet& packet) {
   }
   if (packet.channel == channel::kClearances) {
     const auto clearances = DecodeValid<clearances_t>(packet.bytes);
-    if (!clearances || clearances->header.run_id != run_id_ ||
-        !Possible(*clearances, scenario_.rules)) {
+    if (!clearances || clearances->header.run_id != run_id_ || !Possible(*clearances, scenario_)) {
       return;
     }
     clearances_[clearances->decision] = packet;

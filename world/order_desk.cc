@@ -30,6 +30,11 @@ std::string ReasonFrom(std::string_view text) {
   return Valid(message) ? reason : "it is no order";
 }
 
+constexpr const char* kDecideNow = R"({"order": "decide_now"})";
+
+/// Of the world's own order to decide at that tick.
+std::string DecisionId(std::int64_t tick) { return fmt::format("decide:{}", tick); }
+
 bool IsOver(TaskStatus status) {
   return status == TaskStatus::kDone || status == TaskStatus::kExpired ||
          status == TaskStatus::kCancelled;
@@ -89,6 +94,29 @@ bool IsWithdrawal(const std::string& json) {
 bool IsInForce(const std::string& closure, const Scenario& scenario) {
   return std::any_of(scenario.closures.begin(), scenario.closures.end(),
                      [&](const Closure& one) { return one.order == closure; });
+}
+
+/// Whether an emergency opens at t: reported now, as planned or by one of the orders, or changed or
+/// resumed by one. `status`: after the tick before; `scenario`: with the orders.
+bool EmergencyOpens(const orders_t& orders, TimeUs t, std::span<const TaskStatus> status,
+                    const Scenario& scenario) {
+  const auto is_emergency = [&](std::int32_t id) {
+    return scenario.tasks[static_cast<std::size_t>(id)].priority == Priority::kEmergency;
+  };
+  for (std::int32_t id = 0; id < static_cast<std::int32_t>(scenario.n_tasks()); ++id) {
+    const auto i = static_cast<std::size_t>(id);
+    if (is_emergency(id) && status[i] == TaskStatus::kUnreported &&
+        scenario.tasks[i].reported_us <= t) {
+      return true;
+    }
+  }
+  return std::any_of(orders.taken.begin(), orders.taken.end(), [&](const taken_order_t& taken) {
+    const OrderKind kind = ParseOrder(taken.json, "order").kind;
+    if (kind != OrderKind::kTaskChange && kind != OrderKind::kTaskResume) return false;
+    return is_emergency(taken.task_id) &&
+           (kind == OrderKind::kTaskResume ||
+            status[static_cast<std::size_t>(taken.task_id)] == TaskStatus::kOpen);
+  });
 }
 
 }  // namespace
@@ -168,6 +196,17 @@ void OrderDesk::EndFulfilled(const Event& event) {
   }
 }
 
+void OrderDesk::DecideIfReopened(const Event& event) {
+  const Rules& rules = scenario().rules;
+  const std::int64_t next = book_.tick() + 1;
+  if (!rules.emergencies_at_once || event.kind != Event::Kind::kSensingAborted ||
+      scenario().tasks[event.task.index()].priority != Priority::kEmergency ||
+      rules.TimeOf(next) >= rules.limit_us || rules.DecisionAt(next) >= 0) {
+    return;
+  }
+  Give(DecisionId(next), kDecideNow);
+}
+
 void OrderDesk::Revisit(TaskId id, TimeUs done_us) {
   Task task = scenario().tasks[id.index()];
   const TimeUs late_us = task.due_us == kNever ? kNever : task.due_us - task.reported_us;
@@ -237,6 +276,12 @@ orders_t OrderDesk::Decide(std::int64_t tick, std::span<const TaskStatus> status
     }
   }
   waiting_ = std::move(later);
+  if (const Rules& rules = scenario.rules; rules.emergencies_at_once && t < rules.limit_us &&
+                                           rules.DecisionAt(tick) < 0 &&
+                                           EmergencyOpens(said, t, status, scenario)) {
+    DecideOn({DecisionId(tick), process_name::kWorld, kDecideNow}, t, status, agents, &scenario,
+             &said);
+  }
   said.n_taken = static_cast<std::int32_t>(said.taken.size());
   said.n_refused = static_cast<std::int32_t>(said.refused.size());
   return said;

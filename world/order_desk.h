@@ -38,6 +38,9 @@ class OrderDesk {
   void Give(const std::string& id, std::string json);
   /// Ends the directives that the event fulfils, or leaves nothing to do for.
   void EndFulfilled(const Event& event);
+  /// Asks for a decision at the next tick if the event leaves an emergency open, and the rules say
+  /// so.
+  void DecideIfReopened(const Event& event);
   /// Plans an order of the world's own: to do that task again, its revisit time after `done_us`.
   void Revisit(TaskId task, TimeUs done_us);
 

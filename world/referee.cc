@@ -241,7 +241,9 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
           {*outage.joined_us, {outage.kind, outage.agent}, outage.reason, true, true});
     }
   }
-  if (decision >= 0 && scenario_.disturbances.agent_failure.on()) {
+  // The more often it is decided, the more would fail.
+  const bool is_drawn = scenario_.rules.AlwaysDecides(scenario_.rules.TickOf(t));
+  if (decision >= 0 && is_drawn && scenario_.disturbances.agent_failure.on()) {
     for (const AgentKind kind : kAgentKinds) {
       for (const AgentState& agent : (*agents)[kind]) {
         if (agent.online(t) && !JoinsNow({kind, agent.id}) &&

@@ -63,6 +63,7 @@ void Referee::Obey(TimeUs t, Agents* agents) {
       case OrderSubject::kDirective:  // the scheduler keeps it
       case OrderSubject::kPerson:     // the desk knows them
       case OrderSubject::kOrder:      // it refuses what is withdrawn
+      case OrderSubject::kDecision:   // the clock names it
         break;
       case OrderSubject::kTask:
         ObeyOfTask(taken, t);

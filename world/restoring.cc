@@ -75,7 +75,7 @@ bool Restoring::Take(const answer_t& answer) {
   }
   if (answer.channel == channel::kClock) {
     const auto clock = DecodeValid<clock_t>(answer.data);
-    if (!clock || clock->header.run_id != run_id_ || !Possible(*clock, scenario_.rules)) {
+    if (!clock || clock->header.run_id != run_id_ || !Possible(*clock, scenario_)) {
       return false;
     }
     applied_.emplace(clock->tick, clock->required_decision);

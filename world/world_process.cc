@@ -316,6 +316,7 @@ void WorldProcess::Judge(const Now& now) {
 void WorldProcess::PublishEvents(const Now& now) {
   for (const Event& event : referee_.TakeEvents()) {
     desk_.EndFulfilled(event);
+    desk_.DecideIfReopened(event);
     if (event.kind == Event::Kind::kSensingDone &&
         scenario_.tasks[event.task.index()].revisit_us != kNever) {
       desk_.Revisit(event.task, event.at_us);

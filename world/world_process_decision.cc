@@ -73,7 +73,7 @@ void WorldProcess::Take(const proposal_t& proposal, const Now& now) {
   const schedule_t& schedule = proposal.schedule;
   if (!ballot_.IsOf(name) || wait_ == Wait::kRestore) return;
   const bool has_altitudes = !proposal.clearances.empty();
-  if (!Possible(schedule, scenario_.rules) || !ActionsOf(schedule) ||
+  if (!Possible(schedule, scenario_) || !ActionsOf(schedule) ||
       has_altitudes != (scenario_.separation() != nullptr) ||
       (has_altitudes && !FromWire(proposal.clearances.front(), limits_))) {
     return inbox().Reject();

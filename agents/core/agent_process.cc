@@ -221,7 +221,7 @@ void AgentProcess::Answer(const request_t& request, const Published& published, 
 }
 
 void AgentProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, scenario()->rules)) return inbox().Reject();
+  if (!Possible(clock, *scenario())) return inbox().Reject();
   if (clock.phase == ClockPhase::kEnded && drivers_) drivers_->Bye("the mission is over");
   if (clock.tick < restore_from_) TrustOwnStates();
   if (!restored_) return;
@@ -273,8 +273,12 @@ void AgentProcess::Take(const rulings_t& rulings) {
 }
 
 void AgentProcess::Take(const schedule_t& schedule) {
-  if (!Possible(schedule, scenario()->rules)) return inbox().Reject();
+  if (!Possible(schedule, *scenario())) return inbox().Reject();
   if (!restored_) return TakeGoals(schedule);
+  if (orders().complete(schedule.tick) &&
+      scenario()->rules.DecisionAt(schedule.tick) != schedule.decision) {
+    return inbox().Reject();
+  }
   // One that a damaged clock did not ask for is wanted by the next clock.
   const bool is_wanted =
       schedule.tick == tick_ || (clock_ && schedule.decision == clock_->required_decision);
@@ -294,7 +298,7 @@ bool AgentProcess::NeedsClearances() const {
 
 void AgentProcess::Take(const clearances_t& clearances, const Packet& packet) {
   if (!NeedsClearances()) return;
-  if (!Possible(clearances, scenario()->rules)) return inbox().Reject();
+  if (!Possible(clearances, *scenario())) return inbox().Reject();
   const bool is_wanted =
       clearances.tick == tick_ || (clock_ && clearances.decision == clock_->required_decision);
   if (!is_wanted || clearances.decision == clearances_decision_) return;

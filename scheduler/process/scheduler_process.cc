@@ -77,7 +77,7 @@ void SchedulerProcess::Take(const answer_t& answer) {
 }
 
 void SchedulerProcess::Take(const clearances_t& clearances) {
-  if (!Possible(clearances, scenario()->rules) || !FromWire(clearances, WireLimits(*scenario()))) {
+  if (!Possible(clearances, *scenario()) || !FromWire(clearances, WireLimits(*scenario()))) {
     return inbox().Reject();
   }
   clearances_.insert_or_assign(clearances.decision, clearances);
@@ -89,7 +89,7 @@ bool SchedulerProcess::HasClearances() const {
 }
 
 void SchedulerProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, scenario()->rules)) return inbox().Reject();
+  if (!Possible(clock, *scenario())) return inbox().Reject();
   Follow(clock);
   // A world that starts again may go back to an earlier tick, and what an earlier start of it said
   // may still be sent again for the log.
@@ -111,6 +111,10 @@ void SchedulerProcess::Take(const clock_t& clock) {
 
 void SchedulerProcess::OnMissionStep(const Now& now) {
   if (due_ >= 0 && !HasOrders(tick_, world_boot_, now)) return;
+  if (due_ >= 0 && scenario()->rules.DecisionAt(tick_) != due_) {  // a damaged clock
+    inbox().Reject();
+    due_ = -1;
+  }
   if (due_ >= 0 && !HasClearances()) return Ask(channel::kClearances, tick_us_, now);
   if (due_ >= 0 && fusion_->complete()) {
     StopAsking();

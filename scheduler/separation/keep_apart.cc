@@ -93,7 +93,8 @@ class ClearancePlanner {
   }
 
   TimeUs MostHoldUs() const {
-    return std::min(kMostHoldUs, s_.site->rules.interval_us - kHoldStepUs);
+    return std::min(kMostHoldUs,
+                    s_.site->rules.NextDecisionUs(s_.now_us) - s_.now_us - kHoldStepUs);
   }
 
   /// Whether the action still counts if its UAV sets out so much later.

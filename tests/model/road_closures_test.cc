@@ -22,7 +22,7 @@ namespace {
 using muster::testing::Block;
 using muster::testing::OnTheBlock;
 
-constexpr AgentKind kWorker = AgentKind::kWorker;
+constexpr AgentKind kOnFoot = AgentKind::kWorker;
 
 std::vector<std::int32_t> In(const std::string& area) {
   const JsonValue tree = ParseJson("{" + area + "}", "order");
@@ -81,23 +81,23 @@ TEST(RoadArea, WrongOnesAreRefusedByName) {
 TEST(RoadClosures, AClosedRoadIsGoneRound) {
   const Scenario scenario = OnTheBlock();
   const auto closed = scenario.roads->ways->Without({0});
-  EXPECT_EQ(closed->Length(kWorker, {0, 0}, {1000, 0}), 300 + 400 + 300 + 600);
-  EXPECT_EQ(scenario.ways->Length(kWorker, {0, 0}, {1000, 0}), 1000);
+  EXPECT_EQ(closed->Length(kOnFoot, {0, 0}, {1000, 0}), 300 + 400 + 300 + 600);
+  EXPECT_EQ(scenario.ways->Length(kOnFoot, {0, 0}, {1000, 0}), 1000);
   // From a place on it: across 150 m of fields to the street that is nearest, at half speed.
-  EXPECT_EQ(closed->Length(kWorker, {150, 0}, {1000, 0}), 2 * 150 + 300 + 400 + 300 + 600);
-  EXPECT_EQ(closed->Length(kWorker, {250, 0}, {1000, 0}), 2 * 150 + 600);
+  EXPECT_EQ(closed->Length(kOnFoot, {150, 0}, {1000, 0}), 2 * 150 + 300 + 400 + 300 + 600);
+  EXPECT_EQ(closed->Length(kOnFoot, {250, 0}, {1000, 0}), 2 * 150 + 600);
   // What is closed twice is the same network.
   EXPECT_EQ(scenario.roads->ways->Without({0}), closed);
   // Without any road within reach there is no way.
   const auto apart = scenario.roads->ways->Without({0, 2, 3, 4});
-  EXPECT_EQ(apart->Length(kWorker, {0, 300}, {1000, 0}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(apart->Length(kOnFoot, {0, 300}, {1000, 0}), std::numeric_limits<double>::infinity());
   // Stops stay, by number and place.
-  EXPECT_EQ(closed->StopNear(kWorker, {10, 5}).at, (Point{0, 0}));
+  EXPECT_EQ(closed->StopNear(kOnFoot, {10, 5}).at, (Point{0, 0}));
 }
 
 /// A worker on the way from the west end to the task at the east end.
 AgentState OnItsWay(const Scenario& scenario) {
-  AgentState worker = StartOf(kWorker, 0, scenario.workers[0], *scenario.ways);
+  AgentState worker = StartOf(kOnFoot, 0, scenario.workers[0], *scenario.ways);
   worker.online_until_us = kNever;
   Action action;
   action.kind = ActionKind::kWorkerToTask;
@@ -178,17 +178,17 @@ TEST(RoadClosures, OrdersCloseAndOpen) {
   EXPECT_EQ(take(R"({"order": "road_close", "roads": [10]})", t, "b"),
             "all of these roads are closed already");
   EXPECT_EQ(take(R"({"order": "road_close", "roads": [10, 11]})", t + kMinuteUs, "c"), "");
-  EXPECT_EQ(scenario.WaysAt(t - 1).Length(kWorker, {0, 0}, {400, 0}), 400);
-  EXPECT_EQ(scenario.WaysAt(t).Length(kWorker, {600, 0}, {1000, 0}), 400);
-  EXPECT_TRUE(std::isinf(scenario.WaysAt(t + kMinuteUs).Length(kWorker, {0, 0}, {1000, 0})));
+  EXPECT_EQ(scenario.WaysAt(t - 1).Length(kOnFoot, {0, 0}, {400, 0}), 400);
+  EXPECT_EQ(scenario.WaysAt(t).Length(kOnFoot, {600, 0}, {1000, 0}), 400);
+  EXPECT_TRUE(std::isinf(scenario.WaysAt(t + kMinuteUs).Length(kOnFoot, {0, 0}, {1000, 0})));
   // A road is open when every order that closed it has ended.
   EXPECT_EQ(take(R"({"order": "road_open", "closure": "a"})", t + 2 * kMinuteUs, "d"), "");
-  EXPECT_EQ(scenario.ways->Length(kWorker, {400, 0}, {400, 300}), 300);
-  EXPECT_GT(scenario.ways->Length(kWorker, {0, 0}, {400, 0}), 400);
+  EXPECT_EQ(scenario.ways->Length(kOnFoot, {400, 0}, {400, 300}), 300);
+  EXPECT_GT(scenario.ways->Length(kOnFoot, {0, 0}, {400, 0}), 400);
   EXPECT_EQ(take(R"({"order": "road_open", "circle_km": [0.4, 0, 0.01]})", t + 3 * kMinuteUs, "e"),
             "");
   EXPECT_TRUE(scenario.closures.empty());
-  EXPECT_EQ(scenario.ways->Length(kWorker, {0, 0}, {1000, 0}), 1000);
+  EXPECT_EQ(scenario.ways->Length(kOnFoot, {0, 0}, {1000, 0}), 1000);
   EXPECT_EQ(take(R"({"order": "road_open", "roads": [10]})", t, "f"),
             "none of these roads is closed");
   EXPECT_EQ(take(R"({"order": "road_open", "closure": "a"})", t, "g"),
@@ -230,7 +230,7 @@ TEST(RoadClosures, ClosingNeverShortensAWayAndOpeningGivesItBack) {
     // Some ways are known before roads close.
     for (int i = 0; i < 40; ++i) {
       const Point from = draw(), to = draw();
-      for (const AgentKind kind : {kWorker, AgentKind::kVehicle}) open->Length(kind, from, to);
+      for (const AgentKind kind : {kOnFoot, AgentKind::kVehicle}) open->Length(kind, from, to);
     }
     std::vector<std::int32_t> closed;
     const std::uint32_t one_of = seed % 2 == 0 ? 5 : 40;
@@ -249,7 +249,7 @@ TEST(RoadClosures, ClosingNeverShortensAWayAndOpeningGivesItBack) {
     const RoadWays plain(std::make_shared<const Roads>(without), {{}, {50, 400}, {25, 300}}, {});
     for (int i = 0; i < 100; ++i) {
       const Point from = draw(), to = draw();
-      for (const AgentKind kind : {kWorker, AgentKind::kVehicle}) {
+      for (const AgentKind kind : {kOnFoot, AgentKind::kVehicle}) {
         EXPECT_EQ(rest->Length(kind, from, to), plain.Length(kind, from, to));
         EXPECT_EQ(rest->Corners(kind, from, to), plain.Corners(kind, from, to));
         const auto barred = open->BarredAt(kind, from, to, 0, *rest);

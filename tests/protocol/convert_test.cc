@@ -399,7 +399,8 @@ TEST(Convert, EveryIdIsLookedAt) {
 }
 
 TEST(Convert, AClockIsOfItsMission) {
-  Rules rules;
+  Scenario scenario;
+  Rules& rules = scenario.rules;
   rules.interval_us = 600 * kSecondUs;
   rules.limit_us = 1810 * kSecondUs;  // decisions 0 to 3; the last tick, 61, is a short one
   rules.tick_us = 30 * kSecondUs;
@@ -412,22 +413,37 @@ TEST(Convert, AClockIsOfItsMission) {
     clock.required_decision = required;
     return clock;
   };
-  EXPECT_TRUE(Possible(clock_of(0, -1), rules));
-  EXPECT_TRUE(Possible(clock_of(0, 0), rules));
-  EXPECT_FALSE(Possible(clock_of(0, 1), rules));
-  EXPECT_TRUE(Possible(clock_of(61, 3), rules));
-  EXPECT_FALSE(Possible(clock_of(61, 4), rules));
-  EXPECT_FALSE(Possible(clock_of(62, 3), rules));
-  EXPECT_FALSE(Possible(clock_of(-1, -1), rules));
+  EXPECT_TRUE(Possible(clock_of(0, -1), scenario));
+  EXPECT_TRUE(Possible(clock_of(0, 0), scenario));
+  EXPECT_FALSE(Possible(clock_of(0, 1), scenario));
+  EXPECT_TRUE(Possible(clock_of(61, 3), scenario));
+  EXPECT_FALSE(Possible(clock_of(61, 4), scenario));
+  EXPECT_FALSE(Possible(clock_of(62, 3), scenario));
+  EXPECT_FALSE(Possible(clock_of(-1, -1), scenario));
   for (std::int64_t clock_t::*const field : {&clock_t::tick_us, &clock_t::limit_us}) {
     clock_t other = clock_of(20, 0);
-    ASSERT_TRUE(Possible(other, rules));
+    ASSERT_TRUE(Possible(other, scenario));
     other.*field += 1;
-    EXPECT_FALSE(Possible(other, rules));
+    EXPECT_FALSE(Possible(other, scenario));
   }
   clock_t other = clock_of(20, 0);
   other.decision = -1;
-  EXPECT_FALSE(Possible(other, rules));
+  EXPECT_FALSE(Possible(other, scenario));
+
+  // An order that is not known yet may ask for a decision, so any is possible that may be.
+  other.required_decision = 0;
+  scenario.rules.emergencies_at_once = true;
+  ASSERT_TRUE(scenario.takes_orders());
+  EXPECT_FALSE(Possible(other, scenario)) << "at a whole interval";
+  other = clock_of(21, 0);
+  for (const std::int32_t decision : {-1, 2, 21}) {
+    other.decision = decision;
+    EXPECT_TRUE(Possible(other, scenario)) << decision;
+  }
+  for (const std::int32_t decision : {0, 1, 22}) {
+    other.decision = decision;
+    EXPECT_FALSE(Possible(other, scenario)) << decision;
+  }
 
   const auto world_of = [&](std::int64_t tick, TimeUs late_us) {
     world_state_t world{};
@@ -461,7 +477,8 @@ TEST(Convert, StatesAreSaidInPartsOf256) {
 }
 
 TEST(Possible, RulingsTellWhatHasHappenedAndSchedulesTheirTicksDecision) {
-  Rules rules;  // ticks of 30 s, decisions every 10 min
+  const Scenario scenario;
+  const Rules& rules = scenario.rules;  // ticks of 30 s, decisions every 10 min
   rulings_t rulings{};
   rulings.tick = 3;
   rulings.rulings = {{0, 1, 0, 90 * kSecondUs}};
@@ -476,12 +493,12 @@ TEST(Possible, RulingsTellWhatHasHappenedAndSchedulesTheirTicksDecision) {
   schedule_t schedule{};
   schedule.tick = 40;
   schedule.decision = 2;
-  EXPECT_TRUE(Possible(schedule, rules));
+  EXPECT_TRUE(Possible(schedule, scenario));
   schedule.decision = 130;
-  EXPECT_FALSE(Possible(schedule, rules));
+  EXPECT_FALSE(Possible(schedule, scenario));
   schedule.tick = 41;
   schedule.decision = -1;
-  EXPECT_FALSE(Possible(schedule, rules));
+  EXPECT_FALSE(Possible(schedule, scenario));
 }
 
 }  // namespace

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "base/random.h"
+#include "base/sha256.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
@@ -95,6 +97,63 @@ TEST(OrdersMission, IsAuditedAndDecidedAgain) {
   EXPECT_GT(all.left, 0);
 }
 
+TEST(OrdersMission, DecidesBetweenIntervalsWhenItIsAskedTo) {
+  Scenario scenario = Draw(2);
+  scenario.rules.emergencies_at_once = true;
+  std::vector<world::PlannedOrder> orders;
+  for (const char* json :
+       {R"({"at_min": 7, "order": "decide_now"})", R"({"at_min": 10, "order": "decide_now"})",
+        R"({"at_min": 12, "order": "task_add", "task": {"x_km": 3, "y_km": 3, "priority": 3}})"}) {
+    orders.push_back({ParseOrder(json, "order"), json});
+    orders.back().order.id = fmt::format("o{}", orders.size());
+  }
+  const auto play = [&](const FaultPlan& faults) {
+    RunRecord record;
+    Packets packets;
+    Audited audited;
+    VirtualMission mission{scenario, "horizon"};
+    mission.orders = orders;
+    mission.faults = faults;
+    mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
+      record.Add(*event.packet);
+      audited.Add(*event.packet);
+      packets.all.push_back(*event.packet);
+    };
+    RunVirtualMission(mission);
+    EXPECT_TRUE(record.CheckComplete().complete);
+    std::vector<double> at_min;
+    for (const auto& [decision, schedule] : record.schedules()) {
+      EXPECT_EQ(schedule.header.sim_us, record.scenario()->rules.TimeOfDecision(decision));
+      at_min.push_back(ToMinutes(schedule.header.sim_us));
+    }
+    const DecisionLog log = ReadDecisionLog(&packets);
+    const std::vector<Redecided> again = Redecide(log, "", {});
+    EXPECT_EQ(again.size(), at_min.size());
+    for (const Redecided& decision : again) {
+      EXPECT_EQ(decision.missing, "");
+      EXPECT_EQ(FirstDifference(decision.again, decision.logged.front()), "");
+    }
+    // Every 10 minutes, and twice more.
+    EXPECT_EQ(at_min.size(), static_cast<std::size_t>(Draw(2).decisions()) + 2);
+    EXPECT_TRUE(std::count(at_min.begin(), at_min.end(), 7) == 1 &&
+                std::count(at_min.begin(), at_min.end(), 12) == 1);
+    return Digest(record);
+  };
+  const std::string undisturbed = play({});
+  for (const char* process : {"world", "scheduler", "worker"}) {
+    FaultPlan faults;
+    for (const double at_min : {6.9, 7.0, 7.5, 12.0}) {
+      PlannedFault fault;
+      fault.kind = FaultKind::kProcessKilled;
+      fault.target = process;
+      fault.at_us = ToUs(60 * at_min);
+      fault.id = fmt::format("{}-{}", process, at_min);
+      faults.push_back(fault);
+    }
+    EXPECT_EQ(play(faults), undisturbed) << process;
+  }
+}
+
 /// What the audit finds first when the log of a mission that adds, cancels and leaves is changed.
 std::string FirstFinding(const std::function<void(orders_t*)>& change) {
   const Scenario scenario = Draw(2);
@@ -119,6 +178,29 @@ std::string FirstFinding(const std::function<void(orders_t*)>& change) {
       {}, orders);
   const auto findings = auditor.Finish();
   return findings.empty() ? "" : findings.front().invariant + ": " + findings.front().text;
+}
+
+TEST(OrdersMission, TheAuditSeesAnEmergencyThatWaits) {
+  Scenario scenario = Draw(2);
+  scenario.tasks[3].priority = Priority::kEmergency;
+  scenario.tasks[3].reported_us = 7 * kMinuteUs;
+  audit::Auditor auditor;
+  Simulate(ScenarioToJson(scenario), "mpq", [&](const Packet& packet) {
+    auto said = packet.channel == channel::kScenario ? DecodeValid<scenario_t>(packet.bytes)
+                                                     : std::optional<scenario_t>();
+    if (!said) return auditor.Add(packet);
+    // The log says that the mission was to decide at once.
+    Scenario other = scenario;
+    other.rules.emergencies_at_once = true;
+    said->json = ScenarioToJson(other);
+    said->sha256 = Sha256(said->json);
+    auditor.Add({packet.channel, Encode(*said)});
+  });
+  const auto findings = auditor.Finish();
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings.front().invariant, "orders");
+  EXPECT_EQ(findings.front().text, "task 3, an emergency, opens without a decision");
+  EXPECT_EQ(findings.front().at_us, 7 * kMinuteUs);
 }
 
 TEST(OrdersMission, TheAuditSeesWhatWasNotTaken) {

@@ -65,6 +65,93 @@ TEST_F(OrderDeskTest, TakesEachOrderOnce) {
             "no room for another task: the mission was started without more");
 }
 
+TEST_F(OrderDeskTest, AnOrderAsksForADecision) {
+  Hear("a", R"({"order": "decide_now"})");
+  EXPECT_EQ(Decide(3).n_taken, 1);
+  EXPECT_EQ(desk_.scenario().rules.extra_decisions, (std::vector<std::int64_t>{3}));
+  Hear("b", R"({"order": "decide_now"})");
+  EXPECT_EQ(Decide(20).n_taken, 1) << "there is one anyway";
+  EXPECT_EQ(desk_.scenario().rules.extra_decisions.size(), 1u);
+  Hear("c", R"({"order": "decide_now", "task": 3})");
+  EXPECT_EQ(Decide(21).n_refused, 1);
+  Hear("d", R"({"order": "decide_now"})");
+  const orders_t said = Decide(360);
+  ASSERT_EQ(said.n_refused, 1);
+  EXPECT_EQ(said.refused[0].reason, "the mission is over");
+}
+
+/// Ids of what is taken at a tick by a desk that decides on emergencies at once. Task 5 is an
+/// emergency that is reported at 5:00.
+class EmergencyDeskTest : public OrderDeskTest {
+ protected:
+  static Scenario WithEmergency() {
+    Scenario scenario = Roomy();
+    scenario.rules.emergencies_at_once = true;
+    scenario.tasks[5].priority = Priority::kEmergency;
+    scenario.tasks[5].reported_us = 5 * kMinuteUs;
+    return scenario;
+  }
+  std::vector<std::string> TakenAt(std::int64_t tick) {
+    orders_t said = emergencies_.Decide(tick, status_, agents_);
+    said.header.sender = process_name::kWorld;
+    emergencies_.Take(said);
+    std::vector<std::string> ids;
+    for (const taken_order_t& taken : said.taken) ids.push_back(taken.id);
+    return ids;
+  }
+  void Give(const std::string& id, const std::string& json) { emergencies_.Give(id, json); }
+  static Event Aborted(std::int32_t task) {
+    Event event;
+    event.kind = Event::Kind::kSensingAborted;
+    event.task = TaskId(task);
+    return event;
+  }
+
+  OrderDesk emergencies_{WithEmergency(), {}};
+  using Ids = std::vector<std::string>;
+};
+
+TEST_F(EmergencyDeskTest, AReportedEmergencyIsDecidedOnAtOnce) {
+  status_[5] = TaskStatus::kUnreported;
+  EXPECT_EQ(TakenAt(9), Ids{});
+  EXPECT_EQ(TakenAt(10), Ids{"decide:10"});
+  status_[5] = TaskStatus::kOpen;
+  EXPECT_EQ(TakenAt(11), Ids{});
+}
+
+TEST_F(EmergencyDeskTest, AnEmergencyThatIsAddedChangedOrResumedToo) {
+  status_[120] = TaskStatus::kUnreported;
+  Give("a", R"({"order": "task_add", "task": {"x_km": 1, "y_km": 2, "priority": 3}})");
+  EXPECT_EQ(TakenAt(12), (Ids{"a", "decide:12"}));
+  status_[120] = TaskStatus::kOpen;
+  Give("b", R"({"order": "task_change", "task": 7, "priority": 2})");
+  EXPECT_EQ(TakenAt(13), Ids{"b"});
+  Give("c", R"({"order": "task_change", "task": 7, "priority": 3})");
+  EXPECT_EQ(TakenAt(14), (Ids{"c", "decide:14"}));
+  status_[7] = TaskStatus::kSensing;
+  Give("d", R"({"order": "task_change", "task": 7, "due_in_min": 3})");
+  EXPECT_EQ(TakenAt(15), Ids{"d"}) << "it is being done";
+  Give("e", R"({"order": "task_hold", "task": 5})");
+  EXPECT_EQ(TakenAt(16), Ids{"e"});
+  status_[5] = TaskStatus::kHeld;
+  Give("f", R"({"order": "task_resume", "task": 5})");
+  EXPECT_EQ(TakenAt(17), (Ids{"f", "decide:17"}));
+  Give("g", R"({"order": "task_change", "task": 5, "due_in_min": 3})");
+  EXPECT_EQ(TakenAt(20), Ids{"g"}) << "a decision is due";
+  EXPECT_EQ(emergencies_.scenario().rules.extra_decisions, (std::vector<std::int64_t>{12, 14, 17}));
+}
+
+TEST_F(EmergencyDeskTest, AnEmergencyThatIsGivenBackIsDecidedOnInTheNextTick) {
+  EXPECT_EQ(TakenAt(30), Ids{});
+  emergencies_.DecideIfReopened(Aborted(4));
+  EXPECT_EQ(TakenAt(31), Ids{}) << "no emergency";
+  emergencies_.DecideIfReopened(Aborted(5));
+  EXPECT_EQ(TakenAt(32), Ids{"decide:32"});
+  EXPECT_EQ(TakenAt(39), Ids{});
+  emergencies_.DecideIfReopened(Aborted(5));
+  EXPECT_EQ(TakenAt(40), Ids{}) << "a decision is due";
+}
+
 std::string Withdraws(const std::string& id) {
   return fmt::format(R"({{"order": "withdraw", "withdraws": "{}"}})", id);
 }

@@ -157,7 +157,19 @@ void Scenario::TakeWays() {
 
 std::int32_t Scenario::DecisionAt(std::int64_t tick) const {
   const std::int64_t t = TimeOf(tick);
-  return t < limit_us && t % interval_us == 0 ? static_cast<std::int32_t>(t / interval_us) : -1;
+  if (t >= limit_us || (t % interval_us != 0 && !extra_ticks.contains(tick))) return -1;
+  std::int64_t before = (t + interval_us - 1) / interval_us;
+  for (const std::int64_t extra : extra_ticks) {
+    if (extra < tick && TimeOf(extra) % interval_us != 0) ++before;
+  }
+  return static_cast<std::int32_t>(before);
+}
+
+std::int64_t Scenario::TimeOfDecision(std::int32_t decision) const {
+  for (std::int64_t tick = 0; tick < last_tick(); ++tick) {
+    if (DecisionAt(tick) == decision) return TimeOf(tick);
+  }
+  return limit_us;
 }
 
 bool NamesRoads(const std::string& text) { return json::parse(text).contains("roads"); }
@@ -175,6 +187,7 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
   s.patience_us = MinutesOr(rules, "patience_min", 600'000'000);
   s.strict = rules.value("availability", "strict") == "strict";
   s.start_on_meeting = rules.value("start_on_meeting", false);
+  s.emergencies_at_once = rules.value("emergencies_at_once", false);
   const json disturbances = top.value("disturbances", json::object());
   s.wind = IntervalOf(disturbances, "wind", 1);
   s.communication_m = IntervalOf(disturbances, "communication_km", kKm);
@@ -216,8 +229,8 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);
     s.tasks.push_back({at, item.at("cost_km").get<double>() * kKm, charging.WayFrom(at),
-                       MinutesOr(item, "reported_min", 0),
-                       MinutesOr(item, "expires_min", kForever)});
+                       MinutesOr(item, "reported_min", 0), MinutesOr(item, "expires_min", kForever),
+                       item.value("priority", 1)});
   }
   if (top.contains("room")) {
     const json& room = top.at("room");
@@ -284,10 +297,14 @@ AuditOrder ParseAuditOrder(const std::string& text, std::int64_t now_us, const S
     task.to_charge_m = Nearest(scenario.charges, *scenario.ways).WayFrom(task.at);
     task.reported_us = std::max(MinutesOr(item, "reported_min", 0), now_us);
     task.expires_us = time(item, "expires_min", "expires_in_min");
+    task.priority = item.value("priority", 1);
   }
   if (order.what == "task_change" &&
       (top.contains("expires_min") || top.contains("expires_in_min"))) {
     order.expires_us = time(top, "expires_min", "expires_in_min");
+  }
+  if (order.what == "task_change" && top.contains("priority")) {
+    order.priority = top.at("priority").get<int>();
   }
   if (order.is_roads()) {
     if (scenario.roads == nullptr) throw std::invalid_argument("there are no roads");

@@ -51,6 +51,8 @@ struct Scenario {
     double to_charge_m = 0;  ///< way to the nearest charging point, infinity without one
     std::int64_t reported_us = 0;
     std::int64_t expires_us = kForever;
+    int priority = 1;  ///< 3: an emergency
+    bool is_emergency() const { return priority == 3; }
   };
   struct Charge {
     Place at;
@@ -61,6 +63,8 @@ struct Scenario {
   std::int64_t patience_us = 0;
   bool strict = true;
   bool start_on_meeting = false;
+  bool emergencies_at_once = false;
+  std::set<std::int64_t> extra_ticks;  ///< at which an order asks for a decision
   Interval wind, communication_m, agent_failure, match_failure;
   double width_m = 0, height_m = 0;
   std::vector<Agent> agents[3];  ///< by class
@@ -94,7 +98,7 @@ struct Scenario {
   /// How many of each list are vacant, for orders to fill.
   int room_tasks = 0, room_agents[3] = {};
   bool takes_orders() const {
-    return roads != nullptr || margin_m ||
+    return roads != nullptr || margin_m || emergencies_at_once ||
            room_tasks + room_agents[kUav] + room_agents[kWorker] + room_agents[kVehicle] > 0;
   }
 
@@ -113,6 +117,7 @@ struct Scenario {
   std::int64_t TimeOf(std::int64_t tick) const;
   /// Decision due at that tick; -1: none.
   std::int32_t DecisionAt(std::int64_t tick) const;
+  std::int64_t TimeOfDecision(std::int32_t decision) const;
 };
 
 /// Throws std::exception when the text is no scenario of version 1 or 2.
@@ -126,6 +131,7 @@ struct AuditOrder {
   Scenario::Task new_task;
   Scenario::Agent new_agent;
   std::optional<std::int64_t> expires_us;  ///< of a change
+  std::optional<int> priority;             ///< of a change
   int task = -1, kind = kUav, agent = -1;
   std::string id, closure;  ///< its own, and that of what it ends or withdraws
   std::string by;           ///< the person who has signed it; "": nobody
@@ -141,6 +147,7 @@ struct AuditOrder {
   bool changes_ways() const { return is_roads() || is_zone(); }
   bool is_person() const { return what == "person"; }
   bool is_withdrawal() const { return what == "withdraw"; }
+  bool asks_for_decision() const { return what == "decide_now"; }
   /// Whether it gives a directive, or ends one.
   bool is_directive() const {
     return what == "pin" || what == "forbid" || what == "charge_now" || what == "go_to" ||

@@ -51,6 +51,7 @@ void Auditor::Begin(const TickFacts& tick) {
   view.before_us = view.tick == 0 ? -1 : view.now_us;
   view.now_us = view.scenario.TimeOf(view.tick);
   if (view.due >= 0 && view.schedule != nullptr) view.in_force = view.due;
+  view.scenario.extra_ticks = intake_.heard().scenario->extra_ticks;
   view.due = view.scenario.DecisionAt(view.tick);
   view.schedule = intake_.ScheduleOfNext();
   view.clearances = intake_.ClearancesOfNext();
@@ -94,7 +95,7 @@ void Auditor::CheckTick() {
 
 void Auditor::CheckSkipped() {
   for (const std::int32_t decision : skipped_) {
-    const std::int64_t t = decision * view_->scenario.interval_us;
+    const std::int64_t t = view_->scenario.TimeOfDecision(decision);
     // The world must have said that a process is lost, and not yet that it is back.
     std::set<std::string> lost;
     for (const event_t& event : intake_.heard().events) {
@@ -144,7 +145,9 @@ void Auditor::GatherFacts() {
     facts_->final_range_m.push_back(uav.range_m);
   }
   facts_->messages = heard.messages;
-  facts_->interval_us = view_->scenario.interval_us;
+  for (const auto& [decision, schedule] : facts_->schedules) {
+    facts_->decided_us[decision] = view_->scenario.TimeOfDecision(decision);
+  }
 }
 
 }  // namespace muster::tools::audit

@@ -23,7 +23,7 @@ struct Facts {
   std::vector<std::int8_t> task_status;
   std::vector<double> flown_m, final_range_m;  ///< [n_uavs]
   std::int64_t messages = 0;
-  std::int64_t interval_us = 0;
+  std::map<std::int32_t, std::int64_t> decided_us;  ///< mission time of each of the schedules
 };
 
 /// Checks a mission's log, packet by packet, against every invariant of docs/reference/audit.md. It

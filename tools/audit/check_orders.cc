@@ -58,6 +58,7 @@ std::string WrongOf(const View& view, const AuditOrder& order) {
                : "";
   }
   if (order.is_person()) return "";  // SignatureCheck
+  if (order.asks_for_decision()) return view.due < 0 ? "no decision is due" : "";
   if (order.is_directive()) return WrongDirective(view, order);
   const int n_agents = view.n_agents[order.kind];
   if (order.is_join()) {
@@ -86,6 +87,9 @@ void TakeOrder(View& view, const AuditOrder& order) {
   }
   if (order.what == "task_change" && order.expires_us) {
     view.scenario.tasks[static_cast<std::size_t>(order.task)].expires_us = *order.expires_us;
+  }
+  if (order.what == "task_change" && order.priority) {
+    view.scenario.tasks[static_cast<std::size_t>(order.task)].priority = *order.priority;
   }
   if (order.is_join()) {
     view.scenario.agents[order.kind][static_cast<std::size_t>(order.agent)] = order.new_agent;
@@ -192,6 +196,29 @@ void CheckPlanned(const View& view, const std::set<std::string>& answered) {
   }
 }
 
+/// Where the scenario wants it, an emergency that opens is decided on in its tick.
+void CheckEmergencies(const View& view) {
+  if (!view.scenario.emergencies_at_once || view.due >= 0 ||
+      view.now_us >= view.scenario.limit_us) {
+    return;
+  }
+  const auto check = [&](int id, bool opens) {
+    const auto i = static_cast<std::size_t>(id);
+    if (!opens || !view.scenario.tasks[i].is_emergency()) return;
+    view.Violate("orders", "task {}, an emergency, opens without a decision", id);
+  };
+  for (int id = 0; id < view.n_tasks; ++id) {
+    const auto i = static_cast<std::size_t>(id);
+    check(id, view.task_status[i] == TaskStatus::kUnreported &&
+                  view.scenario.tasks[i].reported_us <= view.now_us);
+  }
+  for (const AuditOrder& order : view.orders) {
+    if (order.what != "task_change" && order.what != "task_resume") continue;
+    const std::int8_t status = view.task_status[static_cast<std::size_t>(order.task)];
+    check(order.task, order.what == "task_resume" || status == TaskStatus::kOpen);
+  }
+}
+
 void OrderCheck::CheckWays(View& view) {
   view.ways_since_us.reset();
   if (!view.said->orders) return;
@@ -264,7 +291,7 @@ void OrderCheck::Check(View& view) {
       view.Violate("orders", "order {}: {}", taken.id, wrong);
       continue;
     }
-    if (order.is_person()) continue;
+    if (order.is_person() || order.asks_for_decision()) continue;
     if (order.is_directive()) {
       TakeDirective(order, &view.scenario);
       continue;
@@ -273,6 +300,7 @@ void OrderCheck::Check(View& view) {
     view.orders.push_back(order);
   }
   CheckPlanned(view, answered_);
+  CheckEmergencies(view);
 }
 
 std::int64_t OrderedEnd(const View& view, const Activity& activity) {

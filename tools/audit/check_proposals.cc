@@ -28,7 +28,7 @@ void CheckProposals(const View& view, const Heard& heard) {
     for (const auto& [scheduler, hashes] : by_scheduler) schedulers.insert(scheduler);
   }
   for (const auto& [decision, schedule] : heard.schedules) {
-    const std::int64_t t = decision * view.scenario.interval_us;
+    const std::int64_t t = view.scenario.TimeOfDecision(decision);
     const auto altitudes = heard.clearances.find(decision);
     const std::size_t taken =
         DecisionHash(schedule, altitudes == heard.clearances.end() ? nullptr : &altitudes->second);

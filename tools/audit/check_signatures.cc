@@ -47,7 +47,7 @@ bool IsOfTheWorld(const std::string& what, const taken_order_t& taken) {
   const std::pair<const char*, const char*> own[] = {
       {"road_close", "closure:"}, {"road_close", "fault:"}, {"road_open", "open:"},
       {"zone_add", "zone:"},      {"zone_lift", "lift:"},   {"task_add", "revisit:"},
-      {"release", "release:"}};
+      {"release", "release:"},    {"decide_now", "decide:"}};
   return taken.issuer == kWorld &&
          std::any_of(std::begin(own), std::end(own), [&](const auto& one) {
            return what == one.first && taken.id.starts_with(one.second);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "lcmtypes/channels.h"
@@ -110,12 +111,7 @@ void Intake::Take(const Packet& packet) {
       if (TickFacts* facts = FactsOf(m->tick)) facts->clock = *m;
     }
   } else if (name == channel::kOrders) {
-    auto m = Admit<orders_t>(packet);
-    TickFacts* facts = m ? FactsOf(m->tick) : nullptr;
-    if (facts == nullptr) return;
-    if (!facts->orders || facts->orders->header.boot_id < m->header.boot_id) {
-      facts->orders = std::move(*m);
-    }
+    if (auto m = Admit<orders_t>(packet)) TakeOrders(std::move(*m));
   } else if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
     if (const auto m = Admit<agent_states_t>(packet)) TakeStates(*m, ClassOf(name));
   } else if (IsReports(name)) {
@@ -269,7 +265,38 @@ void Intake::TakeReport(const Report& report, TickFacts* facts) {
                  report.sender, report.boot_id);
 }
 
+/// Orders may ask for a decision, so what is said of one waits for the orders of its tick.
+void Intake::TakeOrders(orders_t message) {
+  TickFacts* facts = FactsOf(message.tick);
+  if (facts == nullptr ||
+      (facts->orders && facts->orders->header.boot_id >= message.header.boot_id)) {
+    return;
+  }
+  std::set<std::int64_t>& extra = heard_.scenario->extra_ticks;
+  extra.erase(message.tick);
+  for (const taken_order_t& taken : message.taken) {
+    const nlohmann::json order = nlohmann::json::parse(taken.json, nullptr, false);
+    if (order.is_object() && order.value("order", "") == "decide_now") extra.insert(message.tick);
+  }
+  facts->orders = std::move(message);
+  const std::int64_t tick = facts->orders->tick;
+  if (const auto early = early_.extract(tick)) {
+    for (const schedule_t& schedule : early.mapped().first) TakeSchedule(schedule);
+    for (const clearances_t& clearances : early.mapped().second) TakeClearances(clearances);
+  }
+}
+
+bool Intake::HasOrders(std::int64_t tick) const {
+  if (!heard_.scenario->takes_orders() || tick < next_tick_ || stopped_ ||
+      tick > heard_.scenario->last_tick()) {
+    return true;
+  }
+  const auto facts = pending_.find(tick);
+  return facts != pending_.end() && facts->second.orders;
+}
+
 void Intake::TakeSchedule(const schedule_t& message) {
+  if (!HasOrders(message.tick)) return early_[message.tick].first.push_back(message);
   const std::int32_t d = message.decision;
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
@@ -292,6 +319,7 @@ void Intake::TakeSchedule(const schedule_t& message) {
 }
 
 void Intake::TakeClearances(const clearances_t& message) {
+  if (!HasOrders(message.tick)) return early_[message.tick].second.push_back(message);
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
   const bool is_due = message.tick >= 0 && message.tick <= heard_.scenario->last_tick() &&

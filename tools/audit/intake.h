@@ -109,6 +109,8 @@ class Intake {
   /// Whether a report of that class and tick is possible on the channel of class `kind`.
   bool CanReport(int said, int kind, std::int64_t tick, TickFacts** facts);
   void TakeClearances(const clearances_t& message);
+  void TakeOrders(orders_t message);
+  bool HasOrders(std::int64_t tick) const;
   void TakeSchedule(const schedule_t& message);
   /// Null if the tick is impossible or has been checked.
   TickFacts* FactsOf(std::int64_t tick);
@@ -128,6 +130,8 @@ class Intake {
   std::deque<MessageKey> recent_order_;
   std::map<std::int64_t, TickFacts> pending_;
   std::vector<Report> late_;
+  /// By tick whose orders have not been read.
+  std::map<std::int64_t, std::pair<std::vector<schedule_t>, std::vector<clearances_t>>> early_;
   std::int64_t next_tick_ = 0, now_us_ = 0;
   bool stopped_ = false, ended_ = false, breaks_off_ = false;
 };

@@ -166,7 +166,7 @@ class Comparison {
     }
     std::size_t i = 0;
     for (const auto& [index, schedule] : facts_.schedules) {
-      const std::int64_t at = index * facts_.interval_us;
+      const std::int64_t at = facts_.decided_us.at(index);
       const std::string key = fmt::format("decisions/{}", i++);
       Exact(key + "/index", index, at);
       Exact(key + "/sim_s", ToSeconds(at), at);

@@ -40,6 +40,7 @@ const std::vector<Command> kCommands = {
     {"bound", "tells how many tasks any policy could do at most", BoundCommand},
     {"check-solution", "verifies another solver's answer on a decision", CheckSolutionCommand},
     {"compare", "simulates the same missions with several policies", CompareCommand},
+    {"decide", "has a running mission decide now, not at the next interval", DecideCommand},
     {"direct", "decides in the policy's place: pins, forbids, sends", DirectCommand},
     {"drive", "tries out a driver, a program that takes an agent's part", DriveCommand},
     {"explain", "says why a task or an agent was commanded as it was", ExplainCommand},

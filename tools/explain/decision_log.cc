@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "base/check.h"
@@ -21,27 +23,38 @@ auto KeyOf(const event_t& e) {
                   e.fault_id, e.detail);
 }
 
+/// Of an agent_states_t, a clock_t, ...; -1: of a message that is of no tick.
+std::int64_t TickOf(const Message& message) {
+  return std::visit(
+      []<class T>(const T& m) -> std::int64_t {
+        if constexpr (requires { m.tick; } && !std::is_same_v<T, orders_t>) {
+          return m.tick;
+        } else {
+          return -1;
+        }
+      },
+      message);
+}
+
 }  // namespace
 
 DecisionLog ReadDecisionLog(MessageSource* source) {
   DecisionLog log;
-  const Rules& rules = log.scenario.rules;
+  MissionReader reader;
   const auto decision_at = [&](std::int64_t tick) -> LoggedDecision* {
-    if (tick < 0 || tick > rules.limit_us / rules.tick_us) return nullptr;
-    const TimeUs t = tick * rules.tick_us;
-    const auto d = static_cast<std::int32_t>(t / rules.interval_us);
-    if (t % rules.interval_us != 0 || d >= log.scenario.decisions()) return nullptr;
+    const Rules& rules = reader.scenario()->rules;
+    const std::int32_t d = tick < 0 || tick > rules.last_tick() ? -1 : rules.DecisionAt(tick);
+    if (d < 0) return nullptr;
     LoggedDecision& decision = log.decisions[d];
     decision.decision = d;
-    decision.at_us = t;
+    decision.at_us = rules.TimeOf(tick);
     return &decision;
   };
   const auto told = [&](std::int64_t tick, const Packet& packet) {
     if (LoggedDecision* decision = decision_at(tick)) decision->told.push_back(packet);
   };
   source->Rewind();
-  MissionReader reader;
-  const auto visit = [&](const Message& message, const Packet& packet) {
+  const auto take = [&](const Message& message, const Packet& packet) {
     Handle(
         message,
         [&](const scenario_t&) {
@@ -78,8 +91,23 @@ DecisionLog ReadDecisionLog(MessageSource* source) {
         },
         [&](const event_t& event) { log.events.push_back(event); });
   };
+  // By tick: what came before the tick's orders, which say whether it has a decision.
+  std::multimap<std::int64_t, std::pair<Message, Packet>> waiting;
+  const auto take_waiting = [&] {
+    take(waiting.begin()->second.first, waiting.begin()->second.second);
+    waiting.erase(waiting.begin());
+  };
+  const auto visit = [&](const Message& message, const Packet& packet) {
+    if (const std::int64_t tick = TickOf(message); !reader.orders().complete(tick)) {
+      waiting.emplace(tick, std::pair(message, packet));
+      return;
+    }
+    take(message, packet);
+    while (!waiting.empty() && reader.orders().complete(waiting.begin()->first)) take_waiting();
+  };
   while (const auto event = source->NextEvent()) reader.Add(event->packet, visit);
   if (!reader.scenario()) throw InputError(source->name() + ": the log has no scenario");
+  while (!waiting.empty()) take_waiting();  // of a log that lacks orders
   log.run_id = *reader.run_id();
   log.orders = std::make_shared<const OrderBook>(reader.TakeOrders());
   log.scenario = *log.orders->scenario();

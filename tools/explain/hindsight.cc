@@ -252,7 +252,7 @@ Hindsight LookBack(const DecisionLog& log, const std::string& run, std::int64_t 
       decision.better = OnlyIn(found.back().actions, commanded);
       decision.commanded = OnlyIn(commanded, found.back().actions);
       decision.failed = searcher.afterwards().FailedBetween(
-          logged.at_us, logged.at_us + log.scenario.rules.interval_us);
+          logged.at_us, log.scenario.rules.TimeOfDecision(logged.decision + 1));
     }
     hindsight.decisions.push_back(std::move(decision));
     if (progress) progress(found.size(), log.decisions.size());

@@ -221,7 +221,7 @@ class Teller {
     chapter.scheduled = !logged.schedules.empty();
     chapter.in_force = logged.in_force;
     if (chapter.scheduled) chapter.policy = logged.schedules.front().policy;
-    const TimeUs until = logged.at_us + log_.scenario.rules.interval_us;
+    const TimeUs until = log_.scenario.rules.TimeOfDecision(logged.decision + 1);
     for (const event_t& event : log_.events) {
       if (!question.concerns(event)) continue;
       if (event.kind == EventKind::kActionWithheld) {

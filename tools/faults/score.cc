@@ -103,12 +103,13 @@ class Case {
   /// one could be commanded again. None: there was no such partner; -1: one never could.
   std::optional<std::int64_t> ReleasedDecisions() const {
     std::optional<std::int64_t> most;
-    const TimeUs interval_us = record_.scenario()->rules.interval_us;
+    const Rules& rules = record_.scenario()->rules;
     for (const event_t* aborted : aborted_) {
       const Agent partner = PartnerIn(*aborted);
-      const TimeUs first = (aborted->at_us + interval_us - 1) / interval_us;
+      const std::int32_t first = rules.LastDecisionBefore(aborted->at_us) + 1;
       const auto& specs = record_.scenario()->agents(partner.first);
-      if (specs[static_cast<std::size_t>(partner.second)].online_until_us <= first * interval_us ||
+      if (specs[static_cast<std::size_t>(partner.second)].online_until_us <=
+              rules.TimeOfDecision(first) ||
           felled_.count(partner) > 0) {
         continue;
       }
@@ -117,7 +118,7 @@ class Case {
       for (auto d = first; words != evidence_.words.end() && d < record_.scenario()->decisions();
            ++d) {
         // What it says after the decision: it obeys, or it was free to and got no command.
-        const auto word = words->second.upper_bound(d * interval_us);
+        const auto word = words->second.upper_bound(rules.TimeOfDecision(d));
         if (word == words->second.end()) break;
         if (!word->second.idle && word->second.decision != d) continue;
         n = d - first + 1;

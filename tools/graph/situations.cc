@@ -16,13 +16,10 @@ namespace muster::tools {
 
 void SituationRecorder::Add(const Packet& packet) {
   const auto take = [&](const auto& message) {
-    const Rules& rules = scenario_->rules;
-    if (message.tick > rules.last_tick()) return;
-    const TimeUs t = rules.TimeOf(message.tick);
-    if (t % rules.interval_us != 0) return;
-    const auto d = static_cast<std::size_t>(t / rules.interval_us);
+    if (message.tick > scenario_->rules.last_tick()) return;
+    if (scenario_->rules.DecisionAt(message.tick) < 0) return;
     // Impossible messages are left out, as the scheduler leaves them out.
-    if (d < fusions_.size()) static_cast<void>(fusions_[d].Take(message));
+    static_cast<void>(FusionAt(message.tick).Take(message));
   };
   reader_.Add(packet, [&](const Message& message, const Packet&) {
     if (!scenario_) Begin();
@@ -34,24 +31,25 @@ void SituationRecorder::Add(const Packet& packet) {
 
 void SituationRecorder::Begin() {
   scenario_ = reader_.scenario();
-  for (std::int32_t d = 0; d < scenario_->decisions(); ++d) {
-    const TimeUs t = d * scenario_->rules.interval_us;
-    fusions_.emplace_back(scenario_);
-    fusions_.back().Start(t / scenario_->rules.tick_us, t, d);
-  }
+  const Rules& rules = scenario_->rules;
+  for (TimeUs t = 0; t < rules.limit_us; t += rules.interval_us) FusionAt(rules.TickOf(t));
+}
+
+scheduler::Fusion& SituationRecorder::FusionAt(std::int64_t tick) {
+  const auto [fusion, is_new] = fusions_.try_emplace(tick, scenario_);
+  if (is_new) fusion->second.Start(tick, scenario_->rules.TimeOf(tick), -1);
+  return fusion->second;
 }
 
 std::vector<scheduler::Situation> SituationRecorder::Situations(std::vector<double>* fuse_s) {
   std::vector<scheduler::Situation> situations;
-  for (std::size_t d = 0; d < fusions_.size(); ++d) {
-    scheduler::Fusion& fusion = fusions_[d];
+  for (auto& [tick, fusion] : fusions_) {
     const OrderBook& orders = reader_.orders();
-    const Rules& rules = orders.scenario()->rules;
-    const std::int64_t tick = rules.TickOf(static_cast<TimeUs>(d) * rules.interval_us);
     if (!fusion.complete() || !orders.complete(tick)) continue;
     const auto start = std::chrono::steady_clock::now();
     situations.push_back(orders.takes_orders() ? fusion.Fuse(orders.UpTo(tick))
                                                : fusion.Fuse(orders));
+    situations.back().decision = orders.scenario()->rules.DecisionAt(tick);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (fuse_s != nullptr) fuse_s->push_back(took.count());
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,10 +26,11 @@ class SituationRecorder {
 
  private:
   void Begin();
+  scheduler::Fusion& FusionAt(std::int64_t tick);
 
   MissionReader reader_;
   std::shared_ptr<const Scenario> scenario_;
-  std::vector<scheduler::Fusion> fusions_;
+  std::map<std::int64_t, scheduler::Fusion> fusions_;  ///< by tick
 };
 
 /// The situations of a mission: of a run directory or log file, or of a scenario file, which is

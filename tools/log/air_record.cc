@@ -7,7 +7,7 @@
 namespace muster::tools {
 
 void AirRecord::Take(const clearances_t& clearances, const Scenario& scenario) {
-  if (scenario.separation() == nullptr || !Possible(clearances, scenario.rules)) return;
+  if (scenario.separation() == nullptr || !Possible(clearances, scenario)) return;
   if (auto list = FromWire(clearances, WireLimits(scenario))) {
     decisions_[clearances.decision].clearances = std::move(*list);
   }
@@ -33,7 +33,7 @@ std::vector<Flight> FlightsOf(const AirRecord& air, const Scenario& scenario,
   std::map<std::int32_t, std::vector<Flight>> by_uav;
   for (const auto& [index, decision] : air.decisions()) {
     if (skipped.contains(index)) continue;
-    const TimeUs from_us = index * scenario.rules.interval_us;
+    const TimeUs from_us = scenario.rules.TimeOfDecision(index);
     for (const Clearance& clearance : decision.clearances) {
       const auto uav = decision.uavs.find(clearance.uav);
       if (clearance.decision != index || uav == decision.uavs.end()) continue;
@@ -54,7 +54,7 @@ AirSummary SummaryOf(const AirRecord& air, const Scenario& scenario,
   const LandingPlaces landing(scenario.charging_points);
   for (const auto& [index, decision] : air.decisions()) {
     if (skipped.contains(index)) continue;
-    const TimeUs at_us = index * scenario.rules.interval_us;
+    const TimeUs at_us = scenario.rules.TimeOfDecision(index);
     std::vector<std::pair<std::int32_t, Trajectory>> paths;
     for (const Clearance& clearance : decision.clearances) {
       if (clearance.decision == index) {

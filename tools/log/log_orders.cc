@@ -22,6 +22,7 @@ Scenario WithoutRoom(Scenario scenario) {
   scenario.workers.resize(scenario.n_agents(AgentKind::kWorker));
   scenario.vehicles.resize(scenario.n_agents(AgentKind::kVehicle));
   scenario.room = {};
+  scenario.had_room = false;
   AddRoom({scenario.tasks.empty() ? 1U : 0U,
            {scenario.uavs.empty() ? 1U : 0U, scenario.workers.empty() ? 1U : 0U,
             scenario.vehicles.empty() ? 1U : 0U}},

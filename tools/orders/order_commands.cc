@@ -386,6 +386,18 @@ int ZoneCommand(int argc, const char* const* argv) {
   return Give(std::move(order), *arguments);
 }
 
+int DecideCommand(int argc, const char* const* argv) {
+  Options options("muster decide",
+                  "Has the scheduler of a running mission decide at the next tick, not only at the "
+                  "next interval (docs/guide/orders.md). The mission was started with muster run "
+                  "--take-orders.");
+  options.Positional("run", "RUN").Required("the run directory of a mission");
+  AddCommonOptions(&options);
+  const auto arguments = options.Parse(argc, argv);
+  if (!arguments) return kExitOk;
+  return Give({{"order", "decide_now"}}, *arguments);
+}
+
 int DirectCommand(int argc, const char* const* argv) {
   Options options(
       "muster direct",

@@ -10,6 +10,8 @@ int AgentCommand(int argc, const char* const* argv);
 int RoadCommand(int argc, const char* const* argv);
 /// `muster zone`: adds or lifts a zone of a running mission that UAVs keep out of.
 int ZoneCommand(int argc, const char* const* argv);
+/// `muster decide`: has the scheduler of a running mission decide between intervals.
+int DecideCommand(int argc, const char* const* argv);
 
 /// `muster direct`: decides in the policy's place: who does a task, who must not, who charges, who
 /// goes where.

@@ -36,7 +36,7 @@ std::vector<MeasuredLeg> MeasuredLegs::List(
         continue;
       MeasuredLeg leg{key.kind, key.agent, key.decision, action.task_id, action.charge_id};
       leg.way_m = scenario.ways->Length(key.kind, *told.from, {action.x_m, action.y_m});
-      leg.sent_us = key.decision * scenario.rules.interval_us;
+      leg.sent_us = scenario.rules.TimeOfDecision(key.decision);
       const TimeUs way_us = TravelUs(leg.way_m, told.speed_m_s);
       if (way_us < kMeasuredSlackUs) continue;
       leg.planned_us = leg.sent_us + way_us;

@@ -27,7 +27,7 @@ ordered_json Number(double value) {
 
 ordered_json Decisions(const RunRecord& record) {
   ordered_json list = ordered_json::array();
-  const TimeUs interval_us = record.scenario()->rules.interval_us;
+  const Rules& rules = record.scenario()->rules;
   for (const auto& [index, schedule] : record.schedules()) {
     ordered_json actions = ordered_json::array();
     for (const action_t& a : schedule.actions) {
@@ -42,7 +42,7 @@ ordered_json Decisions(const RunRecord& record) {
                          {"weight", Number(a.weight)}});
     }
     list.push_back({{"index", index},
-                    {"sim_s", ToSeconds(index * interval_us)},
+                    {"sim_s", ToSeconds(rules.TimeOfDecision(index))},
                     {"policy", schedule.policy},
                     {"weight", Number(schedule.weight)},
                     {"bound", Number(schedule.bound)},

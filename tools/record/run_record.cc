@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "protocol/convert.h"
 #include "protocol/process.h"
 
 namespace muster::tools {
@@ -154,13 +155,8 @@ void RunRecord::Excuse(const rulings_t& message, TickCover* cover) {
 void RunRecord::TakeClock(const clock_t& message) {
   if (message.phase == ClockPhase::kReady) return;
   // Decisions before this tick that it does not require never were in force.
-  const Rules& rules = scenario()->rules;
-  const std::int32_t before =
-      message.tick_us <= 0
-          ? -1
-          : static_cast<std::int32_t>((std::min(message.tick_us, rules.limit_us) - 1) /
-                                      rules.interval_us);
-  for (std::int32_t d = before; d > message.required_decision && !skipped_.contains(d); --d) {
+  for (std::int32_t d = scenario()->rules.LastDecisionBefore(message.tick_us);
+       d > message.required_decision && !skipped_.contains(d); --d) {
     skipped_.insert(d);
     schedules_.erase(d);
   }
@@ -228,7 +224,7 @@ void RunRecord::TakeAgents(const agent_states_t& message) {
 }
 
 void RunRecord::TakeSchedule(const schedule_t& message) {
-  if (message.decision < 0 || message.decision >= scenario()->decisions()) {
+  if (!Possible(message, *scenario())) {
     reader_.Reject();
     return;
   }
@@ -292,7 +288,7 @@ RunRecord::Completeness RunRecord::CheckComplete() const {
   const Rules& rules = scenario()->rules;
   for (std::int32_t d = 0; d < scenario()->decisions(); ++d) {
     if (schedules_.contains(d) || skipped_.contains(d)) continue;
-    if (d * rules.interval_us > rules.TimeOf(result.last_tick)) break;
+    if (rules.TimeOfDecision(d) > rules.TimeOf(result.last_tick)) break;
     lacks("schedule", d);
   }
   if (!end_announced_) lacks("end", last_tick());

@@ -48,6 +48,9 @@ void AddMissionOptions(Options* options) {
       "orders", "FILE",
       "Orders to give in the course of the mission, a line of JSON each (docs/guide/orders.md); "
       "-: from stdin");
+  options->Flag("emergencies-at-once",
+                "Decide as soon as an emergency opens, not only at the next interval (default: as "
+                "the scenario says)");
   options->Add("seed", "N", "Seed of the mission's chances (default: the scenario's)").Seed();
   options->Out("DIR", "Run directory, new or empty");
   options->Quiet();
@@ -60,6 +63,7 @@ MissionOptions ReadMissionOptions(const Arguments& arguments, bool own_policy) {
   options.own_policy = own_policy;
   if (!own_policy) scheduler::MakePolicy(options.policy);
   arguments.Read("orders", &options.orders_file);
+  options.emergencies_at_once = arguments.Has("emergencies-at-once");
   arguments.Read("seed", &options.seed);
   arguments.Read("out", &options.out);
   options.quiet = arguments.Has("quiet");
@@ -86,6 +90,7 @@ Scenario ResolveScenario(const MissionOptions& options, std::vector<world::Plann
   if (options.interval_min) scenario.rules.interval_us = MinutesToUs(*options.interval_min);
   if (options.limit_min) scenario.rules.limit_us = MinutesToUs(*options.limit_min);
   if (options.seed) scenario.seed = *options.seed;
+  if (options.emergencies_at_once) scenario.rules.emergencies_at_once = true;
   if (options.availability) scenario.rules.availability = *options.availability;
   std::vector<world::PlannedOrder> given;
   if (!options.orders_file.empty()) given = ReadOrderFile(options.orders_file, scenario.origin);

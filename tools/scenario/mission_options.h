@@ -20,6 +20,7 @@ struct MissionOptions {
   std::optional<double> limit_min;
   std::optional<std::uint64_t> seed;
   std::optional<Availability> availability;
+  bool emergencies_at_once = false;  ///< false: as the scenario says
   std::string orders_file;  ///< "": no orders are given with the mission
   Room room = {};           ///< for more of them
   std::string out;          ///< "": the command's default

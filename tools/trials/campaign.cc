@@ -151,6 +151,30 @@ void DrawClocks(std::uint64_t seed, VirtualMission* mission) {
   }
 }
 
+void DrawDecisions(std::uint64_t seed, VirtualMission* mission) {
+  Random random(seed, Stream::kSoak, 10);
+  if (random.Below(3) > 0) return;
+  Scenario& scenario = mission->scenario;
+  if (!scenario.takes_orders()) AddRoom({1, {}}, &scenario);
+  const auto minutes = static_cast<std::uint32_t>(scenario.rules.limit_us / kMinuteUs);
+  if (random.Below(2) == 0) {
+    scenario.rules.emergencies_at_once = true;
+    for (std::size_t i = 0; i < scenario.n_tasks(); ++i) {
+      if (random.Below(4) > 0) continue;
+      scenario.tasks[i].priority = Priority::kEmergency;
+      if (random.Below(2) == 0) scenario.tasks[i].reported_us = random.Below(minutes) * kMinuteUs;
+    }
+  }
+  for (std::uint32_t n = random.Below(8); n > 0; --n) {
+    const std::string json =
+        fmt::format(R"({{"at_min": {}, "order": "decide_now"}})", random.Below(4 * minutes) / 4.0);
+    world::PlannedOrder planned{ParseOrder(json, "order"), json};
+    planned.order.id = fmt::format("decision-{}", n);
+    planned.order.issuer = "drawn";
+    mission->orders.push_back(std::move(planned));
+  }
+}
+
 void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMission* mission) {
   Random random(seed, Stream::kSoak, 4);
   const auto draws = [&](Extra extra) {
@@ -168,6 +192,7 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   if (measured) DrawDrivers(seed, mission);
   if (hosts) DrawHosts(seed, mission);
   if (settings.extras.contains(Extra::kClocks)) DrawClocks(seed, mission);
+  if (settings.extras.contains(Extra::kDecisions)) DrawDecisions(seed, mission);
 }
 
 /// A log in memory.

@@ -16,9 +16,9 @@
 namespace muster::tools {
 
 /// What a drawn mission may have besides faults.
-enum class Extra { kRoads, kZones, kOrders, kMeasured, kHosts, kClocks };
-inline constexpr std::array<std::string_view, 6> kExtraNames = {"roads",    "zones", "orders",
-                                                                "measured", "hosts", "clocks"};
+enum class Extra { kRoads, kZones, kOrders, kMeasured, kHosts, kClocks, kDecisions };
+inline constexpr std::array<std::string_view, 7> kExtraNames = {
+    "roads", "zones", "orders", "measured", "hosts", "clocks", "decisions"};
 
 /// What the missions of a campaign have in common.
 struct CampaignSettings {
@@ -34,8 +34,9 @@ struct CampaignSettings {
   /// Clocks: those of hosts are wrong by up to a day, or are set during the mission. Roads
   /// and zones are not added to a scenario that is given, but where it has them, they are closed
   /// and opened, added and lifted.
-  std::set<Extra> extras = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
-                            Extra::kMeasured, Extra::kHosts, Extra::kClocks};
+  /// Decisions: orders ask for some between intervals, or emergencies do.
+  std::set<Extra> extras = {Extra::kRoads, Extra::kZones,  Extra::kOrders,   Extra::kMeasured,
+                            Extra::kHosts, Extra::kClocks, Extra::kDecisions};
 };
 
 /// The mission of that seed: a function of settings and seed alone.

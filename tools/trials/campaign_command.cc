@@ -62,7 +62,7 @@ void AddCampaignOptions(Options* options) {
       ->Add("draw", "WHAT,...",
             "What missions may have besides, each by chance: roads, zones, orders, measured "
             "(agents), hosts (processes that die together), clocks (of hosts, wrong or set "
-            "anew); or none (default: all six)")
+            "anew), decisions (between intervals); or none (default: all seven)")
       .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);

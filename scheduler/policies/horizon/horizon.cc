@@ -140,7 +140,7 @@ class Planner {
     return ahead <= other.ready_us + std::max(way, other_way);
   }
 
-  TimeUs NextDecision() const { return situation_.now_us + situation_.site->rules.interval_us; }
+  TimeUs NextDecision() const { return situation_.site->rules.NextDecisionUs(situation_.now_us); }
 
   bool MeetsBeforeNextDecision(const Match& match) {
     const Participant& uav = Member(match, AgentKind::kUav);
@@ -164,7 +164,7 @@ class Planner {
       action.kind = ActionKind::kGoTo;
       if (arrive > NextDecision()) {
         // A little less than the interval allows, so that rounding does not make it longer.
-        const double share = static_cast<double>(situation_.site->rules.interval_us - 1) /
+        const double share = static_cast<double>(NextDecision() - situation_.now_us - 1) /
                              static_cast<double>(travel);
         action.to = situation_.site->ways->StopBefore(kind, member.at, action.to, share);
         if (action.to == member.at) return;

@@ -79,7 +79,7 @@ void ForwardModel::Step(const std::vector<Action>& actions) {
   for (const Action& action : actions) CarryOut(action, &s);
   const Rules& rules = s.site->rules;
   ++s.decision;
-  AdvanceTo(std::min(s.now_us + rules.interval_us, rules.limit_us));
+  AdvanceTo(std::min(rules.NextDecisionUs(s.now_us), rules.limit_us));
 }
 
 void ForwardModel::AdvanceTo(TimeUs t) {

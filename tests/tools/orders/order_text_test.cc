@@ -39,7 +39,8 @@ TEST(OrderText, SaysWhatIsWrong) {
       Refusal(R"({"order": "fly"})"),
       "order: order: found \"fly\", expected one of task_add, task_change, task_cancel, "
       "task_hold, task_resume, agent_join, agent_leave, agent_recall, road_close, "
-      "road_open, zone_add, zone_lift, pin, unpin, forbid, charge_now, go_to, release, withdraw");
+      "road_open, zone_add, zone_lift, pin, unpin, forbid, charge_now, go_to, release, withdraw, "
+      "decide_now");
   EXPECT_EQ(
       Refusal(R"({"order": "task_cancel", "task": 1, "x": 2})"),
       "order: top level: found the unknown key \"x\", expected only id, issuer, at_min, order, "

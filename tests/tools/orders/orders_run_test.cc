@@ -78,6 +78,8 @@ TEST_F(OrdersRunTest, WhatIsAskedWhileItRunsIsTakenLoggedAndPlayedAgain) {
   EXPECT_EQ(Command({"direct", "forbid", Run(), "uav:2", "--task", "8"}), 0);
   EXPECT_EQ(Command({"direct", "forbid", Run(), "--class", "worker", "--circle", "9,9,1"}), 0);
   EXPECT_EQ(Command({"direct", "release", Run(), "--directive", "g"}), 0);
+  EXPECT_EQ(Command({"decide", Run()}, &output), 0);
+  EXPECT_NE(output.find("decide_now"), std::string::npos) << output;
   EXPECT_EQ(Command({"direct", "unpin", Run(), "--task", "9"}, &output), 4);
   EXPECT_NE(output.find("refused: task 9 is not pinned"), std::string::npos) << output;
   EXPECT_EQ(Command({"direct", "pin", Run(), "--task", "9"}, &output), 2);

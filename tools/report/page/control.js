@@ -43,6 +43,7 @@ export class Control {
     this.picks = "order-add"; // what the next click on the map is for
     byId("order-add").addEventListener("click", () => this.togglePick());
     for (const button of ["order-road", "order-zone"]) byId(button).addEventListener("click", () => this.togglePick(button));
+    byId("order-decide").addEventListener("click", () => this.form.simple({ order: "decide_now" }));
     byId("pick-stop").addEventListener("click", () => this.#stopPicking());
     this.taken = null; // what the map tells clicks to while they are an order's
     this.corners = null; // of an area that is being drawn, in metres
@@ -67,6 +68,7 @@ export class Control {
     byId("order-add").hidden = !this.allowed;
     byId("order-road").hidden = !this.allowed || !run.scenario.roads;
     byId("order-zone").hidden = !this.allowed || !run.scenario.air;
+    byId("order-decide").hidden = !this.allowed;
     byId("tab-orders").hidden = !this.allowed && this.orders.list.length === 0;
     if (!this.allowed && this.#picking) this.#stopPicking();
     this.map.drops = this.allowed ? (...dropped) => this.#dropped(...dropped) : null;

@@ -43,7 +43,7 @@ export class Folding {
 
   /** On a phone the tools lie over the map: whoever has chosen one needs the map. */
   #onTool({ target }) {
-    if (matchMedia(PHONE).matches && target.closest("[role=tab], #measure, #order-add, #order-road, #order-zone")) this.toggle("tools");
+    if (matchMedia(PHONE).matches && target.closest("[role=tab], #measure, #order-add, #order-road, #order-zone, #order-decide")) this.toggle("tools");
   }
 
   #take(folded) {

@@ -57,6 +57,7 @@ const KINDS = {
   go_to: { directs: true, words: ({ agent, x_km: x, y_km: y }) => say("send {agent} to {x}, {y} km", { agent, ...place(x, y, 2) }),
     more: say("it waits there until it is released; what it is at it finishes first"), on: "agent", button: say("Go to …"),
     when: (status) => status !== OFFLINE },
+  decide_now: { words: () => say("decide now"), more: say("all who are free are sent anew, and who is under way goes on") },
   release: { directs: true, words: ({ directive, words }) => say("release {what}", { what: words ?? directive }) },
   agent_leave: { words: (order) => say("let {agent} leave", order), more: say("it is sent nowhere any more, and goes when what it is at is done"), on: "agent",
     button: say("Let it leave") },
