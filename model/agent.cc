@@ -52,6 +52,12 @@ TimeUs SetOutAt(const AgentState& agent) {
   return agent.measured ? agent.measured->set_out_us : agent.depart_us;
 }
 
+/// Whether a release, which the verdict on t tells, is one from the present leg. A leg that begins
+/// at t goes on round a road or a zone that is closed since then.
+bool EndsLeg(const Ruling& release, const AgentState& agent, TimeUs t) {
+  return release.at_us >= SetOutAt(agent) || SetOutAt(agent) == t;
+}
+
 /// Whether it is the sensing or charging that the agent was sent to.
 bool IsOf(const AgentState& agent, const Activity& activity) {
   const std::int32_t other = agent.kind == AgentKind::kUav ? activity.partner : activity.uav.value;
@@ -329,9 +335,9 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     if (ruling.fails()) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
-    } else if (agent->action != ActionKind::kNone && ruling.at_us >= SetOutAt(*agent)) {
+    } else if (agent->action != ActionKind::kNone && EndsLeg(ruling, *agent, t)) {
       // A measured one has gone on until it is told.
-      StopAt(agent, agent->measured ? t : ruling.at_us, tasks);
+      StopAt(agent, agent->measured ? t : std::max(ruling.at_us, agent->depart_us), tasks);
     }
   }
   agent->failed = failed;

@@ -84,6 +84,13 @@ std::size_t Fusion::silent() const {
 
 Situation Fusion::Fuse(const OrderBook& orders) {
   MUSTER_CHECK(complete(), "tick={}", tick_);
+  if (orders.takes_orders() && orders.tick() > tick_) {
+    // A world that has started again may have gone back to before the newest orders.
+    site_version_ = -1;
+    Situation situation = Fuse(orders.UpTo(tick_));
+    site_version_ = -1;
+    return situation;
+  }
   if (site_version_ != orders.version()) {
     site_version_ = orders.version();
     site_ = std::make_shared<const Site>(*orders.scenario());

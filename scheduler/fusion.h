@@ -40,7 +40,7 @@ class Fusion {
   const Scenario& scenario_;
   const WireLimits limits_;
   std::shared_ptr<const Site> site_;
-  std::int64_t site_version_ = 0;  ///< of the orders
+  std::int64_t site_version_ = 0;  ///< of the orders; -1: it is of none that may come again
   std::int64_t tick_ = -1;
   TimeUs now_us_ = 0;
   std::int32_t decision_ = -1;

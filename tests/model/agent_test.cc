@@ -109,6 +109,20 @@ TEST(Agent, ReleaseStopsItWhereItIsWithWhatIsSpentProRata) {
   EXPECT_DOUBLE_EQ(RangeAt(uav, 600 * kSecondUs, kTasks), 8000 - 5000 - 600 * 0.25);
 }
 
+TEST(Agent, ReleaseEndsALegThatGoesRoundSinceThen) {
+  constexpr TimeUs kRelease = 110 * kSecondUs, kTick = 120 * kSecondUs;
+  const Verdict verdict({}, {{AgentKind::kUav, 0, Ruling::Kind::kReleased, kRelease}});
+  AgentState uav = UavAtOrigin();
+  Begin(&uav, Sense(), 0, kTick, {}, 1);  // as if a zone had sent it round at this tick
+  Settle(&uav, verdict, kTick, kTasks);
+  EXPECT_TRUE(uav.idle(kTick));
+  EXPECT_EQ(PositionAt(uav, 2 * kTick), (Point{0, 0}));
+  // A release of before is no release from what was commanded later.
+  Begin(&uav, Sense(), 0, kTick, {}, 1);
+  Settle(&uav, verdict, 2 * kTick, kTasks);
+  EXPECT_FALSE(uav.idle(2 * kTick));
+}
+
 TEST(Agent, FailureHoldsAsLongAsItIsListed) {
   AgentState uav = UavAtOrigin();
   Begin(&uav, Sense(), 0, 0, {}, 1);

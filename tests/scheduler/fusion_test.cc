@@ -96,6 +96,43 @@ TEST_F(FusionTest, IsCompleteWhenEveryAgentAndTheWorldHaveSpoken) {
   EXPECT_EQ(situation.charging_load, (std::vector<std::int32_t>{0, 0}));
 }
 
+TEST_F(FusionTest, OrdersOfLaterTicksDoNotCount) {
+  AddRoom({1, {}}, &scenario_);
+  OrderBook book(scenario_);
+  Fusion fusion(book.scenario());
+  const auto say = [&](std::int64_t tick, std::int64_t before, const char* json) {
+    orders_t said{};
+    said.tick = tick;
+    said.before = before;
+    Scenario scenario = *book.scenario();
+    said.taken = {ToWire(TakeInto(&scenario, ParseOrder(json, "order"), kNow), json)};
+    said.taken.front().id = json;
+    said.n_taken = 1;
+    for (std::int64_t t = book.tick() + 1; t < tick; ++t) {
+      orders_t none{};
+      none.tick = t;
+      none.before = before;
+      ASSERT_TRUE(book.Take(none));
+    }
+    ASSERT_TRUE(book.Take(said));
+  };
+  const auto priority = [&] {
+    fusion.Start(kTick, kNow, 1);
+    for (const AgentKind kind : kAgentKinds) {
+      EXPECT_TRUE(fusion.Take(States(scenario_, Start(scenario_, kind))));
+    }
+    world_state_t world = World();
+    world.task_status.push_back(NumberOf(TaskStatus::kUnreported));
+    world.n_tasks = static_cast<std::int32_t>(world.task_status.size());
+    EXPECT_TRUE(fusion.Take(world) && fusion.Take(Rulings()));
+    return fusion.Fuse(book).site->tasks[0].priority;
+  };
+  say(kTick, 0, R"({"order": "task_change", "task": 0, "priority": 2})");
+  EXPECT_EQ(priority(), Priority::kHigh);
+  say(kTick + 1, 1, R"({"order": "task_change", "task": 0, "priority": 3})");
+  EXPECT_EQ(priority(), Priority::kHigh);
+}
+
 TEST_F(FusionTest, AnAgentThatSaysTheSameAgainCountsOnce) {
   TakeAgents(AgentKind::kUav);
   TakeAgents(AgentKind::kUav);

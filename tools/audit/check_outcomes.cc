@@ -114,8 +114,10 @@ void SettleAgents(View& view) {
         model.StopAt(at);
       }
       const auto release = view.released.find(agent);
+      const std::int64_t set_out_us = model.spec->measured ? model.set_out_us : model.depart_us;
+      // What sets out now goes round a road or a zone that is closed since now.
       if (release != view.released.end() && model.action != ActionKind::kNone &&
-          release->second >= (model.spec->measured ? model.set_out_us : model.depart_us)) {
+          (release->second >= set_out_us || set_out_us == view.now_us)) {
         const bool cause =
             model.pair() &&
             std::any_of(view.activities.begin(), view.activities.end(), [&](const Tracked& t) {
@@ -128,7 +130,8 @@ void SettleAgents(View& view) {
                        model.name(), release->second);
         }
         // A measured one has gone on until it is told.
-        model.StopAt(model.spec->measured ? view.now_us : release->second);
+        model.StopAt(model.spec->measured ? view.now_us
+                                          : std::max(release->second, model.depart_us));
       }
       model.failed = fails;
       if (model.busy_until_us < view.now_us && model.action == ActionKind::kNone) {

@@ -47,8 +47,7 @@ std::vector<scheduler::Situation> SituationRecorder::Situations(std::vector<doub
     const OrderBook& orders = reader_.orders();
     if (!fusion.complete() || !orders.complete(tick)) continue;
     const auto start = std::chrono::steady_clock::now();
-    situations.push_back(orders.takes_orders() ? fusion.Fuse(orders.UpTo(tick))
-                                               : fusion.Fuse(orders));
+    situations.push_back(fusion.Fuse(orders));
     situations.back().decision = orders.scenario()->rules.DecisionAt(tick);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (fuse_s != nullptr) fuse_s->push_back(took.count());

@@ -21,9 +21,9 @@ struct MissionOptions {
   std::optional<std::uint64_t> seed;
   std::optional<Availability> availability;
   bool emergencies_at_once = false;  ///< false: as the scenario says
-  std::string orders_file;  ///< "": no orders are given with the mission
-  Room room = {};           ///< for more of them
-  std::string out;          ///< "": the command's default
+  std::string orders_file;           ///< "": no orders are given with the mission
+  Room room = {};                    ///< for more of them
+  std::string out;                   ///< "": the command's default
   bool quiet = false;
 };
 
