@@ -205,7 +205,7 @@ void Referee::Return(TimeUs t, Agents* agents) {
     if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;
     failed_.erase(failed);
     const bool lost = outage.reason.cause == Cause::kProcessLost;
-    if (lost && IsVacant(agents->at(outage.kind, outage.agent))) continue;
+    if (lost && agents->at(outage.kind, outage.agent).is_vacant()) continue;
     Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
          outage.reason);
   }
@@ -267,13 +267,6 @@ void Referee::FindFailures(TimeUs t, std::int32_t decision, Agents* agents) {
     ExpireUntil(failure.at_us);
     if (!dry || !released_before(failure)) Fail(failure, agents);
   }
-}
-
-bool Referee::IsVacant(const AgentState& agent) const {
-  // One that was recalled as the mission began is not.
-  return agent.is_vacant() &&
-         (static_cast<std::size_t>(agent.id) >= scenario_.n_agents(agent.kind) ||
-          JoinsNow({agent.kind, agent.id}));
 }
 
 bool Referee::JoinsNow(AgentKey agent) const {
@@ -339,7 +332,7 @@ void Referee::Fail(const Failure& failure, Agents* agents) {
     return;
   }
   const AgentState& agent = agents->at(kind, id);
-  if (lost && IsVacant(agent)) return;  // nobody is told of an empty place
+  if (lost && agent.is_vacant()) return;  // nobody is told of an empty place
   Emit(Event::Kind::kAgentFailed, failure.at_us, failure.agent, failure.reason);
   AbortActivityOf(agent, failure.at_us, true);
 }

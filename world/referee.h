@@ -163,8 +163,6 @@ class Referee {
   void EmitReports(TimeUs t);
   /// Whether an order adds it at this tick.
   bool JoinsNow(AgentKey agent) const;
-  /// Whether nobody has that place, or somebody takes it as of now.
-  bool IsVacant(const AgentState& agent) const;
   bool IsOutBecauseOfAnother(const Failure& failure) const;
   void Meet(TimeUs t, Agents* agents);
   void EmitPresence(TimeUs t, Agents* agents);

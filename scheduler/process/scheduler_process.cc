@@ -98,12 +98,15 @@ void SchedulerProcess::Take(const clock_t& clock) {
   const bool is_new_start = clock.header.boot_id != world_boot_;
   if (clock.phase != ClockPhase::kEnded && clock.tick <= tick_) repeat_tick_ = clock.tick;
   if (clock.tick == tick_ && due_ >= 0) ++n_repeats_;
-  if (clock.tick <= tick_ && !is_new_start) return;
+  // One that names another decision than the one before: one of the two is damaged.
+  const bool is_other = clock.tick == tick_ && clock.decision != named_;
+  if (clock.tick <= tick_ && !is_new_start && !is_other) return;
   n_repeats_ = 0;
   world_boot_ = clock.header.boot_id;
   tick_ = clock.tick;
   tick_us_ = clock.tick_us;
   in_force_ = clock.required_decision;
+  named_ = clock.decision;
   due_ = clock.tick == schedule_tick_ ? -1 : clock.decision;
   set_sim_us(tick_us_);
   if (due_ >= 0) fusion_->Start(tick_, tick_us_, due_);
@@ -111,8 +114,8 @@ void SchedulerProcess::Take(const clock_t& clock) {
 
 void SchedulerProcess::OnMissionStep(const Now& now) {
   if (due_ >= 0 && !HasOrders(tick_, world_boot_, now)) return;
-  if (due_ >= 0 && scenario()->rules.DecisionAt(tick_) != due_) {  // a damaged clock
-    inbox().Reject();
+  if (due_ >= 0 && scenario()->rules.DecisionAt(tick_) != due_) {
+    inbox().Reject();  // the true clock comes again
     due_ = -1;
   }
   if (due_ >= 0 && !HasClearances()) return Ask(channel::kClearances, tick_us_, now);

@@ -61,6 +61,7 @@ class SchedulerProcess : public Follower {
   std::int64_t tick_ = -1;       ///< of its newest clock
   TimeUs tick_us_ = 0;
   std::int32_t in_force_ = -1;     ///< decision in force at tick_
+  std::int32_t named_ = -1;        ///< decision that the last clock of tick_ named
   std::int32_t due_ = -1;          ///< decision to make at tick_; -1: none, or made
   std::int64_t repeat_tick_ = -1;  ///< of a clock heard again; -1: none
   int n_repeats_ = 0;              ///< so often while it collects for a decision

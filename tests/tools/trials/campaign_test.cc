@@ -100,18 +100,19 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // whose driver had given up before the world was killed (724134). A partner that is done, which a
   // restarted process says first (729187). A world that is started again while one agent is silent
   // (734630). An arrival that is told a microsecond before it is computed (735390). An agent that
-  // joins and is sent a tick before roads close (753481). One that was recalled as the mission
-  // began (771160). A world that goes back to before the newest orders (771475). A partner that
-  // fails as roads or a zone send an agent round (775748, 775824).
+  // joins and is sent a tick before roads close (753481). A world that goes back to before the
+  // newest orders (771475). A partner that fails as roads or a zone send an agent round (775748,
+  // 775824). An agent that joins as its process is lost (793212, 794372).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
-      {all, {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826,
-             300369, 301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164,
-             401119, 310938, 402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235,
-             403350, 404278, 405005, 408742, 500643, 501531, 502718, 600921, 602058, 603588,
-             605015, 605396, 607486, 632604, 633956, 701053, 712847, 724134, 729187, 734630,
-             735390, 753481, 771160, 771475, 775748, 775824}},
+      {all,
+       {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
+        301467, 201379, 202156, 203062, 202209, 200055, 302428, 301132, 305164, 401119, 310938,
+        402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005,
+        408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
+        633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
+      {CampaignSettings().extras, {793212, 794372}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
