@@ -173,8 +173,9 @@ int Orders(int argc, const char* const* argv) {
   if (arguments->Has("with-orders")) {
     WriteScenarioFile(*captured.with, arguments->Get("with-orders"));
     if (captured.left_out > 0) {
-      Say("muster: {} of {} orders have no place in a scenario: those that cancel, hold, resume or "
-          "end an agent's stay\n",
+      Say("muster: {} of {} orders have no place in a scenario: those that cancel, hold or resume "
+          "a "
+          "task, end an agent's stay or ask for a decision\n",
           captured.left_out, captured.taken);
     }
   }
