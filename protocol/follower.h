@@ -12,6 +12,10 @@
 
 namespace muster {
 
+/// So many messages of an earlier start of the world, and none of the later one: its number was
+/// damaged on the way, and nobody has that number.
+constexpr int kMostOutdated = 20;
+
 /// A participant that follows the world's clock. It asks for the scenario until it has one, and
 /// only then hears anything else.
 class Follower : public Process {

@@ -45,8 +45,7 @@ bool OrderBook::Take(const orders_t& orders) {
     if (known->second.header.boot_id > orders.header.boot_id) return true;
     const bool same = SayTheSame(known->second, orders);
     known->second = orders;
-    if (same) return true;
-    if (orders.tick <= tick_) GoBack(orders.tick - 1);
+    if (!same && orders.tick <= tick_) GoBack(orders.tick - 1);
   }
   return GoOn();
 }

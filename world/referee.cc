@@ -203,9 +203,9 @@ void Referee::Return(TimeUs t, Agents* agents) {
     // An agent that had failed for good before does not come back.
     const auto failed = failed_.find({outage.kind, outage.agent});
     if (failed == failed_.end() || failed->second.at_us < outage.from_us) continue;
+    const bool lost = failed->second.kind == Ruling::Kind::kLost;
     failed_.erase(failed);
-    const bool lost = outage.reason.cause == Cause::kProcessLost;
-    if (lost && agents->at(outage.kind, outage.agent).is_vacant()) continue;
+    if (lost && agents->at(outage.kind, outage.agent).is_vacant()) continue;  // as it failed
     Emit(Event::Kind::kAgentBack, outage.until_us, AgentKey{outage.kind, outage.agent},
          outage.reason);
   }

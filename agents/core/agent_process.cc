@@ -244,11 +244,17 @@ void AgentProcess::Take(const world_state_t& world) {
     for (const AgentState& agent : agents_) still_unknown_.insert(agent.id);
     return;
   }
-  if (world.tick != tick_ || activities_) return;
+  if (world.tick != tick_) return;
+  if (activities_) {
+    const bool outdated = world.header.boot_id < verdict_boot_;
+    if (outdated && ++outdated_verdicts_ == kMostOutdated) verdict_boot_ = world.header.boot_id;
+    return;
+  }
   std::vector<Activity> activities;
   if (FromWireAll(world.activities, WireLimits(*scenario()), &activities)) {
     activities_ = std::move(activities);
     verdict_boot_ = world.header.boot_id;
+    outdated_verdicts_ = 0;
   } else {
     inbox().Reject();
   }

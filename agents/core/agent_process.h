@@ -126,6 +126,7 @@ class AgentProcess : public Follower {
   std::int64_t repeat_tick_ = -1;                    ///< of a clock heard again; -1: none
   std::optional<std::vector<Activity>> activities_;  ///< of the verdict on tick_
   std::int64_t verdict_boot_ = 0;                    ///< of the world that gave it
+  int outdated_verdicts_ = 0;                        ///< the same tick's, of earlier starts of it
   std::optional<std::vector<Ruling>> rulings_;       ///< of the verdict on tick_
   std::optional<std::vector<Action>> schedule_;      ///< of the decision made at tick_
   std::int32_t schedule_decision_ = -1;

@@ -77,11 +77,12 @@ bool EventLogReader::ReadMore() {
   if (got > 0) return true;
   struct stat status {};
   if (fstat(fd_, &status) == 0 && status.st_size < offset_) {
-    if (status.st_size < offset_ - pending_bytes()) {
+    const std::int64_t cut_off = offset_ - status.st_size;
+    if (cut_off > pending_bytes()) {
       throw SystemError(fmt::format("{} became shorter while it was read", path_));
     }
-    offset_ -= pending_bytes();  // a torn event was cut off
-    buffer_.resize(begin_);
+    offset_ -= cut_off;  // a torn event, maybe behind whole ones that are not handed out yet
+    buffer_.resize(buffer_.size() - static_cast<std::size_t>(cut_off));
   }
   return false;
 }
@@ -159,6 +160,7 @@ std::optional<LogEvent> EventLogReader::NextOfAll() {
     if (size == kIncomplete) {
       if (ReadMore()) continue;
       if (tail_ == Tail::kMayGrow) return std::nullopt;
+      if (available() == 0) continue;  // cut off
       size = kNoEvent;
     }
     if (size == kNoEvent) {
@@ -167,6 +169,7 @@ std::optional<LogEvent> EventLogReader::NextOfAll() {
     }
     // A torn event, by the length it gives, reaches into what was written behind it.
     Ensure(size + kHeaderBytes);
+    if (available() < size) continue;  // cut off
     if (const std::size_t torn = EventWithin(size); torn > 0) {
       begin_ += torn;
       garbage_bytes_ += static_cast<std::int64_t>(torn);

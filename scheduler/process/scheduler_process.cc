@@ -13,9 +13,6 @@
 namespace muster::scheduler {
 namespace {
 
-/// So many clocks of an earlier start of the world, and none of the later one: its number was
-/// damaged on the way, and nobody has that number.
-constexpr int kMostOutdated = 20;
 /// Of altitudes that are kept: the decision in force is one of the last two, or older where some
 /// were not made in time; those are asked for.
 constexpr std::size_t kMostClearances = 4;

@@ -308,5 +308,25 @@ TEST_F(EventLog, ATornTailIsCutUnderAReader) {
   EXPECT_EQ(reader.garbage_bytes(), 0);
 }
 
+TEST_F(EventLog, ATornTailIsCutBeforeTheEventsAheadOfItAreRead) {
+  const std::vector<LogEvent> events = Events(4);
+  const std::string bytes = Written(events, Path("whole"));
+  for (const Tail tail : {Tail::kFinal, Tail::kMayGrow}) {
+    for (std::size_t torn = 1; torn < 40; ++torn) {
+      for (std::size_t read = 1; read < events.size(); ++read) {
+        Store(Path(), bytes + bytes.substr(0, torn));
+        EventLogReader reader(Path(), tail);
+        for (std::size_t i = 0; i < read; ++i) ASSERT_EQ(reader.Next(), events[i]);
+        fs::resize_file(Path(), bytes.size());
+        const auto rest = events.begin() + static_cast<std::ptrdiff_t>(read);
+        ASSERT_EQ(ReadAll(reader), std::vector<LogEvent>(rest, events.end())) << torn << " " << read;
+        Append(Path(), bytes);
+        ASSERT_EQ(ReadAll(reader), events) << "written on";
+        ASSERT_EQ(reader.garbage_bytes(), 0);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace muster

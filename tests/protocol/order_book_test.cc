@@ -55,6 +55,21 @@ TEST(OrderBook, FillsTheScenarioInPlace) {
   EXPECT_TRUE(book.knows("add-120"));
 }
 
+/// A damaged packet may say of how many orders it comes behind, and be right otherwise.
+TEST(OrderBook, ATickThatWasHeardDamagedIsReadWhenItIsSaidAgain) {
+  OrderBook book(Roomy());
+  EXPECT_TRUE(book.Take(At(0, 0, {})));
+  EXPECT_TRUE(book.Take(At(1, 4, {})));
+  EXPECT_FALSE(book.complete(1));
+  EXPECT_TRUE(book.Take(At(1, 0, {})));
+  EXPECT_TRUE(book.complete(1));
+  EXPECT_TRUE(book.Take(At(2, 16, {Add(120, 7)})));
+  EXPECT_FALSE(book.complete(2));
+  EXPECT_TRUE(book.Take(At(2, 0, {Add(120, 7)})));
+  EXPECT_TRUE(book.complete(2));
+  EXPECT_EQ(X_km(book, 120), 7);
+}
+
 TEST(OrderBook, WaitsForWhatIsMissing) {
   OrderBook book(Roomy());
   EXPECT_TRUE(book.Take(At(5, 1, {Add(121, 8)})));

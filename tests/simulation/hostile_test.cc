@@ -201,12 +201,12 @@ TEST(Hostile, LiesAreCountedAndChangeNothing) {
   }
 }
 
-/// A fifth of all packets arrives with a bit flipped, and some say something possible and untrue:
-/// the mission may come to something else, but it comes to an end.
-TEST(Hostile, DamagedPacketsHoldNoMissionUp) {
-  const std::string json = ScenarioToJson(Generate(PresetByName("Random_10"), 1));
+/// Damaged packets may say something possible and untrue: the mission may come to something else,
+/// but it comes to an end.
+void ExpectAnEndThoughPacketsAreDamaged(const Scenario& scenario, double share) {
+  const std::string json = ScenarioToJson(scenario);
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    Crew network({.corrupt = 0.2}, seed);
+    Crew network({.corrupt = share}, seed);
     for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
       network.Add(StartProcess(name, 0, json));
     }
@@ -218,7 +218,19 @@ TEST(Hostile, DamagedPacketsHoldNoMissionUp) {
             ended |= Decode<muster::clock_t>(packet.bytes)->phase == 2;
           }
         });
-    EXPECT_TRUE(ended) << "seed " << seed;
+    EXPECT_TRUE(ended) << "seed " << seed << ", a share of " << share << " damaged";
+  }
+}
+
+TEST(Hostile, DamagedPacketsHoldNoMissionUp) {
+  ExpectAnEndThoughPacketsAreDamaged(Generate(PresetByName("Random_10"), 1), 0.2);
+}
+
+TEST(Hostile, DamagedPacketsHoldNoMissionWithOrdersUp) {
+  Scenario scenario = Generate(PresetByName("Random_10"), 1);
+  AddRoom({1, {}}, &scenario);
+  for (const double share : {0.005, 0.02, 0.2}) {
+    ExpectAnEndThoughPacketsAreDamaged(scenario, share);
   }
 }
 

@@ -85,6 +85,7 @@ bool FaultInjector::OnDeath(const std::string& name, FaultActions* actions) {
   bool planned = false;
   for (Injection& injection : injections_) {
     const PlannedFault& fault = injection.fault;
+    injection.died |= injection.phase == Phase::kActive && Concerns(ToWire(fault), name);
     if (!RowOf(fault.kind).kills || fault.target != name || injection.confirmed) continue;
     if (injection.phase == Phase::kWaiting) continue;
     planned = injection.confirmed = true;
@@ -129,7 +130,7 @@ std::vector<std::string> FaultInjector::WithoutEffect() const {
     if (injection.phase == Phase::kWaiting) {
       add("its time did not come");
     } else if (injection.applied.empty()) {
-      add("no process has confirmed it");
+      if (!injection.died) add("no process has confirmed it");
     } else if (RowOf(fault.kind).of_packets() && injection.hits == 0 &&
                injection.applied == injection.ended) {  // else a start died with its count
       add("it hit no packet");

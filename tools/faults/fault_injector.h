@@ -76,6 +76,7 @@ class FaultInjector {
     SentPacket begin = {}, end = {};
     std::set<Start> applied = {}, ended = {};
     bool confirmed = false;  ///< by the launcher
+    bool died = false;       ///< a process that it was to hit, maybe with its confirmation
     std::int64_t hits = 0;   ///< packets
     BackOff repeat{5'000, 100'000};
   };

@@ -108,6 +108,20 @@ TEST(FaultInjector, AFaultThatHitNoPacketHadNoEffect) {
             std::vector<std::string>{"fault flag0 (loss uav): it hit no packet"});
 }
 
+TEST(FaultInjector, WhoDiesWithItsConfirmationMayHaveBeenHit) {
+  const std::vector<std::string> unconfirmed = {
+      "fault flag0 (reordering uav): no process has confirmed it"};
+  for (const char* dead : {"uav", "world"}) {
+    FakeMission mission;
+    FaultInjector injector({ParseFaultFlag("reordering:uav@1+1=0.3", 0)}, {"world", "uav"});
+    injector.Step(kMinuteUs, 0, &mission);
+    EXPECT_EQ(injector.WithoutEffect(), unconfirmed);
+    EXPECT_FALSE(injector.OnDeath(dead, &mission)) << "not of the plan's making";
+    injector.Step(2 * kMinuteUs, kSecondUs, &mission);
+    EXPECT_EQ(injector.WithoutEffect().empty(), dead == std::string("uav"));
+  }
+}
+
 TEST(FaultInjector, StopsForRealSecondsWhileTheMissionStandsStill) {
   FakeMission mission;
   FaultInjector injector({ParseFaultFlag("process_stopped:uav@1+2s", 0)}, {"uav"});
