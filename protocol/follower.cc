@@ -9,6 +9,7 @@ namespace muster {
 namespace {
 
 constexpr TimeUs kOrdersPatienceUs = 20'000;
+constexpr int kManyImpossible = 20;
 
 }  // namespace
 
@@ -45,7 +46,11 @@ bool Follower::TakeOrders(const Message& message, const Now& now) {
       answer != nullptr && answer->channel == channel::kOrders) {
     if (!Answers(*answer)) return true;
     const auto book = DecodeValid<order_book_t>(answer->data);
-    if (!book || book->header.run_id != identity().run_id || !book_->Take(*book)) inbox().Reject();
+    if (!book || book->header.run_id != identity().run_id || !book_->Take(*book, DoubtsOrders())) {
+      inbox().Reject();
+    } else {
+      n_impossible_ = 0;
+    }
     return true;
   }
   const auto* request = std::get_if<request_t>(&message);
@@ -58,10 +63,12 @@ bool Follower::TakeOrders(const Message& message, const Now& now) {
 
 bool Follower::HasOrders(std::int64_t tick, std::int64_t boot_id, const Now& now) {
   if (book_->complete(tick, boot_id)) {
-    lacks_orders_since_us_ = kNever;
+    // Those of a later tick may still be missing.
+    if (tick >= lacked_tick_) lacks_orders_since_us_ = kNever;
     return true;
   }
   if (lacks_orders_since_us_ == kNever) lacks_orders_since_us_ = now.monotonic_us;
+  lacked_tick_ = tick;
   // What the world says of this tick comes with its clock; only earlier orders have to be asked
   // for.
   if (now.monotonic_us - lacks_orders_since_us_ > kOrdersPatienceUs) {
@@ -80,6 +87,23 @@ void Follower::Ask(std::string_view name, TimeUs sim_us, const Now& now) {
   if (request_.due_us() == kNever) request_.Start(now.monotonic_us);
   if (!request_.Fire(now.monotonic_us)) return;
   Request(name, sim_us, now);
+}
+
+void Follower::AskNoMore(const Now& now) {
+  if (DoubtsOrders()) {
+    return Ask(channel::kOrders, book_->scenario()->rules.TimeOf(book_->tick()), now);
+  }
+  request_.Stop();
+  ForgetQuestions();
+}
+
+bool Follower::DoubtsOrders() const {
+  return book_->takes_orders() && n_impossible_ >= kManyImpossible;
+}
+
+void Follower::Reject() {
+  inbox().Reject();
+  ++n_impossible_;
 }
 
 }  // namespace muster

@@ -42,14 +42,16 @@ class Follower : public Process {
 
   /// Requests what that channel carries, again and again while it is called.
   void Ask(std::string_view channel, TimeUs sim_us, const Now& now);
-  void StopAsking() {
-    request_.Stop();
-    ForgetQuestions();
-  }
+  /// Unless it has to doubt the orders that it has heard: then it asks for them.
+  void AskNoMore(const Now& now);
+  /// Counts a message that is impossible in the light of scenario().
+  void Reject();
 
   TimeUs OwnWakeUs() const override { return request_.due_us(); }
 
  private:
+  /// So much of what it hears is impossible that it may have heard orders damaged.
+  bool DoubtsOrders() const;
   /// Whether the message was about orders alone.
   bool TakeOrders(const Message& message, const Now& now);
   void OnMessage(const Message& message, const Packet& packet, const Now& now) final;
@@ -58,6 +60,8 @@ class Follower : public Process {
   ScenarioReader scenario_reader_;  ///< until there is a book
   std::optional<OrderBook> book_;
   TimeUs lacks_orders_since_us_ = kNever;
+  std::int64_t lacked_tick_ = -1;  ///< whose they are
+  int n_impossible_ = 0;           ///< messages since all orders were last told
   BackOff request_{5'000, 200'000};
 };
 

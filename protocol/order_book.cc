@@ -50,9 +50,9 @@ bool OrderBook::Take(const orders_t& orders) {
   return GoOn();
 }
 
-bool OrderBook::Take(const order_book_t& book) {
+bool OrderBook::Take(const order_book_t& book, bool anyhow) {
   if (!takes_orders_ || book.tick > scenario_->rules.last_tick()) return false;
-  if (book.tick < tick_) return true;
+  if (book.tick < tick_ && !anyhow) return true;
   GoBack(-1);
   said_.erase(said_.begin(), said_.upper_bound(book.tick));
   bool possible = true;

@@ -32,8 +32,8 @@ class OrderBook {
 
   /// Takes the world's orders_t of one tick. False: it is impossible, and nothing is taken.
   bool Take(const orders_t& orders);
-  /// Takes what another process has heard so far. False: as above.
-  bool Take(const order_book_t& book);
+  /// Takes what another process has heard so far, where that is more, or `anyhow`. False: as above.
+  bool Take(const order_book_t& book, bool anyhow = false);
 
   bool takes_orders() const { return takes_orders_; }
   /// Whether all orders taken up to and including that tick are known. Always true in a mission

@@ -108,7 +108,7 @@ void AgentProcess::Take(const answer_t& answer) {
   const auto states = DecodeValid<agent_states_t>(answer.data);
   if (!states || states->header.run_id != identity().run_id ||
       static_cast<AgentKind>(states->kind) != kind_) {
-    inbox().Reject();
+    Reject();
     return;
   }
   // Another process of the class answers with its own agents, and may be ahead of ours.
@@ -134,7 +134,7 @@ void AgentProcess::Take(const answer_t& answer) {
     if (still_unknown_.count(wire.id) == 0) continue;
     const auto agent = FromWire(wire, kind_, tick_us_, WireLimits(*scenario()));
     if (!agent) {
-      inbox().Reject();
+      Reject();
       continue;
     }
     Agent(wire.id) = *agent;
@@ -221,7 +221,7 @@ void AgentProcess::Answer(const request_t& request, const Published& published, 
 }
 
 void AgentProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, *scenario())) return inbox().Reject();
+  if (!Possible(clock, *scenario())) return Reject();
   if (clock.phase == ClockPhase::kEnded && drivers_) drivers_->Bye("the mission is over");
   if (clock.tick < restore_from_) TrustOwnStates();
   if (!restored_) return;
@@ -233,7 +233,7 @@ void AgentProcess::Take(const clock_t& clock) {
 }
 
 void AgentProcess::Take(const world_state_t& world) {
-  if (!Possible(world, scenario()->rules)) return inbox().Reject();
+  if (!Possible(world, scenario()->rules)) return Reject();
   if (world.tick < restore_from_) TrustOwnStates();
   if (world.tick > tick_ && restored_) {
     // The world has judged a tick that this process does not know: its agents' states of that tick
@@ -247,7 +247,10 @@ void AgentProcess::Take(const world_state_t& world) {
   if (world.tick != tick_) return;
   if (activities_) {
     const bool outdated = world.header.boot_id < verdict_boot_;
-    if (outdated && ++outdated_verdicts_ == kMostOutdated) verdict_boot_ = world.header.boot_id;
+    if (outdated && ++outdated_verdicts_ == kMostOutdated) {
+      verdict_boot_ = world.header.boot_id;
+      outdated_verdicts_ = 0;
+    }
     return;
   }
   std::vector<Activity> activities;
@@ -256,7 +259,7 @@ void AgentProcess::Take(const world_state_t& world) {
     verdict_boot_ = world.header.boot_id;
     outdated_verdicts_ = 0;
   } else {
-    inbox().Reject();
+    Reject();
   }
 }
 
@@ -268,22 +271,22 @@ void AgentProcess::TrustOwnStates() {
 }
 
 void AgentProcess::Take(const rulings_t& rulings) {
-  if (!Possible(rulings, scenario()->rules)) return inbox().Reject();
+  if (!Possible(rulings, scenario()->rules)) return Reject();
   if (rulings.tick != tick_ || rulings_) return;
   std::vector<Ruling> list;
   if (FromWireAll(rulings.rulings, WireLimits(*scenario()), &list)) {
     rulings_ = std::move(list);
   } else {
-    inbox().Reject();
+    Reject();
   }
 }
 
 void AgentProcess::Take(const schedule_t& schedule) {
-  if (!Possible(schedule, *scenario())) return inbox().Reject();
+  if (!Possible(schedule, *scenario())) return Reject();
   if (!restored_) return TakeGoals(schedule);
   if (orders().complete(schedule.tick) &&
       scenario()->rules.DecisionAt(schedule.tick) != schedule.decision) {
-    return inbox().Reject();
+    return Reject();
   }
   // One that a damaged clock did not ask for is wanted by the next clock.
   const bool is_wanted =
@@ -294,7 +297,7 @@ void AgentProcess::Take(const schedule_t& schedule) {
     schedule_ = std::move(actions);
     schedule_decision_ = schedule.decision;
   } else {
-    inbox().Reject();
+    Reject();
   }
 }
 
@@ -304,12 +307,12 @@ bool AgentProcess::NeedsClearances() const {
 
 void AgentProcess::Take(const clearances_t& clearances, const Packet& packet) {
   if (!NeedsClearances()) return;
-  if (!Possible(clearances, *scenario())) return inbox().Reject();
+  if (!Possible(clearances, *scenario())) return Reject();
   const bool is_wanted =
       clearances.tick == tick_ || (clock_ && clearances.decision == clock_->required_decision);
   if (!is_wanted || clearances.decision == clearances_decision_) return;
   const auto list = FromWire(clearances, WireLimits(*scenario()));
-  if (!list) return inbox().Reject();
+  if (!list) return Reject();
   clearances_.clear();
   for (const Clearance& clearance : *list) clearances_[clearance.uav] = clearance;
   clearances_decision_ = clearances.decision;
@@ -358,12 +361,12 @@ void AgentProcess::OnMissionStep(const Now& now) {
   if (CanAdvance()) {
     if (tick_ >= 0 && !HasOrders(tick_, verdict_boot_, now)) return;
     if (!HasOrders(clock_->tick, clock_->header.boot_id, now)) return;
-    StopAsking();
+    AskNoMore(now);
     Advance(now);
     repeat_tick_ = -1;
     return;
   }
-  StopAsking();
+  AskNoMore(now);
   if (repeat_tick_ >= 0 && !sender().holds_back()) {
     Resend(repeat_tick_ == published_.tick ? published_ : published_before_);
   }

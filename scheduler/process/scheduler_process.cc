@@ -41,7 +41,7 @@ void SchedulerProcess::OnScenario() {
 
 void SchedulerProcess::OnMissionMessage(const Message& message, const Packet&, const Now&) {
   const auto take = [&](const auto& m) {
-    if (Collects() && !fusion_->Take(m)) inbox().Reject();
+    if (Collects() && !fusion_->Take(m)) Reject();
   };
   Handle(
       message, [&](const clock_t& clock) { Take(clock); },
@@ -63,19 +63,19 @@ void SchedulerProcess::Take(const answer_t& answer) {
   if ((!has_reports && answer.channel != channel::kClearances) || !Answers(answer)) return;
   if (!has_reports) {
     const auto clearances = DecodeValid<clearances_t>(answer.data);
-    if (!clearances || clearances->header.run_id != identity().run_id) return inbox().Reject();
+    if (!clearances || clearances->header.run_id != identity().run_id) return Reject();
     return Take(*clearances);
   }
   if (!Collects() || answer.data.empty()) return;
   const auto states = DecodeValid<agent_states_t>(answer.data);
   if (!states || states->header.run_id != identity().run_id || !fusion_->Take(*states)) {
-    inbox().Reject();
+    Reject();
   }
 }
 
 void SchedulerProcess::Take(const clearances_t& clearances) {
   if (!Possible(clearances, *scenario()) || !FromWire(clearances, WireLimits(*scenario()))) {
-    return inbox().Reject();
+    return Reject();
   }
   clearances_.insert_or_assign(clearances.decision, clearances);
   if (clearances_.size() > kMostClearances) clearances_.erase(clearances_.begin());
@@ -86,7 +86,7 @@ bool SchedulerProcess::HasClearances() const {
 }
 
 void SchedulerProcess::Take(const clock_t& clock) {
-  if (!Possible(clock, *scenario())) return inbox().Reject();
+  if (!Possible(clock, *scenario())) return Reject();
   Follow(clock);
   // A world that starts again may go back to an earlier tick, and what an earlier start of it said
   // may still be sent again for the log.
@@ -112,12 +112,12 @@ void SchedulerProcess::Take(const clock_t& clock) {
 void SchedulerProcess::OnMissionStep(const Now& now) {
   if (due_ >= 0 && !HasOrders(tick_, world_boot_, now)) return;
   if (due_ >= 0 && scenario()->rules.DecisionAt(tick_) != due_) {
-    inbox().Reject();  // the true clock comes again
+    Reject();  // the true clock comes again
     due_ = -1;
   }
   if (due_ >= 0 && !HasClearances()) return Ask(channel::kClearances, tick_us_, now);
   if (due_ >= 0 && fusion_->complete()) {
-    StopAsking();
+    AskNoMore(now);
     Decide(now);
     repeat_tick_ = -1;
     return;
@@ -127,7 +127,7 @@ void SchedulerProcess::OnMissionStep(const Now& now) {
     const auto turn = static_cast<std::size_t>(now.monotonic_us / kSecondUs);
     Ask(kReportChannels[turn % kReportChannels.size()], tick_us_, now);
   } else {
-    StopAsking();
+    AskNoMore(now);
   }
   if (schedule_packet_ && repeat_tick_ == schedule_tick_) {
     if (clearances_packet_) sender().Resend(clearances_packet_);

@@ -7,7 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/bus/codec.h"
+#include "lcmtypes/channels.h"
 #include "model/scenario_json.h"
+#include "tests/simulation/crew.h"
 
 namespace muster::tools {
 namespace {
@@ -102,7 +105,8 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // (734630). An arrival that is told a microsecond before it is computed (735390). An agent that
   // joins and is sent a tick before roads close (753481). A world that goes back to before the
   // newest orders (771475). A partner that fails as roads or a zone send an agent round (775748,
-  // 775824). An agent that joins as its process is lost (793212, 794372).
+  // 775824). An agent that joins as its process is lost (793212, 794372), or is recalled as the
+  // mission begins (771160). A process that dies with its confirmation of a fault (794085).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
@@ -112,7 +116,7 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005,
         408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
-      {CampaignSettings().extras, {793212, 794372}},
+      {CampaignSettings().extras, {771160, 793212, 794085, 794372}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
@@ -123,6 +127,31 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         ADD_FAILURE() << "seed " << seed << ": " << finding;
       }
     }
+  }
+}
+
+/// Without a seal a damaged packet may say an untrue order, or leave one out: the mission comes to
+/// an end.
+TEST(Campaign, SeedsThatDamagedPacketsOnceHeldUp) {
+  CampaignSettings settings;
+  settings.extras = {Extra::kZones, Extra::kOrders, Extra::kHosts, Extra::kClocks,
+                     Extra::kDecisions};
+  const std::pair<std::uint64_t, double> seeds[] = {
+      {3685, 0.03}, {1049, 0.2}, {1106, 0.2}, {1286, 0.2}, {1305, 0.2}};
+  for (const auto& [seed, share] : seeds) {
+    const std::string json = ScenarioToJson(DrawMission(settings, seed).scenario);
+    testing::Crew network({.corrupt = share}, seed);
+    for (const char* name : {"world", "uav", "worker", "vehicle", "scheduler"}) {
+      network.Add(testing::StartProcess(name, 0, json));
+    }
+    bool ended = false;
+    network.Run(
+        3600 * kSecondUs, [&] { return ended; },
+        [&](const Packet& packet) {
+          if (packet.channel != channel::kClock) return;
+          ended |= Decode<muster::clock_t>(packet.bytes)->phase == ClockPhase::kEnded;
+        });
+    EXPECT_TRUE(ended) << "seed " << seed;
   }
 }
 
