@@ -366,7 +366,16 @@ bool Intake::Complete(const TickFacts& facts) const {
 std::optional<bool> Intake::InForce() const {
   const auto next = pending_.find(next_tick_ + 1);
   if (next == pending_.end() || !next->second.clock) return {};
-  return next->second.clock->required_decision >= heard_.scenario->DecisionAt(next_tick_);
+  // A world that starts again may pass over a decision that its earlier start had put into force,
+  // when no agent has gone on with it. The clock before the first report is the one that holds.
+  const auto is_told = [](const auto& reports) {
+    return std::any_of(reports.begin(), reports.end(), [](const auto& one) { return bool(one); });
+  };
+  const TickFacts& facts = next->second;
+  const bool holds = ended_ || pending_.contains(next_tick_ + 2) ||
+                     std::any_of(std::begin(facts.reports), std::end(facts.reports), is_told);
+  if (!holds) return {};
+  return facts.clock->required_decision >= heard_.scenario->DecisionAt(next_tick_);
 }
 
 std::string Intake::WhatIsMissing() const {
@@ -384,7 +393,7 @@ std::string Intake::WhatIsMissing() const {
     add(fmt::format("schedule_t of decision {}", due));
   if (due >= 0 && heard_.scenario->separation && !heard_.clearances.contains(due))
     add(fmt::format("clearances_t of decision {}", due));
-  if (due >= 0 && !InForce()) add(fmt::format("clock_t of tick {}", next_tick_ + 1));
+  if (due >= 0 && !InForce()) add(fmt::format("what follows, of tick {}", next_tick_ + 1));
   for (const int kind : kClasses) {
     for (std::size_t id = 0; id < heard_.scenario->agents[kind].size(); ++id) {
       if (facts.reports[kind].empty() || !facts.reports[kind][id]) {

@@ -115,8 +115,8 @@ class Intake {
   /// Null if the tick is impossible or has been checked.
   TickFacts* FactsOf(std::int64_t tick);
   bool Complete(const TickFacts& facts) const;
-  /// Whether the clock after the next tick requires the decision due at it; none: that clock is not
-  /// here yet.
+  /// Whether the clock after the next tick requires the decision due at it; none: that is not known
+  /// yet.
   std::optional<bool> InForce() const;
   std::string WhatIsMissing() const;
 
