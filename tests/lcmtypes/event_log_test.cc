@@ -319,7 +319,8 @@ TEST_F(EventLog, ATornTailIsCutBeforeTheEventsAheadOfItAreRead) {
         for (std::size_t i = 0; i < read; ++i) ASSERT_EQ(reader.Next(), events[i]);
         fs::resize_file(Path(), bytes.size());
         const auto rest = events.begin() + static_cast<std::ptrdiff_t>(read);
-        ASSERT_EQ(ReadAll(reader), std::vector<LogEvent>(rest, events.end())) << torn << " " << read;
+        ASSERT_EQ(ReadAll(reader), std::vector<LogEvent>(rest, events.end()))
+            << torn << " " << read;
         Append(Path(), bytes);
         ASSERT_EQ(ReadAll(reader), events) << "written on";
         ASSERT_EQ(reader.garbage_bytes(), 0);

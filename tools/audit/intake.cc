@@ -393,7 +393,11 @@ std::string Intake::WhatIsMissing() const {
     add(fmt::format("schedule_t of decision {}", due));
   if (due >= 0 && heard_.scenario->separation && !heard_.clearances.contains(due))
     add(fmt::format("clearances_t of decision {}", due));
-  if (due >= 0 && !InForce()) add(fmt::format("what follows, of tick {}", next_tick_ + 1));
+  if (due >= 0 && !InForce()) {
+    const auto next = pending_.find(next_tick_ + 1);
+    const bool has_clock = next != pending_.end() && next->second.clock;
+    add(fmt::format("{} of tick {}", has_clock ? "a report" : "clock_t", next_tick_ + 1));
+  }
   for (const int kind : kClasses) {
     for (std::size_t id = 0; id < heard_.scenario->agents[kind].size(); ++id) {
       if (facts.reports[kind].empty() || !facts.reports[kind][id]) {

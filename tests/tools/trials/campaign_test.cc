@@ -106,7 +106,8 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // joins and is sent a tick before roads close (753481). A world that goes back to before the
   // newest orders (771475). A partner that fails as roads or a zone send an agent round (775748,
   // 775824). An agent that joins as its process is lost (793212, 794372), or is recalled as the
-  // mission begins (771160). A process that dies with its confirmation of a fault (794085).
+  // mission begins (771160). A process that dies with its confirmation of a fault (794085). A
+  // decision that a new world passes over (791614). Orders of a tick that are lost (793592).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
@@ -116,7 +117,7 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005,
         408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
-      {CampaignSettings().extras, {771160, 793212, 794085, 794372}},
+      {CampaignSettings().extras, {771160, 791614, 793212, 793592, 794085, 794372}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
