@@ -116,8 +116,9 @@ struct Rules {
   std::int32_t DecisionAt(std::int64_t tick) const;
   /// Whether the tick may have that decision, if orders that are not known yet may ask for some.
   bool MayDecide(std::int64_t tick, std::int32_t decision) const;
+  /// Of one after the last: when it would be, if the mission went on.
   TimeUs TimeOfDecision(std::int32_t decision) const;
-  /// -1: there is none before t.
+  /// The last decision that is made before t; -1: none.
   std::int32_t LastDecisionBefore(TimeUs t) const;
   /// Of the next decision after t that is made whatever is ordered; also beyond the limit.
   TimeUs NextDecisionUs(TimeUs t) const { return (t / interval_us + 1) * interval_us; }

@@ -104,13 +104,15 @@ TEST(Order, ChangesWhatItNames) {
   EXPECT_EQ(scenario.tasks[7].at, before.at);
 }
 
+TakenOrder UavJoins(Scenario* scenario) {
+  constexpr const char* kJoin = R"({"order": "agent_join", "class": "uav",
+      "agent": {"x_km": 5, "y_km": 6, "speed_km_per_min": 1, "full_range_km": 20}})";
+  return TakeInto(scenario, ParseOrder(kJoin, "order"), kNow);
+}
+
 TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
   Scenario scenario = Roomy();
-  const TakenOrder joins = TakeInto(&scenario,
-                                    ParseOrder(R"({"order": "agent_join", "class": "uav",
-                     "agent": {"x_km": 5, "y_km": 6, "speed_km_per_min": 1, "full_range_km": 20}})",
-                                               "order"),
-                                    kNow);
+  const TakenOrder joins = UavJoins(&scenario);
   EXPECT_EQ(joins.agent_id, 30);
   AgentState agent = StartOf(AgentKind::kUav, 30, AgentSpec(), StraightWays());
   Obey(&agent, joins, kNow, scenario);
@@ -131,11 +133,7 @@ TEST(Order, WhoJoinsStandsThereAndWhoLeavesEndsItsWork) {
 
 TEST(Order, WhoJoinsGoesByTheWaysOfThatTick) {
   Scenario scenario = Roomy();
-  const TakenOrder joins = TakeInto(&scenario,
-                                    ParseOrder(R"({"order": "agent_join", "class": "uav",
-                     "agent": {"x_km": 5, "y_km": 6, "speed_km_per_min": 1, "full_range_km": 20}})",
-                                               "order"),
-                                    kNow);
+  const TakenOrder joins = UavJoins(&scenario);
   const std::shared_ptr<const Ways> before = scenario.ways;
   // An agent's process has taken the orders of the next tick before it lets the agent join.
   scenario.ways = std::make_shared<const testing::ManhattanWays>();

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include "base/random.h"
 #include "model/generator.h"
+#include "model/order.h"
 #include "model/scenario_json.h"
 #include "scheduler/policies/rollout/forward_model.h"
 #include "scheduler/solver/candidates.h"
@@ -23,7 +27,6 @@ namespace {
 
 using scheduler::Candidates;
 using scheduler::ForwardModel;
-using scheduler::Node;
 using scheduler::Situation;
 
 /// What the best list of commands gets done: all of them are tried on the rule book itself, every
@@ -50,7 +53,7 @@ class BruteForce {
     const auto add = [&](AgentKind kind, std::vector<AgentState>* agents) {
       std::int32_t id = 0;
       for (const AgentSpec& spec : scenario_.agents(kind)) {
-        const AgentState agent = StartOf(kind, id++, spec, StraightWays());
+        const AgentState agent = StartOf(kind, id++, spec, *scenario_.ways);
         if (agent.online(now) && agent.online_from_us > before) agents->push_back(agent);
       }
       std::sort(agents->begin(), agents->end(),
@@ -151,6 +154,60 @@ std::int64_t Done(const Scenario& scenario, const std::string& policy) {
   });
   const auto& status = record.final_world()->task_status;
   return std::count(status.begin(), status.end(), static_cast<std::int8_t>(TaskStatus::kDone));
+}
+
+/// A hook that is open to the north, and a tower east of it, in a square of that width.
+ScenarioAir HookAndTower(double width_m) {
+  const auto corners = [width_m](std::vector<Point> shares) {
+    for (Point& at : shares) at = {std::round(at.x_m * width_m), std::round(at.y_m * width_m)};
+    return shares;
+  };
+  const auto zone = [](std::vector<Point> outline) {
+    return PlannedZone{{"", {outline}}, 0, kNever};
+  };
+  ScenarioAir air;
+  air.zones = {zone(corners({{0.1, 0.15},
+                             {0.6, 0.15},
+                             {0.6, 0.75},
+                             {0.5, 0.75},
+                             {0.5, 0.25},
+                             {0.2, 0.25},
+                             {0.2, 0.75},
+                             {0.1, 0.75}})),
+               zone(CornersAround({std::round(0.8 * width_m), std::round(0.6 * width_m)}, 400))};
+  return air;
+}
+
+TEST(UpperBound, HoldsAgainstEveryListOfCommandsAroundZones) {
+  std::int64_t bests = 0, bests_without = 0;
+  std::map<std::string, std::int64_t> done;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Scenario scenario = Generate(Tiny(seed), seed);
+    scenario.workers.resize(1);
+    bests_without += BruteForce(scenario).Best();
+    // Keeping apart takes time, so it is no better than the best without.
+    ScenarioAir air = HookAndTower(scenario.width_m);
+    if (seed % 2 == 0) air.separation.reset();
+    UseAir(std::move(air), &scenario);
+    const std::int64_t bound = UpperBound(scenario);
+    Scenario with_zones = scenario;
+    for (const PlannedZone& planned : scenario.air->zones) {
+      const std::string order = R"({"order": "zone_add", )" + ZoneToJson(planned.zone) + "}";
+      TakeInto(&with_zones, ParseOrder(order, "order"), 0);
+    }
+    const std::int64_t best = BruteForce(with_zones).Best();
+    EXPECT_GE(bound, best) << "seed " << seed;
+    for (const char* policy : {"certified", "mpq", "horizon", "rollout-steps"}) {
+      const std::int64_t by_policy = Done(scenario, policy);
+      EXPECT_LE(by_policy, best) << policy << " seed " << seed;
+      done[policy] += by_policy;
+    }
+    bests += best;
+  }
+  for (const auto& [policy, sum] : done) {
+    EXPECT_GE(sum, bests / 2) << policy << ", that passes by doing nothing";
+  }
+  EXPECT_LT(bests, bests_without) << "the zones are in nobody's way";
 }
 
 TEST(UpperBound, HoldsForEveryPolicyUnderAllRulesAndDisturbances) {
