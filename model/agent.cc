@@ -78,7 +78,7 @@ bool ComesToBe(const AgentState& agent, const Activity& activity, const Verdict&
 
 /// Whether the agent takes part in an activity that lists it, and not in an earlier one like it.
 bool Takes(const AgentState& agent, const Activity& activity) {
-  if (activity.start_us < agent.depart_us) return false;
+  if (activity.start_us < SetOutAt(agent)) return false;
   if (agent.action == ActionKind::kNone) {
     // A meeting (Rules::start_on_meeting) begins without a command, at once.
     return activity.start_us != kNever && activity.end_us > agent.busy_until_us;

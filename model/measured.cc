@@ -245,6 +245,11 @@ void HasArrived(AgentState* agent, TimeUs at_us) {
   Measured::Seen& seen = agent->measured->seen;
   seen = {agent->to, at_us, std::max(0.0, seen.range_m - agent->GoneM(seen.at, agent->to))};
   agent->measured->arrived = true;
+  if (at_us >= agent->depart_us) return;
+  // What it has told of its way since, and goes on from, does not count.
+  agent->from = agent->to;
+  agent->depart_us = at_us;
+  agent->range_at_departure_m = seen.range_m;
 }
 
 void HasNotBegun(AgentState* agent) {

@@ -55,7 +55,12 @@ AgentStatus AgentModel::StatusAt(std::int64_t t) const {
 
 void AgentModel::StopAt(std::int64_t t) {
   const double range = std::max(0.0, RangeAt(t));
-  if (says_arrived) Anchor(At(t), t, range);
+  // Ruled to have stopped before it came: where that was follows from where it came from.
+  if (says_arrived && arrive_us <= t) {
+    // Its battery is charged on until it is told to stop.
+    const bool charges = activity && !activity->senses() && activity->start_us < t;
+    Anchor(At(t), t, charges ? std::max(range, RangeAt(activity->end_us)) : range);
+  }
   from = to = At(t);
   depart_us = arrive_us = busy_until_us = t;
   hold_us = 0;

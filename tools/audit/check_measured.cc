@@ -68,11 +68,13 @@ void SeeStanding(const View& view, AgentModel* model, const agent_t& a) {
     return;
   }
   if (as_computed && !model->goes_on_anew) return;
-  // It was there then, and may have moved since. What is older than what is known tells no time.
-  const bool is_known = model->anchor_us <= a.depart_us && a.depart_us <= view.now_us;
+  // It was there then, and may have moved since. What is no newer than what is known tells no time.
+  const bool is_known = model->anchor_us < a.depart_us && a.depart_us <= view.now_us;
   const std::int64_t at_us = is_known ? a.depart_us : view.now_us;
   CheckFromAnchor(view, *model, here, at_us, a.range_left_m);
-  model->Anchor(here, at_us, a.range_left_m);
+  // Where it was ruled to stop its place is computed: it may have flown by another, with less.
+  const bool is_ruled = a.depart_us == model->depart_us;
+  if (is_known && !is_ruled) model->Anchor(here, at_us, a.range_left_m);
   model->from = model->to = here;
   model->depart_us = model->arrive_us = a.depart_us;
   model->busy_until_us = a.busy_until_us;

@@ -265,7 +265,7 @@ void Intake::TakeReport(const Report& report, TickFacts* facts) {
                  report.sender, report.boot_id);
 }
 
-/// Orders may ask for a decision, so what is said of one waits for the orders of its tick.
+/// Orders may ask for a decision, so what is said of one waits for the orders up to its tick.
 void Intake::TakeOrders(orders_t message) {
   TickFacts* facts = FactsOf(message.tick);
   if (facts == nullptr ||
@@ -279,8 +279,8 @@ void Intake::TakeOrders(orders_t message) {
     if (order.is_object() && order.value("order", "") == "decide_now") extra.insert(message.tick);
   }
   facts->orders = std::move(message);
-  const std::int64_t tick = facts->orders->tick;
-  if (const auto early = early_.extract(tick)) {
+  while (!early_.empty() && HasOrders(early_.begin()->first)) {
+    const auto early = early_.extract(early_.begin());
     for (const schedule_t& schedule : early.mapped().first) TakeSchedule(schedule);
     for (const clearances_t& clearances : early.mapped().second) TakeClearances(clearances);
   }
@@ -291,8 +291,12 @@ bool Intake::HasOrders(std::int64_t tick) const {
       tick > heard_.scenario->last_tick()) {
     return true;
   }
-  const auto facts = pending_.find(tick);
-  return facts != pending_.end() && facts->second.orders;
+  // The number of a decision follows from those before it.
+  for (std::int64_t at = next_tick_; at <= tick; ++at) {
+    const auto facts = pending_.find(at);
+    if (facts == pending_.end() || !facts->second.orders) return false;
+  }
+  return true;
 }
 
 void Intake::TakeSchedule(const schedule_t& message) {

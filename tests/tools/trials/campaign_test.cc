@@ -108,6 +108,9 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // 775824). An agent that joins as its process is lost (793212, 794372), or is recalled as the
   // mission begins (771160). A process that dies with its confirmation of a fault (794085). A
   // decision that a new world passes over (791614). Orders of a tick that are lost (793592).
+  // A log that has orders of a later tick first (804995, 811536). Measured agents: stopped before
+  // they came (800098), gone on while they were lost (802892, 813034), heard to arrive by a process
+  // that is killed (815600).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
@@ -117,7 +120,9 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005,
         408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
-      {CampaignSettings().extras, {771160, 791614, 793212, 793592, 794085, 794372}},
+      {CampaignSettings().extras,
+       {771160, 791614, 793212, 793592, 794085, 794372, 800098, 802892, 804995, 811536, 813034,
+        815600}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
