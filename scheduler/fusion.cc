@@ -111,10 +111,12 @@ Situation Fusion::Fuse(const OrderBook& orders) {
       agent.ways = &scenario.WaysAt(now_us_);
       agent.leg_ways = agent.measured ? agent.ways : &scenario.WaysAt(agent.depart_us);
       Settle(&agent, verdict, now_us_, site_->tasks);
+      const bool failed =
+          agent.failed;  // the process of a place may be lost as an agent joins in it
       for (const TakenOrder& order : orders.TakenAt(tick_)) {
         Obey(&agent, order, now_us_, scenario);
       }
-      if (agent.failed || (!agent.online(now_us_) && agent.busy_until_us <= now_us_)) continue;
+      if (failed || (!agent.online(now_us_) && agent.busy_until_us <= now_us_)) continue;
       out->push_back(agent);
     }
   };
