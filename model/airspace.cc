@@ -373,7 +373,13 @@ std::optional<Point> Airspace::WayOut(Point place) const {
       for (const Side& side : piece.sides) {
         const double metres = side.limit - side.normal_x * place.x_m - side.normal_y * place.y_m;
         if (metres < 0) continue;
-        offer({place.x_m + side.normal_x * metres, place.y_m + side.normal_y * metres});
+        const Point out{place.x_m + side.normal_x * metres, place.y_m + side.normal_y * metres};
+        // Beside the piece, that line may be just inside another, where no corner is seen from.
+        const bool ends_piece =
+            std::all_of(piece.sides.begin(), piece.sides.end(), [&out](const Side& other) {
+              return other.normal_x * out.x_m + other.normal_y * out.y_m <= other.limit + kTie_m;
+            });
+        if (ends_piece) offer(out);
       }
     }
   }

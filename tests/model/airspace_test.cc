@@ -77,6 +77,15 @@ TEST(Airspace, WhoIsInsideLeavesByTheNearestEdge) {
   EXPECT_NEAR(flight->corners[1].y_m, 150, 1e-9);
 }
 
+/// The edge of another zone, led on, is 3 mm inside the edge: as near to it as passes for free.
+TEST(Airspace, WhoIsInsideLeavesByAnEdgeAndNotByTheLineOfAnother) {
+  const Airspace alone({Square(100, 100, 200, 200)}, 10, {});
+  const Airspace both({Square(100, 100, 200, 200), Square(100.003, 700, 200, 800)}, 10, {});
+  for (const Point to : {Point{0, 150}, Point{130, 400}, Point{300, 150}, Point{90, 240}}) {
+    EXPECT_NEAR(both.Length({92, 150}, to), alone.Length({92, 150}, to), 1e-9);
+  }
+}
+
 TEST(Airspace, OfEquallyLongFlightsTheOneFurtherSouthOrWestIsFlown) {
   const Airspace air({Square(100, 100, 200, 200)}, 10, {});
   const auto around = air.FlightBetween({0, 150}, {300, 150});

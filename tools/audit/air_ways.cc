@@ -408,8 +408,12 @@ class AroundZones : public Ways {
         if (depth_m < 0) continue;
         const Place a = shape.corners[i], b = shape.corners[(i + 1) % shape.corners.size()];
         const double side_m = Apart(a, b);
-        offer({at.x_m + depth_m * (b.y_m - a.y_m) / side_m,
-               at.y_m - depth_m * (b.x_m - a.x_m) / side_m});
+        const Place out{at.x_m + depth_m * (b.y_m - a.y_m) / side_m,
+                        at.y_m - depth_m * (b.x_m - a.x_m) / side_m};
+        const double along_m =
+            ((out.x_m - a.x_m) * (b.x_m - a.x_m) + (out.y_m - a.y_m) * (b.y_m - a.y_m)) / side_m;
+        // On the side itself: its line goes on, and may be just inside another piece.
+        if (-kTie_m <= along_m && along_m <= side_m + kTie_m) offer(out);
       }
     }
     for (const Corner& corner : Corners()) offer(corner.at);
