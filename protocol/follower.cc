@@ -9,6 +9,7 @@ namespace muster {
 namespace {
 
 constexpr TimeUs kOrdersPatienceUs = 20'000;
+/// A process that refuses so many messages doubts the orders that it has heard.
 constexpr int kManyImpossible = 20;
 
 }  // namespace

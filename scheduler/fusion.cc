@@ -111,8 +111,8 @@ Situation Fusion::Fuse(const OrderBook& orders) {
       agent.ways = &scenario.WaysAt(now_us_);
       agent.leg_ways = agent.measured ? agent.ways : &scenario.WaysAt(agent.depart_us);
       Settle(&agent, verdict, now_us_, site_->tasks);
-      const bool failed =
-          agent.failed;  // the process of a place may be lost as an agent joins in it
+      // The process of a place may be lost as an agent joins in it.
+      const bool failed = agent.failed;
       for (const TakenOrder& order : orders.TakenAt(tick_)) {
         Obey(&agent, order, now_us_, scenario);
       }

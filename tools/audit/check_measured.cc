@@ -74,7 +74,7 @@ void SeeStanding(const View& view, AgentModel* model, const agent_t& a) {
   CheckFromAnchor(view, *model, here, at_us, a.range_left_m);
   // Where it was ruled to stop its place is computed: it may have flown by another, with less.
   const bool is_ruled = a.depart_us == model->depart_us;
-  if (is_known && !is_ruled) model->Anchor(here, at_us, a.range_left_m);
+  if (!is_ruled) model->Anchor(here, at_us, a.range_left_m);
   model->from = model->to = here;
   model->depart_us = model->arrive_us = a.depart_us;
   model->busy_until_us = a.busy_until_us;
