@@ -77,14 +77,22 @@ bool EventLogReader::ReadMore() {
   if (got > 0) return true;
   struct stat status {};
   if (fstat(fd_, &status) == 0 && status.st_size < offset_) {
-    const std::int64_t cut_off = offset_ - status.st_size;
-    if (cut_off > pending_bytes()) {
-      throw SystemError(fmt::format("{} became shorter while it was read", path_));
-    }
-    offset_ -= cut_off;  // a torn event, maybe behind whole ones that are not handed out yet
-    buffer_.resize(buffer_.size() - static_cast<std::size_t>(cut_off));
+    ForgetFrom(status.st_size);
   }
   return false;
+}
+
+/// The file was cut at `end`: a torn event, maybe behind whole ones that are not handed out yet.
+/// A read at the same moment may have found zeros in its place, which were skipped as garbage.
+void EventLogReader::ForgetFrom(std::int64_t end) {
+  if (end < handed_out_) {
+    throw SystemError(fmt::format("{} became shorter while it was read", path_));
+  }
+  const auto cut_off = static_cast<std::size_t>(offset_ - end);
+  const std::size_t pending = std::min(cut_off, available());
+  garbage_bytes_ -= static_cast<std::int64_t>(cut_off - pending);
+  buffer_.resize(buffer_.size() - pending);
+  offset_ = end;
 }
 
 bool EventLogReader::Ensure(std::size_t bytes) {
@@ -183,6 +191,7 @@ std::optional<LogEvent> EventLogReader::NextOfAll() {
     event.packet.channel.assign(bytes + kHeaderBytes, data);
     event.packet.bytes.assign(data, bytes + size);
     begin_ += size;
+    handed_out_ = offset_ - pending_bytes();
     return event;
   }
 }

@@ -60,6 +60,7 @@ class EventLogReader {
   std::optional<LogEvent> NextOfAll();
   std::size_t available() const { return buffer_.size() - begin_; }
   bool ReadMore();
+  void ForgetFrom(std::int64_t end);
   bool Ensure(std::size_t bytes);
   std::size_t EventSize(std::size_t at) const;
   std::size_t EventWithin(std::size_t size) const;
@@ -68,7 +69,8 @@ class EventLogReader {
   std::string path_;
   Tail tail_;
   int fd_ = -1;
-  std::int64_t offset_ = 0;  ///< bytes of the file that are or were in the buffer
+  std::int64_t offset_ = 0;      ///< bytes of the file that are or were in the buffer
+  std::int64_t handed_out_ = 0;  ///< bytes of the file up to the end of the last event handed out
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  ///< of what is not handed out yet
   std::int64_t garbage_bytes_ = 0;

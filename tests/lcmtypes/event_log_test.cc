@@ -329,5 +329,27 @@ TEST_F(EventLog, ATornTailIsCutBeforeTheEventsAheadOfItAreRead) {
   }
 }
 
+/// A read at the moment at which a torn tail is cut off may find zeros in its place (Linux, ext4).
+TEST_F(EventLog, ZerosOfATailThatIsCutOffAreForgotten) {
+  const std::vector<LogEvent> events = Events(4);
+  const std::string bytes = Written(events, Path("whole"));
+  for (const Tail tail : {Tail::kFinal, Tail::kMayGrow}) {
+    for (std::size_t torn = 1; torn < 40; ++torn) {
+      for (std::size_t of_it = 0; of_it < torn; ++of_it) {
+        Store(Path(), bytes + bytes.substr(0, of_it) + std::string(torn - of_it, '\0'));
+        EventLogReader reader(Path(), tail);
+        ASSERT_EQ(ReadAll(reader), events);
+        fs::resize_file(Path(), bytes.size());
+        ASSERT_EQ(ReadAll(reader), std::vector<LogEvent>()) << torn << " " << of_it;
+        Append(Path(), bytes);
+        ASSERT_EQ(ReadAll(reader), events) << "written on";
+        ASSERT_EQ(reader.garbage_bytes(), 0);
+        fs::resize_file(Path(), bytes.size());
+        ASSERT_THROW(ReadAll(reader), SystemError) << "events that were handed out";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace muster

@@ -24,6 +24,9 @@ void FaultInjector::Begin(Injection* injection, TimeUs monotonic_us, FaultAction
   if (row.kills && (fault.for_real_us > 0 || fault.for_us > 0)) actions->HoldRestart(fault.target);
   if (row.target == FaultTarget::kLog) actions->SetDiskFull(true);
   injection->phase = Phase::kActive;
+  injection->died = std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
+    return Concerns(ToWire(fault), name) && !actions->IsRunning(name);
+  });
   injection->begin = actions->Publish(ToWire(fault));
   injection->repeat.Start(monotonic_us);
   if (fault.for_real_us > 0) injection->until_real_us = monotonic_us + fault.for_real_us;

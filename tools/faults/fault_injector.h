@@ -23,6 +23,8 @@ class FaultActions {
   virtual void SendAgain(const SentPacket& packet) = 0;
   /// Confirms what the launcher itself does, 13 applied or 14 ended.
   virtual void Confirm(EventKind kind, const std::string& fault_id) = 0;
+  /// False: the process has ended and is not yet started again.
+  virtual bool IsRunning(const std::string& name) = 0;
   /// False: the process does not run now.
   virtual bool SignalProcess(const std::string& name, int signal) = 0;
   /// Do not start it again before ReleaseRestart.
@@ -76,8 +78,8 @@ class FaultInjector {
     SentPacket begin = {}, end = {};
     std::set<Start> applied = {}, ended = {};
     bool confirmed = false;  ///< by the launcher
-    bool died = false;       ///< a process that it was to hit, maybe with its confirmation
-    std::int64_t hits = 0;   ///< packets
+    bool died = false;  ///< a process that it was to hit, before or during it: nobody may confirm
+    std::int64_t hits = 0;  ///< packets
     BackOff repeat{5'000, 100'000};
   };
 

@@ -284,9 +284,13 @@ void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {
   recorder_.Announce(std::move(event), host_->now());
 }
 
+bool Supervisor::IsRunning(const std::string& name) {
+  const Member* member = Find(name);
+  return !member->down && !has_ended(*member);
+}
+
 bool Supervisor::SignalProcess(const std::string& name, int signal) {
-  Member* member = Find(name);
-  if (member->down || has_ended(*member)) return false;
+  if (!IsRunning(name)) return false;
   host_->Signal(name, signal);
   return true;
 }

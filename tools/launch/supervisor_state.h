@@ -103,6 +103,7 @@ class Supervisor : private FaultActions {
   void SetDiskFull(bool full) override {
     if (!members_.front().down) host_->SetDiskFull(full);
   }
+  bool IsRunning(const std::string& name) override;
   bool IsStopped(const std::string& name) const override;
   bool IsGone(const std::string& name) const override;
   std::int64_t BootOf(const std::string& name) const override;

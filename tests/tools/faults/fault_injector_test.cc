@@ -19,6 +19,7 @@ struct FakeMission : FaultActions {
   void Confirm(EventKind kind, const std::string& id) override {
     confirmed.push_back({NumberOf(kind), id});
   }
+  bool IsRunning(const std::string&) override { return !down; }
   bool SignalProcess(const std::string& name, int signal) override {
     if (down) return false;
     signals.push_back({name, signal});
@@ -120,6 +121,13 @@ TEST(FaultInjector, WhoDiesWithItsConfirmationMayHaveBeenHit) {
     injector.Step(2 * kMinuteUs, kSecondUs, &mission);
     EXPECT_EQ(injector.WithoutEffect().empty(), dead == std::string("uav"));
   }
+  // One that is dead as the fault begins may be started again after it.
+  FakeMission mission;
+  mission.down = true;
+  FaultInjector injector({ParseFaultFlag("reordering:uav@1+1=0.3", 0)}, {"world", "uav"});
+  injector.Step(kMinuteUs, 0, &mission);
+  injector.Step(2 * kMinuteUs, kSecondUs, &mission);
+  EXPECT_TRUE(injector.WithoutEffect().empty());
 }
 
 TEST(FaultInjector, StopsForRealSecondsWhileTheMissionStandsStill) {

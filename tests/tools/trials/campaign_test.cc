@@ -106,8 +106,9 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // joins and is sent a tick before roads close (753481). A world that goes back to before the
   // newest orders (771475). A partner that fails as roads or a zone send an agent round (775748,
   // 775824). An agent that joins as its process is lost (793212, 794372), or is recalled as the
-  // mission begins (771160). A process that dies with its confirmation of a fault (794085). A
-  // decision that a new world passes over (791614). Orders of a tick that are lost (793592).
+  // mission begins (771160). A process that dies with its confirmation of a fault (794085), or
+  // before the fault (844014). A decision that a new world passes over (791614). Orders of a tick
+  // that are lost (793592).
   // A log that has orders of a later tick first (804995, 811536). Measured agents: stopped before
   // they came (800098), gone on while they were lost (802892, 813034), heard to arrive by a process
   // that is killed (815600). An agent that joins at a decision, in a process that is cut off
@@ -123,7 +124,7 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
       {CampaignSettings().extras,
        {771160, 791614, 793212, 793592, 794085, 794372, 800098, 802892, 804995, 811536, 813034,
-        815600, 829374, 833433}},
+        815600, 829374, 833433, 844014}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
