@@ -61,6 +61,12 @@ void AirWays::BentLengths(AgentKind kind, std::span<const Point> from, std::span
   air().Lengths(from, to, lengths_m);
 }
 
+std::unique_ptr<const Ways::Destinations> AirWays::BentDestinations(
+    AgentKind kind, std::span<const Point> places) const {
+  return kind == AgentKind::kUav ? Ways::BentDestinations(kind, places)
+                                 : ground_->DestinationsAt(kind, places);
+}
+
 std::vector<Ways::Corner> AirWays::BentCorners(AgentKind kind, Point from, Point to) const {
   if (kind != AgentKind::kUav) return ground_->Corners(kind, from, to);
   const auto flight = air().FlightBetween(from, to);

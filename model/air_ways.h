@@ -45,6 +45,8 @@ class AirWays final : public Ways {
 
  private:
   double BentLength(AgentKind kind, Point from, Point to) const override;
+  std::unique_ptr<const Destinations> BentDestinations(
+      AgentKind kind, std::span<const Point> places) const override;
   void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                    std::span<double> lengths_m) const override;
   std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const override;

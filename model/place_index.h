@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,7 +14,10 @@ namespace muster {
 /// than, finds the candidates; the length of the way decides.
 class PlaceIndex {
  public:
-  PlaceIndex(std::span<const Point> places, WaysOf ways) : grid_(places), ways_(ways) {}
+  PlaceIndex(std::span<const Point> places, WaysOf ways)
+      : grid_(places),
+        ways_(ways),
+        bent_(ways.straight() ? nullptr : ways.ways->DestinationsAt(ways.kind, places)) {}
 
   bool straight() const { return ways_.straight(); }
 
@@ -24,7 +28,7 @@ class PlaceIndex {
     if (ways_.straight()) return grid_.Within(from, radius_m, StraightVisit(visit));
     const Found found(grid_, from, radius_m);
     std::vector<double> lengths_m(found.at.size());
-    ways_.ways->Lengths(ways_.kind, {&from, 1}, found.at, lengths_m);
+    bent_->LengthsFrom(from, found.index, lengths_m);
     found.Visit(lengths_m, radius_m, visit);
   }
   /// The same for ways that lead from the places to `to`.
@@ -68,6 +72,7 @@ class PlaceIndex {
 
   GridIndex grid_;
   WaysOf ways_;
+  std::unique_ptr<const Ways::Destinations> bent_;  ///< null: ways are straight
 };
 
 }  // namespace muster

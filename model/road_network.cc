@@ -140,6 +140,15 @@ RoadNetwork::Place& RoadNetwork::PlaceOf(Point place, Role role) const {
   return entry = {id_, place, known_.emplace(place, std::move(made)).first->second.get()};
 }
 
+RoadNetwork::Places RoadNetwork::LookUp(std::span<const Point> places) const {
+  Places found;
+  for (const Point& place : places) {
+    found.places_.push_back(PlaceOf(place, kTo).WithoutLabel());
+    found.sites_.push_back(found.places_.back().known->site);
+  }
+  return found;
+}
+
 RoadNetwork::Ends RoadNetwork::EndsOf(const Spot& spot, Role role) const {
   const Line& line = map_->lines[At(spot.road)];
   const std::int64_t rest_mm = line.cost_mm - spot.along_mm;
@@ -155,13 +164,13 @@ RoadNetwork::Ends RoadNetwork::EndsOf(const Spot& spot, Role role) const {
 std::shared_ptr<const RoadCosts::Label> RoadNetwork::LabelOf(Known* known, Role role,
                                                              std::uint32_t until_mm) const {
   std::shared_ptr<const RoadCosts::Label>& label = known->labels[role];
-  if (label != nullptr) {
-    if (label->until_mm >= until_mm) return label;
-    // Much further than before, so that it is seldom made again.
-    until_mm =
-        std::max(until_mm, label->until_mm < kUnreached / 4 ? 4 * label->until_mm : kUnreached);
-    Count(*known, -label->Bytes());
-  }
+  if (label != nullptr && label->until_mm >= until_mm) return label;
+  // To a site others will ask from further away; and no label is made again often.
+  const std::uint32_t asked_mm = label != nullptr   ? label->until_mm
+                                 : known->site >= 0 ? until_mm
+                                                    : 0;
+  until_mm = std::max(until_mm, asked_mm < kUnreached / 4 ? 4 * asked_mm : kUnreached);
+  if (label != nullptr) Count(*known, -label->Bytes());
   const Ends ends = EndsOf(*known->spot, role);
   const std::span<const RoadCosts::End> nodes(ends.ends.data(), ends.n);
   label = std::make_shared<const RoadCosts::Label>(
@@ -245,11 +254,7 @@ std::int64_t RoadNetwork::Cost(Point from, Point to) const {
 
 std::int64_t RoadNetwork::CostBetween(Place* from, Place* to) const {
   const Known &begin = *from->known, &end = *to->known;
-  std::atomic<std::uint32_t>* const kept =
-      end.site < 0 || begin.to_site == nullptr ? nullptr : &begin.to_site[At(end.site)];
-  if (const std::uint32_t cost = kept ? kept->load(std::memory_order_relaxed) : 0; cost != 0) {
-    return cost == kUnreached ? -1 : std::int64_t{cost} - 1;
-  }
+  if (const std::uint32_t kept = Kept(begin, end.site); kept != 0) return CostOf(kept);
   std::int64_t cost_mm = -1;
   if (from->at == to->at) {
     cost_mm = 0;
@@ -262,9 +267,10 @@ std::int64_t RoadNetwork::CostBetween(Place* from, Place* to) const {
       cost_mm = road_mm + off_mm;
     }
   }
-  if (kept && cost_mm < std::int64_t{kUnreached} - 1) {
-    kept->store(cost_mm < 0 ? kUnreached : static_cast<std::uint32_t>(cost_mm + 1),
-                std::memory_order_relaxed);
+  if (end.site >= 0 && begin.to_site != nullptr && cost_mm < std::int64_t{kUnreached} - 1) {
+    begin.to_site[At(end.site)].store(
+        cost_mm < 0 ? kUnreached : static_cast<std::uint32_t>(cost_mm + 1),
+        std::memory_order_relaxed);
   }
   return cost_mm;
 }
@@ -272,8 +278,14 @@ std::int64_t RoadNetwork::CostBetween(Place* from, Place* to) const {
 std::int64_t RoadNetwork::RoadCostBetween(Place* from, Place* to) const {
   const std::int64_t along_mm = AlongRoad(*from->known->spot, *to->known->spot);
   // Most ways are less than twice as long as the straight line.
-  const double guess_mm = 2000 * Distance(from->at, to->at);
-  auto until_mm = static_cast<std::uint32_t>(std::min<double>(guess_mm, kUnreached));
+  const auto guess = [](double metres) {
+    return static_cast<std::uint32_t>(std::min<double>(2000 * metres, kUnreached));
+  };
+  std::uint32_t until_mm = guess(Distance(from->at, to->at));
+  if (from->label == nullptr && from->farthest_m > 0) {
+    const std::lock_guard lock(from->known->mutex);
+    from->label = LabelOf(from->known, kFrom, guess(from->farthest_m));
+  }
   for (;;) {
     for (const auto& [place, role] : {std::pair(from, kFrom), std::pair(to, kTo)}) {
       if (place->label != nullptr && place->label->until_mm >= until_mm) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -51,17 +52,16 @@ class RoadNetwork {
   std::optional<Spot> SpotOf(Point place) const;
   /// Cost from one place to the other; -1: there is no way.
   std::int64_t Cost(Point from, Point to) const;
+  /// Places to which many ways are asked for.
+  class Places;
+  Places LookUp(std::span<const Point> places) const;
+  /// Cost from there to those of the places, by index: visit(index in `which`, place, cost).
+  template <class Visit>
+  void Costs(Point from, const Places& to, std::span<const std::int32_t> which,
+             Visit&& visit) const;
   /// Cost from each of `from` to each of `to`: visit(from's index, to's index, cost).
   template <class Visit>
-  void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const {
-    std::vector<Place> begins;
-    begins.reserve(from.size());
-    for (const Point& place : from) begins.push_back(PlaceOf(place, kFrom).WithoutLabel());
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      Place end = PlaceOf(to[j], kTo).WithoutLabel();
-      for (std::size_t i = 0; i < from.size(); ++i) visit(i, j, CostBetween(&begins[i], &end));
-    }
-  }
+  void Costs(std::span<const Point> from, std::span<const Point> to, Visit&& visit) const;
   /// The same way in full; its last reached_mm is the cost. Null: there is none.
   std::shared_ptr<const Way> WayBetween(Point from, Point to) const;
 
@@ -114,8 +114,11 @@ class RoadNetwork {
     Known* known = nullptr;
     std::shared_ptr<Known> own = nullptr;                     ///< the same, if it is not kept
     std::shared_ptr<const RoadCosts::Label> label = nullptr;  ///< null: not asked for so far
+    double farthest_m = 0;  ///< to the ends that are asked for now, by a straight line
     /// To copy a label takes time, and often none is needed.
-    Place WithoutLabel() const { return {network, at, known, own, nullptr}; }
+    /// That end will be asked for as well.
+    void AlsoTo(Point end) { farthest_m = std::max(farthest_m, Distance(at, end)); }
+    Place WithoutLabel() const { return {network, at, known, own}; }
   };
   struct Ends {
     std::array<RoadCosts::End, 2> ends;
@@ -189,6 +192,14 @@ class RoadNetwork {
   /// Whether they are one place. At a node that may be on different roads: rounding decides on
   /// which.
   bool IsSame(const Spot& a, const Spot& b) const;
+  /// What is kept of the cost from there to a site; 0: nothing.
+  static std::uint32_t Kept(const Known& from, std::int32_t site) {
+    if (site < 0 || from.to_site == nullptr) return 0;
+    return from.to_site[static_cast<std::size_t>(site)].load(std::memory_order_relaxed);
+  }
+  static std::int64_t CostOf(std::uint32_t kept) {
+    return kept == RoadCosts::kUnreached ? -1 : std::int64_t{kept} - 1;
+  }
   std::int64_t CostBetween(Place* from, Place* to) const;
   /// The same of places that have spots which are not the same, by road.
   std::int64_t RoadCostBetween(Place* from, Place* to) const;
@@ -217,5 +228,44 @@ class RoadNetwork {
   mutable std::unordered_map<Point, std::unique_ptr<Known>, PointHash> known_;
   mutable std::unordered_map<Pair, std::shared_ptr<const Way>, PairHash> ways_;
 };
+
+class RoadNetwork::Places {
+  friend RoadNetwork;
+  std::vector<Place> places_;
+  std::vector<std::int32_t> sites_;  ///< [places]; -1: none
+};
+
+template <class Visit>
+void RoadNetwork::Costs(Point from, const Places& to, std::span<const std::int32_t> which,
+                        Visit&& visit) const {
+  Place begin = PlaceOf(from, kFrom).WithoutLabel();
+  const auto index = [&](std::size_t i) { return static_cast<std::size_t>(which[i]); };
+  for (std::size_t i = 0; i < which.size(); ++i) begin.AlsoTo(to.places_[index(i)].at);
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const Place& place = to.places_[index(i)];
+    std::int64_t cost_mm = 0;
+    if (const std::uint32_t kept = Kept(*begin.known, to.sites_[index(i)]); kept != 0) {
+      cost_mm = CostOf(kept);
+    } else {
+      Place end = place.WithoutLabel();
+      cost_mm = CostBetween(&begin, &end);
+    }
+    visit(i, place.at, cost_mm);
+  }
+}
+
+template <class Visit>
+void RoadNetwork::Costs(std::span<const Point> from, std::span<const Point> to,
+                        Visit&& visit) const {
+  Places ends = LookUp(to);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    Place begin = PlaceOf(from[i], kFrom).WithoutLabel();
+    for (const Point& place : to) begin.AlsoTo(place);
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const std::uint32_t kept = Kept(*begin.known, ends.sites_[j]);
+      visit(i, j, kept != 0 ? CostOf(kept) : CostBetween(&begin, &ends.places_[j]));
+    }
+  }
+}
 
 }  // namespace muster

@@ -75,6 +75,23 @@ void RoadWays::BentLengths(AgentKind kind, std::span<const Point> from, std::spa
   });
 }
 
+std::unique_ptr<const Ways::Destinations> RoadWays::BentDestinations(
+    AgentKind kind, std::span<const Point> places) const {
+  struct ByRoad final : Destinations {
+    ByRoad(const RoadNetwork& by, std::span<const Point> at)
+        : network(by), places(network.LookUp(at)) {}
+    void LengthsFrom(Point from, std::span<const std::int32_t> which,
+                     std::span<double> lengths_m) const override {
+      network.Costs(from, places, which, [&](std::size_t i, Point to, std::int64_t mm) {
+        lengths_m[i] = ToLength(mm, from, to);
+      });
+    }
+    const RoadNetwork& network;
+    const RoadNetwork::Places places;
+  };
+  return std::make_unique<const ByRoad>(network(kind), places);
+}
+
 std::vector<Ways::Corner> RoadWays::BentCorners(AgentKind kind, Point from, Point to) const {
   const auto way = network(kind).WayBetween(from, to);
   std::vector<Corner> corners;

@@ -48,6 +48,8 @@ class RoadWays final : public Ways, public std::enable_shared_from_this<RoadWays
   double BentLength(AgentKind kind, Point from, Point to) const override;
   void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                    std::span<double> lengths_m) const override;
+  std::unique_ptr<const Destinations> BentDestinations(
+      AgentKind kind, std::span<const Point> places) const override;
   std::vector<Corner> BentCorners(AgentKind kind, Point from, Point to) const override;
   Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const override;
   double BentGroundLength(AgentKind kind, Point from, Point to) const override;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/index.h"
+
 namespace muster {
 namespace {
 
@@ -29,6 +31,25 @@ void Ways::BentLengths(AgentKind kind, std::span<const Point> from, std::span<co
   for (const Point& begin : from) {
     for (const Point& end : to) lengths_m[i++] = BentLength(kind, begin, end);
   }
+}
+
+std::unique_ptr<const Ways::Destinations> Ways::BentDestinations(
+    AgentKind kind, std::span<const Point> places) const {
+  struct Places final : Destinations {
+    Places(const Ways& by, AgentKind by_kind, std::span<const Point> at)
+        : ways(by), kind(by_kind), places(at.begin(), at.end()) {}
+    void LengthsFrom(Point from, std::span<const std::int32_t> which,
+                     std::span<double> lengths_m) const override {
+      std::vector<Point> to;
+      to.reserve(which.size());
+      for (const std::int32_t i : which) to.push_back(places[At(i)]);
+      ways.Lengths(kind, {&from, 1}, to, lengths_m);
+    }
+    const Ways& ways;
+    const AgentKind kind;
+    const std::vector<Point> places;
+  };
+  return std::make_unique<const Places>(*this, kind, places);
 }
 
 std::vector<Ways::Corner> Ways::BentCorners(AgentKind, Point, Point) const { return {}; }

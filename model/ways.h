@@ -41,6 +41,18 @@ class Ways {
   /// [from.size() * to.size()], all of the first of `from` first.
   void Lengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                std::span<double> lengths_m) const;
+  /// Places to which many ways are asked for, looked up once. The ways outlive it.
+  class Destinations {
+   public:
+    virtual ~Destinations() = default;
+    /// Metres from there to those of the places, by index: into `lengths_m` [which.size()].
+    virtual void LengthsFrom(Point from, std::span<const std::int32_t> which,
+                             std::span<double> lengths_m) const = 0;
+  };
+  std::unique_ptr<const Destinations> DestinationsAt(AgentKind kind,
+                                                     std::span<const Point> places) const {
+    return BentDestinations(kind, places);
+  }
   /// The place after that share (0 to 1) of the way.
   Point PlaceAfter(AgentKind kind, Point from, Point to, double share) const {
     return straight(kind) ? Lerp(from, to, share) : BentPlaceAfter(kind, from, to, share);
@@ -102,6 +114,9 @@ class Ways {
   /// Each by BentLength().
   virtual void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
                            std::span<double> lengths_m) const;
+  /// By Lengths().
+  virtual std::unique_ptr<const Destinations> BentDestinations(AgentKind kind,
+                                                               std::span<const Point> places) const;
   /// By BentCorners().
   virtual Point BentPlaceAfter(AgentKind kind, Point from, Point to, double share) const;
 

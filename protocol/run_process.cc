@@ -16,13 +16,13 @@
 #include <limits>
 #include <utility>
 
+#include "base/beside.h"
 #include "base/check.h"
 #include "base/program.h"
 #include "base/say.h"
 #include "base/text.h"
 #include "lcmtypes/bus/lcm_bus.h"
 #include "lcmtypes/bus/member_keys.h"
-#include "protocol/beside.h"
 #include "protocol/drive.h"
 #include "protocol/outage_watch.h"
 #include "protocol/refusal_watch.h"

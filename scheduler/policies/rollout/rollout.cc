@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
 #include <utility>
 
 #include "base/check.h"
 #include "scheduler/policies/rollout/expected_tasks.h"
+#include "scheduler/solver/parallel.h"
 
 namespace muster::scheduler {
 
@@ -90,8 +90,7 @@ void RolloutPolicy::Follow(const Situation& situation, const std::vector<Future>
       for (std::size_t i = next++; i < n; i = next++) body(&(*plans)[i]);
     };
     if (settings_.threads < 2) return run();
-    const std::jthread other(run);
-    run();
+    AtOnce(run, run);
   };
   // Without time for anything, the first variant's decision stands.
   const auto late = [&](const RolloutPlan* plan) {

@@ -1,4 +1,4 @@
-#include "protocol/beside.h"
+#include "base/beside.h"
 
 #include <gtest/gtest.h>
 

@@ -23,6 +23,8 @@ class Beside {
   void Start(std::function<void()> job);
   /// Whether the job ends within that time. Rethrows what it threw.
   bool EndsWithin(TimeUs us);
+  /// Waits for its end. Rethrows what it threw.
+  void Wait() { end_.get(); }
 
  private:
   void Run();
