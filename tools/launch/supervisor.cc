@@ -231,6 +231,15 @@ void Supervisor::Start(Member* member) {
   member->down = false;
 }
 
+const Member* Supervisor::ProcessOf(const std::string& name) const {
+  const auto whole = std::find_if(plan_.decides_as.begin(), plan_.decides_as.end(),
+                                  [&](const auto& own) { return own.second == name; });
+  const std::string& process = whole == plan_.decides_as.end() ? name : whole->first;
+  const auto found = std::find_if(members_.begin(), members_.end(),
+                                  [&](const Member& member) { return member.name == process; });
+  return found == members_.end() ? nullptr : &*found;
+}
+
 Member* Supervisor::Find(const std::string& name) {
   const auto found = std::find_if(members_.begin(), members_.end(),
                                   [&](const Member& member) { return member.name == name; });
@@ -285,8 +294,8 @@ void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {
 }
 
 bool Supervisor::IsRunning(const std::string& name) {
-  const Member* member = Find(name);
-  return !member->down && !has_ended(*member);
+  const Member* member = ProcessOf(name);
+  return member != nullptr && !member->down && !has_ended(*member);
 }
 
 bool Supervisor::SignalProcess(const std::string& name, int signal) {
@@ -296,21 +305,18 @@ bool Supervisor::SignalProcess(const std::string& name, int signal) {
 }
 
 bool Supervisor::IsGone(const std::string& name) const {
-  const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.name == name; });
-  return found != members_.end() && found->gone;
+  const Member* member = ProcessOf(name);
+  return member != nullptr && member->gone;
 }
 
 bool Supervisor::IsStopped(const std::string& name) const {
-  const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.name == name; });
-  return found != members_.end() && !found->down && host_->IsStopped(name);
+  const Member* member = ProcessOf(name);
+  return member != nullptr && !member->down && host_->IsStopped(name);
 }
 
 std::int64_t Supervisor::BootOf(const std::string& name) const {
-  const auto found = std::find_if(members_.begin(), members_.end(),
-                                  [&](const Member& member) { return member.name == name; });
-  return found == members_.end() ? 0 : found->starts - 1;
+  const Member* member = ProcessOf(name);
+  return member == nullptr ? 0 : member->starts - 1;
 }
 
 void Supervisor::Announce(EventKind kind, std::string detail, const Now& now) {

@@ -93,6 +93,8 @@ class Supervisor : private FaultActions {
   void Say(const std::string& line) {
     if (!reads_earlier_) host_->Say(line);
   }
+  /// The process of that name, or that such a scheduler is part of. Null: there is none.
+  const Member* ProcessOf(const std::string& name) const;
   Member* Find(const std::string& name);
   SentPacket Publish(const fault_t& fault) override;
   void SendAgain(const SentPacket& packet) override { recorder_.SendAgain(packet); }
