@@ -77,6 +77,10 @@ void FollowWays(AgentState* agent, std::span<const TakenOrder> taken, TimeUs t,
 /// verdict: an agent that joins is there; one that leaves goes when what is under way is done.
 void Obey(AgentState* agent, const TakenOrder& taken, TimeUs t, const Scenario& scenario);
 
+/// Whether an order's id begins as those of the orders that the world gives by itself. Nobody
+/// else's may: the world would take its own for given.
+bool IsIdOfWorld(std::string_view id);
+
 /// Reads an order, one JSON object. Throws InputError naming `where`, key, value and what was
 /// expected.
 Order ParseOrder(std::string_view json, const std::string& where);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <initializer_list>
@@ -86,6 +87,9 @@ void ReadAgent(const ObjectReader& object, Order* order) {
 }
 
 /// As messages carry it.
+constexpr std::string_view kBeginningsOfWorld[] = {
+    "closure:", "decide:", "fault:", "lift:", "open:", "release:", "revisit:", "zone:"};
+
 std::string ReadName(const ObjectReader& top, std::string_view key) {
   std::string name = top.String(key);
   if (name.size() > kMostName || HasControls(name)) {
@@ -260,6 +264,11 @@ void ReadZoneOrder(const ObjectReader& top, Order* order) {
 
 }  // namespace
 
+bool IsIdOfWorld(std::string_view id) {
+  return std::any_of(std::begin(kBeginningsOfWorld), std::end(kBeginningsOfWorld),
+                     [&](std::string_view begin) { return id.starts_with(begin); });
+}
+
 Order ParseOrder(std::string_view json, const std::string& where) {
   if (json.size() > kMostBytes) {
     throw InputError(where, "order", fmt::format("{} bytes", json.size()),
@@ -272,6 +281,10 @@ Order ParseOrder(std::string_view json, const std::string& where) {
   order.kind = ReadKind(top);
   order.signed_by = parts.by;
   if (top.Has("id")) order.id = ReadName(top, "id");
+  if (IsIdOfWorld(order.id)) {
+    top.Fail("id", order.id,
+             fmt::format("an id that does not begin with {}", fmt::join(kBeginningsOfWorld, ", ")));
+  }
   if (top.Has("issuer")) order.issuer = ReadName(top, "issuer");
   order.not_before_us = OptionalTime(top, "at_min").value_or(0);
   switch (RowOf(order.kind).subject) {

@@ -149,6 +149,7 @@ std::int64_t OrderDesk::AnsweredAt(const std::string& id) const {
 }
 
 bool OrderDesk::Admits(const order_t& order, std::int64_t run_id) const {
+  if (IsIdOfWorld(order.id)) return false;  // the world's own are never on the bus
   const std::vector<Person>& persons = scenario().persons;
   if (!has_persons_ && persons.empty()) return true;
   // It is repeated until it is answered; looking at it once is enough, and Hear() keeps the first.

@@ -83,6 +83,9 @@ TEST(Order, NamesAreFitForMessages) {
   };
   EXPECT_EQ(refusal(R"({"id": "a\u0007", "order": "task_cancel", "task": 1})"),
             "order: id: found a\\x07, expected at most 200 bytes without control characters");
+  EXPECT_EQ(refusal(R"({"id": "open:bridge", "order": "task_cancel", "task": 1})"),
+            "order: id: found open:bridge, expected an id that does not begin with closure:, "
+            "decide:, fault:, lift:, open:, release:, revisit:, zone:");
   EXPECT_EQ(
       refusal(R"({"issuer": ")" + std::string(201, 'x') +
               R"(", "order": "task_cancel", "task": 1})"),

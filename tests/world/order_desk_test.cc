@@ -65,6 +65,19 @@ TEST_F(OrderDeskTest, TakesEachOrderOnce) {
             "no room for another task: the mission was started without more");
 }
 
+TEST_F(OrderDeskTest, NobodyGivesAnOrderUnderAnIdOfTheWorld) {
+  order_t order{};
+  order.issuer = "somebody";
+  order.json = R"({"order": "decide_now"})";
+  for (const std::string begin :
+       {"closure:", "decide:", "fault:", "lift:", "open:", "release:", "revisit:", "zone:"}) {
+    order.id = begin + "3";
+    EXPECT_FALSE(desk_.Admits(order, 0)) << order.id;
+  }
+  order.id = "decided";
+  EXPECT_TRUE(desk_.Admits(order, 0));
+}
+
 TEST_F(OrderDeskTest, AnOrderAsksForADecision) {
   Hear("a", R"({"order": "decide_now"})");
   EXPECT_EQ(Decide(3).n_taken, 1);

@@ -12,9 +12,6 @@
 
 namespace muster::tools::audit {
 
-/// Who gives orders of the world's own.
-inline constexpr const char* kWorld = "world";
-
 // The checks of a tick, in their order.
 
 /// What each agent reports, against its command and the audit's own arithmetic.

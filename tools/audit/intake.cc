@@ -461,15 +461,22 @@ void Intake::Finish() {
                      start.first, start.second, gap.first, gap.last, sender.seqs.max());
     }
   }
-  std::sort(heard_.events.begin(), heard_.events.end(), [](const event_t& a, const event_t& b) {
-    return std::tuple(KeyOf(a), a.fault_id, a.detail) < std::tuple(KeyOf(b), b.fault_id, b.detail);
+  // A later start of the world may say in other words what an earlier one has said.
+  const auto world_of = [](const event_t& event) {
+    return event.header.sender == kWorld ? event.header.boot_id : -1;
+  };
+  std::sort(heard_.events.begin(), heard_.events.end(), [&](const event_t& a, const event_t& b) {
+    return std::tuple(KeyOf(a), a.fault_id, world_of(a), a.detail) <
+           std::tuple(KeyOf(b), b.fault_id, world_of(b), b.detail);
   });
-  heard_.events.erase(std::unique(heard_.events.begin(), heard_.events.end(),
-                                  [](const event_t& a, const event_t& b) {
-                                    return KeyOf(a) == KeyOf(b) && a.fault_id == b.fault_id &&
-                                           a.detail == b.detail;
-                                  }),
-                      heard_.events.end());
+  heard_.events.erase(
+      std::unique(heard_.events.begin(), heard_.events.end(),
+                  [&](const event_t& a, const event_t& b) {
+                    return KeyOf(a) == KeyOf(b) && a.fault_id == b.fault_id &&
+                           (a.detail == b.detail ||
+                            (a.header.sender == b.header.sender && world_of(a) != world_of(b)));
+                  }),
+      heard_.events.end());
 }
 
 }  // namespace muster::tools::audit

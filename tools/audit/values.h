@@ -11,6 +11,9 @@
 
 namespace muster::tools::audit {
 
+/// The process that rules on a mission, and that gives some orders of its own.
+inline constexpr const char* kWorld = "world";
+
 /// Rounding of arrival times to microseconds and of sums: far above both, far below what matters.
 inline constexpr double kTolerance_m = 1e-3;
 inline constexpr std::int64_t kToleranceUs = 2;

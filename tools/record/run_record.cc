@@ -17,7 +17,25 @@ constexpr std::int64_t kLongestPauseUs = 60 * kMinuteUs;
 
 auto Key(const event_t& event) {
   return std::tie(event.at_us, event.kind, event.uav_id, event.worker_id, event.vehicle_id,
-                  event.task_id, event.charge_id, event.fault_id, event.detail);
+                  event.task_id, event.charge_id, event.fault_id);
+}
+
+/// The start of the world that says the event; -1: another process does.
+std::int64_t WorldOf(const event_t& event) {
+  return event.header.sender == process_name::kWorld ? event.header.boot_id : -1;
+}
+
+bool IsBefore(const event_t& a, const event_t& b) {
+  return std::tuple(Key(a), WorldOf(a), std::tie(a.detail)) <
+         std::tuple(Key(b), WorldOf(b), std::tie(b.detail));
+}
+
+/// A world that started again says its last events again, as new messages. It may not know the
+/// words of a process that was lost with it.
+bool IsSaidAgain(const event_t& first, const event_t& event) {
+  return Key(first) == Key(event) &&
+         (first.detail == event.detail ||
+          (first.header.sender == event.header.sender && WorldOf(first) != WorldOf(event)));
 }
 
 auto Rank(const header_t& header) { return std::tie(header.boot_id, header.seq, header.sender); }
@@ -237,12 +255,8 @@ void RunRecord::TakeSchedule(const schedule_t& message) {
 
 const std::vector<event_t>& RunRecord::events() const {
   if (!events_sorted_) {
-    std::sort(events_.begin(), events_.end(),
-              [](const event_t& a, const event_t& b) { return Key(a) < Key(b); });
-    // A world that started again says its last events again, as new messages.
-    events_.erase(std::unique(events_.begin(), events_.end(),
-                              [](const event_t& a, const event_t& b) { return Key(a) == Key(b); }),
-                  events_.end());
+    std::sort(events_.begin(), events_.end(), IsBefore);
+    events_.erase(std::unique(events_.begin(), events_.end(), IsSaidAgain), events_.end());
     events_sorted_ = true;
   }
   return events_;

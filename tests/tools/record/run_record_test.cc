@@ -255,6 +255,27 @@ TEST(RunRecord, TakesEventsThatARestartedWorldSaysAgainOnce) {
   EXPECT_EQ(RecordOf(log).events().size(), 11u);
 }
 
+/// The reason that a driver gave is lost with the world and the process that knew it.
+TEST(RunRecord, TakesWhatARestartedWorldSaysInOtherWordsOnce) {
+  FakeLog log = MakeFakeMission();
+  FakeLog again;
+  for (FakeMessage& message : log) {
+    if (message.channel != channel::kEvent || message.header().sender != process_name::kWorld) {
+      continue;
+    }
+    again.push_back(message);
+    again.back().header().boot_id = 1;
+    std::get<event_t>(again.back().body).detail += " once more";
+  }
+  ASSERT_FALSE(again.empty());
+  const auto before = RecordOf(log).events();
+  log.insert(log.end(), again.begin(), again.end());
+  Renumber(&log);
+  const auto after = RecordOf(log).events();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].detail, before[i].detail);
+}
+
 TEST(RunRecord, IgnoresMessagesThatDoNotFitTheScenario) {
   FakeLog log = MakeFakeMission();
   const std::string before = Digest(RecordOf(log));
