@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -221,6 +222,12 @@ int CompareCommand(int argc, const char* const* argv) {
   if (comparison.policies.size() < 2) {
     throw InputError("command line", "POLICY", fmt::format("{}", comparison.policies.size()),
                      "two or more policies, as horizon rollout-steps");
+  }
+  for (const std::string& policy : comparison.policies) {
+    if (std::filesystem::is_directory(policy)) {
+      throw InputError("command line", "POLICY", policy,
+                       "a policy, as horizon; \"muster report RUN RUN\" compares runs");
+    }
   }
   std::string title;
   const std::vector<NamedScenario> scenarios = ScenariosOf(*arguments, &title);

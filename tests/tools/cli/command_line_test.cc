@@ -100,6 +100,11 @@ TEST_F(CommandLine, WhatIsExpectedIsATaskRateOfAPolicyThatLooksAhead) {
     EXPECT_FALSE(std::filesystem::exists(out));
   }
   EXPECT_EQ(RunMuster({"bench", "--suite", "arrivals", "--instances", "haiti"}).exit_code, 2);
+  const ChildResult runs = RunMuster({"compare", folder_.path(), folder_.path()});
+  EXPECT_EQ(runs.exit_code, 2);
+  EXPECT_EQ(runs.output,
+            "muster: command line: POLICY: found " + folder_.path() +
+                ", expected a policy, as horizon; \"muster report RUN RUN\" compares runs\n");
 }
 
 TEST_F(CommandLine, AMissingOrImpossibleScenarioIsBadInputEverywhere) {

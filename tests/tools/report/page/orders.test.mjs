@@ -97,6 +97,26 @@ for (const [width, height, colorScheme] of LOOKS) {
   });
 }
 
+test("the mission decides at once when it is asked to, by keyboard too", async (t) => {
+  const { url, given } = await serve(html, liveRun("o.html", MINUTES), (order) => taken(order));
+  const watching = await openLive(t, url);
+  assert.ok(!(await watching.locator("#order-decide").isVisible()), "who may not order is not offered it");
+  const page = await openLive(t, `${url}#token=${TOKEN}`);
+  await page.getByRole("button", { name: "Decide now" }).click();
+  await soon(async () => assert.equal(await page.locator("#order .asked").innerText(), "Decide now: all who are free are sent anew, and who is under way goes on."));
+  await accessible(page, "asked back");
+  await press(page, "Cancel");
+  assert.equal(given.length, 0, "who thinks better of it orders nothing");
+  await page.locator("#order-decide").focus();
+  await page.keyboard.press("Enter");
+  await page.locator("#order").getByRole("button", { name: "Give the order", exact: true }).focus();
+  await page.keyboard.press("Enter");
+  await soon(async () => assert.match(await page.locator("#order-latest").innerText(), /Order: decide now: taken, at 1:01:00$/));
+  const [{ id, ...order }] = given;
+  assert.match(id, /^page-/);
+  assert.deepEqual([order, given.length], [{ order: "decide_now" }, 1]);
+});
+
 test("a task is changed, held, resumed and cancelled; what is refused says why", async (t) => {
   const run = liveRun("o.html", MINUTES);
   const task = openTask(run);
