@@ -103,7 +103,7 @@ TEST_F(CommandLine, WhatIsExpectedIsATaskRateOfAPolicyThatLooksAhead) {
   const ChildResult runs = RunMuster({"compare", folder_.path(), folder_.path()});
   EXPECT_EQ(runs.exit_code, 2);
   EXPECT_EQ(runs.output,
-            "muster: command line: POLICY: found " + folder_.path() +
+            "muster: command line: POLICY: found " + folder_.path().string() +
                 ", expected a policy, as horizon; \"muster report RUN RUN\" compares runs\n");
 }
 
