@@ -79,7 +79,10 @@ void Sender::Resend(const SentPacket& packet) {
 }
 
 void Sender::Acknowledge(const log_status_t& status) {
-  if (window_.messages == 0) return;
+  // An earlier launcher's recorder, back behind a cut, writes a log that the mission has left.
+  if (window_.messages == 0 || IsOfEarlierLauncher(status.header.boot_id, identity_.boot_id)) {
+    return;
+  }
   for (const log_mark_t& mark : status.marks) {
     if (mark.sender != identity_.name || mark.boot_id != identity_.boot_id) continue;
     while (out_ > 0 && first_kept_seq_ < mark.next_seq) {

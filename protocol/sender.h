@@ -29,6 +29,14 @@ struct Identity {
   std::int64_t boot_id = 0;
 };
 
+/// The starts of two launchers of a mission, one after the other, are apart by so much at least: no
+/// launcher starts a process so often.
+inline constexpr std::int64_t kLauncherApart = 1'000'000;
+/// Whether a start is an earlier launcher's than the other one.
+inline bool IsOfEarlierLauncher(std::int64_t boot_id, std::int64_t than) {
+  return boot_id / kLauncherApart < than / kLauncherApart;
+}
+
 /// A published message: the bytes never change again, however often it is sent.
 using SentPacket = std::shared_ptr<const Packet>;
 

@@ -86,7 +86,8 @@ bool Recorder::owes() const {
 void Recorder::OnHeard(const Packet& packet, const Now& now) {
   const std::optional<header_t> header = DecodeHeader(packet);
   if (!header || header->run_id != sender_.identity().run_id ||
-      header->seq >= LogFollower::kMostSeq || header->sender == sender_.identity().name) {
+      header->seq >= LogFollower::kMostSeq || header->sender == sender_.identity().name ||
+      IsOfEarlierLauncher(header->boot_id, sender_.identity().boot_id)) {
     return;
   }
   ++heard_packets_;

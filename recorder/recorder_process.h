@@ -12,10 +12,6 @@
 
 namespace muster::recorder {
 
-/// The starts of two launchers of a mission, one after the other, are apart by so much at least: no
-/// launcher starts a process so often.
-inline constexpr std::int64_t kLauncherApart = 1'000'000;
-
 /// How the recorders of a mission share their work.
 enum class Part {
   kOnly,    ///< there is one

@@ -197,6 +197,14 @@ TEST(Recorder, IgnoresOtherRuns) {
   EXPECT_TRUE(recorder.behind());
 }
 
+TEST(Recorder, WaitsForNothingThatAnEarlierLaunchersProcessesSay) {
+  Recorder recorder({1, "recorder", kLauncherApart + 1});
+  recorder.OnHeard(MessageOf("uav", 7, 1), {1'000'000, 0});
+  EXPECT_FALSE(recorder.behind());
+  recorder.OnHeard(MessageOf("uav", 7, kLauncherApart + 1), {1'000'000, 0});
+  EXPECT_TRUE(recorder.behind());
+}
+
 TEST(Recorder, AGapThatNobodyFillsCanBeGivenUp) {
   Recorder recorder({1, "recorder", 0});
   std::vector<Packet> out;

@@ -12,7 +12,7 @@
 #include "protocol/inbox.h"
 #include "protocol/order_book.h"
 #include "protocol/scenario_reader.h"
-#include "recorder/recorder_process.h"
+#include "protocol/sender.h"
 #include "tools/files/log_files.h"
 
 namespace muster::tools {
@@ -56,7 +56,7 @@ Scenario ScenarioInLog(const std::string& run) {
 
 void EarlierRun::KeepApart() {
   for (const auto& [sender, count] : starts) first_boot = std::max(first_boot, count);
-  first_boot = (first_boot / recorder::kLauncherApart + 1) * recorder::kLauncherApart;
+  first_boot = (first_boot / kLauncherApart + 1) * kLauncherApart;
   for (auto& [sender, count] : starts) count = first_boot + 1;
 }
 
