@@ -79,10 +79,7 @@ void Sender::Resend(const SentPacket& packet) {
 }
 
 void Sender::Acknowledge(const log_status_t& status) {
-  // An earlier launcher's recorder, back behind a cut, writes a log that the mission has left.
-  if (window_.messages == 0 || IsOfEarlierLauncher(status.header.boot_id, identity_.boot_id)) {
-    return;
-  }
+  if (window_.messages == 0) return;
   for (const log_mark_t& mark : status.marks) {
     if (mark.sender != identity_.name || mark.boot_id != identity_.boot_id) continue;
     while (out_ > 0 && first_kept_seq_ < mark.next_seq) {

@@ -17,7 +17,7 @@ namespace {
 /// A process in the state that it is told to be in.
 class Told : public Process {
  public:
-  Told() : Process({1, "uav", 0}, 0) {}
+  explicit Told(std::int64_t boot_id = 0, int window = 0) : Process({1, "uav", boot_id}, window) {}
   using Process::set_state;
   /// What its next step computes.
   std::function<void()> computation;
@@ -50,6 +50,35 @@ class DriveTest : public ::testing::Test {
   LossyBus bus_;
   Drive drive_;
 };
+
+/// It is back behind a cut, and writes a log that the mission has left.
+TEST(ProcessTest, TakesNoMarksOfAnEarlierLaunchersRecorder) {
+  constexpr std::int64_t kBoot = kLauncherApart + 1;
+  for (const bool computes : {false, true}) {
+    Told process(kBoot, 1);
+    std::vector<Packet> out;
+    for (int i = 0; i < 2; ++i) process.Announce({}, {});
+    process.Step(std::vector<Packet>(), {}, &out);
+    const auto hear_marks_of = [&](std::int64_t recorders_boot) {
+      log_status_t marks{};
+      marks.header.run_id = 1;
+      marks.header.sender = "recorder";
+      marks.header.boot_id = recorders_boot;
+      log_mark_t mark{};
+      mark.sender = "uav";
+      mark.boot_id = kBoot;
+      mark.next_seq = 1;
+      marks.marks = {mark};
+      marks.n = 1;
+      std::vector<Packet> arrived = {{std::string(channel::kLog), Encode(marks)}};
+      computes ? process.Beat(&arrived, {}, {}, &out) : process.Step(arrived, {}, &out);
+    };
+    hear_marks_of(kLauncherApart - 1);
+    EXPECT_EQ(out.size(), 1u);
+    hear_marks_of(kBoot);
+    EXPECT_EQ(out.size(), 2u) << "of which one may be out at a time";
+  }
+}
 
 TEST_F(DriveTest, SaysItsStateWhenItChangesAndOnceASecond) {
   EXPECT_EQ(Turn(0), 0u) << "starting, as everybody knows";

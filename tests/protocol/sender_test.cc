@@ -85,19 +85,6 @@ TEST(Sender, AnothersMarkIsNotItsOwn) {
   EXPECT_FALSE(sender.drained());
 }
 
-TEST(Sender, AnEarlierLaunchersRecorderWritesAnotherLog) {
-  Sender sender({1, "world", kLauncherApart + 1}, 3);
-  Say(&sender);
-  FlushAt(&sender, 0);
-  log_status_t marks = Mark("world", kLauncherApart + 1, 1);
-  marks.header.boot_id = kLauncherApart - 1;
-  sender.Acknowledge(marks);
-  EXPECT_FALSE(sender.drained());
-  marks.header.boot_id = kLauncherApart + 1;
-  sender.Acknowledge(marks);
-  EXPECT_TRUE(sender.drained());
-}
-
 TEST(Sender, AMarkBeyondWhatWasSentAcknowledgesNoMore) {
   Sender sender({1, "world", 0}, 2);
   for (int i = 0; i < 4; ++i) Say(&sender);
