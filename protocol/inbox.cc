@@ -4,6 +4,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "protocol/sender.h"
 
 namespace muster {
 namespace {
@@ -58,8 +59,8 @@ const header_t& HeaderOf(const Message& message) {
   return std::visit([](const auto& m) -> const header_t& { return m.header; }, message);
 }
 
-Inbox::Inbox(std::int64_t run_id, std::string own_name)
-    : run_id_(run_id), own_name_(std::move(own_name)) {}
+Inbox::Inbox(std::int64_t run_id, std::string own_name, std::int64_t own_boot_id)
+    : run_id_(run_id), own_name_(std::move(own_name)), own_boot_id_(own_boot_id) {}
 
 std::optional<Message> Inbox::Open(const Packet& packet) {
   std::optional<Message> message = DecodeMessage(packet);
@@ -74,8 +75,9 @@ bool Inbox::Admit(const Packet& packet, const std::optional<Message>& message) {
   }
   const header_t& header = HeaderOf(*message);
   if (header.sender == own_name_) return false;
-  if (header.run_id != run_id_ || !FindChannel(packet.channel)->AcceptsFrom(header.sender) ||
-      !Count(*message)) {
+  // An earlier launcher's processes, back behind a cut, go on with what the mission has left.
+  if (header.run_id != run_id_ || IsOfEarlierLauncher(header.boot_id, own_boot_id_) ||
+      !FindChannel(packet.channel)->AcceptsFrom(header.sender) || !Count(*message)) {
     ++counters_.rejected;
     return false;
   }

@@ -45,9 +45,9 @@ const header_t& HeaderOf(const Message& message);
 std::optional<Message> DecodeMessage(const Packet& packet);
 
 /// Decodes a process's packets, and counts and drops those that are not for it. A message passes if
-/// it belongs to this run, comes from another process that may publish on its channel, is within
-/// the ranges that need no scenario, and is not numbered as if mission time ran backwards. Doubles
-/// pass, because a repeated question needs a repeated answer.
+/// it belongs to this run, comes from another process that may publish on its channel and is of no
+/// earlier launcher, is within the ranges that need no scenario, and is not numbered as if mission
+/// time ran backwards. Doubles pass, because a repeated question needs a repeated answer.
 class Inbox {
  public:
   struct Counters {
@@ -55,7 +55,7 @@ class Inbox {
     std::int64_t rejected = 0;  ///< undecodable, foreign, forged or out of range
   };
 
-  Inbox(std::int64_t run_id, std::string own_name);
+  Inbox(std::int64_t run_id, std::string own_name, std::int64_t own_boot_id = 0);
 
   std::optional<Message> Open(const Packet& packet);
   /// The same for a packet that was decoded already: whether its message is accepted.
@@ -71,6 +71,7 @@ class Inbox {
 
   std::int64_t run_id_;
   std::string own_name_;
+  std::int64_t own_boot_id_;
   Counters counters_;
   struct Start {
     std::int64_t newest_seq = -1;

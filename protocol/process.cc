@@ -8,7 +8,7 @@
 namespace muster {
 
 Process::Process(const Identity& identity, Window window)
-    : sender_(identity, window), inbox_(identity.run_id, identity.name) {}
+    : sender_(identity, window), inbox_(identity.run_id, identity.name, identity.boot_id) {}
 
 void Process::Step(const std::vector<Packet>& arrived, const Now& now, std::vector<Packet>* out) {
   for (const Packet& packet : arrived) {
@@ -40,21 +40,16 @@ void Process::Beat(std::vector<Packet>* arrived, const Usage& usage, const Now& 
   std::erase_if(*arrived, [&](const Packet& packet) {
     if (packet.channel != channel::kLog) return false;
     const std::optional<Message> message = inbox_.Open(packet);
-    if (message) HearMarks(std::get<log_status_t>(*message));
+    if (message) sender_.Acknowledge(std::get<log_status_t>(*message));
     return true;
   });
   ReportStatus(usage, now);
   sender_.Flush(now, out);
 }
 
-void Process::HearMarks(const log_status_t& marks) {
-  // An earlier launcher's recorder, back behind a cut, writes a log that the mission has left.
-  if (!IsOfEarlierLauncher(marks.header.boot_id, identity().boot_id)) sender_.Acknowledge(marks);
-}
-
 void Process::Take(const Message& message, const Packet& packet, const Now& now) {
   const auto* marks = std::get_if<log_status_t>(&message);
-  if (marks != nullptr && packet.channel == channel::kLog) HearMarks(*marks);
+  if (marks != nullptr && packet.channel == channel::kLog) sender_.Acknowledge(*marks);
   OnMessage(message, packet, now);
 }
 

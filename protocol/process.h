@@ -117,8 +117,6 @@ class Process {
 
  private:
   void Take(const Message& message, const Packet& packet, const Now& now);
-  /// Of what a recorder has.
-  void HearMarks(const log_status_t& marks);
 
   Sender sender_;
   Inbox inbox_;

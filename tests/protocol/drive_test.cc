@@ -51,7 +51,7 @@ class DriveTest : public ::testing::Test {
   Drive drive_;
 };
 
-/// It is back behind a cut, and writes a log that the mission has left.
+/// It is back behind a cut, and writes a log that the mission has left. So do the others.
 TEST(ProcessTest, TakesNoMarksOfAnEarlierLaunchersRecorder) {
   constexpr std::int64_t kBoot = kLauncherApart + 1;
   for (const bool computes : {false, true}) {

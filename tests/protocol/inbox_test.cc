@@ -7,6 +7,7 @@
 
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
+#include "protocol/sender.h"
 #include "tests/lcmtypes/sample_messages.h"
 
 namespace muster {
@@ -27,6 +28,20 @@ TEST(Inbox, OpensWhatIsMeantForIt) {
   ASSERT_TRUE(message);
   EXPECT_TRUE(std::holds_alternative<clock_t>(*message));
   EXPECT_EQ(inbox.counters().received, 1);
+}
+
+TEST(Inbox, DropsWhatAnEarlierLaunchersProcessesSay) {
+  Inbox inbox(1, "uav", kLauncherApart + 1);
+  EXPECT_FALSE(inbox.Open(ClockFrom("world", 0)));
+  EXPECT_EQ(inbox.counters().rejected, 1);
+  clock_t clock{};
+  clock.header.run_id = 1;
+  clock.header.sender = "world";
+  clock.header.boot_id = kLauncherApart + 1;
+  clock.decision = clock.required_decision = -1;
+  EXPECT_TRUE(inbox.Open({"MUSTER_CLOCK", Encode(clock)}));
+  // The other way round an earlier launcher's process hears that it has a successor.
+  EXPECT_TRUE(Inbox(1, "uav", 1).Open({"MUSTER_CLOCK", Encode(clock)}));
 }
 
 TEST(DecodeMessage, OpensOnEachChannelTheTypeOfTheTable) {

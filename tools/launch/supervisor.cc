@@ -155,7 +155,10 @@ void Supervisor::Turn() {
     }
     recorder_.OnHeard(packet, now);
     const std::optional<header_t> header = DecodeHeader(packet);
-    if (!header || header->run_id != plan_.run_id) continue;
+    if (!header || header->run_id != plan_.run_id ||
+        IsOfEarlierLauncher(header->boot_id, plan_.first_boot)) {
+      continue;
+    }
     OnMember(packet, now);
     archive_.Add(packet);
     if (packet.channel == channel::kRequest) AnswerFromArchive(packet, now);
