@@ -22,8 +22,12 @@ constexpr std::size_t kMostInLeaf = 4;
 /// Lengths are kept from so many places to so many goals: at most 16 MB, for each set of zones.
 constexpr std::int32_t kMostRows = 2048, kMostGoals = 1024;
 
-/// A place that is so near to a line counts as lying on it.
-constexpr double kBeside_m = 0.001;
+/// Places that are so near to each other are the same corner.
+constexpr double kSame_m = 0.001;
+
+/// A place that is so near to the line of a side counts as lying on it: more than kRounding_m, as
+/// agents that fly along a piece are asked for their way from there.
+constexpr double kBeside_m = 0.006;
 
 /// Flights whose lengths differ by no more than that are equally long.
 constexpr double kTie_m = 1e-7;
@@ -53,6 +57,7 @@ std::array<Point, 8> Octagon(double margin_m) {
 Point Sum(Point a, Point b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
 Point Difference(Point a, Point b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
 double Cross(Point a, Point b) { return a.x_m * b.y_m - a.y_m * b.x_m; }
+double Square(Point a) { return a.x_m * a.x_m + a.y_m * a.y_m; }
 
 /// From that corner of a piece between two places, along its sides to the left and to the right.
 std::array<Point, 2> SidesAt(Point corner, Point a, Point b, const std::array<Point, 8>& octagon) {
@@ -60,7 +65,7 @@ std::array<Point, 2> SidesAt(Point corner, Point a, Point b, const std::array<Po
   for (const Point end : {a, b}) {
     for (const Point out : octagon) {
       const Point side = Difference(Sum(end, out), corner);
-      if (std::abs(side.x_m) + std::abs(side.y_m) < kBeside_m) continue;
+      if (std::abs(side.x_m) + std::abs(side.y_m) < kSame_m) continue;
       if (!left || Cross(*left, side) > 0) left = side;
       if (!right || Cross(*right, side) < 0) right = side;
     }
@@ -211,22 +216,24 @@ void Airspace::FindCorners(double margin_m) {
 
 bool Airspace::Corner::TurnsFrom(Point place) const {
   const Point line = Difference(at, place);
-  const double tolerance = kBeside_m * Distance(at, place);
+  // Whether the side is beside the line, by more than may be between a place and that side.
+  const auto is_beside = [&](double cross, Point side) {
+    return cross * cross > kBeside_m * kBeside_m * std::max(Square(line), Square(side));
+  };
   for (const auto& [left, right] : sides) {
     const double of_left = Cross(line, left), of_right = Cross(line, right);
-    if (std::min(of_left, of_right) < -tolerance && std::max(of_left, of_right) > tolerance) {
-      return false;
-    }
+    if ((of_left < 0) == (of_right < 0)) continue;
+    if (is_beside(of_left, left) && is_beside(of_right, right)) return false;
   }
   return true;
 }
 
-std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
+std::optional<std::size_t> Airspace::ZoneAt(Point place, double rounding_m) const {
   for (std::size_t z = 0; z < zones_.size(); ++z) {
     if (pieces_[z].box.Misses(place, place)) continue;
     const auto is_in = [&](const Piece& piece) {
       return std::all_of(piece.sides.begin(), piece.sides.end(), [&](const Side& side) {
-        return side.normal_x * place.x_m + side.normal_y * place.y_m < side.limit - kRounding_m;
+        return side.normal_x * place.x_m + side.normal_y * place.y_m < side.limit - rounding_m;
       });
     };
     if (IsInside(zones_[z], place) ||
@@ -235,6 +242,10 @@ std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
     }
   }
   return {};
+}
+
+std::optional<std::size_t> Airspace::ZoneAt(Point place) const {
+  return ZoneAt(place, kRounding_m);
 }
 
 bool Airspace::IsFree(Point place) const { return !ZoneAt(place); }
@@ -364,7 +375,7 @@ std::optional<Point> Airspace::WayOut(Point place) const {
   double least_m = kNowhere;
   const auto offer = [&](Point out) {
     const double metres = Distance(place, out);
-    if (metres > least_m + kTie_m || !extent_.Contains(out) || !IsFree(out)) return;
+    if (metres > least_m + kTie_m || !extent_.Contains(out) || ZoneAt(out, kTie_m)) return;
     if (!nearest || metres < least_m - kTie_m || IsBefore(place, out, *nearest)) nearest = out;
     least_m = std::min(least_m, metres);
   };
@@ -373,13 +384,7 @@ std::optional<Point> Airspace::WayOut(Point place) const {
       for (const Side& side : piece.sides) {
         const double metres = side.limit - side.normal_x * place.x_m - side.normal_y * place.y_m;
         if (metres < 0) continue;
-        const Point out{place.x_m + side.normal_x * metres, place.y_m + side.normal_y * metres};
-        // Beside the piece, that line may be just inside another, where no corner is seen from.
-        const bool ends_piece =
-            std::all_of(piece.sides.begin(), piece.sides.end(), [&out](const Side& other) {
-              return other.normal_x * out.x_m + other.normal_y * out.y_m <= other.limit + kTie_m;
-            });
-        if (ends_piece) offer(out);
+        offer({place.x_m + side.normal_x * metres, place.y_m + side.normal_y * metres});
       }
     }
   }
@@ -399,6 +404,15 @@ std::optional<Point> Airspace::WayOut(Point place) const {
     }
   }
   for (std::size_t i = 0; i < near.size(); ++i) {
+    // The nearest place of a side can lie outside the area: then it is where the side leaves it.
+    for (const double x_m : {0.0, extent_.width_m}) {
+      const double y_m = (near[i]->limit - near[i]->normal_x * x_m) / near[i]->normal_y;
+      if (std::isfinite(y_m)) offer({x_m, y_m});
+    }
+    for (const double y_m : {0.0, extent_.height_m}) {
+      const double x_m = (near[i]->limit - near[i]->normal_y * y_m) / near[i]->normal_x;
+      if (std::isfinite(x_m)) offer({x_m, y_m});
+    }
     for (std::size_t j = 0; j < i; ++j) {
       const Side &a = *near[i], &b = *near[j];
       const double turn = a.normal_x * b.normal_y - a.normal_y * b.normal_x;

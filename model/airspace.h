@@ -105,6 +105,8 @@ class Airspace {
   /// What has been found out about a place.
   struct Known;
 
+  /// The zone of which the place lies by more than that inside a piece, or in its midst.
+  std::optional<std::size_t> ZoneAt(Point place, double rounding_m) const;
   static Piece Widened(Point a, Point b, double margin_m);
   /// The share of the line at which it enters the piece; none: it stays outside.
   static std::optional<double> EntersPiece(const Piece& piece, Point a, Point b);

@@ -134,6 +134,58 @@ TEST(Airspace, OnTheWayOutOfDrawnZonesTheRestIsWhatIsLeft) {
   }
 }
 
+/// Agents that get a new command are asked for their way from where they are, in whole millimetres:
+/// beside a zone that is a little inside of its margin.
+TEST(Airspace, FromAPlaceOnTheWayTheRestIsWhatIsLeft) {
+  int n_beside = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    Random random(seed, Stream::kTest, 5);
+    const Airspace air(DrawnZones(&random, 4000, 6), random.Uniform(5, 60), {4000, 4000});
+    const auto place = [&] { return Point{random.Uniform(0, 4000), random.Uniform(0, 4000)}; };
+    for (int i = 0; i < 40; ++i) {
+      const Point from = place(), to = place();
+      const auto flight = air.FlightBetween(from, to);
+      if (flight == nullptr || !air.IsFree(from)) continue;
+      for (std::size_t k = 1; k < flight->corners.size(); ++k) {
+        for (const double share : {0.3, 0.9, 0.99, 0.999}) {
+          const Point on = Lerp(flight->corners[k - 1], flight->corners[k], share);
+          const Point rounded{std::round(on.x_m * 1000) / 1000, std::round(on.y_m * 1000) / 1000};
+          const double gone_m = std::lerp(flight->reached_m[k - 1], flight->reached_m[k], share);
+          EXPECT_NEAR(air.Length(rounded, to), flight->reached_m.back() - gone_m, 0.01);
+          n_beside += k > 1 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(n_beside, 1000);
+}
+
+TEST(Airspace, ANotchBesideACornerIsLeftStraightOn) {
+  // The margins of both zones meet 5 cm beside a corner of the second's: a place 4 mm inside of
+  // another piece is no way out.
+  const Zone north{
+      "north",
+      {{{4459.815, 5265.674}, {3820.937, 5864.731}, {3182.059, 5265.674}, {3820.937, 4795.416}}}};
+  const Zone south{"south",
+                   {{{4887.848, 4325.016},
+                     {4002.799, 4781.333},
+                     {3165.094, 5319.649},
+                     {2720.391, 4325.016},
+                     {3165.094, 3330.383},
+                     {4410.335, 3162.829}}}};
+  double before_m = 0;
+  for (const double margin_m : {73.0, 74.0, 75.0}) {
+    const Airspace air({north, south}, margin_m, {18000, 9000});
+    const double length_m = air.Length({3509, 4639}, {4000, 1900});
+    if (before_m > 0) {
+      EXPECT_NEAR(length_m, before_m, 5) << margin_m;
+    }
+    before_m = length_m;
+  }
+  EXPECT_NEAR(before_m, 4268, 1);
+}
+
 TEST(Airspace, FlightsStayInTheArea) {
   // Around the southern end is shorter, but outside.
   const Airspace air({Square(100, 0, 200, 200)}, 10, {300, 300});

@@ -62,10 +62,10 @@ struct Shape {
   double Depth(std::size_t i, Place at) const {
     return Turn(corners[i], corners[(i + 1) % corners.size()], at) / sides_m[i];
   }
-  bool Has(Place at) const {
+  bool Has(Place at, double slack_m) const {
     if (IsBeside(at, at)) return false;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (Depth(i, at) <= kSlack_m) return false;
+      if (Depth(i, at) <= slack_m) return false;
     }
     return true;
   }
@@ -136,10 +136,14 @@ struct Corner {
   /// Whether a flight from there may turn here: the line leads past each of the pieces. One that
   /// led on into a piece would be shorter without this corner.
   bool TurnsFrom(Place from) const {
-    const double much = 0.001 * Apart(from, at);
+    // A side is to the left or right of the line only by more than a flight may be inside of it.
+    const auto where = [&](Place end) {
+      const double turn = Turn(from, at, end);
+      if (std::abs(turn) <= 1.2 * kSlack_m * std::max(Apart(from, at), Apart(at, end))) return 0;
+      return turn > 0 ? 1 : -1;
+    };
     return std::none_of(beside.begin(), beside.end(), [&](const auto& sides) {
-      const double one = Turn(from, at, sides.first), other = Turn(from, at, sides.second);
-      return std::min(one, other) < -much && std::max(one, other) > much;
+      return where(sides.first) * where(sides.second) < 0;
     });
   }
 };
@@ -289,8 +293,8 @@ class AroundZones : public Ways {
   }
 
  private:
-  bool IsFree(Place at) const {
-    return map_.NoneNear(at, at, [&](const Shape& shape) { return shape.Has(at); }) &&
+  bool IsFree(Place at, double slack_m = kSlack_m) const {
+    return map_.NoneNear(at, at, [&](const Shape& shape) { return shape.Has(at, slack_m); }) &&
            std::none_of(zones_.begin(), zones_.end(),
                         [&](const Rings& rings) { return Encloses(rings, at); });
   }
@@ -392,13 +396,13 @@ class AroundZones : public Ways {
     return first;
   }
   /// Where a place that is not free is left for: the nearest free place, which is straight out of a
-  /// side of a piece, a corner, or where sides of two pieces cross.
+  /// side of a piece, a corner, where a side leaves the area, or where sides of two pieces cross.
   std::optional<Place> OutOf(Place at) const {
     std::optional<Place> nearest;
     double least_m = kNever_m;
     const auto offer = [&](Place out) {
       const double metres = Apart(at, out);
-      if (metres > least_m + kTie_m || !IsInArea(out) || !IsFree(out)) return;
+      if (metres > least_m + kTie_m || !IsInArea(out) || !IsFree(out, kTie_m)) return;
       if (!nearest || metres < least_m - kTie_m || IsBefore(at, out, *nearest)) nearest = out;
       least_m = std::min(least_m, metres);
     };
@@ -408,15 +412,12 @@ class AroundZones : public Ways {
         if (depth_m < 0) continue;
         const Place a = shape.corners[i], b = shape.corners[(i + 1) % shape.corners.size()];
         const double side_m = Apart(a, b);
-        const Place out{at.x_m + depth_m * (b.y_m - a.y_m) / side_m,
-                        at.y_m - depth_m * (b.x_m - a.x_m) / side_m};
-        const double along_m =
-            ((out.x_m - a.x_m) * (b.x_m - a.x_m) + (out.y_m - a.y_m) * (b.y_m - a.y_m)) / side_m;
-        // On the side itself: its line goes on, and may be just inside another piece.
-        if (-kTie_m <= along_m && along_m <= side_m + kTie_m) offer(out);
+        offer({at.x_m + depth_m * (b.y_m - a.y_m) / side_m,
+               at.y_m - depth_m * (b.x_m - a.x_m) / side_m});
       }
     }
     for (const Corner& corner : Corners()) offer(corner.at);
+    for (const Shape& shape : shapes_) OfferBorders(shape, offer);
     for (std::size_t k = 0; k < shapes_.size(); ++k) {
       for (std::size_t l = 0; l < k; ++l) {
         if (shapes_[k].IsBeside(shapes_[l].low, shapes_[l].high)) continue;
@@ -424,6 +425,21 @@ class AroundZones : public Ways {
       }
     }
     return nearest;
+  }
+  /// Where its sides leave the area.
+  template <class Offer>
+  void OfferBorders(const Shape& shape, const Offer& offer) const {
+    for (std::size_t i = 0; i < shape.corners.size(); ++i) {
+      const Place a = shape.corners[i], b = shape.corners[(i + 1) % shape.corners.size()];
+      for (const double x_m : {0.0, width_m_}) {
+        const double part = (x_m - a.x_m) / (b.x_m - a.x_m);
+        if (0 <= part && part <= 1) offer({x_m, a.y_m + part * (b.y_m - a.y_m)});
+      }
+      for (const double y_m : {0.0, height_m_}) {
+        const double part = (y_m - a.y_m) / (b.y_m - a.y_m);
+        if (0 <= part && part <= 1) offer({a.x_m + part * (b.x_m - a.x_m), y_m});
+      }
+    }
   }
   template <class Offer>
   static void OfferCrossings(const Shape& one, const Shape& other, const Offer& offer) {

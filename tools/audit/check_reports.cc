@@ -278,7 +278,9 @@ void ReportCheck::NoteUav(View& view, std::int64_t tick, const agent_t& a) {
   if (failing_.contains({tick, a.id}) || tick <= uav.tick) return;
   const Place here{a.x_m, a.y_m};
   if (uav.seen) {
-    uav.flown_m += view.scenario.WaysAt(view.before_us).Gone(kUav, *uav.seen, here);
+    // It set out by the zones of that time, also where it has failed at once as one was added.
+    const std::int64_t since_us = view.scenario.TimeOf(uav.tick);
+    uav.flown_m += view.scenario.WaysAt(since_us).Gone(kUav, *uav.seen, here);
   }
   uav.seen = here;
   uav.range_m = a.range_left_m;

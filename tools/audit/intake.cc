@@ -304,8 +304,10 @@ void Intake::TakeSchedule(const schedule_t& message) {
   const std::int32_t d = message.decision;
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
-  if (d < 0 || message.tick < 0 || message.tick > heard_.scenario->last_tick() ||
-      heard_.scenario->DecisionAt(message.tick) != d) {
+  // Where the audit has stopped, it no longer knows which decisions were asked for.
+  if (stopped_ ? d < 0
+               : d < 0 || message.tick < 0 || message.tick > heard_.scenario->last_tick() ||
+                     heard_.scenario->DecisionAt(message.tick) != d) {
     findings_->Add(t, "lockstep",
                    "a schedule names decision {} at tick {}, where none or another is due", d,
                    message.tick);
@@ -326,8 +328,9 @@ void Intake::TakeClearances(const clearances_t& message) {
   if (!HasOrders(message.tick)) return early_[message.tick].second.push_back(message);
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
-  const bool is_due = message.tick >= 0 && message.tick <= heard_.scenario->last_tick() &&
-                      heard_.scenario->DecisionAt(message.tick) == message.decision;
+  const bool is_due =
+      stopped_ || (message.tick >= 0 && message.tick <= heard_.scenario->last_tick() &&
+                   heard_.scenario->DecisionAt(message.tick) == message.decision);
   if (!heard_.scenario->separation || !is_due) {
     findings_->Add(t, "separation", "altitudes of decision {} at tick {}, where none are due",
                    message.decision, message.tick);

@@ -7,6 +7,7 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
+#include "model/order.h"
 #include "model/scenario_json.h"
 #include "simulation/simulator.h"
 #include "tools/audit/auditor.h"
@@ -127,6 +128,35 @@ TEST(AuditMission, PassesWhereFlightsAroundZonesAreEquallyLong) {
                     << v.text;
     }
     EXPECT_GT(auditor.activities(), 20) << seed;
+  }
+}
+
+// Once it has stopped, the audit does not know which decisions were asked for later.
+TEST(AuditMission, SaysNothingOfDecisionsThatAreAskedForAfterItHasStopped) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 60 * kMinuteUs;
+  Scenario scenario = Generate(settings, 1);
+  AddRoom({5, {4, 4, 4}}, &scenario);
+  const char* const json = R"({"id": "now", "at_min": 42, "order": "decide_now"})";
+  audit::Auditor auditor;
+  Simulate(ScenarioToJson(scenario), "horizon",
+           [&](Packet packet) {
+             // From 30 min on nobody is said to sense anything.
+             if (packet.channel == channel::kWorld) {
+               world_state_t world = *Decode<world_state_t>(packet.bytes);
+               if (world.header.sim_us >= 30 * kMinuteUs) {
+                 world.activities.clear();
+                 world.n_activities = 0;
+               }
+               packet = {packet.channel, Encode(world)};
+             }
+             auditor.Add(packet);
+           },
+           {}, {{ParseOrder(json, "order"), json}});
+  const auto violations = auditor.Finish();
+  EXPECT_FALSE(violations.empty());
+  for (const audit::Violation& v : violations) {
+    EXPECT_LT(v.at_us, 42 * kMinuteUs) << v.invariant << ": " << v.text;
   }
 }
 
