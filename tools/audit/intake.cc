@@ -354,13 +354,15 @@ bool Intake::Complete(const TickFacts& facts) const {
     if (!in_force || (*in_force && !heard_.schedules.contains(due))) return false;
     if (*in_force && heard_.scenario->separation && !heard_.clearances.contains(due)) return false;
   }
+  const bool is_long_ago = ended_ || pending_.contains(next_tick_ + 2);
   for (const int kind : kClasses) {
     for (std::size_t id = 0; id < facts.reports[kind].size(); ++id) {
       if (facts.reports[kind][id]) continue;
-      // Only a lost process's agents have no report: the world rules that they failed.
+      // Only a lost process's agents have no report: the world rules that they failed. One that had
+      // failed before its process was lost has none either; else its report may be on its way.
       const auto lost = [&](const ruling_t& r) {
         return r.agent_kind == kind && r.agent_id == static_cast<int>(id) &&
-               r.kind != RulingKind::kReleased;
+               (r.kind == RulingKind::kLost || (r.kind == RulingKind::kFailed && is_long_ago));
       };
       if (std::none_of(facts.rulings->rulings.begin(), facts.rulings->rulings.end(), lost)) {
         return false;
