@@ -264,9 +264,10 @@ Verdict::Verdict(std::vector<Activity> activities, std::vector<Ruling> rulings)
   std::sort(activities_.begin(), activities_.end(), [](const Activity& a, const Activity& b) {
     return std::tie(a.uav, a.start_us, a.kind) < std::tie(b.uav, b.start_us, b.kind);
   });
+  // Of two releases the first counts: a pair that has ended, and an order that frees its members.
   std::sort(rulings_.begin(), rulings_.end(), [](const Ruling& a, const Ruling& b) {
-    return std::tuple(a.agent_kind, a.agent, !a.fails()) <
-           std::tuple(b.agent_kind, b.agent, !b.fails());
+    return std::tuple(a.agent_kind, a.agent, !a.fails(), a.at_us) <
+           std::tuple(b.agent_kind, b.agent, !b.fails(), b.at_us);
   });
   for (const AgentKind kind : kAgentKinds) {
     auto& order = orders_[kind];

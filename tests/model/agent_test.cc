@@ -109,6 +109,17 @@ TEST(Agent, ReleaseStopsItWhereItIsWithWhatIsSpentProRata) {
   EXPECT_DOUBLE_EQ(RangeAt(uav, 600 * kSecondUs, kTasks), 8000 - 5000 - 600 * 0.25);
 }
 
+TEST(Agent, OfTwoReleasesTheEarlierCounts) {
+  const Ruling by_order{AgentKind::kUav, 0, Ruling::Kind::kReleased, 120 * kSecondUs};
+  const Ruling by_loss{AgentKind::kUav, 0, Ruling::Kind::kReleased, 100 * kSecondUs};
+  for (const auto& rulings : {std::vector{by_order, by_loss}, std::vector{by_loss, by_order}}) {
+    AgentState uav = UavAtOrigin();
+    Begin(&uav, Sense(), 0, 0, {}, 1);
+    Settle(&uav, Verdict({}, rulings), 120 * kSecondUs, kTasks);
+    EXPECT_EQ(PositionAt(uav, 120 * kSecondUs), (Point{600, 800}));
+  }
+}
+
 TEST(Agent, ReleaseEndsALegThatGoesRoundSinceThen) {
   constexpr TimeUs kRelease = 110 * kSecondUs, kTick = 120 * kSecondUs;
   const Verdict verdict({}, {{AgentKind::kUav, 0, Ruling::Kind::kReleased, kRelease}});

@@ -30,6 +30,11 @@ void CheckRangeTold(const View& view, const AgentModel& model, double range_m, d
                range_m, most_m);
 }
 
+/// Between two words of its driver a measured agent is where its way would have it by then. By the
+/// driver's word it may arrive sooner than by that way, as the driver may know a shorter one. So
+/// where ways bend a place between two words says nothing of its speed.
+bool IsBent(const AgentModel& model) { return model.ways->rounding_m(model.kind) > 0; }
+
 void CheckFromAnchor(const View& view, const AgentModel& model, Place at, std::int64_t at_us,
                      double range_m) {
   CheckWay(view, model, model.anchor, at, ToSeconds(at_us - model.anchor_us));
@@ -71,9 +76,9 @@ void SeeStanding(const View& view, AgentModel* model, const agent_t& a) {
   // It was there then, and may have moved since. What is no newer than what is known tells no time.
   const bool is_known = model->anchor_us < a.depart_us && a.depart_us <= view.now_us;
   const std::int64_t at_us = is_known ? a.depart_us : view.now_us;
-  CheckFromAnchor(view, *model, here, at_us, a.range_left_m);
-  // Where it was ruled to stop its place is computed: it may have flown by another, with less.
+  // Where it was ruled to stop its place is computed: it may have come by another way, with less.
   const bool is_ruled = a.depart_us == model->depart_us;
+  if (!is_ruled || !IsBent(*model)) CheckFromAnchor(view, *model, here, at_us, a.range_left_m);
   if (!is_ruled) model->Anchor(here, at_us, a.range_left_m);
   model->from = model->to = here;
   model->depart_us = model->arrive_us = a.depart_us;
@@ -93,11 +98,9 @@ void SeeWind(const View& view, AgentModel* model, const agent_t& a) {
   model->way_seen = true;
 }
 
-/// Between two words of its driver it is where its way would have it by then. By the driver's word
-/// it may arrive sooner than by that way, as the driver may know a shorter one: where ways bend,
-/// only what was told bounds its speed, with the slack of two words.
+/// Only what was told bounds its speed where ways bend (IsBent), with the slack of two words.
 void CheckRestOfLeg(const View& view, const AgentModel& model, Place here, const agent_t& a) {
-  if (model.ways->rounding_m(model.kind) == 0) {
+  if (!IsBent(model)) {
     CheckFromAnchor(view, model, here, view.now_us, a.range_left_m);
     CheckWay(view, model, here, model.to, ToSeconds(a.arrive_us - view.now_us));
     return;
@@ -232,7 +235,7 @@ void FollowWaysAsTold(const View& view, AgentModel* model, const agent_t& a) {
     model->planned_us = model->set_out_us + DurationUs(planned_m, model->spec->speed_m_s);
     return;
   }
-  CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
+  if (!IsBent(*model)) CheckFromAnchor(view, *model, here, view.now_us, a.range_left_m);
   model->range_at_departure_m = a.range_left_m;
   model->from = here;
   const double rest_m = model->WayM(here, model->to);

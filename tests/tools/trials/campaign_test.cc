@@ -115,11 +115,10 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // (829374). A UAV that leaves a zone where another's edge would go on (833433). A world that does
   // not know the words of a driver that gave up before it started again (850815). A UAV that has
   // failed as a zone is added (865351). A UAV that leaves a zone where margins meet beside a corner
-  // (867619). An agent that has failed, whose report comes after the world's rulings (870374).
+  // (867619). An agent that has failed, whose report comes after the world's rulings (870374). A
+  // measured agent that is cut off, whose driver knows a shorter way (888396).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
-  std::set<Extra> with_decisions = all;
-  with_decisions.insert(Extra::kDecisions);
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
       {all,
        {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
@@ -128,9 +127,8 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
       {CampaignSettings().extras,
-       {771160, 791614, 793212, 793592, 794085, 794372, 800098, 802892, 804995, 811536, 813034,
-        815600, 829374, 833433, 844014, 850815}},
-      {with_decisions, {865351, 867619, 870374}},
+       {771160, 791614, 793212, 793592, 794085, 794372, 800098, 802892, 804995, 811536,
+        813034, 815600, 829374, 833433, 844014, 850815, 865351, 867619, 870374, 888396}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
       {{Extra::kRoads, Extra::kMeasured}, {3, 21, 106, 113, 128}}};
   for (const auto& [extras, of] : seeds) {
