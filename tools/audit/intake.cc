@@ -299,15 +299,19 @@ bool Intake::HasOrders(std::int64_t tick) const {
   return true;
 }
 
+bool Intake::IsDue(std::int32_t decision, std::int64_t tick) const {
+  if (decision < 0) return false;
+  // Where the audit has stopped, it no longer knows which decisions were asked for.
+  return stopped_ || (tick >= 0 && tick <= heard_.scenario->last_tick() &&
+                      heard_.scenario->DecisionAt(tick) == decision);
+}
+
 void Intake::TakeSchedule(const schedule_t& message) {
   if (!HasOrders(message.tick)) return early_[message.tick].first.push_back(message);
   const std::int32_t d = message.decision;
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
-  // Where the audit has stopped, it no longer knows which decisions were asked for.
-  if (stopped_ ? d < 0
-               : d < 0 || message.tick < 0 || message.tick > heard_.scenario->last_tick() ||
-                     heard_.scenario->DecisionAt(message.tick) != d) {
+  if (!IsDue(d, message.tick)) {
     findings_->Add(t, "lockstep",
                    "a schedule names decision {} at tick {}, where none or another is due", d,
                    message.tick);
@@ -328,10 +332,7 @@ void Intake::TakeClearances(const clearances_t& message) {
   if (!HasOrders(message.tick)) return early_[message.tick].second.push_back(message);
   const std::int64_t t =
       heard_.scenario->TimeOf(std::clamp<std::int64_t>(message.tick, 0, 1 << 30));
-  const bool is_due =
-      stopped_ || (message.tick >= 0 && message.tick <= heard_.scenario->last_tick() &&
-                   heard_.scenario->DecisionAt(message.tick) == message.decision);
-  if (!heard_.scenario->separation || !is_due) {
+  if (!heard_.scenario->separation || !IsDue(message.decision, message.tick)) {
     findings_->Add(t, "separation", "altitudes of decision {} at tick {}, where none are due",
                    message.decision, message.tick);
     return;

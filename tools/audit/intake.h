@@ -111,6 +111,8 @@ class Intake {
   void TakeClearances(const clearances_t& message);
   void TakeOrders(orders_t message);
   bool HasOrders(std::int64_t tick) const;
+  /// Whether that decision is made at that tick, as far as it is known.
+  bool IsDue(std::int32_t decision, std::int64_t tick) const;
   void TakeSchedule(const schedule_t& message);
   /// Null if the tick is impossible or has been checked.
   TickFacts* FactsOf(std::int64_t tick);
