@@ -125,6 +125,7 @@ enum class FaultKind : std::int8_t {
   kDiskFull = 10,
   kForeign = 11,
   kRoadClosed = 12,
+  kZoneUnknown = 13,
 };
 
 /// process_status_t.state
@@ -195,10 +196,10 @@ inline constexpr std::array<std::string_view, 29> kNames<EventKind> = {
     "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",    "driver_failed",
     "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ"};
 template <>
-inline constexpr std::array<std::string_view, 13> kNames<FaultKind> = {
+inline constexpr std::array<std::string_view, 14> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",
     "loss",        "duplication",  "delay",          "reordering",      "corruption",
-    "disk_full",   "foreign",      "road_closed"};
+    "disk_full",   "foreign",      "road_closed",    "zone_unknown"};
 template <>
 inline constexpr std::array<std::string_view, 6> kNames<ProcessState> = {
     "starting", "ready", "running", "degraded", "ended", "deciding"};

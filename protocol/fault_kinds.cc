@@ -81,6 +81,7 @@ constexpr std::array<FaultRow, kNames<FaultKind>.size()> kRows = {{
      .kills = true},
     {.kind = FaultKind::kForeign, .target = FaultTarget::kEverybody},
     {.kind = FaultKind::kRoadClosed, .target = FaultTarget::kRoads, .effect = "roads closed"},
+    {.kind = FaultKind::kZoneUnknown, .target = FaultTarget::kAir, .effect = "zone in force"},
 }};
 
 static_assert([] {

@@ -17,6 +17,7 @@ enum class FaultTarget {
   kEverybody,  ///< "*"
   kLog,        ///< the process that writes the log
   kRoads,      ///< "2.5/3/0.4": the roads in a circle, as its centre and radius in km
+  kAir,        ///< "2.5/3/0.4": a circle, the same, that UAVs are to keep out of
 };
 
 /// All that is particular to one kind of fault. Its name is in lcmtypes/words.h.
@@ -48,8 +49,12 @@ struct FaultRow {
   std::int64_t PacketFaultCounters::*hits = nullptr;
 
   constexpr bool of_agents() const { return target == FaultTarget::kAgent; }
+  /// It changes where agents can travel.
+  constexpr bool of_ways() const {
+    return target == FaultTarget::kRoads || target == FaultTarget::kAir;
+  }
   /// In mission time, and the world says so.
-  constexpr bool by_world() const { return of_agents() || target == FaultTarget::kRoads; }
+  constexpr bool by_world() const { return of_agents() || of_ways(); }
   /// Each process that it concerns sees it in the packets that it receives, and confirms it.
   constexpr bool of_packets() const {
     return target == FaultTarget::kSides || target == FaultTarget::kReceivers ||

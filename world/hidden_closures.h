@@ -1,23 +1,30 @@
 #pragma once
 
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "lcmtypes/words.h"
 #include "model/action.h"
 #include "model/road_area.h"
 #include "model/scenario.h"
+#include "model/zone.h"
 #include "world/referee.h"
 
 namespace muster::world {
 
-/// Roads that a fault closes for some time. Nobody knows until an agent stands before them, or
-/// somebody tells (kToldAfterUs). The world then closes them by an order.
+/// Roads that a fault closes, or a zone that it makes, for some time. Nobody knows until an agent
+/// comes there, or somebody tells (kToldAfterUs). The world then says so by an order.
 struct HiddenClosure {
-  RoadArea area;
+  std::variant<RoadArea, Zone> of;
   TimeUs from_us = 0;
   TimeUs until_us = kNever;
   std::string fault;  ///< its id
 };
+
+/// That of a fault on roads or air in a circle.
+HiddenClosure HiddenIn(FaultKind kind, const RoadArea& circle, TimeUs from_us, TimeUs until_us,
+                       std::string fault);
 
 /// What faults do in the world.
 struct WorldFaults {
@@ -27,6 +34,9 @@ struct WorldFaults {
 
 inline constexpr TimeUs kToldAfterUs = 10 * kMinuteUs;
 
+/// Whether the scenario has such ways at all.
+bool IsPossible(const HiddenClosure& closure, const Scenario& scenario);
+
 /// The commands that the agents have been given at that time.
 struct Commands {
   const std::vector<Action>& actions;
@@ -34,13 +44,13 @@ struct Commands {
   TimeUs at_us = 0;
 };
 
-/// Whether it is known at t that those roads are closed. `agents`: as they were judged to be when
-/// the commands were given.
+/// Whether those roads are known to be closed at t, or that zone to be one. `agents`: as they were
+/// judged to be when the commands were given.
 bool IsToldOrMet(const HiddenClosure& closure, TimeUs t, const Scenario& scenario,
                  const Agents& agents, const Commands& commands);
 
 std::string OrderIdOf(const HiddenClosure& closure);
-/// The order, as JSON.
-std::string OrderToClose(const HiddenClosure& closure, TimeUs t, const Rules& rules);
+/// The order by which it becomes known, as JSON.
+std::string OrderOf(const HiddenClosure& closure, TimeUs t, const Rules& rules);
 
 }  // namespace muster::world

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "model/agent.h"
 #include "model/scenario_json.h"
+#include "protocol/fault_kinds.h"
 #include "protocol/run_process.h"
 #include "world/world_process.h"
 
@@ -37,16 +38,21 @@ Outage ReadOutage(const std::string& text) {
   throw InputError("command line", "--outage", text, "CLASS:ID:FROM_US:UNTIL_US:FAULT");
 }
 
-/// "2.5/3/0.4:600000000:1200000000:f1"
+constexpr const char* kClosureForm = "KIND:X_KM/Y_KM/RADIUS_KM:FROM_US:UNTIL_US:FAULT";
+
+/// "road_closed:2.5/3/0.4:600000000:1200000000:f1"
 HiddenClosure ReadHiddenClosure(const std::string& text) {
   const std::vector<std::string> parts = Split(text, ':');
-  if (parts.size() == 4 && !parts[3].empty()) {
-    const auto area = CircleFrom(parts[0]);
-    const auto from_us = ToInteger(parts[1]);
-    const auto until_us = ToInteger(parts[2], from_us.value_or(0) + 1);
-    if (area && from_us && until_us) return {*area, *from_us, *until_us, parts[3]};
+  if (parts.size() == 5 && !parts[4].empty()) {
+    const auto kind = FromString<FaultKind>(parts[0]);
+    const auto area = CircleFrom(parts[1]);
+    const auto from_us = ToInteger(parts[2]);
+    const auto until_us = ToInteger(parts[3], from_us.value_or(0) + 1);
+    if (kind && RowOf(*kind).of_ways() && area && from_us && until_us) {
+      return HiddenIn(*kind, *area, *from_us, *until_us, parts[4]);
+    }
   }
-  throw InputError("command line", "--closure", text, "X_KM/Y_KM/RADIUS_KM:FROM_US:UNTIL_US:FAULT");
+  throw InputError("command line", "--closure", text, kClosureForm);
 }
 
 int Main(int argc, char** argv) {
@@ -73,8 +79,9 @@ int Main(int argc, char** argv) {
            "The fault of that name lets an agent fail in [FROM, UNTIL)")
       .Repeated();
   options
-      .Add("closure", "X_KM/Y_KM/RADIUS_KM:FROM_US:UNTIL_US:FAULT",
-           "The fault of that name closes the roads in a circle in [FROM, UNTIL)")
+      .Add("closure", kClosureForm,
+           "The fault of that name closes the roads in a circle in [FROM, UNTIL), or makes the "
+           "circle a zone; KIND is road_closed or zone_unknown")
       .Repeated();
   options
       .Add("window-bytes", "N",

@@ -81,9 +81,10 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText
     }
     referee_.Add(outage);
   }
-  if (!options.faults.closures.empty() && scenario_.roads == nullptr) {
-    throw InputError("command line", "--closure", options.faults.closures.front().fault,
-                     "a scenario with roads");
+  for (const HiddenClosure& closure : options.faults.closures) {
+    if (IsPossible(closure, scenario_)) continue;
+    throw InputError("command line", "--closure", closure.fault,
+                     "a scenario with roads, or with the key air for zone_unknown");
   }
 }
 
@@ -238,7 +239,7 @@ void WorldProcess::Answer(const request_t& request, const Now& now) {
 }
 
 void WorldProcess::FindClosures() {
-  if (scenario_.roads == nullptr || desk_.book().complete(clock_.tick())) return;
+  if (options_.faults.closures.empty() || desk_.book().complete(clock_.tick())) return;
   const std::int64_t last_tick = clock_.tick() - 1;
   const Commands commands{commanded_, clock_.required_decision(), clock_.TimeOf(last_tick)};
   static const std::vector<Action> kNone;
@@ -250,7 +251,7 @@ void WorldProcess::FindClosures() {
                      schedule_tick_ == last_tick ? commands : none)) {
       continue;
     }
-    desk_.Give(id, OrderToClose(closure, clock_.sim_us(), scenario_.rules));
+    desk_.Give(id, OrderOf(closure, clock_.sim_us(), scenario_.rules));
   }
 }
 

@@ -102,7 +102,7 @@ class WorldProcess : public Process {
   void TakeOrders(const Now& now);
   /// Closes by order the roads of which it becomes known at the tick that they are closed.
   void FindClosures();
-  /// Confirms the faults that close roads or end since the last tick.
+  /// Confirms the faults that close roads, or make a zone, or end since the last tick.
   void SayOfClosures(const Now& now);
   void Judge(const Now& now);
   void PublishEvents(const Now& now);

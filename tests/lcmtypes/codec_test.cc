@@ -326,7 +326,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail = "\xc3"; }));
   EXPECT_FALSE(ValidAfter<process_status_t>([](process_status_t& m) { m.host = "\xff"; }));
   EXPECT_FALSE(ValidAfter<schedule_t>([](schedule_t& m) { m.policy = "\xed\xa0\x80"; }));
-  EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.kind = 13; }));
+  EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.kind = 14; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.probability = kNan; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.probability = 1.5; }));
   EXPECT_FALSE(ValidAfter<fault_t>([](fault_t& m) { m.for_us = -1; }));

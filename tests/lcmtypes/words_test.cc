@@ -23,7 +23,7 @@ void ForEachWord(Visit visit) {
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
   visit(EventKind::kDecisionsDiffer, "`event_t.kind`");
-  visit(FaultKind::kRoadClosed, "`fault_t.kind`");
+  visit(FaultKind::kZoneUnknown, "`fault_t.kind`");
   visit(ProcessState::kDeciding, "`process_status_t.state`");
 }
 

@@ -104,7 +104,7 @@ class HiddenClosureTest : public ::testing::Test {
 
   const Scenario scenario_ = OnTheBlock();
   /// Of the street that begins after 400 m.
-  HiddenClosure closure_{{RoadArea::Ids{{11}}}, 350 * kSecondUs, kNever, "f"};
+  HiddenClosure closure_{RoadArea{RoadArea::Ids{{11}}}, 350 * kSecondUs, kNever, "f"};
   Action action_;
 };
 
@@ -120,7 +120,7 @@ TEST_F(HiddenClosureTest, IsKnownWhenAnAgentStandsBeforeIt) {
 }
 
 TEST_F(HiddenClosureTest, IsToldAfterAWhileAndNotWhenItIsOver) {
-  closure_.area = {RoadArea::Ids{{20}}};  // nobody comes there
+  closure_.of = RoadArea{RoadArea::Ids{{20}}};  // nobody comes there
   EXPECT_FALSE(IsKnown(closure_.from_us + kToldAfterUs - 1));
   EXPECT_TRUE(IsKnown(closure_.from_us + kToldAfterUs));
   closure_.until_us = closure_.from_us + kToldAfterUs;
@@ -130,7 +130,7 @@ TEST_F(HiddenClosureTest, IsToldAfterAWhileAndNotWhenItIsOver) {
 TEST_F(HiddenClosureTest, ItsOrderSaysSinceWhenWithinTheLastTick) {
   closure_.until_us = 600 * kSecondUs;
   const auto order_at = [&](TimeUs t) {
-    Order order = ParseOrder(OrderToClose(closure_, t, scenario_.rules), "order");
+    Order order = ParseOrder(OrderOf(closure_, t, scenario_.rules), "order");
     order.id = OrderIdOf(closure_);
     Scenario scenario = scenario_;
     TakeInto(&scenario, order, t);  // is possible

@@ -178,7 +178,7 @@ ClosedMission WithClosedRoads(const Scenario& scenario, const std::vector<Closed
   if (!known) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       mission.hidden.push_back(
-          {{places[i].circle}, places[i].from_us, kNever, fmt::format("closed{}", i)});
+          {RoadArea{places[i].circle}, places[i].from_us, kNever, fmt::format("closed{}", i)});
     }
     return mission;
   }

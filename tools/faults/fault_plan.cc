@@ -8,12 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <variant>
 
 #include "base/check.h"
 #include "base/object_reader.h"
 #include "base/text.h"
 #include "base/text_file.h"
 #include "model/agent.h"
+#include "model/airspace.h"
+#include "model/road_area.h"
 #include "protocol/fault_kinds.h"
 
 namespace muster::tools {
@@ -76,7 +79,7 @@ void CheckShape(const PlannedFault& fault) {
   const FaultRow& row = RowOf(fault.kind);
   if (row.by_world() && fault.for_real_us > 0) {
     Refuse(fault, "for_s", fmt::format("{}", ToSeconds(fault.for_real_us)),
-           "for_min: agents fail and roads are closed in mission time");
+           "for_min: agents fail, roads are closed and zones hold in mission time");
   }
   if ((row.must_end || Deafens(fault)) && fault.for_real_us == 0 && fault.for_us == 0) {
     Refuse(fault, row.of_agents() ? "for_min" : "for_s", "nothing",
@@ -225,6 +228,12 @@ PlannedFault ParseFaultFlag(const std::string& text, std::size_t number) {
 
 namespace {
 
+bool IsZoneIn(const Scenario& scenario, const RoadArea& area) {
+  const auto& circle = std::get<RoadArea::Circle>(area.of);
+  const Airspace::Extent extent{scenario.width_m, scenario.height_m};
+  return circle.radius_m >= 1 && extent.Contains(circle.centre);
+}
+
 /// Whether faults of that kind can hit what it names.
 void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& names,
                  const Scenario& scenario, bool recorder_writes) {
@@ -256,6 +265,15 @@ void CheckTarget(const PlannedFault& fault, const std::vector<std::string>& name
       const auto area = CircleFrom(target);
       if (!area || scenario.roads == nullptr || RoadsIn(*scenario.roads->network, *area).empty()) {
         RefuseTarget(fault, "X_KM/Y_KM/RADIUS_KM, a circle with roads of the scenario,");
+      }
+      return;
+    }
+    case FaultTarget::kAir: {
+      const auto area = CircleFrom(target);
+      if (!area || scenario.air == nullptr || !IsZoneIn(scenario, *area)) {
+        RefuseTarget(fault,
+                     "X_KM/Y_KM/RADIUS_KM, a circle of at least 0.001 km around a place in the "
+                     "area of a scenario with the key air,");
       }
       return;
     }
@@ -374,7 +392,8 @@ std::vector<std::string> WorldOptionsOf(const FaultPlan& plan) {
     const FaultRow& row = RowOf(fault.kind);
     if (!row.by_world()) continue;
     options.emplace_back(row.of_agents() ? "--outage" : "--closure");
-    options.push_back(fmt::format("{}:{}:{}:{}", fault.target, fault.at_us,
+    const std::string kind = row.of_agents() ? "" : fmt::format("{}:", ToString(fault.kind));
+    options.push_back(fmt::format("{}{}:{}:{}:{}", kind, fault.target, fault.at_us,
                                   fault.for_us > 0 ? fault.at_us + fault.for_us : kNever,
                                   fault.id));
   }

@@ -62,7 +62,7 @@ fault_t ToWire(const PlannedFault& fault);
 /// The plan as a plan file; expectations are left out.
 std::string ToJson(const FaultPlan& plan);
 
-/// The options by which muster-world is told of the plan's failing agents and closed roads.
+/// The options by which muster-world is told of the plan's failing agents, closed roads and zones.
 std::vector<std::string> WorldOptionsOf(const FaultPlan& plan);
 
 }  // namespace muster::tools

@@ -72,6 +72,12 @@ bool DrawTarget(const Draws& draws, const Scenario& scenario, const RandomPlanSe
       fault->for_us = draws.minutes;
       return true;
     }
+    case FaultTarget::kAir:
+      if (scenario.air == nullptr) return false;
+      fault->target = fmt::format("{:.6f}/{:.6f}/{}", random->Uniform() * scenario.width_m / 1000,
+                                  random->Uniform() * scenario.height_m / 1000, draws.share);
+      fault->for_us = draws.minutes;
+      return true;
     case FaultTarget::kProcess:
       fault->target = member(draws.member);
       hold();
@@ -105,7 +111,7 @@ std::vector<FaultKind> AllSurvivableKinds() {
   std::vector<FaultKind> kinds;
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    if (!RowOf(kind).damages && RowOf(kind).target != FaultTarget::kRoads) kinds.push_back(kind);
+    if (!RowOf(kind).damages && !RowOf(kind).of_ways()) kinds.push_back(kind);
   }
   return kinds;
 }

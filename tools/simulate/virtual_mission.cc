@@ -34,13 +34,14 @@ using simulation::VirtualProcess;
 constexpr std::int64_t kRunId = 1;
 constexpr TimeUs kPatienceUs = 30 * kMinuteUs;
 
-/// The plan's failing agents and closed roads, as the world takes them.
+/// The plan's failing agents, closed roads and zones, as the world takes them.
 world::WorldFaults WorldFaultsIn(const FaultPlan& plan) {
   world::WorldFaults faults;
   for (const PlannedFault& fault : plan) {
     const TimeUs until_us = fault.for_us > 0 ? fault.at_us + fault.for_us : kNever;
-    if (RowOf(fault.kind).target == FaultTarget::kRoads) {
-      faults.closures.push_back({*CircleFrom(fault.target), fault.at_us, until_us, fault.id});
+    if (RowOf(fault.kind).of_ways()) {
+      faults.closures.push_back(
+          world::HiddenIn(fault.kind, *CircleFrom(fault.target), fault.at_us, until_us, fault.id));
     }
     if (!RowOf(fault.kind).of_agents()) continue;
     world::Outage& outage = faults.outages.emplace_back();

@@ -193,6 +193,7 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   if (hosts) DrawHosts(seed, mission);
   if (settings.extras.contains(Extra::kClocks)) DrawClocks(seed, mission);
   if (settings.extras.contains(Extra::kDecisions)) DrawDecisions(seed, mission);
+  if (settings.extras.contains(Extra::kLateZones)) DrawLateZones(seed, mission);
 }
 
 /// A log in memory.

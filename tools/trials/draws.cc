@@ -249,6 +249,24 @@ void DrawZones(Random* random, VirtualMission* mission) {
   }
 }
 
+void DrawLateZones(std::uint64_t seed, VirtualMission* mission) {
+  const Scenario& scenario = mission->scenario;
+  if (scenario.air == nullptr) return;
+  Random random(seed, Stream::kSoak, 11);
+  const auto minute = [&] { return random.Below(LastMinute(scenario)) * kMinuteUs; };
+  const double radius_km = std::min(scenario.width_m, scenario.height_m) / 1e4;
+  for (std::uint32_t n = random.Below(4); n > 0; --n) {
+    PlannedFault& fault = mission->faults.emplace_back();
+    fault.id = fmt::format("zone{}", n);
+    fault.kind = FaultKind::kZoneUnknown;
+    fault.target = fmt::format("{:.3f}/{:.3f}/{:.3f}", random.Uniform() * scenario.width_m / 1000,
+                               random.Uniform() * scenario.height_m / 1000,
+                               0.01 + radius_km * random.Uniform());
+    fault.at_us = minute() + random.Below(60) * kSecondUs;
+    if (random.Below(2) == 0) fault.for_us = 5 * kMinuteUs + minute();
+  }
+}
+
 void DrawStreets(std::uint64_t seed, Scenario* scenario) {
   const double extent_m = std::max(scenario->width_m, scenario->height_m);
   ScenarioRoads roads;

@@ -20,6 +20,9 @@ void DrawClosures(Random* random, VirtualMission* mission);
 /// Zones: concave, touching, with holes; for the whole mission, for a time, by order, lifted.
 void DrawZones(Random* random, VirtualMission* mission);
 
+/// Zones of which nobody knows at first, where the scenario has zones or takes them.
+void DrawLateZones(std::uint64_t seed, VirtualMission* mission);
+
 /// Streets for people and vehicles. Some agents never leave them, others cross open ground.
 void DrawStreets(std::uint64_t seed, Scenario* scenario);
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <variant>
 #include <vector>
 
 #include "base/check.h"
@@ -92,7 +93,7 @@ TEST(RoadsSuite, KnownAndUnknownCloseTheSameRoads) {
     const world::HiddenClosure& hidden = unknown.hidden[i];
     EXPECT_EQ(planned.from_us, hidden.from_us);
     EXPECT_EQ(planned.until_us, hidden.until_us);
-    EXPECT_EQ(RoadAreaToJson(planned.area), RoadAreaToJson(hidden.area));
+    EXPECT_EQ(RoadAreaToJson(planned.area), RoadAreaToJson(std::get<RoadArea>(hidden.of)));
     faults.insert(hidden.fault);
   }
   EXPECT_EQ(faults.size(), places.size());

@@ -1,5 +1,6 @@
 #include "tools/faults/fault_plan.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/check.h"
@@ -33,16 +34,37 @@ TEST(FaultPlan, RefusesANumberThatNoDoubleHolds) {
       "'2e2232')");
 }
 
+/// What is said against a mission of that scenario with that fault; "": nothing.
+std::string ErrorWith(const char* flag, const Scenario& scenario) {
+  try {
+    FaultPlan plan = {ParseFaultFlag(flag, 0)};
+    CheckFaultPlan(&plan, kProcesses, scenario, false);
+  } catch (const InputError& refused) {
+    return refused.what();
+  }
+  return "";
+}
+
+TEST(FaultPlan, MakesZonesInTheArea) {
+  Scenario scenario = TwoUavs();
+  EXPECT_NE(ErrorWith("zone_unknown:1/1/0.5@10", scenario).find("the key air"), std::string::npos);
+  scenario.width_m = scenario.height_m = 3000;
+  UseAir({}, &scenario);
+  EXPECT_EQ(ErrorWith("zone_unknown:1/1/0.5@10+20", scenario), "");
+  for (const char* flag : {"zone_unknown:1/1@10", "zone_unknown:1/1/0.0009@10",
+                           "zone_unknown:-1/1/3@10", "zone_unknown:1/999/3@10"}) {
+    EXPECT_NE(ErrorWith(flag, scenario).find("a circle of at least 0.001 km"), std::string::npos)
+        << flag;
+  }
+  EXPECT_NE(ErrorWith("zone_unknown:1/1/0.5@10+2s", scenario).find("mission time"),
+            std::string::npos);
+  EXPECT_EQ(WorldOptionsOf({ParseFaultFlag("zone_unknown:1/1/0.5@10", 3)}),
+            (std::vector<std::string>{
+                "--closure", fmt::format("zone_unknown:1/1/0.5:600000000:{}:flag3", kNever)}));
+}
+
 TEST(FaultPlan, ClosesRoadsThatThereAre) {
-  const auto error = [](const char* flag, const Scenario& scenario) -> std::string {
-    try {
-      FaultPlan plan = {ParseFaultFlag(flag, 0)};
-      CheckFaultPlan(&plan, kProcesses, scenario, false);
-    } catch (const InputError& refused) {
-      return refused.what();
-    }
-    return "";
-  };
+  const auto error = &ErrorWith;
   Scenario block = testing::OnTheBlock();
   block.rules.limit_us = 60 * kMinuteUs;
   EXPECT_EQ(error("road_closed:0.4/0/0.1@10+20", block), "");
@@ -54,8 +76,9 @@ TEST(FaultPlan, ClosesRoadsThatThereAre) {
   }
   EXPECT_NE(error("road_closed:0.4/0/0.1@10+2s", block).find("mission time"), std::string::npos);
   EXPECT_NE(error("road_closed:0.4/0/0.1@10", TwoUavs()).find("with roads"), std::string::npos);
-  EXPECT_EQ(WorldOptionsOf({ParseFaultFlag("road_closed:0.4/0/0.1@10+20", 3)}),
-            (std::vector<std::string>{"--closure", "0.4/0/0.1:600000000:1800000000:flag3"}));
+  EXPECT_EQ(
+      WorldOptionsOf({ParseFaultFlag("road_closed:0.4/0/0.1@10+20", 3)}),
+      (std::vector<std::string>{"--closure", "road_closed:0.4/0/0.1:600000000:1800000000:flag3"}));
 }
 
 TEST(FaultPlan, KnowsWhatWhomWhenAndHowLong) {

@@ -58,14 +58,18 @@ TEST(RandomPlan, DrawsWhatAPlanFileMayHold) {
   const Scenario scenario = Generate(PresetByName("Random_1"), 1);
   Scenario with_roads = testing::OnTheBlock();
   with_roads.rules.limit_us = scenario.rules.limit_us;
+  Scenario with_air = scenario;
+  UseAir({}, &with_air);
   for (std::size_t i = 0; i < kNames<FaultKind>.size(); ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    const Scenario& of = kind == FaultKind::kRoadClosed ? with_roads : scenario;
+    const Scenario& of = kind == FaultKind::kRoadClosed    ? with_roads
+                         : kind == FaultKind::kZoneUnknown ? with_air
+                                                           : scenario;
     FaultPlan plan =
         DrawPlan(of, {.seed = 3, .rate_per_hour = 30, .kinds = {kind}, .goes_on = true});
     EXPECT_FALSE(plan.empty()) << ToString(kind);
     EXPECT_EQ(ParseFaultPlan(ToJson(plan), "plan").size(), plan.size()) << ToString(kind);
-    if (kind == FaultKind::kRoadClosed) {
+    if (RowOf(kind).of_ways()) {
       EXPECT_NO_THROW(CheckFaultPlan(&plan, {}, of, true));
     }
   }

@@ -2,6 +2,7 @@
 // decisions is made again.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 
 #include "lcmtypes/bus/codec.h"
@@ -70,6 +71,38 @@ TEST(AirMissions, AZoneThatUavsDoNotKeepOutOfIsFound) {
   }
   EXPECT_EQ(zones, 6);
   EXPECT_GE(found, 5);
+}
+
+/// The world tells of it when a UAV comes there, or after ten minutes.
+TEST(AirMissions, AZoneThatNobodyKnowsOfBecomesAnOrder) {
+  VirtualMission mission = RoadMission("certified", 4);
+  mission.scenario.roads = nullptr;
+  mission.scenario.ways = DefaultWays();
+  UseAir({}, &mission.scenario);
+  const auto add = [&](const char* id, const char* circle) {
+    PlannedFault& fault = mission.faults.emplace_back();
+    fault.id = id;
+    fault.kind = FaultKind::kZoneUnknown;
+    fault.target = circle;
+    fault.at_us = 20 * kMinuteUs;
+  };
+  add("busy", "7/7/4");
+  add("lonely", "0.002/0.002/0.001");
+  for (const std::string& finding : FindingsOf(mission)) ADD_FAILURE() << finding;
+
+  std::map<std::string, double> told_min;
+  mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
+    const auto orders = DecodeValid<orders_t>(event.packet->bytes);
+    if (event.packet->channel != channel::kOrders || !orders) return;
+    for (const taken_order_t& taken : orders->taken) {
+      told_min[taken.id] = ToMinutes(mission.scenario.rules.TimeOf(orders->tick));
+    }
+  };
+  RunVirtualMission(mission);
+  ASSERT_EQ(told_min.count("fault:busy"), 1);
+  EXPECT_GE(told_min["fault:busy"], 20);
+  EXPECT_LT(told_min["fault:busy"], 25);
+  EXPECT_EQ(told_min["fault:lonely"], 30);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -43,7 +44,7 @@ int KillsTogether(const FaultPlan& plan) {
 }
 
 TEST(Campaign, DrawsAllThatMissionsMayHaveBesides) {
-  int roads = 0, zones = 0, orders = 0, measured = 0, hosts = 0, clocks = 0;
+  int roads = 0, zones = 0, orders = 0, measured = 0, hosts = 0, clocks = 0, late = 0;
   CampaignSettings plain, without_hosts;
   plain.extras.clear();
   without_hosts.extras.erase(Extra::kHosts);
@@ -54,13 +55,16 @@ TEST(Campaign, DrawsAllThatMissionsMayHaveBesides) {
     orders += !mission.orders.empty();
     measured += mission.drivers != nullptr;
     clocks += !mission.clock_jumps.empty();
+    late += std::any_of(
+        mission.faults.begin(), mission.faults.end(),
+        [](const PlannedFault& fault) { return fault.kind == FaultKind::kZoneUnknown; });
     hosts += KillsTogether(mission.faults) > KillsTogether(DrawMission(without_hosts, seed).faults);
     const VirtualMission without = DrawMission(plain, seed);
     EXPECT_TRUE(!without.scenario.roads && !without.scenario.air && without.orders.empty() &&
                 !without.drivers && without.clock_jumps.empty());
     EXPECT_EQ(without.policy, mission.policy);
   }
-  for (const int n : {roads, zones, orders, measured, clocks}) EXPECT_GT(n, 8);
+  for (const int n : {roads, zones, orders, measured, clocks, late}) EXPECT_GT(n, 8);
   EXPECT_GT(hosts, 4);
 }
 
@@ -119,6 +123,8 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
   // measured agent that is cut off, whose driver knows a shorter way (888396).
   const std::set<Extra> all = {Extra::kRoads,    Extra::kZones, Extra::kOrders,
                                Extra::kMeasured, Extra::kHosts, Extra::kClocks};
+  std::set<Extra> with_decisions = all;
+  with_decisions.insert(Extra::kDecisions);
   const std::map<std::set<Extra>, std::vector<std::uint64_t>> seeds = {
       {all,
        {200007, 201417, 202023, 300564, 200202, 202354, 301297, 201503, 300069, 200826, 300369,
@@ -126,7 +132,7 @@ TEST(Campaign, SeedsWithExtrasThatOnceBrokeAPromise) {
         402299, 401598, 402620, 402648, 403001, 310539, 401969, 403235, 403350, 404278, 405005,
         408742, 500643, 501531, 502718, 600921, 602058, 603588, 605015, 605396, 607486, 632604,
         633956, 701053, 712847, 724134, 729187, 734630, 735390, 753481, 771475, 775748, 775824}},
-      {CampaignSettings().extras,
+      {with_decisions,
        {771160, 791614, 793212, 793592, 794085, 794372, 800098, 802892, 804995, 811536,
         813034, 815600, 829374, 833433, 844014, 850815, 865351, 867619, 870374, 888396}},
       {{Extra::kOrders}, {24, 54, 122, 140}},
