@@ -28,6 +28,7 @@ enum class AgentStatus : std::int8_t {
   kSensing = 4,
   kCharging = 5,
   kFailed = 6,
+  kNotReady = 7,  ///< its driver says that it cannot set out yet
 };
 
 /// action_t.kind, agent_t.action: the nine node types of the conflict graph (paper section 4.1.1)
@@ -108,6 +109,7 @@ enum class EventKind : std::int8_t {
   kDirectiveUnkept = 26,  ///< the commander's word that a decision could not keep, and why
   kActionWithheld = 27,   ///< a UAV stays, as no altitude is free for what it was to do
   kDecisionsDiffer = 28,  ///< schedulers of a mission do not agree on a decision
+  kDriverWaits = 29,      ///< what the driver of an agent that is not ready waits for
 };
 
 /// fault_t.kind. Each has a row in protocol/fault_kinds.cc.
@@ -172,8 +174,8 @@ inline constexpr std::array<std::string_view, 0> kNames = {};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<AgentKind> = {"uav", "worker", "vehicle"};
 template <>
-inline constexpr std::array<std::string_view, 7> kNames<AgentStatus> = {
-    "offline", "idle", "moving", "waiting", "sensing", "charging", "failed"};
+inline constexpr std::array<std::string_view, 8> kNames<AgentStatus> = {
+    "offline", "idle", "moving", "waiting", "sensing", "charging", "failed", "not_ready"};
 template <>
 inline constexpr std::array<std::string_view, 10> kNames<ActionKind> = {
     "Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"};
@@ -188,13 +190,13 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 29> kNames<EventKind> = {
-    "agent_online",  "agent_offline",    "agent_failed",     "agent_back",      "sensing_started",
-    "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",   "charging_aborted",
-    "match_failed",  "process_lost",     "process_back",     "fault_applied",   "fault_ended",
-    "task_reported", "task_expired",     "answer_refused",   "task_cancelled",  "task_held",
-    "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",    "driver_failed",
-    "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ"};
+inline constexpr std::array<std::string_view, 30> kNames<EventKind> = {
+    "agent_online",  "agent_offline",    "agent_failed",     "agent_back",       "sensing_started",
+    "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",    "charging_aborted",
+    "match_failed",  "process_lost",     "process_back",     "fault_applied",    "fault_ended",
+    "task_reported", "task_expired",     "answer_refused",   "task_cancelled",   "task_held",
+    "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",     "driver_failed",
+    "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ", "driver_waits"};
 template <>
 inline constexpr std::array<std::string_view, 14> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",

@@ -212,6 +212,7 @@ AgentStatus StatusAt(const AgentState& agent, TimeUs t) {
   if (agent.busy_until_us <= t) {
     return agent.online(t) ? AgentStatus::kIdle : AgentStatus::kOffline;
   }
+  if (agent.not_ready()) return AgentStatus::kNotReady;
   if (t < agent.arrive_us) return AgentStatus::kMoving;
   if (!agent.activity || t < agent.activity->start_us) return AgentStatus::kWaiting;
   return agent.activity->kind == Activity::Kind::kSensing ? AgentStatus::kSensing

@@ -85,8 +85,9 @@ struct AgentState {
   ActionKind action = ActionKind::kNone;  ///< under way; kNone when free
   std::int32_t target = -1;  ///< task or charging point of the action; of kGoTo: its numbered stop
   std::int32_t partner = -1;
-  std::int32_t decision = -1;        ///< that commanded the last action
-  TimeUs busy_until_us = 0;          ///< kNever while a pair's activity is not known yet
+  std::int32_t decision = -1;  ///< that commanded the last action
+  /// kNever while a pair's activity is not known yet, and of an agent that is not ready.
+  TimeUs busy_until_us = 0;
   std::optional<Activity> activity;  ///< of the action under way, once known
   bool failed = false;
   std::optional<Measured> measured;  ///< none: it does what is computed
@@ -96,6 +97,10 @@ struct AgentState {
   bool is_vacant() const { return online_until_us == 0; }
   /// May be scheduled at t: online, not failed, nothing under way.
   bool idle(TimeUs t) const { return online(t) && !failed && busy_until_us <= t; }
+  /// Its driver says that it cannot set out yet: nobody plans with it.
+  bool not_ready() const {
+    return action == ActionKind::kNone && busy_until_us == kNever && !failed;
+  }
   /// The task or charging point of the action; -1: it has none.
   std::int32_t site() const { return action == ActionKind::kGoTo ? -1 : target; }
   WaysOf own_ways() const { return {ways, kind}; }

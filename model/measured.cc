@@ -126,7 +126,8 @@ void Stands(AgentState* agent, const MeasuredReport& report, std::span<const Tas
     agent->range_at_departure_m = report.range_m.value_or(std::max(0.0, range - way));
   }
   agent->from = agent->to = report.at;
-  agent->depart_us = agent->arrive_us = agent->busy_until_us = report.at_us;
+  agent->depart_us = agent->arrive_us = report.at_us;
+  if (!agent->not_ready()) agent->busy_until_us = report.at_us;
 }
 
 /// A report of an agent that is where it was sent: only the range counts, until sensing or charging
@@ -235,9 +236,16 @@ std::string ApplyReport(AgentState* agent, const MeasuredReport& report, TimeUs 
       return ApplyArrived(agent, report, t);
     case Kind::kDone:
       return ApplyDone(agent, report, t, tasks);
-    default:
+    case Kind::kNotReady:
+      if (agent->idle(t)) agent->busy_until_us = kNever;
+      return {};
+    case Kind::kReady:
+      if (agent->not_ready()) agent->busy_until_us = t;
+      return {};
+    case Kind::kFailed:
       return {};
   }
+  return {};
 }
 
 void HasArrived(AgentState* agent, TimeUs at_us) {
@@ -258,7 +266,10 @@ void HasNotBegun(AgentState* agent) {
 }
 
 void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
-  if (!agent->measured || agent->failed || agent->action == ActionKind::kNone) return;
+  if (!agent->measured || agent->failed) return;
+  // When its time is over it is not waited for any more.
+  if (agent->not_ready() && !agent->online(t)) agent->busy_until_us = t;
+  if (agent->action == ActionKind::kNone) return;
   if (IsOnItsWay(*agent)) {
     if (agent->arrive_us <= t) {
       // It is not behind the place that it has told last.

@@ -14,10 +14,12 @@ namespace muster {
 /// told.
 struct MeasuredReport {
   enum class Kind : std::int8_t {
-    kPlace,    ///< where it is, and perhaps when it expects to arrive
-    kArrived,  ///< it is where it was sent
-    kDone,     ///< its part of the sensing or charging is done
-    kFailed,   ///< it cannot go on
+    kPlace,     ///< where it is, and perhaps when it expects to arrive
+    kArrived,   ///< it is where it was sent
+    kDone,      ///< its part of the sensing or charging is done
+    kFailed,    ///< it cannot go on
+    kNotReady,  ///< it has nothing to do, and cannot set out yet
+    kReady,     ///< it can
   };
   AgentKind agent_kind = AgentKind::kUav;
   std::int32_t agent = -1;
@@ -27,7 +29,7 @@ struct MeasuredReport {
   Point at = {};                           ///< kPlace
   std::optional<double> range_m = {};      ///< kPlace, kDone of a UAV; none: as computed
   std::optional<TimeUs> expected_us = {};  ///< kPlace: arrival; none: at full speed from there
-  std::string reason = {};                 ///< kFailed
+  std::string reason = {};                 ///< kFailed, kNotReady
 };
 
 /// What is told, and what was expected, differ by less than so long a time, or the way of so long a

@@ -63,7 +63,7 @@ WorldProcess::WorldProcess(const Identity& identity, Window window, ScenarioText
       restoring_(scenario_, this->identity().run_id),
       recorder_ready_(!options.recorded),
       told_(ToldOf(desk_.book().scenario())),
-      driver_failures_(scenario_),
+      driver_words_(scenario_),
       repeat_(kRepeatUs, kLongestRepeatUs, kSecondUs),
       schedulers_(SchedulerNames(options.schedulers)),
       ballot_(schedulers_) {
@@ -102,7 +102,8 @@ void WorldProcess::OnMessage(const Message& message, const Packet& packet, const
       [&](const request_t& request) { Answer(request, now); },
       [&](const answer_t& answer) { Take(answer); },
       [&](const event_t& event) {
-        if (packet.channel == channel::kDriver) driver_failures_.Hear(event);
+        if (packet.channel != channel::kDriver || !driver_words_.Hear(event)) return;
+        sender().Send(channel::kEvent, event_t(event), clock_.sim_us(), now);
       },
       [&](const order_t& order) {
         if (!desk_.book().takes_orders() || wait_ == Wait::kRestore) return;
@@ -181,7 +182,7 @@ void WorldProcess::Take(const agent_states_t& states, const Packet* packet) {
     if (!attendance_.MayReport(kind, agent.id, states.header.sender)) return inbox().Reject();
   }
   const auto lacks_reason = [this](const AgentState& agent) {
-    return SaysToFail(agent) && driver_failures_.Awaits(agent);
+    return SaysToFail(agent) && driver_words_.Awaits(agent);
   };
   if (std::any_of(agents.begin(), agents.end(), lacks_reason)) return;
   bool news = false;
@@ -208,7 +209,7 @@ void WorldProcess::TakeIn(AgentState agent) {
                   agent.id,
                   clock_.sim_us(),
                   kNever,
-                  {FailureReason::Cause::kSaid, driver_failures_.Why(agent)}});
+                  {FailureReason::Cause::kSaid, driver_words_.WhyFailed(agent)}});
   }
   agents_.at(agent.kind, agent.id) = agent;
 }

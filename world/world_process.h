@@ -14,7 +14,7 @@
 #include "world/answer_time.h"
 #include "world/attendance.h"
 #include "world/ballot.h"
-#include "world/driver_failures.h"
+#include "world/driver_words.h"
 #include "world/handover.h"
 #include "world/hidden_closures.h"
 #include "world/mission_clock.h"
@@ -134,7 +134,7 @@ class WorldProcess : public Process {
   TimeUs recorder_heard_us_ = 0;
   Agents agents_;  ///< reports for the tick, then settled
   PerKind<ToldAgents> told_;
-  DriverFailures driver_failures_;
+  DriverWords driver_words_;
   bool has_news_ = false;  ///< somebody has reported since the last step
   PerKind<bool>
       base_lacks_{};  ///< changes for the tick rest on states that this process has not heard

@@ -427,6 +427,11 @@ void AgentProcess::ApplyReports() {
     AgentState& agent = Agent(report.agent);
     // Said before it knew of what it does now.
     if (report.kind == MeasuredReport::Kind::kPlace && IsOld(agent, report)) continue;
+    if (report.kind == MeasuredReport::Kind::kReady) waits_for_.erase(report.agent);
+    if (report.kind == MeasuredReport::Kind::kNotReady &&
+        std::exchange(waits_for_[report.agent], report.reason) != report.reason) {
+      unsaid_waits_.insert(report.agent);
+    }
     const std::string problem = report.kind == MeasuredReport::Kind::kFailed
                                     ? report.reason
                                     : ApplyReport(&agent, report, tick_us_, scenario()->tasks);
@@ -455,23 +460,30 @@ void AgentProcess::ReportTick(const Now& now) {
   says_whole_ = false;
 }
 
-void AgentProcess::SayFailures(const Now& now) {
+void AgentProcess::SayOfDriver(EventKind kind, std::int32_t id, const std::string& words,
+                               const Now& now) {
+  event_t event{};
+  event.kind = NumberOf(kind);
+  event.at_us = tick_us_;
+  event.uav_id = kind_ == AgentKind::kUav ? id : -1;
+  event.worker_id = kind_ == AgentKind::kWorker ? id : -1;
+  event.vehicle_id = kind_ == AgentKind::kVehicle ? id : -1;
+  event.task_id = event.charge_id = -1;
+  event.detail = words;
+  published_.words.push_back(sender().Send(channel::kDriver, std::move(event), tick_us_, now));
+}
+
+void AgentProcess::SayOfDrivers(const Now& now) {
   for (const auto& [id, reason] : failures_) {
-    if (Agent(id).failed) continue;
-    event_t event{};
-    event.kind = NumberOf(EventKind::kDriverFailed);
-    event.at_us = tick_us_;
-    event.uav_id = kind_ == AgentKind::kUav ? id : -1;
-    event.worker_id = kind_ == AgentKind::kWorker ? id : -1;
-    event.vehicle_id = kind_ == AgentKind::kVehicle ? id : -1;
-    event.task_id = event.charge_id = -1;
-    event.detail = reason;
-    published_.failures.push_back(sender().Send(channel::kDriver, std::move(event), tick_us_, now));
+    if (!Agent(id).failed) SayOfDriver(EventKind::kDriverFailed, id, reason, now);
+  }
+  for (const std::int32_t id : std::exchange(unsaid_waits_, {})) {
+    if (Agent(id).not_ready()) SayOfDriver(EventKind::kDriverWaits, id, waits_for_[id], now);
   }
 }
 
 void AgentProcess::Resend(const Published& published) {
-  for (const SentPacket& packet : published.failures) sender().Resend(packet);
+  for (const SentPacket& packet : published.words) sender().Resend(packet);
   for (const SentPacket& packet : published.packets) sender().Resend(packet);
 }
 
@@ -517,7 +529,7 @@ TimeUs AgentProcess::HoldOf(std::int32_t id, TimeUs t) const {
 void AgentProcess::Publish(std::vector<agent_t> wires, bool whole, const Now& now) {
   published_before_ = std::move(published_);
   published_ = {tick_, {}, {}, {}};
-  SayFailures(now);
+  SayOfDrivers(now);
   std::vector<SentPacket>& packets = published_.packets;
   if (whole) {
     for (agent_states_t& states : StatesMessages(kind_, tick_, applied_decision_, wires)) {

@@ -50,7 +50,9 @@ class AgentProcess : public Follower {
   void HearDrivers(const Now& now);
   void ApplyReports();
   /// Publishes why agents cannot go on, until the world has ruled that they have failed.
-  void SayFailures(const Now& now);
+  /// What drivers have said that the mission should know in words.
+  void SayOfDrivers(const Now& now);
+  void SayOfDriver(EventKind kind, std::int32_t id, const std::string& words, const Now& now);
   void ReportTick(const Now& now);
   void Take(const clock_t& clock);
   void Take(const world_state_t& world);
@@ -83,6 +85,10 @@ class AgentProcess : public Follower {
   std::vector<AgentState> agents_;
   std::vector<std::int32_t> driven_;              ///< ids
   std::map<std::int32_t, std::string> failures_;  ///< what drivers have said, by agent
+  /// What drivers of agents that are not ready wait for, by agent, and which of that is not said
+  /// yet.
+  std::map<std::int32_t, std::string> waits_for_;
+  std::set<std::int32_t> unsaid_waits_;
   bool is_driving_ = false;
   bool awaits_drivers_ = false;  ///< the present tick is not reported yet
   TimeUs listen_us_ = kNever;    ///< monotonic: when drivers are heard again
@@ -104,7 +110,7 @@ class AgentProcess : public Follower {
   /// ask for the earlier one.
   struct Published {
     std::int64_t tick = -1;
-    std::vector<SentPacket> failures;  ///< why driven agents cannot go on
+    std::vector<SentPacket> words;  ///< why driven agents cannot go on, or set out yet
     std::vector<SentPacket> packets;
     /// If the packets are changes: the whole states, with the header of the first packet.
     std::optional<agent_states_t> states;

@@ -46,6 +46,12 @@ std::string Text(const ObjectReader& object, std::string_view key) {
   return text;
 }
 
+std::string Reason(const ObjectReader& object, std::string_view key) {
+  std::string reason = Text(object, key);
+  if (reason.empty()) object.Fail(key, *object.Optional(key), "what it waits for");
+  return reason;
+}
+
 Point ReadPlace(const ObjectReader& object, const DriverPlaces& places) {
   object.AllowOnly({"x_m", "y_m", "latitude_deg", "longitude_deg"});
   const double most = ObjectReader::kMost;
@@ -69,7 +75,8 @@ Point ReadPlace(const ObjectReader& object, const DriverPlaces& places) {
 }
 
 Type ReadType(const ObjectReader& object) {
-  constexpr std::string_view kNames[] = {"hello", "state", "arrived", "done", "failed"};
+  constexpr std::string_view kNames[] = {"hello",  "state",     "arrived", "done",
+                                         "failed", "not_ready", "ready"};
   const std::string expected = fmt::format("one of {}", fmt::join(kNames, ", "));
   const JsonValue& type = object.Required("type", expected);
   const auto* const found = std::find(std::begin(kNames), std::end(kNames), type.text);
@@ -130,8 +137,9 @@ DriverLine ReadDriverLine(std::string_view line, const DriverPlaces& places) {
   const double most = ObjectReader::kMost;
   switch (said.type) {
     case Type::kHello:
-      object.AllowOnly({"type", "version", "name"});
+      object.AllowOnly({"type", "version", "name", "not_ready"});
       object.Expect("version", kDriverVersion);
+      if (object.Has("not_ready")) said.reason = Reason(object, "not_ready");
       if (object.Has("name")) said.name = Text(object, "name");
       break;
     case Type::kState:
@@ -157,6 +165,13 @@ DriverLine ReadDriverLine(std::string_view line, const DriverPlaces& places) {
       said.reason = Text(object, "reason");
       break;
     }
+    case Type::kNotReady:
+      object.AllowOnly({"type", "reason"});
+      said.reason = Reason(object, "reason");
+      break;
+    case Type::kReady:
+      object.AllowOnly({"type"});
+      break;
   }
   return said;
 }

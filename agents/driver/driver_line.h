@@ -42,7 +42,7 @@ class DriverPlaces {
 
 /// What a driver has said in one line.
 struct DriverLine {
-  enum class Type : std::int8_t { kHello, kState, kArrived, kDone, kFailed };
+  enum class Type : std::int8_t { kHello, kState, kArrived, kDone, kFailed, kNotReady, kReady };
   Type type = Type::kState;
   std::string name;                   ///< kHello
   std::optional<std::int64_t> id;     ///< kArrived, kDone; perhaps kFailed
@@ -50,7 +50,8 @@ struct DriverLine {
   std::optional<double> range_m;      ///< perhaps kState, kDone
   std::optional<TimeUs> expected_us;  ///< perhaps kState: arrival
   std::optional<TimeUs> mission_us;   ///< perhaps kState: when it was there
-  std::string reason;                 ///< kFailed
+  /// kFailed; kNotReady: what it waits for; kHello: the same, "": it is ready
+  std::string reason;
 };
 
 /// Reads such a line. Throws InputError that says what is wrong with it.

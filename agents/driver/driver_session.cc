@@ -109,6 +109,20 @@ void DriverSession::Tick(TimeUs at, TimeUs wall_us) {
   answered_ = !owes;
   if (owes && !owes_since_us_) owes_since_us_ = wall_us;
   Say({{"type", "time"}, {"mission_s", ToSeconds(at)}});
+  TellReady();
+}
+
+void DriverSession::TellReady() {
+  if (!greeted_ || !agent_.measured || agent_.failed || agent_.action != ActionKind::kNone) return;
+  if (waits() && !agent_.online(at_)) return;
+  if (waits() == agent_.not_ready() && waits_for_ == told_waits_for_) return;
+  told_waits_for_ = waits_for_;
+  MeasuredReport report;
+  report.kind = waits() ? MeasuredReport::Kind::kNotReady : MeasuredReport::Kind::kReady;
+  report.at_us = at_;
+  report.reason = waits_for_;
+  const std::string problem = Report(std::move(report), at_);
+  MUSTER_CHECK(problem.empty(), "{}", problem);
 }
 
 void DriverSession::Bye(std::string_view reason) {
@@ -270,6 +284,13 @@ std::string DriverSession::Take(const DriverLine& said, TimeUs now_us) {
     case DriverLine::Type::kHello:
       greeted_ = true;
       name_ = Quote(said.name);
+      waits_for_ = Quote(said.reason);
+      TellReady();
+      return {};
+    case DriverLine::Type::kNotReady:
+    case DriverLine::Type::kReady:
+      waits_for_ = Quote(said.reason);
+      TellReady();
       return {};
     case DriverLine::Type::kState:
       return TakePlace(said, now_us);

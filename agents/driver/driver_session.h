@@ -70,6 +70,8 @@ class DriverSession {
   bool answered() const { return answered_ || over_; }
   /// Whether it has said that it cannot go on, or was told bye.
   bool over() const { return over_; }
+  /// Whether it says that the agent cannot set out yet.
+  bool waits() const { return !waits_for_.empty(); }
 
  private:
   struct Command {
@@ -95,6 +97,9 @@ class DriverSession {
   std::string TakePlace(const DriverLine& said, TimeUs now_us);
   std::string TakeWord(const DriverLine& said, TimeUs now_us);
   std::string Report(MeasuredReport report, TimeUs now_us);
+  /// Where the mission takes a free agent for ready and its driver does not, or the other way
+  /// round, reports what the driver says.
+  void TellReady();
 
   const Scenario& scenario_;
   const Rules rules_;
@@ -115,6 +120,7 @@ class DriverSession {
   bool greeted_ = false, answered_ = true, over_ = false;
   std::optional<TimeUs> owes_since_us_;  ///< wall
   std::string name_;
+  std::string waits_for_, told_waits_for_;  ///< "": it is ready
   std::vector<std::string> lines_;
   std::vector<MeasuredReport> reports_;
 };

@@ -2,7 +2,7 @@
 // of the time. Sockets, clocks and files, and the greeting, are in main.mjs.
 import { FrameWriter, make, minimal } from "./frames.mjs";
 import { Area } from "./area.mjs";
-import { Flight, heartbeat } from "./flight.mjs";
+import { Flight, heartbeat, withoutFigures } from "./flight.mjs";
 import { Pictures } from "./pictures.mjs";
 import { distance_m, MissionMap } from "../places.mjs";
 import { Reporter } from "./reporter.mjs";
@@ -16,6 +16,8 @@ import { ZoneFence } from "./zone_fence.mjs";
 const HEARTBEAT_S = 1;
 const LANDING_S = 900;
 const ROUNDING_S = 1e-6;
+/** So often the mission hears of figures that change while it waits. */
+const FIGURES_S = 10;
 /** A ground station, as MAV_COMPONENT and MAV_STATE have it. */
 const OUR_COMPONENT = 190, ACTIVE = 4, NO_AUTOPILOT = 8;
 
@@ -56,6 +58,7 @@ export class Driver {
   #work = null;
   #task = null;  // at which it is, or to which it is on its way
   #heartbeat_s = -Infinity;
+  #wait = { said: "", said_s: -Infinity };  // as the mission was told last
 
   #send(message) {
     this.edge.send(this.writer.write(message));
@@ -161,7 +164,7 @@ export class Driver {
     }
     this.pictures = new Pictures({ keep: this.edge.keepPicture, note: this.edge.note, map: this.plan.map });
     this.fence = new ZoneFence({ ...this, ...this.plan, note: this.edge.note });
-    this.flight = new Flight({ ...this, note: this.edge.note, plan: this.plan });
+    this.flight = new Flight({ ...this, note: this.edge.note, waits: (words) => this.#waitFor(words), plan: this.plan });
     this.#work = this.#life();
     this.step();
   }
@@ -229,6 +232,7 @@ export class Driver {
     yield* this.flight.prepare(true);
     this.isPreparing = false;
     this.isReady = true;
+    this.edge.say({ type: "ready" });
     this.edge.note(`ready: ${this.vehicle.kind.name}, ${this.vehicle.battery_percent} %, at ${this.plan.altitude_m} m`);
     while (this.order?.type !== "bye") {
       const order = this.order, isReplaced = () => this.order !== order;
@@ -236,6 +240,15 @@ export class Driver {
       yield* this.#rest(isReplaced);
     }
     yield* this.#end("home");
+  }
+
+  /** Before it can set out first the mission hears what it waits for, and plans without it. */
+  #waitFor(words) {
+    const now = this.talk.now(), { said, said_s } = this.#wait;
+    if (!this.isPreparing || words === said) return;
+    if (withoutFigures(words) === withoutFigures(said) && now - said_s < FIGURES_S) return;
+    this.#wait = { said: words, said_s: now };
+    this.edge.say({ type: "not_ready", reason: words.slice(0, 500) });
   }
 
   *#do(order, isReplaced) {

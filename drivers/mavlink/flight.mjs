@@ -22,6 +22,9 @@ const CLIMB_M_S = 0.5;
 const SLOWER_M_S = 0.1;
 const HOME_MESSAGE = 242;
 
+/** Figures change all the time. */
+export const withoutFigures = (words) => words.replace(/[\d.]+/g, "");
+
 /** Waits for the autopilot. It may still be starting, for which its own time does not count. */
 export function* heartbeat(talk, vehicle, speedup) {
   if (yield* talk.await(() => vehicle.kind, HEARTBEAT_S * speedup)) return;
@@ -33,8 +36,8 @@ export class Flight {
    * `plan`: {map, area, launch, near_m, altitude_m, speed_m_s, silence_s, reserve_percent, camera, speedup}; it also keeps what is
    * learned: cruise_m_s, climb_m_s, descent_m_s.
    */
-  constructor({ talk, vehicle, safety, settings, streams, fence, note, plan }) {
-    Object.assign(this, { talk, vehicle, safety, settings, streams, fence, note, plan });
+  constructor({ talk, vehicle, safety, settings, streams, fence, note, waits, plan }) {
+    Object.assign(this, { talk, vehicle, safety, settings, streams, fence, note, waits, plan });
   }
 
   get place() {
@@ -99,7 +102,8 @@ export class Flight {
     let told = "";
     const isReady = () => {
       const lack = this.#lacks(least_v);
-      const what = lack.replace(/[\d.]+/, "");  // figures change all the time
+      if (lack) this.waits(lack);
+      const what = withoutFigures(lack);
       if (lack && what !== told) this.note(`not ready yet: it waits for ${lack}`);
       told = what;
       return !lack;
@@ -115,6 +119,7 @@ export class Flight {
         return yield* attempt();
       } catch (error) {
         if (!(error instanceof Trouble) || error.then === "off" || talk.now() >= until) throw error;
+        this.waits(`the end of this: ${error.message}`);
         if (!isNoted) this.note(`not yet: ${error.message}`);
         isNoted = true;
         yield* talk.await(() => false, REFUSED_AGAIN_S);

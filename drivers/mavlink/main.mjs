@@ -11,6 +11,8 @@ import { readOptions, UsageError } from "./options.mjs";
 const STEP_MS = 50, FAST_STEP_MS = 5, AFTER_MS = 200;
 /** A mission greets at once. */
 const GREETING_MS = 500;
+/** As long as nothing else is known. */
+const FIRST_WAIT = "a word of its autopilot";
 
 function note(words) {
   process.stderr.write(`mavlink: ${words}\n`);
@@ -75,7 +77,7 @@ class Lines {
   constructor(system) {
     const lines = createInterface({ input: process.stdin });
     this.first = new Promise((resolve) => lines.once("line", resolve).once("close", resolve));
-    lines.once("line", (line) => isHello(line) && say({ type: "hello", version: 1, name: `mavlink system ${system}` }));
+    lines.once("line", (line) => isHello(line) && say({ type: "hello", version: 1, name: `mavlink system ${system}`, not_ready: FIRST_WAIT }));
     lines.on("line", (line) => (this.#hear ? this.#hear.line(line) : this.#kept.push(line)));
     lines.on("close", () => (this.#hear ? this.#hear.close() : (this.#isClosed = true)));
   }

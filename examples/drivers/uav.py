@@ -2,7 +2,8 @@
 """A driver in Python: a UAV that flies straight to where it is sent, as it is told to (docs/guide/drivers.md).
 
 Try it: muster drive --check examples/drivers/uav.py
---late P: it flies P % longer. --silent FROM:UNTIL: it says nothing between these minutes. --dies MINUTE: it ends then.
+--late P: it flies P % longer. --silent FROM:UNTIL: it says nothing between these minutes. --dies MINUTE: it ends then. --ready MINUTE: it cannot
+set out before.
 """
 
 import argparse
@@ -13,6 +14,7 @@ options = argparse.ArgumentParser()
 options.add_argument("--late", type=float, default=0)
 options.add_argument("--silent", default="0:0")
 options.add_argument("--dies", type=float, default=1e9)
+options.add_argument("--ready", type=float, default=0)
 options = options.parse_args()
 silent_from_s, silent_until_s = (60 * float(minute) for minute in options.silent.split(":"))
 
@@ -28,7 +30,7 @@ for told in map(json.loads, sys.stdin):
         sys.exit(0 if kind == "bye" else 1)
     if kind == "hello":
         me = {"x_m": told["at"]["x_m"], "y_m": told["at"]["y_m"]}
-        say(type="hello", version=1, name="uav.py")
+        say(type="hello", version=1, name="uav.py", **({"not_ready": f"minute {options.ready:g}"} if options.ready else {}))
     elif kind == "goto":
         took_s = (told["expected_s"] - now) * (1 + options.late / 100)
         leg, work = {**told, "from": me, "left_s": now, "there_s": now + took_s}, None
@@ -36,7 +38,10 @@ for told in map(json.loads, sys.stdin):
         leg, work = None, told
     elif kind == "cancel":
         leg = work = None
-    elif kind == "time" and not silent_from_s <= now < silent_until_s:
+    elif kind == "time" and options.ready and now >= 60 * options.ready:
+        say(type="ready")
+        options.ready = 0
+    if kind == "time" and not silent_from_s <= now < silent_until_s:
         if leg:
             part = min(1, (now - leg["left_s"]) / max(1e-9, leg["there_s"] - leg["left_s"]))
             me = {axis: leg["from"][axis] + part * (leg["to"][axis] - leg["from"][axis]) for axis in me}

@@ -26,6 +26,7 @@ AgentCondition ConditionOf(const Situation& situation, AgentKind kind, std::int3
   const TimeUs now = situation.now_us;
   if (const AgentState* agent = FindAgent(situation, kind, id)) {
     *state = *agent;
+    if (agent->not_ready()) return AgentCondition::kNotReady;
     return agent->idle(now) ? AgentCondition::kIdle : AgentCondition::kBusy;
   }
   if (now < spec.online_from_us) return AgentCondition::kNotYetOnline;
@@ -61,7 +62,8 @@ std::string_view ToString(TaskVerdict verdict) {
 }
 
 std::string_view ToString(AgentCondition condition) {
-  constexpr std::string_view kNames[] = {"not yet online", "offline", "failed", "busy", "idle"};
+  constexpr std::string_view kNames[] = {"not yet online", "offline", "failed",
+                                         "not ready",      "busy",    "idle"};
   return kNames[static_cast<int>(condition)];
 }
 

@@ -107,8 +107,8 @@ struct TaskAnswer {
   std::optional<Forcing> forcing;  ///< with options
 };
 
-enum class AgentCondition { kNotYetOnline, kOffline, kFailed, kBusy, kIdle };
-/// "not yet online", "offline", "failed", "busy", "idle"
+enum class AgentCondition { kNotYetOnline, kOffline, kFailed, kNotReady, kBusy, kIdle };
+/// "not yet online", "offline", "failed", "not ready", "busy", "idle"
 std::string_view ToString(AgentCondition condition);
 
 /// One agent at one decision.

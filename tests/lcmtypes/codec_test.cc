@@ -318,7 +318,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 29; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 30; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));
@@ -384,7 +384,7 @@ TEST(Valid, LooksAtEveryElement) {
   using M = agent_states_t;
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.kind = 3; }));
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].id = -1; }));
-  EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].status = 7; }));
+  EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].status = 8; }));
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].action = 10; }));
   EXPECT_TRUE(ValidAfter<M>([](M& m) { m.agents[1].action = -1; }));
   EXPECT_FALSE(ValidAfter<M>([](M& m) { m.agents[1].x_m = kNan; }));

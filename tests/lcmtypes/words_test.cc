@@ -16,13 +16,13 @@ template <class Visit>
 void ForEachWord(Visit visit) {
   visit(AgentKind::kVehicle,
         "`agent_states_t.kind`, `agent_changes_t.kind`, `ruling_t.agent_kind`");
-  visit(AgentStatus::kFailed, "`agent_t.status`");
+  visit(AgentStatus::kNotReady, "`agent_t.status`");
   visit(ActionKind::kGoTo, "`action_t.kind`, `agent_t.action` (-1: none)");
   visit(ActivityKind::kCharging, "`activity_t.kind`");
   visit(TaskStatus::kHeld, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kDecisionsDiffer, "`event_t.kind`");
+  visit(EventKind::kDriverWaits, "`event_t.kind`");
   visit(FaultKind::kZoneUnknown, "`fault_t.kind`");
   visit(ProcessState::kDeciding, "`process_status_t.state`");
 }
@@ -60,10 +60,10 @@ TEST(Words, OutcomesAreToldApart) {
   for (std::size_t i = 0; i < kNames<EventKind>.size(); ++i) {
     if (!IsOutcome(static_cast<EventKind>(i))) others.insert(kNames<EventKind>[i]);
   }
-  EXPECT_EQ(others, (std::set<std::string_view>{"process_lost", "process_back", "fault_applied",
-                                                "fault_ended", "answer_refused", "driver_failed",
-                                                "state_unknown", "directive_unkept",
-                                                "action_withheld", "decisions_differ"}));
+  EXPECT_EQ(others, (std::set<std::string_view>{
+                        "process_lost", "process_back", "fault_applied", "fault_ended",
+                        "answer_refused", "driver_failed", "state_unknown", "directive_unkept",
+                        "action_withheld", "decisions_differ", "driver_waits"}));
 }
 
 TEST(WireDocument, HasEveryWord) {

@@ -100,6 +100,21 @@ TEST_F(DrivenMission, LateItMovesWhatItTakesPartIn) {
   EXPECT_GE(StartsOf(driven).front(), StartsOf(computed).front());
 }
 
+TEST_F(DrivenMission, UntilItIsReadyNobodyPlansWithIt) {
+  const RunRecord driven = Fly("--ready 42");
+  EXPECT_TRUE(FailuresOf(driven).empty());
+  std::vector<std::string> waits;
+  for (const event_t& event : driven.events()) {
+    if (event.kind != EventKind::kDriverWaits) continue;
+    EXPECT_EQ(event.uav_id, kDriven);
+    waits.push_back(event.detail);
+  }
+  EXPECT_EQ(waits, std::vector<std::string>{"minute 42"});
+  ASSERT_FALSE(StartsOf(driven).empty());
+  EXPECT_GT(StartsOf(driven).front(), 42 * kMinuteUs);
+  EXPECT_LT(StartsOf(Fly(nullptr)).front(), 42 * kMinuteUs);
+}
+
 TEST_F(DrivenMission, WhenItDiesItFailsWithTheReason) {
   EXPECT_EQ(FailuresOf(Fly("--dies 25")),
             std::vector<std::string>{"uav:3 its driver: its program exited with code 1"});
@@ -253,6 +268,13 @@ TEST(MeasuredMissions, TheAuditSeesWhatCannotBeTold) {
   starts_with(
       FirstFinding(kOnItsWay, [](agent_t* a) { a->status = NumberOf(AgentStatus::kFailed); }),
       "rulings: uav:3 says that it cannot go on, and is not ruled to have failed");
+  // At tick 19 it has been free, and is commanded at tick 20.
+  starts_with(FirstFinding(20,
+                           [](agent_t* a) {
+                             a->busy_until_us = kNever;
+                             a->status = NumberOf(AgentStatus::kNotReady);
+                           }),
+              "idle-agents-only: decision 1, ");
   starts_with(FirstFinding(kSenses, [](agent_t* a) { a->busy_until_us -= kSecondUs; }),
               "motion: uav:3 ");
 }

@@ -48,6 +48,7 @@ AgentStatus AgentModel::StatusAt(std::int64_t t) const {
     const bool online = spec->online_from_us <= t && t < spec->online_until_us;
     return online ? AgentStatus::kIdle : AgentStatus::kOffline;
   }
+  if (action == ActionKind::kNone && busy_until_us == kForever) return AgentStatus::kNotReady;
   if (t < arrive_us) return AgentStatus::kMoving;
   if (!activity || t < activity->start_us) return AgentStatus::kWaiting;
   return activity->senses() ? AgentStatus::kSensing : AgentStatus::kCharging;

@@ -157,6 +157,15 @@ void SeeEnd(const View& view, AgentModel* model, const agent_t& a) {
   model->range_after_m = a.range_left_m;
 }
 
+/// An agent without anything to do may say that it cannot set out yet, and that it can.
+void SeeReadiness(const View& view, AgentModel* model, const agent_t& a) {
+  if (model->failed || model->action != ActionKind::kNone || a.action != ActionKind::kNone) return;
+  const bool was_ready = model->busy_until_us != kForever;
+  const bool is_ready = a.busy_until_us != kForever;
+  if (was_ready == is_ready || (is_ready && a.busy_until_us > view.now_us)) return;
+  model->busy_until_us = a.busy_until_us;
+}
+
 }  // namespace
 
 agent_t SeeTold(View& view, AgentModel* model, agent_t a) {
@@ -166,6 +175,7 @@ agent_t SeeTold(View& view, AgentModel* model, agent_t a) {
     view.said_failed.insert({model->kind, model->id});
   }
   SeeEnd(view, model, a);
+  SeeReadiness(view, model, a);
   if (model->action == ActionKind::kNone) {
     SeeStanding(view, model, a);
   } else if (!model->activity || model->activity->start_us > view.before_us) {

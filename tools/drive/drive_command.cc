@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void PrintText(const DriverCheckResult& result) {
+  if (result.ready_s > 0) fmt::print("ready     after {:.0f} s\n", result.ready_s);
   for (const DriverCheckResult::Step& step : result.steps) {
     std::string took = step.note;
     if (step.took_s) {
@@ -47,6 +48,7 @@ void PrintJson(const DriverCheckResult& result) {
   const Json all = {{"version", 1},
                     {"name", result.name},
                     {"mission_s", result.mission_s},
+                    {"ready_s", result.ready_s},
                     {"steps", steps},
                     {"wrong", wrong}};
   fmt::print("{}\n", all.dump(2));

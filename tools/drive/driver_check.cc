@@ -14,6 +14,8 @@ using Clock = DriverProgram::Clock;
 
 constexpr TimeUs kTickUs = 30 * kSecondUs;
 constexpr TimeUs kPatienceUs = 10 * kMinuteUs;
+/// An autopilot that was just switched on may take so long.
+constexpr TimeUs kReadyUs = 15 * kMinuteUs;
 /// Each way takes five ticks.
 constexpr TimeUs kWayUs = 5 * kTickUs;
 constexpr TimeUs kSensingUs = 90 * kSecondUs;
@@ -58,6 +60,7 @@ class Check {
     Listen(true, started_ + std::chrono::microseconds(options_.rules.HelloByUs()));
     result_.name = program_.session().name();
     Apply();
+    AwaitReady();
     const double way = agent_.speed_m_s * ToSeconds(kWayUs);
     const Point start = agent_.to;
     const ActionKind second = options_.kind == AgentKind::kUav       ? ActionKind::kCharge
@@ -108,6 +111,7 @@ class Check {
         Wrong(fmt::format("it says that it cannot go on: {}", report.reason));
         over_ = true;
       }
+      if (report.kind == MeasuredReport::Kind::kNotReady) waits_ = report.reason;
       const std::string problem = ApplyReport(&agent_, report, t_, scenario_.tasks);
       if (!problem.empty()) Wrong(problem);
     }
@@ -134,6 +138,16 @@ class Check {
     Settle(&agent_, verdict, t_, scenario_.tasks);
     if (agent_.action == ActionKind::kNone) activity_.reset();
     Follow("the check cancels it");
+  }
+
+  /// Waits until it can set out.
+  void AwaitReady() {
+    while (goes_on() && agent_.not_ready() && t_ < kReadyUs) Tick();
+    if (goes_on() && agent_.not_ready()) {
+      Wrong(fmt::format("not ready after {:g} min: it waits for {}", ToMinutes(kReadyUs), waits_));
+      over_ = true;
+    }
+    result_.ready_s = ToSeconds(t_);
   }
 
   void Follow(std::string_view why) {
@@ -266,6 +280,7 @@ class Check {
   std::int32_t decision_ = 0;
   int commands_ = 0;
   bool over_ = false;
+  std::string waits_;  ///< what it waits for
   std::optional<Activity> activity_;
   DriverCheckResult result_;
 };

@@ -29,6 +29,7 @@ struct DriverCheckResult {
   std::string name;
   std::vector<Step> steps;
   std::vector<Wrong> wrong;
+  double ready_s = 0;  ///< when it could set out
   double mission_s = 0;
 };
 

@@ -20,7 +20,8 @@ namespace {
 using scheduler::Explainer;
 
 bool IsToldOf(const event_t& event) {
-  return IsOutcome(static_cast<EventKind>(event.kind)) || event.kind == EventKind::kActionWithheld;
+  return IsOutcome(static_cast<EventKind>(event.kind)) ||
+         event.kind == EventKind::kActionWithheld || event.kind == EventKind::kDriverWaits;
 }
 
 /// Whether an event lies between a decision and the next. What happens at a decision's very time

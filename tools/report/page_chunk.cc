@@ -224,7 +224,9 @@ ordered_json Places(const Scenario& scenario) {
 
 /// The names of the numbers that the page's rows hold.
 ordered_json Words() {
-  return {{"agents", kNames<AgentKind>},        {"statuses", kNames<AgentStatus>},
+  ordered_json statuses = ordered_json::array();
+  for (const std::string_view name : kNames<AgentStatus>) statuses.push_back(Spaced(name));
+  return {{"agents", kNames<AgentKind>},        {"statuses", std::move(statuses)},
           {"tasks", kNames<TaskStatus>},        {"actions", kNames<ActionKind>},
           {"activities", kNames<ActivityKind>}, {"processes", kNames<ProcessState>}};
 }

@@ -270,6 +270,9 @@ void Timeline::Change(AgentKind kind, Agent* agent, const agent_t& now, std::int
     case AgentStatus::kMoving:
       Append(&agent->spans, FirstWithin(since, now_us, {now.depart_us}), status);
       break;
+    case AgentStatus::kNotReady:
+      Append(&agent->spans, now_us, status);
+      break;
     case AgentStatus::kWaiting:
       Append(&agent->spans, FirstWithin(since, now_us, {now.arrive_us}), status);
       break;

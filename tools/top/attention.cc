@@ -75,6 +75,19 @@ void AddDisputes(const Timeline& timeline, Kind* differ) {
     differ->Add(n == 1 ? "once" : fmt::format("{} times", n), newest->detail, 0);
 }
 
+/// What the driver of each agent has said last that it waits for.
+std::map<std::pair<AgentKind, std::int32_t>, std::string> WaitsOfDrivers(const Timeline& timeline) {
+  std::map<std::pair<AgentKind, std::int32_t>, std::string> waits;
+  for (const event_t& event : timeline.events().rows) {
+    if (event.kind != EventKind::kDriverWaits) continue;
+    const PerKind<std::int32_t> ids = {event.uav_id, event.worker_id, event.vehicle_id};
+    for (const AgentKind kind : kAgentKinds) {
+      if (ids[kind] >= 0) waits[{kind, ids[kind]}] = event.detail;
+    }
+  }
+  return waits;
+}
+
 /// The newest sensing of each task, by task.
 std::map<std::int32_t, const activity_t*> LatestSensing(const Timeline& timeline) {
   std::map<std::int32_t, const activity_t*> latest;
@@ -185,7 +198,9 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
       near("UAVs come too close", true), stranded("cannot reach a charging point", true),
       at_risk("tasks at risk", true),
       tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
-      waiting("waiting for a partner", false), low("low range", false);
+      not_ready("not ready", false), waiting("waiting for a partner", false),
+      low("low range", false);
+  const auto waits = WaitsOfDrivers(timeline);
   for (const std::string& name : silent) processes.Add(name, "", 0);
   AddDisputes(timeline, &differ);
   for (const auto& [id, since_ms] : InForce(timeline)) {
@@ -201,6 +216,14 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
     for (std::size_t id = 0; id < scenario.agents(kind).size(); ++id) {
       const Timeline::Agent& agent = timeline.agents()[timeline.IndexOf(kind, id)];
       if (!agent.last || agent.spans.rows.empty()) continue;
+      if (agent.last->status == AgentStatus::kNotReady) {
+        const std::int64_t since_ms = agent.spans.rows.back().t_ms;
+        const auto wait = waits.find({kind, static_cast<std::int32_t>(id)});
+        not_ready.Add(fmt::format("{}:{}", ToString(kind), id),
+                      wait == waits.end() ? Since(since_ms) : "waits for " + wait->second,
+                      -static_cast<double>(since_ms));
+        continue;
+      }
       const auto nearest_m = [&]() -> std::optional<double> {
         if (scenario.charging_points.empty()) return {};
         return NearestChargeM(*scenario.ways, {agent.last->x_m, agent.last->y_m},
@@ -222,7 +245,7 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
   AddTasks(timeline, &at_risk, &tasks);
   std::vector<Concern> all;
   for (Kind* kind : {&processes, &differ, &faults, &failed, &near, &stranded, &at_risk, &tasks,
-                     &waiting, &low}) {
+                     &not_ready, &waiting, &low}) {
     kind->MoveTo(&all);
   }
   return all;

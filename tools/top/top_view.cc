@@ -155,7 +155,9 @@ void TopView::AddAgents(std::vector<Line>* lines) const {
     const auto all = static_cast<std::ptrdiff_t>(specs.size()) - vacant;
     lines->push_back(
         {fmt::format(kRow, std::string(ToString(kind)) + "s", all, of(AgentStatus::kIdle),
-                     of(AgentStatus::kMoving), of(AgentStatus::kWaiting), of(AgentStatus::kSensing),
+                     of(AgentStatus::kMoving),
+                     of(AgentStatus::kWaiting) + of(AgentStatus::kNotReady),
+                     of(AgentStatus::kSensing),
                      of(AgentStatus::kCharging), failed, of(AgentStatus::kOffline) - vacant),
          failed > 0 ? Look::kBad : Look::kPlain});
   }

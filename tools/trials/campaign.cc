@@ -88,8 +88,9 @@ void DrawOrders(std::uint64_t seed, VirtualMission* mission) {
   DrawWithdrawals(seed, &mission->orders);
 }
 
-/// All agents of some classes are measured; every other one of them has a driver.
-void DrawDrivers(std::uint64_t seed, VirtualMission* mission) {
+/// All agents of some classes are measured; every other one of them has a driver. In half of these
+/// missions some are not ready at times, if `some_wait`.
+void DrawDrivers(std::uint64_t seed, bool some_wait, VirtualMission* mission) {
   Scenario& scenario = mission->scenario;
   PerKind<std::size_t> measured = {};
   Random random(seed, Stream::kSoak, 6);
@@ -100,9 +101,11 @@ void DrawDrivers(std::uint64_t seed, VirtualMission* mission) {
       agent.measured = true;
     }
   }
-  mission->drivers = [seed, measured](AgentKind kind) -> std::unique_ptr<agents::DriverPort> {
+  some_wait = some_wait && Random(seed, Stream::kSoak, 12).Below(2) == 0;
+  mission->drivers = [seed, measured,
+                      some_wait](AgentKind kind) -> std::unique_ptr<agents::DriverPort> {
     if (measured[kind] == 0) return nullptr;
-    return std::make_unique<TruthfulDrivers>(seed, kind, measured[kind]);
+    return std::make_unique<TruthfulDrivers>(seed, kind, measured[kind], nullptr, some_wait);
   };
 }
 
@@ -189,7 +192,7 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   if (roads && !settings.scenario) DrawStreets(seed, &scenario);
   if (roads && scenario.roads) DrawClosures(&random, mission);
   if (zones && (!settings.scenario || scenario.air)) DrawZones(&random, mission);
-  if (measured) DrawDrivers(seed, mission);
+  if (measured) DrawDrivers(seed, settings.extras.contains(Extra::kNotReady), mission);
   if (hosts) DrawHosts(seed, mission);
   if (settings.extras.contains(Extra::kClocks)) DrawClocks(seed, mission);
   if (settings.extras.contains(Extra::kDecisions)) DrawDecisions(seed, mission);

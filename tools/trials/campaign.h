@@ -16,9 +16,20 @@
 namespace muster::tools {
 
 /// What a drawn mission may have besides faults.
-enum class Extra { kRoads, kZones, kOrders, kMeasured, kHosts, kClocks, kDecisions, kLateZones };
-inline constexpr std::array<std::string_view, 8> kExtraNames = {
-    "roads", "zones", "orders", "measured", "hosts", "clocks", "decisions", "late_zones"};
+enum class Extra {
+  kRoads,
+  kZones,
+  kOrders,
+  kMeasured,
+  kHosts,
+  kClocks,
+  kDecisions,
+  kLateZones,
+  kNotReady
+};
+inline constexpr std::array<std::string_view, 9> kExtraNames = {
+    "roads",  "zones",     "orders",     "measured", "hosts",
+    "clocks", "decisions", "late_zones", "not_ready"};
 
 /// What the missions of a campaign have in common.
 struct CampaignSettings {
@@ -35,9 +46,11 @@ struct CampaignSettings {
   /// and zones are not added to a scenario that is given, but where it has them, they are closed
   /// and opened, added and lifted.
   /// Decisions: orders ask for some between intervals, or emergencies do.
+  /// Not ready: of measured agents some say at times that they cannot set out yet.
   /// Late zones: where UAVs keep out of zones, nobody knows of some of them at first.
-  std::set<Extra> extras = {Extra::kRoads, Extra::kZones,  Extra::kOrders,    Extra::kMeasured,
-                            Extra::kHosts, Extra::kClocks, Extra::kDecisions, Extra::kLateZones};
+  std::set<Extra> extras = {Extra::kRoads,     Extra::kZones,     Extra::kOrders,
+                            Extra::kMeasured,  Extra::kHosts,     Extra::kClocks,
+                            Extra::kDecisions, Extra::kLateZones, Extra::kNotReady};
 };
 
 /// The mission of that seed: a function of settings and seed alone.

@@ -62,8 +62,8 @@ void AddCampaignOptions(Options* options) {
       ->Add("draw", "WHAT,...",
             "What missions may have besides, each by chance: roads, zones, orders, measured "
             "(agents), hosts (processes that die together), clocks (of hosts, wrong or set "
-            "anew), decisions (between intervals), late_zones (that nobody knows of at first); or "
-            "none (default: all eight)")
+            "anew), decisions (between intervals), late_zones (that nobody knows of at first), "
+            "not_ready (measured agents that cannot set out yet); or none (default: all nine)")
       .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);

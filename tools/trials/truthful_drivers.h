@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <map>
 #include <utility>
 #include <vector>
@@ -10,8 +12,8 @@
 namespace muster {
 
 /// Speaks for a class's measured agents: each tells the truth, at a pace of its own, late or on
-/// time, not at every tick; now and then one cannot go on. In the place of programs, in virtual
-/// time.
+/// time, not at every tick; now and then one cannot go on, or, where `some_wait`, set out. In the
+/// place of programs, in virtual time.
 class TruthfulDrivers : public agents::DriverPort {
  public:
   struct Counts {
@@ -21,8 +23,10 @@ class TruthfulDrivers : public agents::DriverPort {
   /// Of every other one of a class's first `n_agents`, which are all measured. `counts`: where to
   /// count; nullptr: nowhere.
   TruthfulDrivers(std::uint64_t seed, AgentKind kind, std::size_t n_agents,
-                  Counts* counts = nullptr)
+                  Counts* counts = nullptr, bool some_wait = false)
       : random_(seed, Stream::kTest, 20 + static_cast<std::uint64_t>(kind)),
+        waits_(seed, Stream::kTest, 30 + static_cast<std::uint64_t>(kind)),
+        some_wait_(some_wait),
         seed_(seed),
         n_agents_(static_cast<std::int32_t>(n_agents)),
         counts_(counts) {}
@@ -32,6 +36,7 @@ class TruthfulDrivers : public agents::DriverPort {
     body = {.slowness = random_.Below(3) == 0 ? 1 : random_.Uniform(1, 2.5),
             .agent = agent,
             .at = PositionAt(agent, at)};
+    Wait(&body, at);
   }
   bool drives(std::int32_t id) const override {
     return id < n_agents_ && (static_cast<std::uint64_t>(id) + seed_) % 2 == 0;
@@ -40,6 +45,7 @@ class TruthfulDrivers : public agents::DriverPort {
     Body& body = bodies_.at(agent.id);
     const bool is_new = agent.decision != body.agent.decision || agent.action != body.agent.action;
     if (is_new) body.is_there = false;
+    if (is_new && agent.action == ActionKind::kNone) Wait(&body, at);
     body.agent = agent;
     body.is_told = true;
     Move(&body, at - before);
@@ -62,7 +68,15 @@ class TruthfulDrivers : public agents::DriverPort {
     AgentState agent;
     Point at;
     bool is_there = false, is_told = false;
+    TimeUs ready_us = 0;
   };
+
+  /// Draws whether it can set out now, and if not, when it can.
+  void Wait(Body* body, TimeUs t) {
+    if (some_wait_ && waits_.Below(4) == 0) {
+      body->ready_us = t + waits_.Below(40 * 60) * kSecondUs;
+    }
+  }
 
   void Move(Body* body, TimeUs duration_us) {
     const AgentState& agent = body->agent;
@@ -82,7 +96,16 @@ class TruthfulDrivers : public agents::DriverPort {
       report.at_us = t;
       reports->push_back(std::move(report));
     };
-    if (agent.failed || agent.action == ActionKind::kNone) return;
+    if (agent.failed) return;
+    if (agent.action == ActionKind::kNone) {
+      const bool waits = t < body->ready_us;
+      if (waits && agent.idle(t)) {
+        say({.kind = MeasuredReport::Kind::kNotReady,
+             .reason = fmt::format("a fix ({} satellites)", waits_.Below(7))});
+      }
+      if (!waits && agent.not_ready()) say({.kind = MeasuredReport::Kind::kReady});
+      return;
+    }
     if (random_.Below(1000) == 0) {
       say({.kind = MeasuredReport::Kind::kFailed, .reason = "tired"});
       if (counts_ != nullptr) ++counts_->failures;
@@ -104,7 +127,8 @@ class TruthfulDrivers : public agents::DriverPort {
     say({.at = body->at, .expected_us = expected_us});
   }
 
-  Random random_;
+  Random random_, waits_;
+  const bool some_wait_;
   const std::uint64_t seed_;
   const std::int32_t n_agents_;
   Counts* const counts_;

@@ -100,6 +100,7 @@ class Session {
   DriverSession& operator*() { return session_; }
   DriverSession* operator->() { return &session_; }
   TimeUs& wall_us() { return wall_us_; }
+  const AgentState& agent() const { return agent_; }
 
  private:
   Scenario scenario_ = Small();
@@ -382,6 +383,72 @@ TEST(DriverSession, SilenceCountsFromWhenItOwesAnAnswer) {
   EXPECT_EQ(fast.Hear(state), "");
   EXPECT_TRUE(fast->answered());
   EXPECT_EQ(fast->Silence(3600 * kSecondUs), "");
+}
+
+TEST(DriverSession, WhileItIsNotReadyItsAgentIsNotFree) {
+  Session mission;
+  EXPECT_EQ(mission.Hear(json{{"type", "hello"}, {"version", 1}, {"not_ready", "a fix (4 seen)"}}),
+            "");
+  auto reports = mission.Apply(0);
+  ASSERT_EQ(reports.size(), 1);
+  EXPECT_EQ(reports[0].kind, Report::kNotReady);
+  EXPECT_EQ(reports[0].reason, "a fix (4 seen)");
+  EXPECT_TRUE(mission.agent().not_ready());
+  EXPECT_EQ(StatusAt(mission.agent(), 0), AgentStatus::kNotReady);
+
+  EXPECT_TRUE(mission.Settled(Verdict({}, {}), 0).Time(30).Apply(30).empty());
+  EXPECT_EQ(mission.Hear(json{{"type", "not_ready"}, {"reason", "a fix (6 seen)"}}), "");
+  reports = mission.Apply(30);
+  ASSERT_EQ(reports.size(), 1);
+  EXPECT_EQ(reports[0].reason, "a fix (6 seen)");
+  EXPECT_EQ(mission.Hear(json{{"type", "state"}, {"at", {{"x_m", 2}, {"y_m", 0}}}}), "");
+  mission.Apply(30);
+  EXPECT_TRUE(mission.agent().not_ready()) << "wherever it stands";
+
+  EXPECT_EQ(mission.Hear(json{{"type", "ready"}}), "");
+  reports = mission.Apply(60);
+  ASSERT_EQ(reports.size(), 1);
+  EXPECT_EQ(reports[0].kind, Report::kReady);
+  EXPECT_TRUE(mission.agent().idle(60 * kSecondUs));
+}
+
+TEST(DriverSession, WhatBeginsWhileItIsUnderWayCountsFromItsEnd) {
+  Session mission;
+  mission.Greeted().Sent().Time(30);
+  EXPECT_EQ(mission.Hear(json{{"type", "not_ready"}, {"reason", "another battery"}}), "");
+  EXPECT_TRUE(mission.Apply(30).empty());
+  EXPECT_EQ(mission.agent().action, ActionKind::kSense);
+  mission.Settled(Verdict({}, {{AgentKind::kUav, 0, RulingKind::kReleased, 30 * kSecondUs}}), 30);
+  const auto reports = mission.Time(60).Apply(60);
+  ASSERT_EQ(reports.size(), 1);
+  EXPECT_EQ(reports[0].kind, Report::kNotReady);
+  EXPECT_TRUE(mission.agent().not_ready());
+}
+
+TEST(DriverSession, AnAgentOfWhichTheTimeIsOverIsNotWaitedFor) {
+  Session mission;
+  mission.Greeted().Time(2990);
+  EXPECT_EQ(mission.Hear(json{{"type", "not_ready"}, {"reason", "a fix"}}), "");
+  EXPECT_EQ(mission.Apply(2990).size(), 1);
+  AgentState agent = mission.agent();
+  ExpectOnward(&agent, 2990 * kSecondUs, 3000 * kSecondUs);
+  EXPECT_TRUE(agent.not_ready());
+  ExpectOnward(&agent, 3000 * kSecondUs, 3030 * kSecondUs);
+  EXPECT_EQ(StatusAt(agent, 3000 * kSecondUs), AgentStatus::kOffline);
+  mission.Settled(Verdict({}, {}), 2990);
+  EXPECT_TRUE(mission.Time(3030).Apply(3030).empty());
+}
+
+TEST(DriverSession, WhatItWaitsForHasToBeSaid) {
+  for (const char* line :
+       {R"({"type":"not_ready"})", R"({"type":"not_ready","reason":""})",
+        R"({"type":"not_ready","reason":3})", R"({"type":"ready","reason":"x"})"}) {
+    Session mission;
+    mission.Greeted();
+    EXPECT_NE(mission.Hear(std::string(line)), "") << line;
+    EXPECT_FALSE(mission.agent().not_ready());
+  }
+  EXPECT_NE(Session().Hear(std::string(R"({"type":"hello","version":1,"not_ready":""})")), "");
 }
 
 TEST(DriverSession, SaysItselfThatItCannotGoOn) {

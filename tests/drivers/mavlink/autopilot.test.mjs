@@ -117,7 +117,13 @@ for (const kind of KINDS) {
     box.run(30);
     assert.equal(box.failure, null);
     assert.ok(box.notes.some((words) => /^not ready yet: /.test(words)), box.notes.join("\n"));
+    const said = () => box.lines.map(([, line]) => line).filter(({ type }) => ["not_ready", "ready", "failed"].includes(type));
+    assert.ok(said().length > 0);
+    assert.ok(said().every(({ type, reason }) => type === "not_ready" && reason.length > 3), JSON.stringify(said()));
+    assert.ok(said().length < 12, JSON.stringify(said()));
+    box.until(() => said().at(-1).type === "ready", 60);
     box.until(() => box.said("arrived", 1).length, 300);
+    assert.equal(said().filter(({ type }) => type === "ready").length, 1);
     assert.equal(box.failure, null);
   });
 

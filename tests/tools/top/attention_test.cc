@@ -249,6 +249,31 @@ TEST(Attention, TellsOfSchedulersThatDisagree) {
             std::vector<std::string>{"schedulers disagree: once decision 0: scheduler-1 ..."});
 }
 
+TEST(Attention, TellsWhatAgentsThatAreNotReadyWaitFor) {
+  FakeLog log = MakeFakeMission();
+  ForEach<agent_states_t>(&log, [](agent_states_t& states) {
+    for (agent_t& agent : states.agents) {
+      if (states.kind == NumberOf(AgentKind::kWorker)) {
+        agent.status = NumberOf(AgentStatus::kNotReady);
+      }
+    }
+  });
+  for (const char* what : {"a fix (4 satellites)", "a fix (6 satellites)"}) {
+    event_t event{};
+    event.header.run_id = 7;
+    event.header.sender = "world";
+    event.kind = NumberOf(EventKind::kDriverWaits);
+    event.uav_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+    event.worker_id = 1;
+    event.detail = what;
+    log.push_back({std::string(channel::kEvent), event});
+  }
+  Renumber(&log);
+  EXPECT_EQ(Told(log),
+            std::vector<std::string>({"not ready: worker:0 since 0:00:00",
+                                      "not ready: worker:1 waits for a fix (6 satellites)"}));
+}
+
 TEST(Attention, AHeldTaskOfAMissionThatEndedIsNotDone) {
   FakeLog log = MakeFakeMission();
   ForEach<world_state_t>(&log, [](world_state_t& world) {

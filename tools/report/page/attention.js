@@ -7,7 +7,7 @@ import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
 import { PRIORITIES, spanAt, taskNow, undoneTasks } from "./story.js";
 import { clockText } from "./time.js";
-import { CANCELLED, CHARGING, DONE, EXPIRED, FAILED, HELD, OFFLINE, OPEN, RESERVED, UAV, UNREPORTED, WAITING } from "./words.js";
+import { CANCELLED, CHARGING, DONE, EXPIRED, FAILED, HELD, NOT_READY, OFFLINE, OPEN, RESERVED, UAV, UNREPORTED, WAITING } from "./words.js";
 
 const SHOWN = 4; // of each kind
 const LONG_WAIT_MS = 5 * 60000;
@@ -25,6 +25,7 @@ export const KINDS = [
   { id: "stranded", title: say("Cannot reach a charging point"), mark: "×" },
   { id: "undone", title: say("Not done"), mark: "◇", more: "never" },
   { id: "risk", title: say("At risk"), mark: "◇", more: "open" },
+  { id: "ready", title: say("Not ready"), mark: "…" },
   { id: "wait", title: say("Waiting for a partner"), mark: "…" },
   { id: "range", title: say("Low range"), mark: "▾" },
 ];
@@ -98,10 +99,11 @@ const late = (run, t) => forecastAt(run, t).done < run.tasksKnownAt(t);
 
 /**
  * What is wrong with an agent: { kind, harm, note }; null: nothing. `since` and `nearest` (metres to the nearest charging
- * point; null: there is none) are asked for where they matter. The terminal has the same rule (TroubleOf in tools/top/attention.h).
+ * point; null: there is none) are asked for where they matter, as is what its driver waits for (`waits`). The terminal has the same rule (TroubleOf in tools/top/attention.h).
  */
-export function troubleOf({ kind, status, range, fullRange }, t, since, nearest) {
+export function troubleOf({ kind, status, range, fullRange }, t, since, nearest, waits) {
   if (status === FAILED) return { kind: "failed", harm: -since() / 1000, note: say("since {time}", { time: clockText(since()) }) };
+  if (status === NOT_READY) return { kind: "ready", harm: -since() / 1000, note: waits() };
   if (status === WAITING) {
     const waited = t - since();
     return waited < LONG_WAIT_MS ? null : { kind: "wait", harm: waited / 1000, note: say("for {time}", { time: minutes(waited) }) };
@@ -141,9 +143,16 @@ function findTrouble(run, t) {
     const known = { kind: agent.kind, status: statusAt(agent, t), range: place?.range, fullRange: agent.fullRange };
     // Places and ranges are whole metres in the page.
     const trouble = troubleOf(known, t, () => spanAt(run, agent, t).since,
-      () => (run.charging.length > 0 ? Math.max(0, toCharging(run, place) - 2) : null));
+      () => (run.charging.length > 0 ? Math.max(0, toCharging(run, place) - 2) : null),
+      () => waitWords(run, agent, t));
     return trouble ? [{ ...trouble, item: { type: "agent", index: agent.index }, text: agent.label }] : [];
   });
+}
+
+/** What its driver has said by then that it waits for. */
+function waitWords(run, agent, t) {
+  const said = run.events.findLast((event) => event.kind === "driver_waits" && event.t <= t && event[run.words.agents[agent.kind]] === agent.id);
+  return said ? say("waits for {what}", { what: said.detail }) : say("since {time}", { time: clockText(spanAt(run, agent, t).since) });
 }
 
 const closePairs = (run, t) => (run.ended && t >= run.nowMs ? [] : comingClose(run, t));

@@ -6,14 +6,14 @@ import { busyMs, faultBands, statusAt } from "./run.js";
 import { linear } from "./scale.js";
 import { clockText, rowAt, timeTicks } from "./time.js";
 import { theme } from "./theme.js";
-import { CHARGING, FAILED, IDLE, MOVING, OFFLINE, SENSING, WAITING } from "./words.js";
+import { CHARGING, FAILED, IDLE, MOVING, NOT_READY, OFFLINE, SENSING, WAITING } from "./words.js";
 
 const LABEL = 84;
 const AXIS = 22;
 const COUNT_EVERY_MS = 600_000;
 const HEIGHTS = { rows: 18, dense: 7 };
 /** Share of the row's height by status, so that statuses differ by more than colour. */
-const THICK = [0, 0.12, 0.4, 0.62, 0.86, 0.86, 0.86];
+const THICK = [0, 0.12, 0.4, 0.62, 0.86, 0.86, 0.86, 0.4];
 
 /** One row an agent: what it did when. Only the rows in view are drawn. */
 export class Gantt {
@@ -171,17 +171,17 @@ export class Gantt {
     }
   }
 
-  /** Waiting is striped, charging has a bright core, failed is crossed: no need to tell colours apart. */
+  /** Waiting is striped, also for a driver; charging has a bright core, failed is crossed: no need to tell colours apart. */
   #pattern(c, status, left, right, y, thick) {
     if (status === CHARGING) {
       c.fillStyle = theme.panel;
       c.fillRect(left + 1.5, y + thick / 2 - 1, Math.max(0, right - left - 3), 2);
     }
-    if (status !== WAITING && status !== FAILED) return;
+    if (![WAITING, NOT_READY, FAILED].includes(status)) return;
     c.strokeStyle = theme.panel;
     c.lineWidth = 1;
     c.beginPath();
-    for (let px = left + 3; px < right; px += status === WAITING ? 4 : 8) {
+    for (let px = left + 3; px < right; px += status === FAILED ? 8 : 4) {
       c.moveTo(px, y + thick);
       c.lineTo(Math.min(right, px + 3), y);
     }
@@ -234,7 +234,7 @@ export class Gantt {
     const columns = Math.max(1, Math.min(240, Math.floor((width - LABEL) / 3)));
     const [from, to] = this.state.viewRange;
     const until = Math.min(to, run.nowMs);
-    const order = [SENSING, CHARGING, WAITING, MOVING, IDLE, FAILED];
+    const order = [SENSING, CHARGING, WAITING, MOVING, NOT_READY, IDLE, FAILED];
     const step = (to - from) / columns;
     const statuses = run.words.statuses.length;
     const counts = new Uint16Array(columns * statuses);

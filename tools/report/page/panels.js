@@ -12,6 +12,7 @@ import { theme } from "./theme.js";
 import { OFFLINE } from "./words.js";
 
 const MOST_ROWS = 150;
+const countId = (status) => `count-${status.replace(" ", "-")}`;
 const MOST_EVENTS = 3000;
 
 /** Rows of the events' table: what every process says of one fault is one row, which tells the fault's kind. */
@@ -242,7 +243,7 @@ export class Legend {
     const shown = [0, 0, 0];
     const { statuses } = run.words;
     if (!byId("statuses").hasChildNodes()) {
-      byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), say(name), " ", element("b", { id: `count-${name}` }))));
+      byId("statuses").append(...statuses.slice(1).map((name, i) => element("span", { class: "status" }, element("i", { class: `st${i + 1}` }), say(name), " ", element("b", { id: countId(name) }))));
     }
     const byStatus = new Array(statuses.length).fill(0);
     for (const agent of run.agents) {
@@ -258,7 +259,7 @@ export class Legend {
       count.textContent = ` ${classes[kind] ? `${shown[kind]}/${total[kind]}` : say("hidden")}`;
     });
     statuses.forEach((name, i) => {
-      if (i > 0) byId(`count-${name}`).textContent = byStatus[i];
+      if (i > 0) byId(countId(name)).textContent = byStatus[i];
     });
   }
 }

@@ -3,7 +3,7 @@ import { BaseMap } from "./base_map.js";
 import { readDirectives } from "./directives.js";
 import { say } from "./language.js";
 import { rowAt } from "./time.js";
-import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, OFFLINE, OPEN, UAV, UNREPORTED, WORKER, readWords } from "./words.js";
+import { CANCELLED, DECIDING, FAILED, HELD, IDLE, MOVING, NOT_READY, OFFLINE, OPEN, UAV, UNREPORTED, WORKER, readWords } from "./words.js";
 
 export const KIND_NAMES = [say("UAVs"), say("Workers"), say("Vehicles")];
 
@@ -347,7 +347,7 @@ export function busyMs(agent, t) {
   const { spans } = agent;
   for (let i = 0; i < spans.length; i += 2) {
     const status = spans[i + 1];
-    if ([OFFLINE, IDLE, FAILED].includes(status)) continue;
+    if ([OFFLINE, IDLE, FAILED, NOT_READY].includes(status)) continue;
     const until = Math.min(t, i + 2 < spans.length ? spans[i + 2] : t);
     sum += Math.max(0, until - spans[i]);
   }

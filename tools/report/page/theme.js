@@ -9,7 +9,7 @@ export function readTheme() {
   for (const name of NAMES) theme[name] = style.getPropertyValue(`--${name}`).trim();
   for (const [key, name] of [["openHeat", "open-heat"], ["responseHeat", "response-heat"]]) theme[key] = style.getPropertyValue(`--${name}`).trim();
   theme.kinds = [theme.uav, theme.worker, theme.vehicle];
-  theme.status = ["transparent", theme.idle, theme.moving, theme.waiting, theme.sensing, theme.charging, theme.failed];
+  theme.status = ["transparent", theme.idle, theme.moving, theme.waiting, theme.sensing, theme.charging, theme.failed, theme.idle];
   theme.runs = ["--run0", "--run1", "--run2", "--run3", "--run4", "--run5"].map((name) =>
     style.getPropertyValue(name).trim());
 }

@@ -1,7 +1,7 @@
 /** Numbers of the wire by the names that a run's first chunk has for them: there are none before one was read. */
 export let UAV, WORKER, VEHICLE;
 /** Statuses of agents. */
-export let OFFLINE, IDLE, MOVING, WAITING, SENSING, CHARGING, FAILED;
+export let OFFLINE, IDLE, MOVING, WAITING, SENSING, CHARGING, FAILED, NOT_READY;
 /** Statuses of tasks. */
 export let OPEN, RESERVED, BEING_SENSED, DONE, UNREPORTED, EXPIRED, CANCELLED, HELD;
 /** Kinds of actions: the last one that sends nobody, and those of pairs. */
@@ -16,7 +16,8 @@ const numbers = (names) => Object.fromEntries(names.map((name, number) => [name,
 /** Names are the same in all runs; the scene's script, which is unpacked later, reads them for itself. */
 export function readWords({ agents, statuses, tasks, actions, activities, processes }) {
   ({ uav: UAV, worker: WORKER, vehicle: VEHICLE } = numbers(agents));
-  ({ offline: OFFLINE, idle: IDLE, moving: MOVING, waiting: WAITING, sensing: SENSING, charging: CHARGING, failed: FAILED } = numbers(statuses));
+  ({ offline: OFFLINE, idle: IDLE, moving: MOVING, waiting: WAITING, sensing: SENSING, charging: CHARGING, failed: FAILED,
+    "not ready": NOT_READY } = numbers(statuses));
   ({ open: OPEN, reserved: RESERVED, sensing: BEING_SENSED, done: DONE, unreported: UNREPORTED, expired: EXPIRED, cancelled: CANCELLED,
     held: HELD } = numbers(tasks));
   ({ Vk: LAST_STAY, UiTxWj: SENSE, UiCyVk: CHARGE } = numbers(actions));

@@ -6,9 +6,10 @@ import { approachOf, approachText } from "../../../../tools/report/page/air.js";
 import { attentionAt, dueWords, isLoud, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
 import { Run, decidingMs, faultBands } from "../../../../tools/report/page/run.js";
 import { readWords } from "../../../../tools/report/page/words.js";
+import { begun } from "./small_run.mjs";
 
 const CLASSES = ["uav", "worker", "vehicle"];
-const STATUSES = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"];
+const STATUSES = ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed", "not ready"];
 const TASKS = ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"];
 readWords({ agents: CLASSES, statuses: STATUSES, tasks: TASKS, actions: [], activities: [],
   processes: ["starting", "ready", "running", "degraded", "ended", "deciding"] });
@@ -91,6 +92,20 @@ test("schedulers that disagree need attention from then on, with their newest wo
   const found = (t) => attentionAt(run, t).map(({ kind, text, note }) => [kind, text, note]);
   assert.deepEqual(found(0), [["differ", "once", "decision 0: one"]]);
   assert.deepEqual(found(45000), [["differ", "2 times", "decision 1: two"]]);
+});
+
+test("an agent that is not ready: with what its driver waits for by then", () => {
+  const run = begun();
+  Object.assign(run, { nowMs: 90000, ended: false });
+  const [uav, worker] = run.agents;
+  uav.spans = [0, 7, 80000, 1];
+  worker.spans = [30000, 7];
+  const event = (t, detail) => ({ t, kind: "driver_waits", fault: "", detail, uav: 0, worker: -1, vehicle: -1 });
+  run.events = [event(0, "a word of its autopilot"), event(60000, "a fix (4 satellites)")];
+  const found = (t) => attentionAt(run, t).filter(({ kind }) => kind === "ready").map(({ text, note }) => `${text} ${note}`);
+  assert.deepEqual(found(10000), ["uav:0 waits for a word of its autopilot"]);
+  assert.deepEqual(found(70000), ["uav:0 waits for a fix (4 satellites)", "worker:0 since 0:00:30"]);
+  assert.deepEqual(found(85000), ["worker:0 since 0:00:30"]);
 });
 
 test("a row tells how long its task has, or how late it is", () => {

@@ -7,7 +7,7 @@ export const SCENARIO = {
 };
 
 export const WORDS = {
-  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed"],
+  agents: ["uav", "worker", "vehicle"], statuses: ["offline", "idle", "moving", "waiting", "sensing", "charging", "failed", "not ready"],
   tasks: ["open", "reserved", "sensing", "done", "unreported", "expired", "cancelled", "held"],
   actions: ["Ui", "Wj", "Vk", "UiTx", "WjTx", "UiCy", "VkCy", "UiTxWj", "UiCyVk", "go"],
   activities: ["sensing", "charging"], processes: ["starting", "ready", "running", "degraded", "ended", "deciding"],

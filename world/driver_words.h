@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <muster/event_t.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "model/agent.h"
+
+namespace muster::world {
+
+/// What the drivers of measured agents say in words: why one cannot go on, or what it waits for.
+/// Their processes send it beside the reports.
+class DriverWords {
+ public:
+  explicit DriverWords(const Scenario& scenario) : scenario_(scenario) {}
+
+  /// Returns whether the mission is to hear of it: what a driver waits for, as it is heard first.
+  bool Hear(const event_t& event);
+  /// Whether to ask for a report again that says that the agent has failed, because the reason was
+  /// not heard. True a few times at most.
+  bool Awaits(const AgentState& agent);
+  std::string WhyFailed(const AgentState& agent) const;
+
+ private:
+  using Key = std::pair<AgentKind, std::int32_t>;
+
+  /// The measured agent that the event names; none: it names none.
+  std::optional<Key> AgentOf(const event_t& event) const;
+
+  const Scenario& scenario_;
+  std::map<Key, std::string> failures_;
+  std::map<Key, TimeUs> waits_said_us_;  ///< of the newest word
+  std::map<Key, int> awaited_;
+};
+
+}  // namespace muster::world
