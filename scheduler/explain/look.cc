@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/index.h"
 #include "model/air_ways.h"
@@ -156,15 +157,19 @@ PlaceLook Look::AtPlace(bool charging, std::int32_t site, std::int32_t uav,
   look.charging = charging;
   look.site = site;
   look.soon_decisions = soon_decisions_;
-  const auto count = [&](AgentKind kind, int* idle, int* soon, int* busy) {
+  const auto count = [&](AgentKind kind, int* idle, int* soon, int* busy, int* unready) {
     const auto& of_kind = participants_[kind];
     *idle = static_cast<int>(
         std::count_if(of_kind.begin(), of_kind.end(), [](const Participant& p) { return p.idle; }));
     *soon = static_cast<int>(of_kind.size()) - *idle;
-    *busy = static_cast<int>(situation_.agents(kind).size() - of_kind.size());
+    const auto& all = situation_.agents(kind);
+    *unready = static_cast<int>(
+        std::count_if(all.begin(), all.end(), std::mem_fn(&AgentState::not_ready)));
+    *busy = static_cast<int>(all.size() - of_kind.size()) - *unready;
   };
-  count(AgentKind::kUav, &look.idle_uavs, &look.soon_uavs, &look.busy_uavs);
-  count(look.partner_kind(), &look.idle_partners, &look.soon_partners, &look.busy_partners);
+  count(AgentKind::kUav, &look.idle_uavs, &look.soon_uavs, &look.busy_uavs, &look.unready_uavs);
+  count(look.partner_kind(), &look.idle_partners, &look.soon_partners, &look.busy_partners,
+        &look.unready_partners);
   AddPairs(uav, partner, &look);
   if (look.pairs_feasible > 0) {
     look.obstacle = Obstacle::kNone;

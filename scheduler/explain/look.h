@@ -71,6 +71,7 @@ struct PlaceLook {
   int soon_uavs = 0, soon_partners = 0;  ///< take part, as they will be free soon
   std::int32_t soon_decisions = 0;       ///< within that many decisions; 0: idle ones only
   int busy_uavs = 0, busy_partners = 0;  ///< under way, and take no part
+  int unready_uavs = 0, unready_partners = 0;
   int uavs_in_range = 0;
   int pairs = 0;  ///< of a UAV in range and a partner
   int pairs_feasible = 0, pairs_after_window = 0, pairs_after_limit = 0, pairs_after_expiry = 0;

@@ -14,6 +14,7 @@
 #include "tests/simulation/audited.h"
 #include "tests/simulation/order_draws.h"
 #include "tools/explain/redecide.h"
+#include "tools/explain/story.h"
 #include "tools/record/digest.h"
 #include "tools/record/run_record.h"
 #include "tools/simulate/virtual_mission.h"
@@ -28,7 +29,7 @@ using agents::DriverSession;
 constexpr std::int32_t kDriven = 3;
 
 /// Random_1 of seed 1 with UAV 3 driven by the example with those options; nullptr: computed.
-RunRecord Fly(const char* arguments, bool measured = true) {
+RunRecord Fly(const char* arguments, bool measured = true, Packets* packets = nullptr) {
   Scenario scenario = Generate(PresetByName("Random_1"), 1);
   scenario.uavs[kDriven].measured = measured;
   RunRecord record;
@@ -40,6 +41,7 @@ RunRecord Fly(const char* arguments, bool measured = true) {
       [&](const Packet& packet) {
         record.Add(packet);
         audited.Add(packet);
+        if (packets != nullptr) packets->all.push_back(packet);
       },
       {}, {},
       [&](AgentKind kind) -> std::unique_ptr<agents::DriverPort> {
@@ -101,7 +103,8 @@ TEST_F(DrivenMission, LateItMovesWhatItTakesPartIn) {
 }
 
 TEST_F(DrivenMission, UntilItIsReadyNobodyPlansWithIt) {
-  const RunRecord driven = Fly("--ready 42");
+  Packets packets;
+  const RunRecord driven = Fly("--ready 42", true, &packets);
   EXPECT_TRUE(FailuresOf(driven).empty());
   std::vector<std::string> waits;
   for (const event_t& event : driven.events()) {
@@ -113,6 +116,12 @@ TEST_F(DrivenMission, UntilItIsReadyNobodyPlansWithIt) {
   ASSERT_FALSE(StartsOf(driven).empty());
   EXPECT_GT(StartsOf(driven).front(), 42 * kMinuteUs);
   EXPECT_LT(StartsOf(Fly(nullptr)).front(), 42 * kMinuteUs);
+  // It came online in minute 8.
+  const std::string text =
+      ToText(TellAgent(ReadDecisionLog(&packets), "run", AgentKind::kUav, kDriven, {}));
+  EXPECT_NE(text.find("decision   1  0:10:00  not ready\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("driver waits uav:3: minute 42\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("decision   5  0:50:00  idle: "), std::string::npos) << text;
 }
 
 TEST_F(DrivenMission, WhenItDiesItFailsWithTheReason) {

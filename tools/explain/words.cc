@@ -50,6 +50,11 @@ std::string Free(const PlaceLook& look) {
   return fmt::format("idle or free within {}", Plural(look.soon_decisions, "decision"));
 }
 
+/// ", 2 not ready"
+std::string NotReady(int agents) {
+  return agents > 0 ? fmt::format(", {} not ready", agents) : std::string();
+}
+
 }  // namespace
 
 std::string AgentName(AgentKind kind, std::int32_t id) {
@@ -140,11 +145,12 @@ std::string ObstacleWords(const PlaceLook& look) {
     case Obstacle::kNone:
       return "possible";
     case Obstacle::kNoUav:
-      return fmt::format("no UAV is {} ({} under way{})", Free(look), look.busy_uavs,
-                         look.soon_decisions > 0 ? " for longer" : "");
+      return fmt::format("no UAV is {} ({} under way{}{})", Free(look), look.busy_uavs,
+                         look.soon_decisions > 0 ? " for longer" : "", NotReady(look.unready_uavs));
     case Obstacle::kNoPartner:
-      return fmt::format("no {} is {} ({} under way{})", partner, Free(look), look.busy_partners,
-                         look.soon_decisions > 0 ? " for longer" : "");
+      return fmt::format("no {} is {} ({} under way{}{})", partner, Free(look), look.busy_partners,
+                         look.soon_decisions > 0 ? " for longer" : "",
+                         NotReady(look.unready_partners));
     case Obstacle::kNoPlace:
       return "the charging point is full";
     case Obstacle::kRange:

@@ -153,13 +153,12 @@ void TopView::AddAgents(std::vector<Line>* lines) const {
       return agent.online_until_us <= agent.online_from_us;
     });
     const auto all = static_cast<std::ptrdiff_t>(specs.size()) - vacant;
-    lines->push_back(
-        {fmt::format(kRow, std::string(ToString(kind)) + "s", all, of(AgentStatus::kIdle),
-                     of(AgentStatus::kMoving),
-                     of(AgentStatus::kWaiting) + of(AgentStatus::kNotReady),
-                     of(AgentStatus::kSensing),
-                     of(AgentStatus::kCharging), failed, of(AgentStatus::kOffline) - vacant),
-         failed > 0 ? Look::kBad : Look::kPlain});
+    lines->push_back({fmt::format(kRow, std::string(ToString(kind)) + "s", all,
+                                  of(AgentStatus::kIdle), of(AgentStatus::kMoving),
+                                  of(AgentStatus::kWaiting) + of(AgentStatus::kNotReady),
+                                  of(AgentStatus::kSensing), of(AgentStatus::kCharging), failed,
+                                  of(AgentStatus::kOffline) - vacant),
+                      failed > 0 ? Look::kBad : Look::kPlain});
   }
 }
 
