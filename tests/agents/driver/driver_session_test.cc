@@ -64,7 +64,7 @@ class Session {
     return told;
   }
   std::string Hear(const std::string& line) { return session_.Hear(line, wall_us_); }
-  std::string Hear(json line) { return Hear(line.dump()); }
+  std::string Hear(const json& line) { return Hear(line.dump()); }
   Session& Greeted() {
     EXPECT_EQ(Hear(std::string(kHello)), "");
     Apply(0);
