@@ -88,7 +88,8 @@ export class Phone {
     this.track = new Track(line);
     this.#told_s = line.mission_s;
     this.#told_at = this.#word_at = this.edge.now();
-    this.edge.say({ type: "hello", version: 1, name: `phone of ${line.agent}` });
+    const isThere = this.isHeard || this.options.isAuto;
+    this.edge.say({ type: "hello", version: 1, name: `phone of ${line.agent}`, ...(isThere ? {} : { not_ready: "a word of its phone" }) });
     if (line.class === "uav") this.fail("a phone is for workers and vehicles, not for a uav");
     else if (line.rate === null && !this.options.isAuto) this.fail("the mission runs at full speed: a person needs a rate");
   }
@@ -150,7 +151,7 @@ export class Phone {
     }
     if (options.isAuto) return;
     const now = this.edge.now();
-    if (this.mission_s < hello.online_from_s) this.#word_at = now;  // nobody is asked anything yet
+    if (this.mission_s < hello.online_from_s || (!this.isHeard && !order)) this.#word_at = now;  // nobody is asked anything yet
     if (now - this.#word_at > options.lostAfter) this.fail(`no word from the phone for ${minutes(options.lostAfter)}`);
   }
 
@@ -170,7 +171,10 @@ export class Phone {
       throw new TypeError("expected items with id and at_ms");
     }
     this.#word_at = this.edge.now();
-    if (!this.isHeard && !this.options.isAuto) this.edge.note("the phone is there");
+    if (!this.isHeard && !this.options.isAuto) {
+      this.edge.note("the phone is there");
+      if (this.hello && this.failed === null && this.over === null) this.edge.say({ type: "ready" });
+    }
     this.isHeard ||= !this.options.isAuto;
     const results = Object.fromEntries(items.map((item) => [item.id, this.#once(item, Math.max(0, sent_ms - item.at_ms) / 1000)]));
     if (this.over !== null) this.isOverTold = true;

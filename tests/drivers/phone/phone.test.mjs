@@ -40,7 +40,7 @@ test("a vehicle says that the battery is changed", () => {
   const work = box.work("charge");
   assert.equal(box.sync().order.work, "charge");
   box.press("done", { order: work });
-  assert.deepEqual(box.said.filter(({ type }) => type !== "state").map(({ type }) => type), ["hello", "arrived", "done"]);
+  assert.deepEqual(box.said.filter(({ type }) => type !== "state").map(({ type }) => type), ["hello", "ready", "arrived", "done"]);
   assert.deepEqual(box.wrong, []);
 });
 
@@ -192,8 +192,21 @@ test("no word from the phone for ten minutes: it has failed, and not before", ()
   assert.equal(box.sync().failed, "no word from the phone for 10 min");
 });
 
+test("until the phone is there the mission plans without its person", () => {
+  const box = new Box();
+  assert.equal(box.said[0].not_ready, "a word of its phone");
+  box.pass(40);  // 20 min
+  assert.equal(box.last("failed"), undefined);
+  assert.equal(box.last("ready"), undefined);
+  box.sync();
+  box.sync();
+  assert.equal(box.said.filter(({ type }) => type === "ready").length, 1);
+  assert.equal(new Box(undefined, { isAuto: true }).said[0].not_ready, undefined);
+});
+
 test("nobody is missed before the agent takes part", () => {
   const box = new Box(helloOf({ online_from_s: 1800 }));
+  box.sync();
   box.pass(79);
   assert.equal(box.last("failed"), undefined);
   box.pass(2);

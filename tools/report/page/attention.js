@@ -99,7 +99,8 @@ const late = (run, t) => forecastAt(run, t).done < run.tasksKnownAt(t);
 
 /**
  * What is wrong with an agent: { kind, harm, note }; null: nothing. `since` and `nearest` (metres to the nearest charging
- * point; null: there is none) are asked for where they matter, as is what its driver waits for (`waits`). The terminal has the same rule (TroubleOf in tools/top/attention.h).
+ * point; null: there is none) are asked for where they matter, as is what its driver waits for (`waits`). The terminal has the
+ * same rule (TroubleOf in tools/top/attention.h).
  */
 export function troubleOf({ kind, status, range, fullRange }, t, since, nearest, waits) {
   if (status === FAILED) return { kind: "failed", harm: -since() / 1000, note: say("since {time}", { time: clockText(since()) }) };
