@@ -299,7 +299,9 @@ void ExpectOnward(AgentState* agent, TimeUs t, TimeUs next_tick_us) {
 }
 
 void SayAsComputed(AgentState* agent, TimeUs t) {
-  if (!agent->measured || agent->action == ActionKind::kNone) return;
+  if (!agent->measured) return;
+  if (agent->not_ready()) agent->busy_until_us = t;
+  if (agent->action == ActionKind::kNone) return;
   agent->measured->arrived = agent->arrive_us <= t;
   agent->measured->done = IsPair(agent->action) && agent->activity && agent->busy_until_us <= t;
 }

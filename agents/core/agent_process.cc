@@ -427,16 +427,14 @@ void AgentProcess::ApplyReports() {
     AgentState& agent = Agent(report.agent);
     // Said before it knew of what it does now.
     if (report.kind == MeasuredReport::Kind::kPlace && IsOld(agent, report)) continue;
-    if (report.kind == MeasuredReport::Kind::kReady) waits_for_.erase(report.agent);
-    if (report.kind == MeasuredReport::Kind::kNotReady &&
-        std::exchange(waits_for_[report.agent], report.reason) != report.reason) {
-      unsaid_waits_.insert(report.agent);
-    }
     const std::string problem = report.kind == MeasuredReport::Kind::kFailed
                                     ? report.reason
                                     : ApplyReport(&agent, report, tick_us_, scenario()->tasks);
     if (!problem.empty() && !agent.failed)
       failures_.emplace(report.agent, "its driver: " + problem);
+    if (report.kind == MeasuredReport::Kind::kNotReady && agent.not_ready()) {
+      unsaid_waits_[report.agent] = report.reason;
+    }
   }
   for (const std::int32_t id : driven_) {
     ExpectOnward(&Agent(id), tick_us_, scenario()->rules.TickAfter(tick_us_));
@@ -477,8 +475,8 @@ void AgentProcess::SayOfDrivers(const Now& now) {
   for (const auto& [id, reason] : failures_) {
     if (!Agent(id).failed) SayOfDriver(EventKind::kDriverFailed, id, reason, now);
   }
-  for (const std::int32_t id : std::exchange(unsaid_waits_, {})) {
-    if (Agent(id).not_ready()) SayOfDriver(EventKind::kDriverWaits, id, waits_for_[id], now);
+  for (const auto& [id, reason] : std::exchange(unsaid_waits_, {})) {
+    SayOfDriver(EventKind::kDriverWaits, id, reason, now);
   }
 }
 

@@ -85,10 +85,8 @@ class AgentProcess : public Follower {
   std::vector<AgentState> agents_;
   std::vector<std::int32_t> driven_;              ///< ids
   std::map<std::int32_t, std::string> failures_;  ///< what drivers have said, by agent
-  /// What drivers of agents that are not ready wait for, by agent, and which of that is not said
-  /// yet.
-  std::map<std::int32_t, std::string> waits_for_;
-  std::set<std::int32_t> unsaid_waits_;
+  /// What drivers of agents that are not ready wait for, by agent, as far as it is not said yet.
+  std::map<std::int32_t, std::string> unsaid_waits_;
   bool is_driving_ = false;
   bool awaits_drivers_ = false;  ///< the present tick is not reported yet
   TimeUs listen_us_ = kNever;    ///< monotonic: when drivers are heard again

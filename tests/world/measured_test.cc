@@ -61,6 +61,15 @@ TEST(Measured, WhoDoesAsComputedHasTheComputedOutcome) {
   }
 }
 
+TEST(Measured, WithoutADriverNobodyIsNotReady) {
+  AgentState agent;
+  agent.measured.emplace();
+  agent.online_until_us = agent.busy_until_us = kNever;
+  ASSERT_TRUE(agent.not_ready());
+  SayAsComputed(&agent, 5);
+  EXPECT_TRUE(agent.idle(5));
+}
+
 TEST(Measured, WhoIsLateAndSaysSoMovesTheSensing) {
   Flight flight(Small());
   flight.Measure(kWorker).Judge(0, 0).Command(Sense());
