@@ -117,7 +117,7 @@ AgentState StartOf(AgentKind kind, std::int32_t id, const AgentSpec& spec, const
 }
 
 TimeUs HoldUs(const AgentState& agent) {
-  if (agent.kind != AgentKind::kUav || agent.measured || agent.leg_ways->straight(agent.kind) ||
+  if (agent.kind != AgentKind::kUav || agent.measured || !agent.leg_ways->ruled(agent.kind) ||
       agent.arrive_us <= agent.depart_us) {
     return 0;
   }

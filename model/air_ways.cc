@@ -45,7 +45,9 @@ std::shared_ptr<const LazyAirspace> SharedAirspace(std::vector<Zone> zones, doub
 
 AirWays::AirWays(std::shared_ptr<const Ways> ground, std::shared_ptr<const LazyAirspace> air,
                  Extent extent)
-    : Ways({true, !ground->straight(AgentKind::kWorker), !ground->straight(AgentKind::kVehicle)}),
+    : Ways({air->has_zones(), !ground->straight(AgentKind::kWorker),
+            !ground->straight(AgentKind::kVehicle)},
+           {true, ground->ruled(AgentKind::kWorker), ground->ruled(AgentKind::kVehicle)}),
       ground_(std::move(ground)),
       air_(std::move(air)),
       columns_(Count(extent.width_m)),
@@ -63,8 +65,16 @@ void AirWays::BentLengths(AgentKind kind, std::span<const Point> from, std::span
 
 std::unique_ptr<const Ways::Destinations> AirWays::BentDestinations(
     AgentKind kind, std::span<const Point> places) const {
-  return kind == AgentKind::kUav ? Ways::BentDestinations(kind, places)
-                                 : ground_->DestinationsAt(kind, places);
+  if (kind != AgentKind::kUav) return ground_->DestinationsAt(kind, places);
+  struct Goals final : Destinations {
+    Goals(const Airspace& air, std::span<const Point> at) : goals(air, at) {}
+    void LengthsFrom(Point from, std::span<const std::int32_t> which,
+                     std::span<double> lengths_m) const override {
+      goals.LengthsFrom(from, which, lengths_m);
+    }
+    const Airspace::Goals goals;
+  };
+  return std::make_unique<const Goals>(air(), places);
 }
 
 std::vector<Ways::Corner> AirWays::BentCorners(AgentKind kind, Point from, Point to) const {

@@ -17,13 +17,18 @@ namespace muster {
 class LazyAirspace {
  public:
   LazyAirspace(std::vector<Zone> zones, double margin_m, Airspace::Extent extent)
-      : zones_(std::move(zones)), margin_m_(margin_m), extent_(extent) {}
+      : has_zones_(!zones.empty()),
+        zones_(std::move(zones)),
+        margin_m_(margin_m),
+        extent_(extent) {}
+  bool has_zones() const { return has_zones_; }
   const Airspace& get() const {
     std::call_once(made_once_, [&] { made_.emplace(std::move(zones_), margin_m_, extent_); });
     return *made_;
   }
 
  private:
+  bool has_zones_;
   mutable std::once_flag made_once_;
   mutable std::vector<Zone> zones_;
   double margin_m_;

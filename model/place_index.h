@@ -25,17 +25,34 @@ class PlaceIndex {
   /// order that depends on the places alone.
   template <class Visit>
   void WithinFrom(Point from, double radius_m, Visit&& visit) const {
-    if (ways_.straight()) return grid_.Within(from, radius_m, StraightVisit(visit));
-    const Found found(grid_, from, radius_m);
+    WithinFrom(
+        from, radius_m, [](std::int32_t, double) { return true; }, visit);
+  }
+  /// Of those only for which may(index, metres). Where it says no it must say no of longer ways,
+  /// too: so it says already of the straight line which ways are not worth finding.
+  template <class May, class Visit>
+  void WithinFrom(Point from, double radius_m, May&& may, Visit&& visit) const {
+    if (ways_.straight()) {
+      return grid_.Within(from, radius_m, [&](std::int32_t i, Point, double distance_m) {
+        if (may(i, distance_m)) visit(i, distance_m);
+      });
+    }
+    const Found found(grid_, from, radius_m, may);
     std::vector<double> lengths_m(found.at.size());
     bent_->LengthsFrom(from, found.index, lengths_m);
-    found.Visit(lengths_m, radius_m, visit);
+    found.Visit(lengths_m, radius_m, [&](std::int32_t i, double metres) {
+      if (may(i, metres)) visit(i, metres);
+    });
   }
   /// The same for ways that lead from the places to `to`.
   template <class Visit>
   void WithinTo(Point to, double radius_m, Visit&& visit) const {
-    if (ways_.straight()) return grid_.Within(to, radius_m, StraightVisit(visit));
-    const Found found(grid_, to, radius_m);
+    const auto any = [](std::int32_t, double) { return true; };
+    if (ways_.straight()) {
+      return grid_.Within(to, radius_m,
+                          [&](std::int32_t i, Point, double distance_m) { visit(i, distance_m); });
+    }
+    const Found found(grid_, to, radius_m, any);
     std::vector<double> lengths_m(found.at.size());
     ways_.ways->Lengths(ways_.kind, found.at, {&to, 1}, lengths_m);
     found.Visit(lengths_m, radius_m, visit);
@@ -50,8 +67,12 @@ class PlaceIndex {
  private:
   /// What may be within reach by way, too.
   struct Found {
-    Found(const GridIndex& grid, Point centre, double radius_m) {
-      grid.Within(centre, radius_m, [&](std::int32_t i, Point place, double) {
+    template <class May>
+    Found(const GridIndex& grid, Point centre, double radius_m, const May& may) {
+      index.reserve(64);
+      at.reserve(64);
+      grid.Within(centre, radius_m, [&](std::int32_t i, Point place, double distance_m) {
+        if (!may(i, distance_m)) return;
         index.push_back(i);
         at.push_back(place);
       });
@@ -65,11 +86,6 @@ class PlaceIndex {
     std::vector<std::int32_t> index;
     std::vector<Point> at;
   };
-  template <class Visits>
-  static auto StraightVisit(Visits& visit) {
-    return [&visit](std::int32_t i, Point, double distance_m) { visit(i, distance_m); };
-  }
-
   GridIndex grid_;
   WaysOf ways_;
   std::unique_ptr<const Ways::Destinations> bent_;  ///< null: ways are straight

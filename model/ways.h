@@ -17,7 +17,7 @@ namespace muster {
 /// processes of a mission hold equal ones.
 ///
 /// This class is the plain case, in which everybody travels in a straight line. A derived class
-/// names the agent kinds whose ways may bend and answers for them.
+/// names the agent kinds whose ways may bend, and those that have rules, and answers for them.
 ///
 /// What callers may rely on: a way is never shorter than the straight line, so a search by straight
 /// distance finds every place that is within reach. A way may be longer in one direction than in
@@ -31,6 +31,9 @@ class Ways {
 
   /// Whether all ways of that kind are straight lines.
   bool straight(AgentKind kind) const { return !bends_[kind]; }
+  /// Whether that kind has rules of its own, though its ways may be straight today: a move to no
+  /// site ends at a stop, ways can be closed, and an agent can hold before it sets out.
+  bool ruled(AgentKind kind) const { return ruled_[kind]; }
 
   /// Metres from one place to the other, as the agent would make them at full speed; infinity where
   /// there is no way.
@@ -82,15 +85,15 @@ class Ways {
   };
   /// The stop nearest to that place, in a straight line; it itself where none is numbered.
   Stop StopNear(AgentKind kind, Point wanted) const {
-    return straight(kind) ? Stop{wanted} : BentStopNear(kind, wanted);
+    return ruled(kind) ? BentStopNear(kind, wanted) : Stop{wanted};
   }
   /// The last stop on the way that is not beyond that share of it; `from` where there is none.
   Point StopBefore(AgentKind kind, Point from, Point to, double share) const {
-    return straight(kind) ? Lerp(from, to, share) : BentStopBefore(kind, from, to, share);
+    return ruled(kind) ? BentStopBefore(kind, from, to, share) : Lerp(from, to, share);
   }
   /// The place of that number.
   std::optional<Point> NumberedStop(AgentKind kind, std::int32_t number) const {
-    return straight(kind) ? std::optional<Point>() : BentNumberedStop(kind, number);
+    return ruled(kind) ? BentNumberedStop(kind, number) : std::optional<Point>();
   }
   /// The places where the way changes direction, in order, without its two ends.
   struct Corner {
@@ -105,11 +108,12 @@ class Ways {
   /// none: the rest can still be gone.
   std::optional<double> BarredAt(AgentKind kind, Point from, Point to, double share,
                                  const Ways& now) const {
-    return straight(kind) ? std::optional<double>() : BentBarredAt(kind, from, to, share, now);
+    return ruled(kind) ? BentBarredAt(kind, from, to, share, now) : std::optional<double>();
   }
 
  protected:
-  explicit Ways(PerKind<bool> bends) : bends_(bends) {}
+  explicit Ways(PerKind<bool> bends) : Ways(bends, bends) {}
+  Ways(PerKind<bool> bends, PerKind<bool> ruled) : bends_(bends), ruled_(ruled) {}
 
   /// Each by BentLength().
   virtual void BentLengths(AgentKind kind, std::span<const Point> from, std::span<const Point> to,
@@ -130,7 +134,7 @@ class Ways {
   virtual std::optional<double> BentBarredAt(AgentKind kind, Point from, Point to, double share,
                                              const Ways& now) const;
 
-  PerKind<bool> bends_ = {};
+  PerKind<bool> bends_ = {}, ruled_ = {};
 };
 
 /// Straight lines for all.

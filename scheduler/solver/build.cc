@@ -107,9 +107,11 @@ class Builder {
     const PlaceIndex tasks(roster_.task_at, uavs_.ways), charges(roster_.charge_at, uavs_.ways);
     uav_to_task_ = FindWays(uavs_.size(), uavs_.ways, [&](std::size_t u, std::vector<Way>* ways) {
       const LevelOf& level = uavs_.level_of(u);
-      tasks.WithinFrom(uavs_.at[u], range_m[u], [&](Index x, double metres) {
+      const auto may = [&](Index x, double metres) {
         const double to_charge_m = site_.task_to_charge_m[roster_.tasks[At(x)].index()];
-        if (!CanSense(range_m[u], metres, TaskAt(x).cost_m, to_charge_m)) return;
+        return CanSense(range_m[u], metres, TaskAt(x).cost_m, to_charge_m);
+      };
+      tasks.WithinFrom(uavs_.at[u], range_m[u], may, [&](Index x, double metres) {
         ways->push_back({static_cast<Index>(u), x, metres, level(metres)});
       });
     });

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/check.h"
+#include "base/index.h"
 #include "base/json_tree.h"
 #include "base/random.h"
 #include "model/air_ways.h"
@@ -325,6 +328,77 @@ TEST(Airspace, NoWayByAnyCornerIsShorter) {
     }
   }
   EXPECT_GT(n_bent, 20);
+}
+
+/// What is kept, and how far somebody looked before, changes no bit of a length.
+TEST(Airspace, LengthsDoNotDependOnWhatWasAskedBefore) {
+  constexpr std::size_t kPlaces = 150;  // more than lengths are kept for at once
+  constexpr Airspace::Extent kArea{20'000, 20'000};
+  Random random(1, Stream::kTest, 5);
+  const std::vector<Zone> zones = DrawnZones(&random, 20'000, 30);
+  std::vector<Point> places;
+  while (places.size() < kPlaces) {
+    places.push_back({random.Uniform(0, 20'000), random.Uniform(0, 20'000)});
+  }
+  const Airspace one_by_one(zones, 40, kArea);
+  std::vector<double> expected;  // [from * to]
+  for (std::size_t i = kPlaces * kPlaces; i-- > 0;) {
+    expected.push_back(one_by_one.Length(places[i / kPlaces], places[i % kPlaces]));
+  }
+  std::reverse(expected.begin(), expected.end());
+  const auto n_bent = std::count_if(expected.begin(), expected.end(), [&](const double& length_m) {
+    const auto i = static_cast<std::size_t>(&length_m - expected.data());
+    return length_m > Distance(places[i / kPlaces], places[i % kPlaces]);
+  });
+  EXPECT_GT(n_bent, 1000);
+
+  std::vector<double> lengths_m(expected.size());
+  const Airspace at_once(zones, 40, kArea);
+  at_once.Lengths(places, places, lengths_m);
+  EXPECT_EQ(lengths_m, expected);
+
+  // The nearest first, by two threads.
+  const Airspace nearest_first(zones, 40, kArea);
+  const Airspace::Goals goals(nearest_first, places);
+  const auto ask = [&](std::vector<double>* into) {
+    for (std::size_t i = 0; i < kPlaces; ++i) {
+      std::vector<std::int32_t> which(kPlaces);
+      std::iota(which.begin(), which.end(), 0);
+      std::sort(which.begin(), which.end(), [&](std::int32_t a, std::int32_t b) {
+        return Distance(places[i], places[At(a)]) < Distance(places[i], places[At(b)]);
+      });
+      std::vector<double> found_m(kPlaces);
+      goals.LengthsFrom(places[i], which, found_m);
+      for (std::size_t k = 0; k < kPlaces; ++k) (*into)[i * kPlaces + At(which[k])] = found_m[k];
+    }
+  };
+  std::vector<double> others_m(expected.size());
+  std::thread other([&] { ask(&others_m); });
+  ask(&lengths_m);
+  other.join();
+  EXPECT_EQ(lengths_m, expected);
+  EXPECT_EQ(others_m, expected);
+}
+
+TEST(AirWays, AreStraightWithoutZonesAndHaveRulesAllTheSame) {
+  constexpr Airspace::Extent kArea{3000, 2000};
+  const auto ways = [&](std::vector<Zone> zones) {
+    return AirWays(DefaultWays(), std::make_shared<const LazyAirspace>(std::move(zones), 10, kArea),
+                   kArea);
+  };
+  const AirWays empty = ways({}), closed = ways({Square(900, 900, 1300, 1300)});
+  EXPECT_TRUE(empty.straight(kUav));
+  EXPECT_TRUE(empty.ruled(kUav));
+  EXPECT_FALSE(closed.straight(kUav));
+  EXPECT_FALSE(empty.ruled(AgentKind::kWorker));
+  EXPECT_FALSE(StraightWays().ruled(kUav));
+  EXPECT_EQ(empty.StopNear(kUav, {140, 160}).at, (Point{100, 200}));
+  EXPECT_EQ(empty.NumberedStop(kUav, 2 * 31 + 1), (Point{100, 200}));
+  EXPECT_EQ(empty.StopBefore(kUav, {0, 0}, {1000, 0}, 0.55), (Point{500, 0}));
+  // A straight way on which a zone is new.
+  const auto share = empty.BarredAt(kUav, {0, 1000}, {1780, 1000}, 0, closed);
+  ASSERT_TRUE(share);
+  EXPECT_NEAR(*share, 0.5, 1e-4);
 }
 
 TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {

@@ -18,7 +18,7 @@ namespace {
 
 /// Sites and agents from which on two threads are worth while.
 constexpr std::size_t kManySites = 512, kManyAgents = 1024;
-constexpr std::size_t kManyOfBentWays = 16;  // agents, each of which takes long
+constexpr std::size_t kManyOfBentWays = 1024;  // agents, each of which takes long
 /// Ways that memory is taken for at once.
 constexpr std::size_t kFewWays = 4096;
 
@@ -66,10 +66,11 @@ class SiteWays {
       std::vector<Way>* found = &halves[begin == 0 ? 0 : 1];
       found->reserve(std::min((end - begin) * n_sites, kFewWays));
       for (std::size_t i = begin; i < end; ++i) {
-        sites.WithinFrom(movers[i].at, movers[i].reach_m, [&](std::int32_t s, double metres) {
-          if (reaches(movers[i], At(s), metres)) {
-            found->push_back({static_cast<std::int32_t>(i), s, metres});
-          }
+        const auto may = [&](std::int32_t s, double metres) {
+          return reaches(movers[i], At(s), metres);
+        };
+        sites.WithinFrom(movers[i].at, movers[i].reach_m, may, [&](std::int32_t s, double metres) {
+          found->push_back({static_cast<std::int32_t>(i), s, metres});
         });
       }
     });
