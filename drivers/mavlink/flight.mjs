@@ -47,14 +47,16 @@ export class Flight {
   /** Waits for what a flight needs to know, and sets what it relies on. `isFirst`: here is where it comes home to. */
   *prepare(isFirst) {
     const { talk, vehicle, plan } = this;
-    yield* heartbeat(talk, vehicle, plan.speedup);
+    if (isFirst) yield* this.#untilHeard();
+    else yield* heartbeat(talk, vehicle, plan.speedup);
     if (!vehicle.isCopter) throw new Trouble("it is no copter", "off");
     for (const [id, name, interval_us] of this.streams.wanted) {
       yield* this.#ask(name === "GLOBAL_POSITION_INT", "sending its place", { command: MavCmd.SET_MESSAGE_INTERVAL, params: [id, interval_us] });
     }
     this.streams.isOn = true;
     yield* this.#countCells();
-    yield* this.#untilReady(isFirst ? START_V : CHARGED_V);
+    // At first nobody counts on it. Later a vehicle waits beside it.
+    yield* isFirst ? this.#untilReady(START_V, Infinity) : this.#untilReady(CHARGED_V, READY_S);
     if (isFirst) yield* this.#checkCamera();
     if (isFirst) this.#checkLaunch();
     yield* this.#setHome(true);
@@ -62,6 +64,16 @@ export class Flight {
     plan.cruise_m_s = vehicle.kind.cruise_m_s(set);
     if (isFirst && plan.cruise_m_s < plan.speed_m_s - SLOWER_M_S) {
       this.note(`it flies ${plan.cruise_m_s.toFixed(1)} m/s, as it is set; the scenario counts on ${plan.speed_m_s.toFixed(1)}: it will be late`);
+    }
+  }
+
+  /** It may be switched on when the mission has long begun. */
+  *#untilHeard() {
+    const { talk, vehicle, plan } = this;
+    for (let isNoted = false; !(yield* talk.await(() => vehicle.kind, HEARTBEAT_S * plan.speedup)); isNoted = true) {
+      const heard = vehicle.otherSystem === null ? "" : ` (heard: system ${vehicle.otherSystem})`;
+      this.waits(`a heartbeat of system ${vehicle.system}${heard}`);
+      if (!isNoted) this.note(`no heartbeat of system ${vehicle.system} for ${HEARTBEAT_S} s${heard}: it goes on waiting`);
     }
   }
 
@@ -98,7 +110,7 @@ export class Flight {
     return words ? ` (${words})` : "";
   }
 
-  *#untilReady(least_v) {
+  *#untilReady(least_v, patience_s) {
     let told = "";
     const isReady = () => {
       const lack = this.#lacks(least_v);
@@ -108,7 +120,7 @@ export class Flight {
       told = what;
       return !lack;
     };
-    if (!(yield* this.talk.await(isReady, READY_S))) throw new Trouble(`it is not ready after ${READY_S} s: it waits for ${this.#lacks(least_v)}`);
+    if (!(yield* this.talk.await(isReady, patience_s))) throw new Trouble(`it is not ready after ${patience_s} s: it waits for ${this.#lacks(least_v)}`);
   }
 
   /** Does it again while it is refused, up to so long. */

@@ -43,11 +43,16 @@ export class Vehicle {
 
   constructor(system) {
     this.system = system;
+    this.otherSystem = null;  // another autopilot that is heard
   }
 
   /** Takes a message; returns whether it is one of this autopilot. */
   hear({ system, component, name, message }, now) {
-    if (system !== this.system || component !== AUTOPILOT_COMPONENT) return false;
+    if (component !== AUTOPILOT_COMPONENT) return false;
+    if (system !== this.system) {
+      this.otherSystem = system;
+      return false;
+    }
     this.heard_s = now;
     this.#heard.set(name, now);
     this.#take[name]?.(message, now);

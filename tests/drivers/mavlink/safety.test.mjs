@@ -391,12 +391,28 @@ test("a battery that is low on the ground does not fly", () => {
   assert.equal(box.copter.armed, false);
 });
 
-test("an autopilot that does not speak: the mission hears of it after 30 s", () => {
+test("an autopilot that does not speak: the mission hears of it after 30 s, and the UAV flies when it is switched on", () => {
   const box = new Box();
   box.loses = () => true;
-  const took = box.until(() => box.failure, 60);
-  assert.equal(box.failure, "no heartbeat of system 3 for 30 s");
+  box.goTo(1500, 400);
+  const said = () => box.lines.map(([, line]) => line).filter(({ type }) => ["not_ready", "ready", "failed"].includes(type));
+  const took = box.until(() => said().length, 60);
+  assert.deepEqual(said(), [{ type: "not_ready", reason: "a heartbeat of system 3" }]);
   assert.ok(took > 29 && took < 31);
+  box.run(1800);
+  assert.equal(said().length, 1);
+  box.loses = () => false;
+  box.until(() => box.said("arrived", 1).length, 400);
+  assert.equal(said().at(-1).type, "ready");
+  assert.equal(box.failure, null);
   box.driver.bye("over");
-  assert.equal(box.driver.exitCode, 1);
+});
+
+test("another autopilot than ours speaks: the mission hears which", () => {
+  const box = new Box({ options: { system: 4 } });
+  box.run(31);
+  assert.ok(box.lines.some(([, line]) => line.type === "not_ready" && line.reason === "a heartbeat of system 4 (heard: system 3)"));
+  assert.equal(box.failure, null);
+  box.driver.bye("over");
+  assert.equal(box.driver.exitCode, 0);
 });
