@@ -4,6 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -44,6 +48,15 @@ void HoldStandardFiles() {
   }
 }
 
+/// A decision takes and frees megabytes. By default malloc hands them back, and the kernel has to
+/// give every page anew for the next one.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
+}
+
 int FailToPrint(const char* program, int error) {
   Say("{}: cannot write to stdout{}{}\n", program, error == 0 ? "" : ": ",
       error == 0 ? "" : std::strerror(error));
@@ -54,6 +67,7 @@ int FailToPrint(const char* program, int error) {
 
 int GuardedMain(const char* program, const std::function<int()>& body) {
   HoldStandardFiles();
+  KeepFreedMemory();
   // A write that fails is an error to report, not a death.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   try {

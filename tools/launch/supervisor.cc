@@ -281,9 +281,12 @@ void Supervisor::SayOfDriver(const event_t& said) {
   const auto& agents = plan_.scenario.agents(kind);
   const auto place = static_cast<std::size_t>(std::max(id, 0));
   if (place >= agents.size() || !agents[place].measured) return;
-  // It is said until the world has ruled.
-  if (!failed_driven_.emplace(kind, id).second) return;
-  Say(fmt::format("{}:{} cannot go on: {}", ToString(kind), id, Printable(said.detail)));
+  // Each is said until the world has taken it.
+  const bool waits = said.kind == EventKind::kDriverWaits;
+  if (!(waits ? waiting_driven_ : failed_driven_).emplace(kind, id).second) return;
+  Say(fmt::format("{}:{} {}: {}", ToString(kind), id,
+                  waits ? "is not ready, and waits for this" : "cannot go on",
+                  Printable(said.detail)));
 }
 
 void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {

@@ -118,7 +118,8 @@ class Supervisor : private FaultActions {
   MissionHost* host_;
 
   recorder::Recorder recorder_;
-  std::set<std::pair<AgentKind, std::int32_t>> failed_driven_;  ///< whose drivers have failed
+  std::set<std::pair<AgentKind, std::int32_t>> failed_driven_;   ///< whose drivers have failed
+  std::set<std::pair<AgentKind, std::int32_t>> waiting_driven_;  ///< and those that have waited
   recorder::Archive archive_;
   StallWatch stall_watch_;
   Patience patience_;

@@ -83,6 +83,20 @@ TEST_F(DriveRunTest, WhoDiesHangsOrTalksNonsenseHasFailedForThatReason) {
   }
 }
 
+TEST_F(DriveRunTest, WhoIsNotReadyHasNotFailedAndMayFailLater) {
+  std::string output;
+  const Json report =
+      Fly({"--driver", DriverOf("uav:3", "--ready 15 --dies 25"), "--lost-after", "60"}, &output);
+  const std::size_t waits =
+      output.find("muster: uav:3 is not ready, and waits for this: minute 15");
+  const std::size_t dies =
+      output.find("muster: uav:3 cannot go on: its driver: its program exited");
+  EXPECT_LT(waits, dies) << output;
+  EXPECT_NE(dies, std::string::npos) << output;
+  ASSERT_EQ(report["failed_agents"].size(), 1U);
+  EXPECT_EQ(report["failed_agents"][0]["agent"], "uav:3");
+}
+
 TEST_F(DriveRunTest, SilentAtARateItIsExpectedFromTickToTick) {
   const Json report = Fly(
       {"--driver", DriverOf("uav:3", "--silent 25:35"), "--rate", "1800", "--lost-after", "30"});
