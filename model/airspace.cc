@@ -138,6 +138,13 @@ Airspace::Airspace(std::vector<Zone> zones, double margin_m, Extent extent)
   std::vector<Point> places;
   for (const Corner& corner : corners_) places.push_back(corner.at);
   corner_places_.emplace(places);
+  if (!places.empty()) {
+    const auto [west, east] = std::minmax_element(places.begin(), places.end(),
+                                                  [](Point a, Point b) { return a.x_m < b.x_m; });
+    const auto [south, north] = std::minmax_element(places.begin(), places.end(),
+                                                    [](Point a, Point b) { return a.y_m < b.y_m; });
+    wide_m_ = Distance({west->x_m, south->y_m}, {east->x_m, north->y_m});
+  }
   sights_ = std::make_unique<UpTo<Sight>[]>(corners_.size());
 }
 

@@ -202,6 +202,7 @@ class Airspace {
   std::vector<Node> nodes_;             ///< each before its halves
   std::vector<Corner> corners_;
   std::optional<GridIndex> corner_places_;
+  double wide_m_ = 0;                      ///< no two corners are further apart
   std::unique_ptr<UpTo<Sight>[]> sights_;  ///< [corner]
   Extent extent_;
 

@@ -25,15 +25,6 @@ constexpr std::size_t kMany = 8;
 /// Corners that most searches reach.
 constexpr std::size_t kManyReached = 128;
 
-/// How far a search goes that is asked for ways of that length: to one of a few distances, so that
-/// it serves for others; infinity for more than any UAV flies.
-double StepAbove(double metres) {
-  constexpr double kAll_m = 1e6;
-  double step_m = 1000;
-  while (step_m < metres && step_m < kAll_m) step_m *= 2;
-  return step_m < kAll_m ? step_m : kNoFlight_m;
-}
-
 /// Of two places to which equally long flights lead first: whether `a` is flown to, the one further
 /// away, else further west, else further south. So whoever computes flights anew, with other
 /// rounding, finds the same ones.
@@ -149,7 +140,12 @@ Airspace::Sight Airspace::FindSight(Point place, const Corner* here, double up_t
 }
 
 const Airspace::WaysTo& Airspace::WaysToGoal(Known* goal, double up_to_m) const {
-  return goal->ways_to.Get(up_to_m, [&] { return FindWaysTo(goal, StepAbove(up_to_m)); });
+  return goal->ways_to.Get(up_to_m, [&] {
+    // To one of a few distances, so that it serves for others, and to any beyond the last corner.
+    double step_m = 1000;
+    while (step_m < up_to_m && step_m < wide_m_) step_m *= 2;
+    return FindWaysTo(goal, step_m < wide_m_ ? step_m : kNoFlight_m);
+  });
 }
 
 Airspace::WaysTo Airspace::FindWaysTo(Known* goal, double up_to_m) const {

@@ -18,7 +18,7 @@ namespace {
 
 /// Sites and agents from which on two threads are worth while.
 constexpr std::size_t kManySites = 512, kManyAgents = 1024;
-constexpr std::size_t kManyOfBentWays = 1024;  // agents, each of which takes long
+constexpr std::size_t kManyOfBentWays = 256;  // agents, each of which takes long
 /// Ways that memory is taken for at once.
 constexpr std::size_t kFewWays = 4096;
 
