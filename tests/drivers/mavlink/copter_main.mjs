@@ -6,6 +6,7 @@
 //   --loss SHARE, --delay S (of the wall), --cut FROM:UNTIL     of the link
 //   --pilot-at S, --no-fix-at S                                 the pilot takes over; its position is lost
 //   --ready S                                                   its estimator takes so long
+//   --track                                                     says where it is, ten times a second of the wall
 //   --sign-key HEX                                              signs, and believes nobody who does not
 // Times are its own seconds since it was started. It ends when its standard input does. Prints what it does.
 import dgram from "node:dgram";
@@ -22,7 +23,7 @@ const text = (value) => ({ type: "string", default: value });
 const { values } = parseArgs({
   options: {
     at: text("52.2,0.1"), udp: text(""), tcp: text(""), serial: text(""), kind: text("ardupilot"), system: text("1"), speedup: text("1"), battery: text("100"),
-    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"), "sign-key": text(""),
+    drain: text("0.02"), "changed-after": text("1e9"), loss: text("0"), delay: text("0"), cut: text("1e9:1e9"), "pilot-at": text("1e9"), "no-fix-at": text("1e9"), ready: text("0"), "sign-key": text(""), track: { type: "boolean", default: false },
   },
 });
 const number = (name) => Number(values[name]);
@@ -71,6 +72,12 @@ function at(name, act) {
   act();
 }
 
+if (values.track) {
+  setInterval(() => {
+    const { latitude_deg, longitude_deg } = copter.place;
+    process.stdout.write(`track ${JSON.stringify({ unix_ms: Date.now(), latitude_deg, longitude_deg, up_m: copter.at.up })}\n`);
+  }, 100);
+}
 setInterval(() => {
   const time = now();
   copter.step(time);

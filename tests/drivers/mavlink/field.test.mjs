@@ -79,6 +79,62 @@ test("a zone is added in flight between the UAV and its place: it is in its fenc
   assert.equal(report.tasks_done, 1);
 }));
 
+/** Two UAVs whose ways cross in the middle, a worker at each end. */
+function withCrossing(folder, air) {
+  const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
+  const [uav] = scenario.uavs, [worker] = scenario.workers, [task] = scenario.tasks;
+  const ends = [{ x_km: 0.7, y_km: 0.3 }, { x_km: 0.4, y_km: 0.59 }];
+  Object.assign(scenario, {
+    version: 2, limit_min: 10, air,
+    uavs: [{ x_km: 0.1, y_km: 0.3 }, { x_km: 0.4, y_km: 0 }].map((at, id) => ({ ...uav, ...at, id, range_km: uav.full_range_km })),
+    workers: ends.map((at, id) => ({ ...worker, ...at, id })),
+    tasks: ends.map((at, id) => ({ ...task, ...at, id, name: `end ${id}` })),
+  });
+  const path = join(folder, "scenario.json"), orders = join(folder, "orders.jsonl");
+  writeFileSync(path, JSON.stringify(scenario));
+  writeFileSync(orders, [0, 1].map((id) => JSON.stringify({ order: "pin", task: id, agents: [`uav:${id}`, `worker:${id}`], at_min: 0, id: `pin ${id}` })).join("\n"));
+  return { scenario, path, orders };
+}
+
+/** Metres, while both are in the air: the least across, how far up it is then, and the least up of those within 50 m across. */
+function nearest(one, other, map) {
+  const track = ({ lines }) => lines.filter((line) => line.startsWith("track ")).map((line) => JSON.parse(line.slice(6)))
+    .map(({ unix_ms, up_m, ...at }) => ({ unix_ms, up_m, ...map.toMetres(at) }));
+  const others = track(other);
+  const distances = track(one).map((here) => {
+    const there = others.reduce((a, b) => (Math.abs(b.unix_ms - here.unix_ms) < Math.abs(a.unix_ms - here.unix_ms) ? b : a));
+    const isUp = here.up_m > 1 && there.up_m > 1;
+    return { across_m: isUp ? Math.hypot(here.x_m - there.x_m, here.y_m - there.y_m) : Infinity, up_m: Math.abs(here.up_m - there.up_m) };
+  });
+  const least = distances.reduce((a, b) => (b.across_m < a.across_m ? b : a));
+  return { ...least, near_m: Math.min(...distances.filter(({ across_m }) => across_m < 50).map(({ up_m }) => up_m)) };
+}
+
+test("two UAVs whose ways cross: without separation they meet, with it they are apart", { skip: NO_MUSTER }, () => withPrograms(async ({ start, copter, folder }) => {
+  const found = [];
+  for (const air of [{ separation: false }, {}]) {
+    const { scenario, path, orders } = withCrossing(folder, air), map = new MissionMap(scenario.origin);
+    const copters = [], drivers = {};
+    for (const [id, { x_km, y_km }] of scenario.uavs.entries()) {
+      const at = map.toDegrees({ x_m: 1000 * x_km, y_m: 1000 * y_km }), port = await freePort();
+      copters.push(await copter(["--at", `${at.latitude_deg},${at.longitude_deg}`, "--udp", `127.0.0.1:${port}`, "--speedup", String(RATE), "--track"]));
+      drivers[`uav:${id}`] = [process.execPath, MAIN, "--connect", `udpin:${port}`, "--system", "1", "--speedup", RATE, "--keep", join(folder, String(id)),
+        "--cells", "4", "--confirm", "battery"].map((word) => `"${word}"`).join(" ");
+    }
+    const run = join(folder, air.separation === false ? "meets" : "apart");
+    const mission = start(MUSTER, ["run", path, "--rate", String(RATE), "--quiet", "--out", run, "--orders", orders,
+      ...Object.entries({ ...drivers, "worker:0": FOLLOWER, "worker:1": FOLLOWER }).flatMap(([agent, driver]) => ["--driver", `${agent}=${driver}`])]);
+    const report = await reportOf({ mission, run }, start);
+    assert.equal(report.tasks_done, 2, mission.lines.join("\n"));
+    found.push(nearest(...copters, map));
+  }
+  const [meets, apart] = found;
+  process.stdout.write(`without separation ${meets.across_m.toFixed(1)} m across and ${meets.up_m.toFixed(1)} m up, with it `
+    + `${apart.across_m.toFixed(1)} and ${apart.up_m.toFixed(1)}\n`);
+  assert.ok(meets.across_m < 50 && meets.up_m < 8, JSON.stringify(meets));
+  assert.ok(apart.near_m > 9, JSON.stringify(apart));
+}));
+
 /** Two places, of which the second has its worker later, and few decisions. */
 function withPause(folder) {
   const scenario = JSON.parse(readFileSync(FIELD_TEST, "utf8"));
