@@ -36,7 +36,7 @@ class GridIndex {
   }
 
   /// The least length(index, point, distance), which is never below the distance; infinity when
-  /// there is no point. It is asked of points that are nearer than what was found so far.
+  /// there is no point. It is asked of points that are no further away than what was found.
   template <class Length>
   double Nearest(Point centre, Length&& length) const {
     double nearest = std::numeric_limits<double>::infinity();
@@ -44,7 +44,7 @@ class GridIndex {
     const double reach = ReachFrom(centre);
     for (double radius = 1 / per_m_;; radius *= 2) {
       Within(centre, radius, [&](std::int32_t i, Point point, double distance) {
-        if (distance < nearest) nearest = std::min(nearest, length(i, point, distance));
+        if (distance <= nearest) nearest = std::min(nearest, length(i, point, distance));
       });
       if (nearest <= radius || radius > reach) break;
     }

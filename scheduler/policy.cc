@@ -38,15 +38,19 @@ Action MakeStay(const Site& site, const AgentState& agent) {
   return MakeAction(site, is_uav ? &agent : nullptr, is_uav ? nullptr : &agent, {}, {});
 }
 
+void SortActions(std::vector<Action>* actions) {
+  const auto key = [](const Action& a) {
+    return std::tuple(a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge);
+  };
+  std::sort(actions->begin(), actions->end(),
+            [&key](const Action& a, const Action& b) { return key(a) < key(b); });
+}
+
 Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates) {
   Decision decision;
   decision.candidates = candidates;
   decision.actions = std::move(actions);
-  const auto key = [](const Action& a) {
-    return std::tuple(a.kind, a.uav, a.worker, a.vehicle, a.task, a.charge);
-  };
-  std::sort(decision.actions.begin(), decision.actions.end(),
-            [&key](const Action& a, const Action& b) { return key(a) < key(b); });
+  SortActions(&decision.actions);
   for (const Action& action : decision.actions) decision.weight += action.weight;
   return decision;
 }

@@ -37,6 +37,9 @@ Action MakeAction(const Site& site, const AgentState* uav, const AgentState* par
 /// The agent stays.
 Action MakeStay(const Site& site, const AgentState& agent);
 
+/// In the order of a decision.
+void SortActions(std::vector<Action>* actions);
+
 /// A decision from its actions in any order: sorts them, sums their weights.
 Decision MakeDecision(std::vector<Action> actions, std::int64_t candidates);
 

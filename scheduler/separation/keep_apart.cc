@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
+#include "model/air_ways.h"
+#include "model/directive.h"
 #include "model/feasibility.h"
 #include "model/separation.h"
 
@@ -23,8 +26,9 @@ class ClearancePlanner {
 
   Decision Plan(Decision decision) {
     std::vector<Action> kept;
-    std::vector<bool> sent(s_.uavs.size(), false);
+    std::vector<bool> sent(s_.uavs.size(), false), named(s_.uavs.size(), false);
     for (const Action& action : decision.actions) {
+      if (action.uav.valid()) named[IndexOf(action.uav)] = true;
       const bool flies = action.uav.valid() && !IsStay(action.kind);
       if (flies && !Send(action, &sent)) {
         decision.withheld.push_back(action);
@@ -33,9 +37,16 @@ class ClearancePlanner {
       kept.push_back(action);
     }
     for (std::size_t i = 0; i < s_.uavs.size(); ++i) {
-      if (!sent[i] && s_.uavs[i].idle(s_.now_us)) MakeWay(i);
+      if (sent[i] || !s_.uavs[i].idle(s_.now_us)) continue;
+      const auto out = named[i] ? std::optional<Action>() : WayOutOfZone(i);
+      if (out && Send(*out, &sent)) {
+        kept.push_back(*out);
+      } else {
+        MakeWay(i);
+      }
     }
-    if (!decision.withheld.empty()) {
+    if (kept != decision.actions) {
+      SortActions(&kept);
       decision.weight = 0;
       for (const Action& action : kept) decision.weight += action.weight;
       decision.actions = std::move(kept);
@@ -119,6 +130,23 @@ class ClearancePlanner {
     const bool expires =
         action.task.valid() && !s_.site->tasks[action.task.index()].AllowsStart(start_us);
     return !expires && end_us <= latest_us;
+  }
+
+  /// That a UAV in the air which a zone has come upon goes to the nearest free stop. None: it is
+  /// outside, on the ground, or cannot.
+  std::optional<Action> WayOutOfZone(std::size_t i) const {
+    const AgentState& uav = s_.uavs[i];
+    const auto* const ways = dynamic_cast<const AirWays*>(uav.ways);
+    if (ways == nullptr || ways->air().IsFree(uav.to)) return {};
+    if (AltitudeAt(uav, Cleared(uav), s_.now_us, landing_) <= 0) return {};
+    const Ways::Stop stop = ways->StopNear(AgentKind::kUav, uav.to);
+    if (stop.number < 0 || IsOffLimits(s_.site->directives, AgentKind::kUav, stop.at)) return {};
+    Action action = MakeStay(*s_.site, uav);
+    action.kind = ActionKind::kGoTo;
+    action.to = stop.at;
+    const double way_m = uav.WayM(uav.to, stop.at);
+    if (!(way_m <= RangeAt(uav, s_.now_us, s_.site->tasks)) || !IsInTime(action, 0)) return {};
+    return action;
   }
 
   /// A UAV that stays in the air changes its altitude if it would be met.

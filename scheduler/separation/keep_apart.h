@@ -12,7 +12,8 @@ namespace muster::scheduler {
 /// for its whole way: first of those of its direction (east 1st, 3rd, ...; west 2nd, 4th, ...),
 /// then of all. Where none is free it sets out later, in steps of 5 s, by 2 min at most. Where that
 /// does not help, or the action would then be too late, the action is left out. A UAV that stays
-/// and would be met changes its altitude. Source: greedy colouring of the conflicts; ours.
+/// and would be met changes its altitude. One that nobody sends, in a zone that is new, goes to the
+/// nearest free stop. Source: greedy colouring of the conflicts; ours.
 Decision KeepApart(const Situation& situation, Decision decision);
 
 }  // namespace muster::scheduler

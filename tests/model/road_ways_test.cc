@@ -170,6 +170,16 @@ std::vector<std::vector<double>> AllLengths(const Roads& roads, AgentKind kind) 
   return mm;
 }
 
+TEST(RoadWays, OfTwoStopsThatAreEquallyNearTheLowerNumberCounts) {
+  for (const bool swapped : {false, true}) {
+    std::vector<Point> sites{{152, -30}, {148, -30}};
+    if (swapped) std::swap(sites[0], sites[1]);
+    const RoadWays ways(std::make_shared<const Roads>(Village()), kFields, sites);
+    EXPECT_EQ(ways.StopNear(kWorker, {150, -30}).number, 0);
+    EXPECT_EQ(ways.StopNear(kWorker, {150, -30}).at, sites[0]);
+  }
+}
+
 TEST(RoadWays, OnStreetGridsLengthsAreThoseOfThePlainDefinition) {
   std::size_t ways_found = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "model/order.h"
 #include "model/separation.h"
 #include "scheduler/checker.h"
 #include "tests/scheduler/situation_builder.h"
@@ -123,6 +124,32 @@ TEST(KeepApart, OneThatHoversMakesWay) {
   const Decision d = Apart(s, {});
   EXPECT_EQ(Of(d, 0), (Clearance{0, 1, 30, 40, s.now_us}));
   EXPECT_EQ(Of(d, 1), s.clearances[1]);
+}
+
+TEST(KeepApart, OneThatHoversInANewZoneLeavesIt) {
+  SituationBuilder builder;
+  // In the zone, on the ground in it, too short of range in its midst, and outside.
+  builder.Uav({5100, 5000}).Uav({5200, 5000}).Uav({5500, 5500}, 300).Uav({9000, 9000});
+  builder.Charge({20e3, 20e3});
+  ScenarioAir air;
+  air.margin_m = 30;
+  air.separation = Separation();
+  UseAir(std::move(air), &builder.scenario());
+  Order order = ParseOrder(
+      R"({"order": "zone_add", "area_km": [[5, 4.5], [6, 4.5], [6, 6.5], [5, 6.5]]})", "order");
+  TakeInto(&builder.scenario(), order, 0);
+  Situation s = builder.Build();
+  s.decision = 1;
+  s.now_us = 600 * kSecondUs;
+  s.clearances = {{0, 0, 30, 30, 0}, {2, 0, 30, 50, 0}, {3, 0, 30, 30, 0}};
+  const Decision d = Apart(s, {});
+  ASSERT_EQ(d.actions.size(), 1u);
+  EXPECT_EQ(d.actions[0].kind, ActionKind::kGoTo);
+  EXPECT_EQ(d.actions[0].uav.value, 0);
+  EXPECT_EQ(d.actions[0].to, (Point{4900, 5000}));  // 4,970 is the margin's edge
+  EXPECT_EQ(d.weight, 0);
+  EXPECT_EQ(Of(d, 0).decision, 1);
+  EXPECT_TRUE(CheckActions(s, d.actions).empty());
 }
 
 /// Pairs of UAVs that come too close as planned.
