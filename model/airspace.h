@@ -134,12 +134,12 @@ class Airspace {
     std::vector<double> metres;  ///< by corner, infinity: no way; empty where most have none
     const Way& From(std::int32_t corner) const;
   };
-  /// What is found out up to some distance, and anew, and further, when that is asked for. It stays
-  /// where it is.
+  /// What is found up to some distance, and again up to a greater one when that is asked for. What
+  /// was found before stays in memory, as others may still look at it.
   template <class T>
   class UpTo {
    public:
-    /// find(): at least up to there.
+    /// find() finds it at least up to there.
     template <class Find>
     const T& Get(double up_to_m, const Find& find) {
       const T* known = known_.load(std::memory_order_acquire);
@@ -184,8 +184,7 @@ class Airspace {
   double LengthBetween(Known* from, Known* to) const;
   /// LengthBetween() without what is kept.
   double FindLength(Known* from, Known* to) const;
-  /// Gives the place a number among the goals and room for lengths to other goals, as long as there
-  /// are numbers left.
+  /// Gives the place a number among the goals, as long as there are some left.
   void MakeGoal(Known* place) const;
   /// Where a flight turns at first, and the ways from there; no ways: at no corner.
   struct Turn {
