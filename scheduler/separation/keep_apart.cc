@@ -26,20 +26,21 @@ class ClearancePlanner {
 
   Decision Plan(Decision decision) {
     std::vector<Action> kept;
-    std::vector<bool> sent(s_.uavs.size(), false), named(s_.uavs.size(), false);
+    std::vector<bool> sent(s_.uavs.size(), false), withheld(s_.uavs.size(), false);
     for (const Action& action : decision.actions) {
-      if (action.uav.valid()) named[IndexOf(action.uav)] = true;
       const bool flies = action.uav.valid() && !IsStay(action.kind);
       if (flies && !Send(action, &sent)) {
         decision.withheld.push_back(action);
+        withheld[IndexOf(action.uav)] = true;
         continue;
       }
       kept.push_back(action);
     }
     for (std::size_t i = 0; i < s_.uavs.size(); ++i) {
       if (sent[i] || !s_.uavs[i].idle(s_.now_us)) continue;
-      const auto out = named[i] ? std::optional<Action>() : WayOutOfZone(i);
+      const auto out = withheld[i] ? std::optional<Action>() : WayOutOfZone(i);
       if (out && Send(*out, &sent)) {
+        std::erase_if(kept, [&](const Action& stays) { return stays.uav == out->uav; });
         kept.push_back(*out);
       } else {
         MakeWay(i);

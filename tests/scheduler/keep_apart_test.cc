@@ -142,14 +142,19 @@ TEST(KeepApart, OneThatHoversInANewZoneLeavesIt) {
   s.decision = 1;
   s.now_us = 600 * kSecondUs;
   s.clearances = {{0, 0, 30, 30, 0}, {2, 0, 30, 50, 0}, {3, 0, 30, 30, 0}};
-  const Decision d = Apart(s, {});
-  ASSERT_EQ(d.actions.size(), 1u);
-  EXPECT_EQ(d.actions[0].kind, ActionKind::kGoTo);
-  EXPECT_EQ(d.actions[0].uav.value, 0);
-  EXPECT_EQ(d.actions[0].to, (Point{4900, 5000}));  // 4,970 is the margin's edge
-  EXPECT_EQ(d.weight, 0);
-  EXPECT_EQ(Of(d, 0).decision, 1);
-  EXPECT_TRUE(CheckActions(s, d.actions).empty());
+  // Whether the policy says nothing of it, or says that it stays.
+  Action stays = MakeStay(*s.site, s.uavs[0]);
+  stays.weight = 0.7;
+  for (const std::vector<Action>& actions : {std::vector<Action>(), {stays}}) {
+    const Decision d = Apart(s, actions);
+    ASSERT_EQ(d.actions.size(), 1u);
+    EXPECT_EQ(d.actions[0].kind, ActionKind::kGoTo);
+    EXPECT_EQ(d.actions[0].uav.value, 0);
+    EXPECT_EQ(d.actions[0].to, (Point{4900, 5000}));  // 4,970 is the margin's edge
+    EXPECT_EQ(d.weight, 0);
+    EXPECT_EQ(Of(d, 0).decision, 1);
+    EXPECT_TRUE(CheckActions(s, d.actions).empty());
+  }
 }
 
 /// Pairs of UAVs that come too close as planned.
