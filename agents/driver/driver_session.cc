@@ -41,6 +41,7 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
       places_(scenario),
       agent_(agent),
       taken_(agent),
+      home_(PositionAt(agent, at)),
       at_(at),
       started_us_(wall_us),
       told_us_(wall_us) {
@@ -53,7 +54,7 @@ DriverSession::DriverSession(const Scenario& scenario, const AgentState& agent, 
     hello["full_range_m"] = agent.range_full_m;
     hello["range_m"] = RangeAt(agent, at, scenario.tasks);
   }
-  hello["at"] = places_.ToJson(PositionAt(agent, at));
+  hello["at"] = places_.ToJson(home_);
   hello["area"] = {{"width_m", scenario.width_m}, {"height_m", scenario.height_m}};
   hello["origin"] = nullptr;
   if (scenario.origin) {
@@ -126,7 +127,14 @@ void DriverSession::TellReady() {
 }
 
 void DriverSession::Bye(std::string_view reason) {
-  if (!over_) Say({{"type", "bye"}, {"reason", reason}});
+  if (!over_) {
+    Json line = {{"type", "bye"}, {"reason", reason}};
+    if (agent_.kind == AgentKind::kUav) {
+      Json via = ViaJson(*scenario_.ways, PositionAt(agent_, at_), home_);
+      if (!via.empty()) line["via"] = std::move(via);
+    }
+    Say(line);
+  }
   over_ = true;
 }
 
@@ -180,13 +188,17 @@ void DriverSession::GoTo(TimeUs at) {
     altitude_told_ = true;
   }
   if (!agent_.own_ways().straight()) {
-    line["via"] = Json::array();
-    for (const Ways::Corner& corner :
-         agent_.leg_ways->Corners(agent_.kind, agent_.from, agent_.to)) {
-      line["via"].push_back(places_.ToJson(corner.at));
-    }
+    line["via"] = ViaJson(*agent_.leg_ways, agent_.from, agent_.to);
   }
   Order(Command::Kind::kGoTo, line);
+}
+
+Json DriverSession::ViaJson(const Ways& ways, Point from, Point to) const {
+  Json via = Json::array();
+  for (const Ways::Corner& corner : ways.Corners(agent_.kind, from, to)) {
+    via.push_back(places_.ToJson(corner.at));
+  }
+  return via;
 }
 
 void DriverSession::TellZones(TimeUs at) {

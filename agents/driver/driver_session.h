@@ -45,7 +45,8 @@ class DriverSession {
   void GiveAltitude(const Clearance& clearance);
   /// Tells the driver the time.
   void Tick(TimeUs at, TimeUs wall_us);
-  /// Tells the driver that the mission is over for it. No line of it counts any more.
+  /// Tells the driver that the mission is over for it, and a UAV's by which corners it comes to
+  /// where it began, if its way there is not straight. No line of it counts any more.
   void Bye(std::string_view reason);
 
   /// Takes a line. Returns what is wrong with it; "": nothing.
@@ -84,6 +85,8 @@ class DriverSession {
   /// Says it with an id of its own.
   void Order(Command::Kind kind, const nlohmann::ordered_json& line);
   void GoTo(TimeUs at);
+  /// The corners of a way of the agent.
+  nlohmann::ordered_json ViaJson(const Ways& ways, Point from, Point to) const;
   /// Says which zones a UAV has to keep out of from now on, and which not any more.
   void TellZones(TimeUs at);
   void TellAltitude(TimeUs at);
@@ -106,6 +109,7 @@ class DriverSession {
   const DriverPlaces places_;
   AgentState agent_;  ///< as the mission knows it, with what the driver has said since
   AgentState taken_;  ///< as the mission knows it, with the reports taken since
+  const Point home_;  ///< where it was when it was greeted
   TimeUs at_ = 0;     ///< the mission time that it was told
   TimeUs started_us_ = 0, told_us_ = 0;  ///< wall: of its start, and of at_
   std::vector<Command> commands_;        ///< all so far; ids count from 1

@@ -13,7 +13,7 @@ import { Talk, Trouble } from "./talk.mjs";
 import { Vehicle } from "./vehicle.mjs";
 import { ZoneFence } from "./zone_fence.mjs";
 
-const HEARTBEAT_S = 1;
+const HEARTBEAT_S = 1, HEARD_S = 5;
 const LANDING_S = 900;
 const ROUNDING_S = 1e-6;
 /** So often the mission hears of figures that change while it waits. */
@@ -73,6 +73,8 @@ export class Driver {
     const { talk, vehicle, settings, options, edge } = this;
     try {
       yield* heartbeat(talk, vehicle, options.speedup);
+      const wayHome = edge.kept.load()?.wayHome;
+      if (options.after && wayHome && vehicle.armed) yield* this.#goOnHome(wayHome);
       if (options.after) yield* talk.await(() => !vehicle.armed, LANDING_S);
       if (vehicle.armed) throw new Trouble("it is armed: its settings are put back on the ground only", "off");
       this.exitCode = (yield* settings.restore()) ? 0 : 1;
@@ -81,6 +83,26 @@ export class Driver {
       edge.note(error.message);
       this.exitCode = 1;
     }
+  }
+
+  /** Leaves its way home around zones to the program that goes on, and ends: a mission does not wait so long. */
+  leaveWayHome() {
+    const { kept } = this.edge, { cells, cruise_m_s, altitude_m, home } = this.plan, { corners } = this.order;
+    if (!corners.length) return;
+    kept.save({ ...kept.load(), wayHome: { greeting: this.reporter.hello, plan: { cells, cruise_m_s, altitude_m, home }, corners } });
+    this.exitCode = this.hasFailed ? 1 : 0;
+  }
+
+  *#goOnHome({ greeting, plan, corners }) {
+    const { vehicle, safety, streams, talk, edge } = this;
+    this.plan = { ...this.#planOf(greeting), ...plan };
+    this.order = { type: "bye", corners };
+    vehicle.cells = plan.cells;
+    this.flight = new Flight({ ...this, note: edge.note, plan: this.plan });
+    safety.phase = vehicle.kind.modes.fly.includes(vehicle.mode) ? Phase.fly : Phase.home;
+    streams.isOn = true;
+    yield* talk.await(() => vehicle.place && vehicle.battery_percent !== null, HEARD_S);
+    yield* this.#bringHome();
   }
 
   /** There is no link, and none will come: it ends at once. */
@@ -100,17 +122,17 @@ export class Driver {
     } catch {
       return this.edge.note("a line of the mission is no JSON");
     }
-    const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason) };
+    const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason, line.via) };
     take.zone = () => this.fence?.zones.add(line);
     take.zone_lift = () => this.fence?.zones.lift(line);
     for (const type of ["goto", "sense", "charge", "cancel", "altitude"]) take[type] = () => this.#take(line);
     if (line && Object.hasOwn(take, line.type)) take[line.type]();
   }
 
-  /** The mission is over, or gone. */
-  bye(reason) {
+  /** The mission is over, or gone. `via`: corners of its way home, if it has any. */
+  bye(reason, via = []) {
     this.edge.note(`the mission is over: ${reason}`);
-    this.order = { type: "bye" };
+    this.order = { type: "bye", corners: this.plan && Array.isArray(via) ? via.filter(Boolean).map((place) => this.#metres(place)) : [] };
     if (!this.#work) this.exitCode = 0;  // it has not begun
     if (this.isPreparing) this.#work = this.#end("off");  // it is on the ground
     this.step();
@@ -123,6 +145,10 @@ export class Driver {
     if (frame.name === "GLOBAL_POSITION_INT") this.reporter?.place();
     this.step(frame);
     return true;
+  }
+
+  #metres(place) {
+    return Number.isFinite(place.x_m) ? place : this.plan.map.toMetres(place);
   }
 
   #hearOfPicture(frame) {
@@ -254,8 +280,7 @@ export class Driver {
   *#do(order, isReplaced) {
     const { flight, reporter, safety, options } = this;
     if (order.type === "goto") {
-      const metres = (place) => (Number.isFinite(place.x_m) ? place : this.plan.map.toMetres(place));
-      const to = metres(order.to);
+      const to = this.#metres(order.to);
       reporter.charging = Number.isFinite(order.on_to_charge_m) ? { by: to, on_m: order.on_to_charge_m } : null;
       if (!flight.isFlying && distance_m(flight.place, to) < 3 && !this.vehicle.armed && order.then === "charge") {
         return yield* this.#arrive(order, to, isReplaced);
@@ -265,7 +290,7 @@ export class Driver {
       while (reporter.mission_s < (order.set_out_s ?? 0) - ROUNDING_S && !isReplaced()) yield;
       if (isReplaced()) return;
       if (!flight.isFlying) yield* flight.takeOff();
-      reporter.goal = { order, to, corners: (order.via ?? []).map(metres) };
+      reporter.goal = { order, to, corners: (order.via ?? []).map((place) => this.#metres(place)) };
       const isThere = !isReplaced() && (yield* flight.follow(reporter.goal.corners, to, isReplaced));
       if (isThere && order.then === "charge") yield* flight.land();
       reporter.goal = null;
@@ -344,10 +369,18 @@ export class Driver {
     return true;
   }
 
+  /** By the corners that the mission's end has told, if it is over and there are any. */
+  *#bringHome() {
+    const { flight, order, vehicle } = this;
+    const isAround = order?.corners?.length && flight.isFlying && vehicle.place;
+    yield* flight.bringDown(isAround ? yield* flight.passHomeward(order.corners) : "home");
+  }
+
   /** Brings it down, puts its settings back, and ends. */
   *#end(how) {
     const { safety, vehicle } = this;
-    if (how !== "off") yield* this.flight.bringDown(how);
+    if (how === "home") yield* this.#bringHome();
+    else if (how === "land") yield* this.flight.bringDown("land");
     // A pilot gets it as it was before, at once. On its way down by itself it needs what was set; and what we have not flown is
     // left alone in the air.
     const isPilots = () => safety.phase !== Phase.ground && !vehicle.kind.modes.home.includes(vehicle.mode);

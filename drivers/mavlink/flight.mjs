@@ -214,13 +214,37 @@ export class Flight {
 
   /** Goes there by these corners, each taken off the list as it is passed; returns whether it is there, or `isReplaced()`. */
   *follow(corners, to, isReplaced) {
+    if (!(yield* this.#pass(corners, isReplaced))) return false;
+    const { vehicle, plan } = this;
+    const isThere = () => distance_m(this.place, to) < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M;
+    return yield* this.#goTo(to, isThere, isReplaced);
+  }
+
+  *#pass(corners, isReplaced) {
     for (; corners.length; corners.shift()) {
       const isPassed = () => distance_m(this.place, corners[0]) < TURN_M;
       if (!(yield* this.#goTo(corners[0], isPassed, isReplaced))) return false;
     }
-    const { vehicle, plan } = this;
-    const isThere = () => distance_m(this.place, to) < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M;
-    return yield* this.#goTo(to, isThere, isReplaced);
+    return true;
+  }
+
+  /**
+   * Passes the corners of its way home, as an autopilot that comes home flies straight. When something is wrong it leaves the rest
+   * out. Returns how to bring it down then: "home" or "land".
+   */
+  *passHomeward(corners) {
+    const { safety, plan } = this;
+    const wrong = () => safety.check(plan.area, plan.map);
+    try {
+      if (yield* this.#pass(corners, () => wrong() !== null)) return "home";
+      const { message, then } = wrong();
+      this.note(`${message}; it does not fly around zones any more`);
+      return then;
+    } catch (error) {
+      if (!(error instanceof Trouble)) throw error;
+      this.note(`${error.message}; it does not fly around zones any more`);
+      return "home";
+    }
   }
 
   /** Until it is there or `isReplaced()`; returns whether it is. */

@@ -160,8 +160,10 @@ async function run(options) {
   if (options.restore) return driver.restore();
   let isLeft = false;
   const leave = () => {
-    if (driver.isUnfinished && !isLeft) leaveRestorer();
-    isLeft ||= driver.isUnfinished;
+    if (!driver.isUnfinished || isLeft) return;
+    isLeft = true;
+    driver.leaveWayHome();
+    leaveRestorer();
   };
   lines.to({
     line: (line) => (driver.hearLine(line), leave(), endWhenOver()),

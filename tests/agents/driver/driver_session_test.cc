@@ -197,6 +197,35 @@ TEST(DriverSession, TellsAUavWhichZonesToKeepOutOf) {
   EXPECT_EQ(lifted[0], (json{{"type", "zone_lift"}, {"mission_s", 90.0}, {"id", "heli"}}));
 }
 
+TEST(DriverSession, TellsAUavAtTheEndHowToComeHomeAroundZones) {
+  Scenario scenario = Small();
+  UseAir(ScenarioAir(), &scenario);
+  const auto bye_of = [&](AgentKind kind) {
+    AgentState agent = StartOf(kind, 0, scenario.agents(kind)[0], *scenario.ways);
+    DriverSession session(scenario, agent, 0, 0, {});
+    agent.from = agent.to = {2000, 0};
+    session.Follow(agent, 0, 0);
+    session.TakeLines();
+    session.Bye("over");
+    return json::parse(session.TakeLines().at(0));
+  };
+  const json straight = {{"type", "bye"}, {"reason", "over"}};
+  EXPECT_EQ(bye_of(AgentKind::kUav), straight);
+  Zone zone;
+  zone.rings = {{{900, 0}, {1100, 0}, {1100, 100}, {900, 100}}};
+  scenario.closures.emplace_back().zone = std::make_shared<const Zone>(std::move(zone));
+  ChangeWays(0, &scenario);
+  // A corner of the zone is widened by an octagon, whose corners are 12.426 and 30 m away from it.
+  const json around = bye_of(AgentKind::kUav);
+  ASSERT_EQ(around["via"].size(), 2U) << around;
+  const double x_m[] = {1112.426, 887.574};
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(around["via"][i]["x_m"], x_m[i], 0.01);
+    EXPECT_NEAR(around["via"][i]["y_m"], 130, 0.01);
+  }
+  EXPECT_EQ(bye_of(AgentKind::kWorker), straight);
+}
+
 TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   Session session;
   session.Told();

@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { MissionMap } from "../../../drivers/places.mjs";
+import { distance_m, MissionMap } from "../../../drivers/places.mjs";
 import { freePort, MAIN, withPrograms } from "./programs.mjs";
 
 const RATE = 20;  // faster, and a busy machine is late by more than a flight forgives
@@ -67,8 +67,8 @@ function withZones(folder) {
   return path;
 }
 
-test("a zone is added in flight between the UAV and its place: it is in its fence, and it flies around it", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
-  const flight = await fly(programs, withZones(programs.folder), [], { "worker:0": FOLLOWER, "vehicle:0": FOLLOWER }, ["--take-orders"]);
+test("a zone is added in flight between the UAV and its place: it is in its fence, and it flies around it, there and home", { skip: NO_MUSTER }, () => withPrograms(async (programs) => {
+  const flight = await fly(programs, withZones(programs.folder), ["--track"], { "worker:0": FOLLOWER, "vehicle:0": FOLLOWER }, ["--take-orders"]);
   await flight.one.line((line) => line.endsWith("is up"));
   const order = programs.start(MUSTER, ["zone", "add", flight.run, "--circle", "0.38,0.275,0.04", "--id", "heli"]);
   assert.equal(await order.ended, 0, order.lines.join("\n"));
@@ -77,7 +77,17 @@ test("a zone is added in flight between the UAV and its place: it is in its fenc
   const report = await reportOf(flight, programs.start);
   assert.deepEqual(report.failed_agents, []);
   assert.equal(report.tasks_done, 1);
+  const { lines } = flight.one, map = new MissionMap(JSON.parse(readFileSync(FIELD_TEST, "utf8")).origin);
+  await flight.one.line((line) => line.endsWith("RTL disarmed"), lines.findIndex((line) => line.endsWith("is up")));
+  const middle = { x_m: 380, y_m: 275 }, away_m = trackOf(flight.one, map).map((at) => distance_m(at, middle));
+  assert.ok(Math.min(...away_m) > 60, `${Math.min(...away_m)} m from the middle of a zone of 40 m and its margin of 30 m`);
 }));
+
+/** Where a copter that tells it was: {unix_ms, x_m, y_m, up_m}. */
+function trackOf({ lines }, map) {
+  return lines.filter((line) => line.startsWith("track ")).map((line) => JSON.parse(line.slice(6)))
+    .map(({ unix_ms, up_m, ...at }) => ({ unix_ms, up_m, ...map.toMetres(at) }));
+}
 
 /** Two UAVs whose ways cross in the middle, a worker at each end. */
 function withCrossing(folder, air) {
@@ -98,10 +108,8 @@ function withCrossing(folder, air) {
 
 /** Metres, while both are in the air: the least across, how far up it is then, and the least up of those within 50 m across. */
 function nearest(one, other, map) {
-  const track = ({ lines }) => lines.filter((line) => line.startsWith("track ")).map((line) => JSON.parse(line.slice(6)))
-    .map(({ unix_ms, up_m, ...at }) => ({ unix_ms, up_m, ...map.toMetres(at) }));
-  const others = track(other);
-  const distances = track(one).map((here) => {
+  const others = trackOf(other, map);
+  const distances = trackOf(one, map).map((here) => {
     const there = others.reduce((a, b) => (Math.abs(b.unix_ms - here.unix_ms) < Math.abs(a.unix_ms - here.unix_ms) ? b : a));
     const isUp = here.up_m > 1 && there.up_m > 1;
     return { across_m: isUp ? Math.hypot(here.x_m - there.x_m, here.y_m - there.y_m) : Infinity, up_m: Math.abs(here.up_m - there.up_m) };

@@ -1,7 +1,7 @@
 // The mission's zones in the autopilot's fence.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Box } from "./box.mjs";
+import { Box, START } from "./box.mjs";
 
 const AREA_ITEMS = 6;
 const around = (x_m, y_m, r_m = 100) => [[-r_m, -r_m], [r_m, -r_m], [r_m, r_m], [-r_m, r_m]].map(([x, y]) => ({ x_m: x_m + x, y_m: y_m + y }));
@@ -83,6 +83,82 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.deepEqual(cornersOf(box), [...around(2000, 2000), ...around(3000, 2000)]);
   });
 }
+
+/** Corners of the way from (1500, 400) to the start at (500, 400) around a zone at (1000, 400), and how near it came to its middle. */
+const VIA = [{ x_m: 1130, y_m: 530 }, { x_m: 870, y_m: 530 }];
+
+function comesHome(box) {
+  let nearest_m = Infinity;
+  box.until(() => {
+    nearest_m = Math.min(nearest_m, box.distanceTo({ x_m: 1000, y_m: 400 }));
+    return !box.copter.armed;
+  }, 900, "landed");
+  assert.ok(box.distanceTo(START) < 10, "at home");
+  return nearest_m;
+}
+
+function atItsPlace(kind, options) {
+  const box = new Box({ kind, ...options }).flying();
+  box.until(() => box.said("arrived", 1).length, 300);
+  add(box, "crowd", around(1000, 400));
+  box.until(() => zonesOf(box).length === 4, 5, "in its fence");
+  return box;
+}
+
+for (const kind of ["ardupilot", "px4"]) {
+  test(`${kind}: the mission is over: it comes home around zones`, () => {
+    const box = atItsPlace(kind);
+    box.tell({ type: "bye", reason: "over", via: VIA });
+    const nearest_m = comesHome(box);
+    assert.ok(nearest_m > 125, `${nearest_m} m`);
+    assert.equal(box.copter.breaches, 0);
+    box.until(() => box.driver.exitCode === 0, 60, "its end");
+    assert.equal(box.kept, null);
+  });
+
+  test(`${kind}: its driver leaves the way home to another program, which flies the rest of it`, () => {
+    const box = atItsPlace(kind);
+    box.tell({ type: "bye", reason: "over", via: VIA });
+    box.driver.leaveWayHome();
+    assert.equal(box.driver.exitCode, 0);
+    box.isDead = true;
+    box.run(1);
+    box.startDriver({ ...box.driver.options, after: 1 });
+    box.driver.restore();
+    const nearest_m = comesHome(box);
+    assert.ok(nearest_m > 125, `${nearest_m} m`);
+    assert.equal(box.copter.breaches, 0);
+    box.until(() => box.driver.exitCode === 0, 60, "its end");
+    assert.equal(box.kept, null, "its settings are as they were");
+  });
+
+  test(`${kind}: on its way home around zones its battery gets low: it comes home straight`, () => {
+    const box = atItsPlace(kind);
+    box.tell({ type: "bye", reason: "over", via: VIA });
+    box.run(10);
+    box.copter.battery_percent = 23;
+    box.until(() => box.copter.mode === "RTL", 3, "straight home");
+    assert.ok(box.notes.some((note) => /^its battery is low: 2\d %.*; it does not fly around zones any more$/.test(note)), box.notes.join("; "));
+  });
+
+  test(`${kind}: on its way home around zones the pilot takes over: nothing is commanded any more`, () => {
+    const box = atItsPlace(kind);
+    box.tell({ type: "bye", reason: "over", via: VIA });
+    box.run(10);
+    box.copter.setMode(kind === "px4" ? "POSCTL" : "LOITER");
+    box.until(() => box.driver.exitCode !== null, 60, "hands off");
+    assert.ok(box.copter.armed);
+  });
+}
+
+test("a way home that is none is passed over", () => {
+  for (const via of [null, 7, "x", {}, [null, 3, {}], [{ x_m: 1e9, y_m: 0 }]]) {
+    const box = atItsPlace("ardupilot");
+    box.tell({ type: "bye", reason: "over", via });
+    comesHome(box);
+    box.until(() => box.driver.exitCode === 0, 60, "its end");
+  }
+});
 
 test("what is read back is not what was written: it does not fly; in flight it says so, and tries again", () => {
   const box = new Box();
