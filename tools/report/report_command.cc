@@ -65,9 +65,10 @@ void RequirePageOrNothing(const std::string& out) {
 /// What a page shows beside the run itself.
 struct Shown {
   std::size_t reasons = 0;
-  std::string background;  ///< a file; "": none
-  std::string coast;       ///< as CoastOf takes it
-  std::string tiles;       ///< a file, or kNoTiles; "": what lies beside the scenario
+  std::string background;       ///< a file; "": none
+  std::string coast;            ///< as CoastOf takes it
+  std::string tiles;            ///< a file, or kNoTiles; "": what lies beside the scenario
+  std::size_t tiles_bytes = 0;  ///< at most, of those in the page
 };
 
 /// Takes all that the run's log has. Throws InputError where that is no mission.
@@ -95,14 +96,15 @@ void ReadLog(const std::string& run, MissionFeed* to) {
   feed.Finish();
 }
 
-/// `tiles`: as Shown has it. Throws InputError where a file that was asked for does not fit.
-void AddBaseMap(const std::string& run, const std::string& tiles, const Scenario& scenario,
+/// Throws InputError where a file that was asked for does not fit.
+void AddBaseMap(const std::string& run, const Shown& shown, const Scenario& scenario,
                 nlohmann::ordered_json* chunk) {
+  const std::string& tiles = shown.tiles;
   const std::string file = tiles.empty() ? TilesOfRun(run) : tiles;
   if (file.empty() || file == kNoTiles) return;
   std::string told;
   try {
-    (*chunk)["basemap"] = EmbeddedBaseMap(*OpenTiles(file), scenario, kBaseMapBytes, &told);
+    (*chunk)["basemap"] = EmbeddedBaseMap(*OpenTiles(file), scenario, shown.tiles_bytes, &told);
   } catch (const InputError& error) {
     if (!tiles.empty()) throw;
     fmt::print(stderr, "no base map: {}\n", error.what());
@@ -126,7 +128,7 @@ std::string ReadRun(const std::string& run, const Shown& shown) {
     chunk["coast"] = std::move(coast);
   }
   if (!missing.empty()) fmt::print(stderr, "{}\n", missing);
-  AddBaseMap(run, shown.tiles, scenario, &chunk);
+  AddBaseMap(run, shown, scenario, &chunk);
   if (shown.reasons > 0) {
     ProgressPrinter printer(stderr, StyleFor(stderr, false));
     const auto telling = [&](std::size_t told, std::size_t of) {
@@ -218,10 +220,12 @@ int ReportCommand(int argc, const char* const* argv) {
            "Coast and water below a map with an origin: auto (what Debian's gmt-gshhg-full, -high "
            "or -low has), none, or a binned file of GSHHG")
       .Default("auto");
-  options.Add(
-      "tiles", "FILE",
-      "Base map: an MBTiles or PMTiles file, or none; the page holds the tiles of the area, "
-      "1 MB at most (default: the file beside the scenario that has its name)");
+  options.Add("tiles", "FILE",
+              "Base map: an MBTiles or PMTiles file, or none; the page holds the tiles of the area "
+              "(default: the file beside the scenario that has its name)");
+  options.Add("tiles-mb", "MB", "So large the page's tiles may be together")
+      .Number({0.01, 100})
+      .Default(1.0);
   options.Out("FILE.html", "Page to write (default, of one run: report.html in its directory)");
   options.Add("scene", "FILE.png|FILE.webm", "Picture or film of the scene to write");
   options.Add("show", "LINK",
@@ -259,7 +263,8 @@ int ReportCommand(int argc, const char* const* argv) {
   const Shown shown = {
       static_cast<std::size_t>(out.empty() ? 0 : arguments->Get<std::int64_t>("reasons")),
       arguments->Has("background") ? arguments->Get("background") : "", arguments->Get("coast"),
-      arguments->Has("tiles") ? arguments->Get("tiles") : ""};
+      arguments->Has("tiles") ? arguments->Get("tiles") : "",
+      static_cast<std::size_t>(arguments->Get<double>("tiles-mb") * 1e6)};
   std::vector<std::string> chunks;
   std::string title;
   for (const std::string& run : runs) {

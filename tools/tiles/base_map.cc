@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "base/check.h"
 #include "tools/files/packing.h"
+#include "tools/map/local_frame.h"
 #include "tools/tiles/vector_tile.h"
 
 namespace muster::tools {
@@ -18,8 +20,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kAround = 0.1;          ///< of the area's longer side: what a map shows more
-constexpr std::size_t kMostTiles = 512;  ///< in a page
+constexpr double kAround = 0.1;            ///< of the area's longer side: what a map shows more
+constexpr std::size_t kMostTiles = 512;    ///< of the zoom that a page has of all the area
+constexpr std::size_t kMostCloser = 4096;  ///< of the next one
 constexpr int kPageUnits = 1024;
 /// Shapes as text, packed and in base64: what they take in a page.
 constexpr double kPacked = 0.45;
@@ -35,17 +38,20 @@ struct Range {
   }
 };
 
-Range RangeOf(const DegreeBox& box, int zoom) {
+TileId TileAt(double latitude, double longitude, int zoom) {
   const int side = 1 << zoom;
-  const auto column = [&](double longitude) {
-    return std::clamp(static_cast<int>(std::floor((longitude + 180) / 360 * side)), 0, side - 1);
+  const auto cell = [&](double share) {
+    return std::clamp(static_cast<int>(std::floor(share * side)), 0, side - 1);
   };
-  const auto row = [&](double latitude) {
-    const double phi = std::clamp(latitude, -kMostLatitude, kMostLatitude) * std::numbers::pi / 180;
-    const double y = (1 - std::asinh(std::tan(phi)) / std::numbers::pi) / 2;
-    return std::clamp(static_cast<int>(std::floor(y * side)), 0, side - 1);
-  };
-  Range range = {zoom, column(box.west), column(box.east), row(box.north), row(box.south)};
+  const double phi = std::clamp(latitude, -kMostLatitude, kMostLatitude) * std::numbers::pi / 180;
+  return {zoom, cell((longitude + 180) / 360),
+          cell((1 - std::asinh(std::tan(phi)) / std::numbers::pi) / 2)};
+}
+
+Range RangeOf(const DegreeBox& box, int zoom) {
+  const TileId corner = TileAt(box.north, box.west, zoom);
+  const TileId opposite = TileAt(box.south, box.east, zoom);
+  Range range = {zoom, corner.column, opposite.column, corner.row, opposite.row};
   const auto narrow = [](int* first, int* last) {
     const int beyond = std::max(0, *last - *first + 1 - kMostSide);
     *first += beyond / 2;
@@ -115,13 +121,8 @@ ordered_json Flat(const std::vector<std::int32_t>& places, bool is_area, int uni
   return flat.size() < least ? ordered_json::array() : flat;
 }
 
-/// The tiles of a zoom, until they take more than `most_bytes`; from the middle outwards.
-struct Taken {
-  ordered_json tiles = ordered_json::object();
-  std::size_t n = 0, bytes = 0;
-  bool whole = true;
-};
-Taken Take(const TileFile& file, const Range& range, std::size_t most_bytes) {
+/// All tiles, those in the middle first.
+std::vector<TileId> FromTheMiddle(const Range& range) {
   std::vector<std::pair<double, TileId>> wanted;
   const double middle_x = (range.first_column + range.last_column) / 2.0;
   const double middle_y = (range.first_row + range.last_row) / 2.0;
@@ -132,8 +133,38 @@ Taken Take(const TileFile& file, const Range& range, std::size_t most_bytes) {
     }
   }
   std::sort(wanted.begin(), wanted.end());
+  std::vector<TileId> tiles;
+  for (const auto& [distance, id] : wanted) tiles.push_back(id);
+  return tiles;
+}
+
+/// The tiles of a zoom in which tasks or charging points are, those with most of them first.
+std::vector<TileId> WithPlaces(const Scenario& scenario, int zoom) {
+  const LocalFrame frame(*scenario.origin);
+  std::map<TileId, int> places;
+  const auto count = [&](Point at) {
+    const Origin place = frame.ToPlace(at);
+    ++places[TileAt(place.latitude_deg, place.longitude_deg, zoom)];
+  };
+  for (std::size_t i = 0; i < scenario.n_tasks(); ++i) count(scenario.tasks[i].at);
+  for (const ChargingPoint& point : scenario.charging_points) count(point.at);
+  std::vector<TileId> tiles;
+  for (const auto& [id, n] : places) tiles.push_back(id);
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [&](const TileId& a, const TileId& b) { return places[a] > places[b]; });
+  return tiles;
+}
+
+/// Tiles in that order, until they take more than `most_bytes`.
+struct Taken {
+  ordered_json tiles = ordered_json::object();
+  std::size_t n = 0, bytes = 0;
+  bool whole = true;
+};
+Taken Take(const TileFile& file, const std::vector<TileId>& wanted, std::size_t most_bytes,
+           std::size_t most_tiles) {
   Taken taken;
-  for (const auto& [distance, id] : wanted) {
+  for (const TileId& id : wanted) {
     const auto bytes = file.Read(id);
     if (!bytes) continue;
     ordered_json tile = TileForPage(file, *bytes, kPageUnits);
@@ -141,7 +172,7 @@ Taken Take(const TileFile& file, const Range& range, std::size_t most_bytes) {
     const auto size = static_cast<std::size_t>(
         packed * static_cast<double>(
                      tile.dump(-1, ' ', false, ordered_json::error_handler_t::replace).size()));
-    if (taken.bytes + size > most_bytes || taken.n == kMostTiles) {
+    if (taken.bytes + size > most_bytes || taken.n == most_tiles) {
       taken.whole = false;
       return taken;
     }
@@ -175,7 +206,14 @@ ordered_json TileForPage(const TileFile& file, const std::string& bytes, int uni
     names.push_back(
         {name.x * units / kTileUnits, name.y * units / kTileUnits, name.rank, name.text});
   }
-  return {{"shapes", std::move(shapes)}, {"names", std::move(names)}};
+  ordered_json streets = ordered_json::array();
+  const auto to_page = [&](int at) { return at * units / kTileUnits; };
+  for (const auto& [along, rank, text] : ground->streets) {
+    streets.push_back(
+        {to_page(along.x), to_page(along.y), to_page(along.dx), to_page(along.dy), rank, text});
+  }
+  return {
+      {"shapes", std::move(shapes)}, {"names", std::move(names)}, {"streets", std::move(streets)}};
 }
 
 ordered_json BaseMapOf(const TileFile& file, const Scenario& scenario) {
@@ -195,7 +233,7 @@ ordered_json EmbeddedBaseMap(const TileFile& file, const Scenario& scenario, std
   for (int next = file.info().min_zoom; next <= file.info().max_zoom; ++next) {
     const Range range = RangeOf(area, next);
     if (best && range.size() > kMostTiles) break;
-    Taken taken = Take(file, range, most_bytes);
+    Taken taken = Take(file, FromTheMiddle(range), most_bytes, kMostTiles);
     if (best && !taken.whole) break;
     const double share = static_cast<double>(taken.n) / static_cast<double>(range.size());
     if (share < best_share / 4 || taken.n == 0) continue;  // it ends at a lower zoom there
@@ -205,11 +243,18 @@ ordered_json EmbeddedBaseMap(const TileFile& file, const Scenario& scenario, std
     if (!best->whole) break;
   }
   if (!best) RefusePlace(file, scenario);
-  *told = fmt::format("{} tile{} of zoom {}, {:.0f} kB{}", best->n, best->n == 1 ? "" : "s", zoom,
-                      static_cast<double>(best->bytes) / 1000,
-                      best->whole ? "" : ", the middle of the area: all of it takes more");
-  ordered_json map = Head(file, zoom, zoom, kPageUnits);
+  Taken closer;
+  if (best->whole && zoom < file.info().max_zoom) {
+    closer = Take(file, WithPlaces(scenario, zoom + 1), most_bytes - best->bytes, kMostCloser);
+  }
+  *told = fmt::format(
+      "{} tile{} of zoom {}{}, {:.0f} kB{}", best->n, best->n == 1 ? "" : "s", zoom,
+      closer.n == 0 ? "" : fmt::format(" and {} of zoom {} around tasks", closer.n, zoom + 1),
+      static_cast<double>(best->bytes + closer.bytes) / 1000,
+      best->whole ? "" : ", the middle of the area: all of it takes more");
+  ordered_json map = Head(file, zoom, closer.n == 0 ? zoom : zoom + 1, kPageUnits);
   map["tiles"] = std::move(best->tiles);
+  map["tiles"].update(closer.tiles);
   return map;
 }
 

@@ -9,14 +9,12 @@
 
 namespace muster::tools {
 
-/// What a page may hold of a base map, bytes as the page has them.
-inline constexpr std::size_t kBaseMapBytes = 1'000'000;
-
 /// Of the shapes that a live page asks for: units to a tile's side.
 inline constexpr int kLiveTileUnits = 4096;
 
 /// One tile for the page. A picture: in base64. Shapes: {"shapes": [[[x, y, then differences],
-/// ...], ... by GroundClass], "names": [[x, y, rank, text], ...]} in `units` to a tile's side.
+/// ...], ... by GroundClass], "names": [[x, y, rank, text], ...], "streets": [[x, y, dx, dy, rank,
+/// text], ...]} in `units` to a tile's side.
 /// Throws InputError where the tile is damaged.
 nlohmann::ordered_json TileForPage(const TileFile& file, const std::string& bytes, int units);
 
@@ -27,7 +25,9 @@ nlohmann::ordered_json BaseMapOf(const TileFile& file, const Scenario& scenario)
 
 /// The same with "tiles": {"zoom/column/row": TileForPage}: the scenario's area and some more at
 /// the highest zoom at which it takes no more than `most_bytes`. Where even the lowest takes more,
-/// the tiles nearest to the middle. `told`: "42 tiles of zoom 12, 812 kB".
+/// the tiles nearest to the middle. With the bytes that are left, tiles of the next zoom with tasks
+/// and charging points, those with most of them first. `told`: "42 tiles of zoom 12 and 9 of zoom
+/// 13 around tasks, 812 kB".
 nlohmann::ordered_json EmbeddedBaseMap(const TileFile& file, const Scenario& scenario,
                                        std::size_t most_bytes, std::string* told);
 

@@ -18,6 +18,7 @@ constexpr std::string_view kLand[] = {"landcover", "landuse", "park", "land", "n
 constexpr std::string_view kBuildings[] = {"building", "buildings"};
 constexpr std::string_view kRoads[] = {"transportation", "roads", "streets", "street_polygons",
                                        "transit"};
+constexpr std::string_view kNamedRoads[] = {"transportation_name", "roads", "street_labels"};
 constexpr std::string_view kPlaces[] = {"place", "places", "place_labels"};
 
 constexpr std::string_view kGreen[] = {
@@ -44,6 +45,15 @@ constexpr std::pair<std::string_view, int> kRanks[] = {
     {"village", 2}, {"locality", 2}, {"suburb", 3},        {"borough", 3},
     {"hamlet", 4},  {"island", 4},   {"neighbourhood", 5}, {"quarter", 5}};
 
+std::optional<GroundClass> RoadClassOf(std::string_view kind) {
+  if (IsOneOf(kind, kMotorways)) return GroundClass::kMotorway;
+  if (IsOneOf(kind, kMainRoads)) return GroundClass::kMainRoad;
+  if (IsOneOf(kind, kStreets)) return GroundClass::kStreet;
+  if (IsOneOf(kind, kPaths)) return GroundClass::kPath;
+  if (IsOneOf(kind, kRails)) return GroundClass::kRail;
+  return {};
+}
+
 }  // namespace
 
 std::optional<GroundClass> ClassOf(std::string_view layer, std::string_view kind, bool is_area) {
@@ -55,13 +65,14 @@ std::optional<GroundClass> ClassOf(std::string_view layer, std::string_view kind
     if (IsOneOf(kind, kBuiltUp)) return GroundClass::kBuiltUp;
     return {};
   }
-  if (!IsOneOf(layer, kRoads)) return {};
-  if (IsOneOf(kind, kMotorways)) return GroundClass::kMotorway;
-  if (IsOneOf(kind, kMainRoads)) return GroundClass::kMainRoad;
-  if (IsOneOf(kind, kStreets)) return GroundClass::kStreet;
-  if (IsOneOf(kind, kPaths)) return GroundClass::kPath;
-  if (IsOneOf(kind, kRails)) return GroundClass::kRail;
-  return {};
+  return IsOneOf(layer, kRoads) ? RoadClassOf(kind) : std::nullopt;
+}
+
+std::optional<int> RankOfStreet(std::string_view layer, std::string_view kind) {
+  if (!IsOneOf(layer, kNamedRoads)) return {};
+  const auto its_class = RoadClassOf(kind);
+  if (!its_class || *its_class == GroundClass::kRail) return {};
+  return *its_class == GroundClass::kPath ? 8 : *its_class == GroundClass::kStreet ? 7 : 6;
 }
 
 bool NamesPlaces(std::string_view layer) { return IsOneOf(layer, kPlaces); }

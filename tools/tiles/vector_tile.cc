@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <map>
 #include <protozero/pbf_message.hpp>
 #include <string_view>
+#include <utility>
 
 #include "tools/tiles/ground_class.h"
 
@@ -31,6 +34,7 @@ constexpr std::array<std::string_view, 6> kKindKeys = {"kind_detail", "pmap:kind
 /// Keys of a place's name: its own one first.
 constexpr std::array<std::string_view, 3> kNameKeys = {"name", "name:latin", "name_en"};
 constexpr std::size_t kMostPlaces = 1 << 20;  ///< of a tile's shapes
+constexpr std::size_t kMostStreets = 100;     ///< of a tile that are named
 
 struct Layer {
   std::string_view name;
@@ -50,6 +54,12 @@ class Reader {
     shapes_.shapes.resize(kGroundClasses);
     protozero::pbf_message<TileField> tile(bytes);
     while (tile.next(TileField::kLayer)) TakeLayer(tile.get_view());
+    for (auto& [text, street] : streets_) shapes_.streets.push_back(std::move(street));
+    std::stable_sort(
+        shapes_.streets.begin(), shapes_.streets.end(), [](const auto& a, const auto& b) {
+          return std::pair(a.rank, -a.along.Length()) < std::pair(b.rank, -b.along.Length());
+        });
+    shapes_.streets.resize(std::min(shapes_.streets.size(), kMostStreets));
     return std::move(shapes_);
   }
 
@@ -120,23 +130,47 @@ class Reader {
     }
     if (feature.type == kPoint) return TakeName(layer, &feature, geometry);
     if (feature.type != kLine && feature.type != kPolygon) return;
+    const bool is_named = feature.type == kLine && TakeStreet(layer, &feature, geometry);
     for (const std::string_view key : kKindKeys) {
       const auto its_class =
           ClassOf(layer.name, ValueOf(layer, feature, key), feature.type == kPolygon);
       if (!its_class) continue;
-      Follow(layer, geometry, &feature);
+      if (!is_named) Follow(layer, geometry, &feature);
       auto& all = shapes_.shapes[static_cast<std::size_t>(*its_class)];
       std::move(feature.parts.begin(), feature.parts.end(), std::back_inserter(all));
       return;
     }
   }
 
+  static std::string_view NameOf(const Layer& layer, const Feature& feature) {
+    for (const std::string_view key : kNameKeys) {
+      if (const std::string_view text = ValueOf(layer, feature, key); !text.empty()) return text;
+    }
+    return "";
+  }
+
+  /// Takes a street's name, if it has one, with its longest stretch; returns whether the geometry
+  /// was followed for that.
+  bool TakeStreet(const Layer& layer, Feature* feature, protozero::data_view geometry) {
+    std::optional<int> rank;
+    for (const std::string_view key : kKindKeys) {
+      if (!rank) rank = RankOfStreet(layer.name, ValueOf(layer, *feature, key));
+    }
+    const std::string_view text = rank ? NameOf(layer, *feature) : "";
+    if (text.empty()) return false;
+    Follow(layer, geometry, feature);
+    for (const auto& part : feature->parts) {
+      const auto along = LongestStretch(part);
+      if (!along) continue;
+      GroundShapes::Street& street = streets_[std::string(text)];
+      if (along->Length() > street.along.Length()) street = {*along, *rank, std::string(text)};
+    }
+    return true;
+  }
+
   void TakeName(const Layer& layer, Feature* feature, protozero::data_view geometry) {
     if (!NamesPlaces(layer.name)) return;
-    std::string_view text;
-    for (const std::string_view key : kNameKeys) {
-      if (text.empty()) text = ValueOf(layer, *feature, key);
-    }
+    const std::string_view text = NameOf(layer, *feature);
     for (const std::string_view key : kKindKeys) {
       const auto rank = RankOf(ValueOf(layer, *feature, key));
       if (!rank || text.empty()) continue;
@@ -182,6 +216,7 @@ class Reader {
   }
 
   GroundShapes shapes_;
+  std::map<std::string, GroundShapes::Street> streets_;  // by name
   std::size_t places_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "base/check.h"
 #include "model/generator.h"
@@ -57,9 +58,32 @@ TEST_F(BaseMapTest, TheHighestZoomThatFitsIsEmbedded) {
   EXPECT_TRUE(all["tiles"].contains("12/2048/2047"));
   EXPECT_EQ(all["source"], "us");
   EXPECT_EQ(told, "9 tiles of zoom 12, 7 kB");
-  const auto few = EmbeddedBaseMap(*tiles, Equator(), 5'000, &told);
+  const auto few = EmbeddedBaseMap(*tiles, Equator(), 3'500, &told);
   EXPECT_EQ(few["zooms"], (nlohmann::json{11, 11}));
   EXPECT_EQ(few["tiles"].size(), 4U);
+}
+
+TEST_F(BaseMapTest, WithTheBytesThatAreLeftTasksHaveTheNextZoom) {
+  const auto tiles = Made(Around(600));
+  Scenario scenario = Equator();
+  scenario.charging_points = {{{1000, 9000}, 1}};
+  // Two in the tile of the corner, one in that to the east of it, none outside the file.
+  scenario.tasks = {{{500, 500}, 600}, {{800, 500}, 600}, {{9900, 500}, 600}};
+  std::string told;
+  const auto map = [&](std::size_t most_bytes) {
+    const auto embedded = EmbeddedBaseMap(*tiles, scenario, most_bytes, &told);
+    std::vector<std::string> closer;
+    for (const auto& [key, tile] : embedded["tiles"].items()) {
+      if (key.starts_with("12/")) closer.push_back(key);
+    }
+    EXPECT_EQ(embedded["zooms"], (nlohmann::json{11, closer.empty() ? 11 : 12}));
+    return closer;
+  };
+  // Four tiles of zoom 11 take 3,208 bytes, each one more 802.
+  EXPECT_EQ(map(3'500), std::vector<std::string>());
+  EXPECT_EQ(map(4'500), (std::vector<std::string>{"12/2048/2047"}));
+  EXPECT_EQ(map(5'500), (std::vector<std::string>{"12/2048/2047", "12/2049/2047"}));
+  EXPECT_EQ(told, "4 tiles of zoom 11 and 2 of zoom 12 around tasks, 5 kB");
 }
 
 TEST_F(BaseMapTest, WhereEvenTheLowestTakesMoreTheMiddleIsThere) {
@@ -80,7 +104,8 @@ TEST_F(BaseMapTest, AFileThatEndsAtALowerZoomThereIsShownAtThat) {
                 [](const auto& tile) { return tile.first.zoom == 12 && tile.first.row != 2047; });
   std::string told;
   const auto map = EmbeddedBaseMap(*Made(made), Equator(), 100'000, &told);
-  EXPECT_EQ(map["zooms"], (nlohmann::json{11, 11})) << told;
+  EXPECT_EQ(told, "4 tiles of zoom 11 and 1 of zoom 12 around tasks, 4 kB");
+  EXPECT_EQ(map["zooms"], (nlohmann::json{11, 12}));
 }
 
 TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
@@ -88,6 +113,9 @@ TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
       Made({{{12, 2048, 2047},
              LayerBytes("transportation",
                         {{2, {{"class", "primary"}}, {{{0, 0}, {1, 1}, {400, 800}}}}}) +
+                 LayerBytes("street_labels", {{2,
+                                               {{"kind", "residential"}, {"name", "Long Lane"}},
+                                               {{{400, 800}, {2400, 800}}}}}) +
                  LayerBytes("place", {{1, {{"class", "town"}, {"name", "Null"}}, {{{2048, 0}}}}})}},
            "pbf");
   std::string told;
@@ -97,6 +125,7 @@ TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
   EXPECT_EQ(tile["shapes"].size(), 10U);
   EXPECT_EQ(tile["shapes"][8], (nlohmann::json{{0, 0, 100, 200}}));  // (1, 1) is rounded away
   EXPECT_EQ(tile["names"], (nlohmann::json{{512, 0, 1, "Null"}}));
+  EXPECT_EQ(tile["streets"], (nlohmann::json{{100, 200, 500, 0, 7, "Long Lane"}}));
   EXPECT_TRUE(BaseMapOf(*tiles, Equator())["vector"]);
 }
 

@@ -53,6 +53,53 @@ TEST(VectorTile, ShapesAndNamesOfThreeSchemas) {
   EXPECT_EQ(std::tuple(ground->names[1].text, ground->names[1].rank), std::tuple("Port", 0));
 }
 
+TEST(VectorTile, StreetsAreNamedWhereTheyAreLongAndStraight) {
+  const std::string bytes =
+      LayerBytes("transportation_name",
+                 {{2, {{"class", "minor"}, {"name", "Mill Lane"}}, {{{0, 0}, {100, 0}}}},
+                  // The same street, longer: around a corner, of which the second part is longer.
+                  {2,
+                   {{"class", "minor"}, {"name", "Mill Lane"}},
+                   {{{0, 1000}, {300, 1000}, {300, 1500}, {310, 2000}}}},
+                  {2, {{"class", "rail"}, {"name", "Railway"}}, {{{0, 0}, {100, 0}}}},
+                  {2, {{"class", "path"}, {"name", "Steps"}}, {{{0, 0}, {900, 0}}}},
+                  // Its middle is in the next tile.
+                  {2, {{"class", "path"}, {"name", "Outside"}}, {{{4000, 10}, {4200, 10}}}},
+                  {2, {{"class", "minor"}}, {{{0, 0}, {800, 0}}}}}) +
+      LayerBytes("roads", {{2, {{"kind", "highway"}, {"name", "A 13"}}, {{{9, 9}, {9, 99}}}}}) +
+      LayerBytes("poi", {{2, {{"class", "minor"}, {"name", "No street"}}, {{{0, 0}, {90, 0}}}}});
+  const auto ground = ReadVectorTile(bytes);
+  ASSERT_TRUE(ground);
+  ASSERT_EQ(ground->streets.size(), 3U);
+  const auto row = [&](std::size_t i) {
+    const auto& [along, rank, text] = ground->streets[i];
+    return std::tuple(text, rank, along.x, along.y, along.dx, along.dy);
+  };
+  EXPECT_EQ(row(0), std::tuple("A 13", 6, 9, 9, 0, 90));
+  EXPECT_EQ(row(1), std::tuple("Mill Lane", 7, 300, 1000, 10, 1000));
+  EXPECT_EQ(row(2), std::tuple("Steps", 8, 0, 0, 900, 0));
+  // Lines of roads are drawn as well, those that only carry names are not.
+  EXPECT_EQ(Of(*ground, GroundClass::kMotorway).size(), 1U);
+  EXPECT_TRUE(Of(*ground, GroundClass::kStreet).empty());
+}
+
+TEST(LongestStretch, BendsALittleAndStaysInTheTile) {
+  const auto of = [](const std::vector<std::int32_t>& places) {
+    const auto found = LongestStretch(places);
+    return found ? std::vector<std::int32_t>{found->x, found->y, found->dx, found->dy}
+                 : std::vector<std::int32_t>();
+  };
+  using Four = std::vector<std::int32_t>;
+  EXPECT_EQ(of({0, 0, 100, 40, 200, 0}), (Four{0, 0, 200, 0})) << "40 units off";
+  EXPECT_EQ(of({0, 0, 100, 50, 200, 0}), (Four{0, 0, 100, 50})) << "50 units off: the first of two";
+  EXPECT_EQ(of({0, 0, 300, 0, 100, 0}), (Four{0, 0, 300, 0})) << "it goes back";
+  EXPECT_EQ(of({9000, 0, 100, 0, 400, 0}), (Four{100, 0, 300, 0})) << "from far outside";
+  EXPECT_EQ(of({-100, 50, 60, 50}), Four()) << "its middle is outside";
+  EXPECT_EQ(of({-60, 50, 100, 50}), (Four{-60, 50, 160, 0}));
+  EXPECT_EQ(of({5, 5}), Four());
+  EXPECT_EQ(of({5, 5, 5, 5}), Four());
+}
+
 TEST(VectorTile, AnyExtentIsBroughtToOurUnits) {
   const auto ground =
       ReadVectorTile(LayerBytes("building", {{3, {}, {{{0, 0}, {512, 0}, {512, 256}}}}}, 512));
@@ -83,7 +130,9 @@ TEST(VectorTile, WhatIsNoTileIsNone) {
 
 TEST(VectorTile, AnyDamageIsSurvived) {
   const std::string good =
-      LayerBytes("transportation", {{2, {{"class", "primary"}}, {{{0, 0}, {10, 5}, {20, 5}}}}}) +
+      LayerBytes(
+          "roads",
+          {{2, {{"kind", "primary"}, {"name", "High Street"}}, {{{0, 0}, {10, 5}, {20, 5}}}}}) +
       LayerBytes("place", {{1, {{"class", "town"}, {"name", "Vaduz"}}, {{{100, 200}}}}});
   int read = 0;
   for (std::uint64_t seed = 0; seed < 20000; ++seed) {

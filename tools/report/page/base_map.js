@@ -4,13 +4,13 @@ const MOST_TILES = 512; // in view
 const MOST_KEPT = 1024;
 const STRIP_M = 5000; // a picture is drawn in strips no higher than this: the earth is round
 
-export const MOST_NAMES_RANK = 5; // tools/tiles/ground_class.h: a part of a village
+export const MOST_NAMES_RANK = 8; // tools/tiles/ground_class.h: a path
 
-/** The names of places that a base map has so far, each once: { text, rank, x, y } in metres. */
+/** The names of places and streets that a base map has so far, each once: { text, rank, x, y } in metres. */
 export function namesOf(baseMap) {
   const found = new Map();
   for (const tile of baseMap?.tiles.values() ?? []) {
-    for (const name of tile?.names ?? []) {
+    for (const name of [...(tile?.names ?? []), ...(tile?.streets ?? [])]) {
       const known = found.get(name.text);
       if (!known || known.rank > name.rank) found.set(name.text, name);
     }
@@ -30,20 +30,43 @@ export class BaseMap {
     this.version = 0; // changes when a tile has come
   }
 
-  /** The tiles that are there of those within a part of the map's plane, in metres; asks for the others. */
+  /**
+   * The tiles that are there of those within a part of the map's plane, in metres; asks for the others. A page holds the closer zoom of
+   * some places only: elsewhere there is the tile of the zoom below, with `parts`, the corners of the squares that it stands for.
+   */
   within(box, perMetre) {
     let zoom = zoomFor(this.run, perMetre, this.info.zooms);
     let wanted = null;
     for (; zoom >= this.info.zooms[0] && !wanted; --zoom) wanted = tilesWithin(this.run, zoom, box, MOST_TILES);
     ++zoom;
     const found = [];
+    const below = new Map(); // key -> its parts
     for (const [column, row] of wanted ?? []) {
-      const key = `${zoom}/${column}/${row}`;
-      if (!this.tiles.has(key)) this.#fetch(key, zoom, column, row);
-      const tile = this.tiles.get(key);
-      if (tile) found.push(tile);
+      if (this.#lacks(zoom, column, row)) {
+        const key = [zoom - 1, column >> 1, row >> 1].join("/");
+        below.set(key, [...(below.get(key) ?? []), this.#square(zoom, column, row)]);
+      } else {
+        const tile = this.#tile(zoom, column, row);
+        if (tile) found.push(tile);
+      }
     }
-    return found;
+    const coarse = [...below].map(([key, parts]) => ({ ...this.#tile(...key.split("/").map(Number)), parts }));
+    return [...coarse.filter(({ names, picture }) => names || picture), ...found];
+  }
+
+  #tile(zoom, column, row) {
+    const key = `${zoom}/${column}/${row}`;
+    if (!this.tiles.has(key)) this.#fetch(key, zoom, column, row);
+    return this.tiles.get(key);
+  }
+
+  /** Whether the page has the zoom below instead. */
+  #lacks(zoom, column, row) {
+    return this.info.tiles && zoom > this.info.zooms[0] && !Object.hasOwn(this.info.tiles, `${zoom}/${column}/${row}`);
+  }
+
+  #square(zoom, column, row) {
+    return [[0, 0], [1, 0], [1, 1], [0, 1]].map(([right, down]) => cornerOf(this.run, zoom, column + right, row + down));
   }
 
   async #fetch(key, zoom, column, row) {
@@ -84,8 +107,8 @@ export class BaseMap {
     return { picture, strips: Array.from({ length: n }, (_, i) => strip(i / n, (i + 1) / n)) };
   }
 
-  /** { paths: Path2D in metres by class, names: [{ x, y, rank, text }] } */
-  #shapes({ shapes, names }, zoom, column, row) {
+  /** { paths: Path2D in metres by class, names: [{ x, y, rank, text }], streets: [{ from, to, x, y: the middle, rank, text }] } */
+  #shapes({ shapes, names, streets }, zoom, column, row) {
     const { units } = this.info;
     const at = (x, y) => cornerOf(this.run, zoom, column + x / units, row + y / units);
     const paths = shapes.map((all) => {
@@ -102,6 +125,10 @@ export class BaseMap {
       }
       return path;
     });
-    return { paths, names: names.map(([x, y, rank, text]) => ({ ...at(x, y), rank, text })) };
+    return {
+      paths,
+      names: names.map(([x, y, rank, text]) => ({ ...at(x, y), rank, text })),
+      streets: streets.map(([x, y, dx, dy, rank, text]) => ({ from: at(x, y), to: at(x + dx, y + dy), ...at(x + dx / 2, y + dy / 2), rank, text })),
+    };
   }
 }

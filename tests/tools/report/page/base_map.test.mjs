@@ -1,15 +1,22 @@
 // Base maps from files of tiles, in Chromium, of made-up ones; and the map's layers. Run by browser_tests.mjs.
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
-import { planeOf } from "../../../../tools/report/page/place.js";
+import { degreesOf, planeOf } from "../../../../tools/report/page/place.js";
 import { layer, png, pmtiles } from "./made_tiles.mjs";
 import { LOOKS, MUSTER_SCENARIOS, accessible, browser, file, muster, open, picture, soon, startMission } from "./support.mjs";
 
 const ORIGIN = [18.411458, -72.466874];
 const ZOOM = 11; // haiti's area is columns 611 to 613, rows 915 to 917
 const AREA = { zoom: ZOOM, columns: [609, 615], rows: [914, 920] };
+/** Degrees of haiti's first task, and the tile that a place is in. */
+const [TASK] = JSON.parse(readFileSync(join(MUSTER_SCENARIOS, "haiti.json"), "utf8")).tasks
+  .map(({ x_km, y_km }) => degreesOf({ scenario: { origin: ORIGIN } }, { x: 1000 * x_km, y: 1000 * y_km }));
+function tileOf(latitude, longitude, zoom) {
+  const n = 2 ** zoom;
+  return [((longitude + 180) / 360) * n, ((1 - Math.asinh(Math.tan((latitude * Math.PI) / 180)) / Math.PI) / 2) * n].map(Math.floor);
+}
 const SQUARE = [[0, 0], [4096, 0], [4096, 4096], [0, 4096]];
 
 before(() => {
@@ -17,9 +24,13 @@ before(() => {
   writeFileSync(file("red.pmtiles"), pmtiles({ ...AREA, type: 2, tile: () => png([255, 0, 0]), attribution: "<b>somebody</b>" }));
   // Water in every other column, with a town on its western shore.
   const sea = layer("water", [{ type: 3, places: SQUARE }]);
-  const town = layer("place", [{ type: 1, tags: { class: "city", name: "Town" }, places: [[2048, 2048]] }]);
+  const town = Buffer.concat([layer("place", [{ type: 1, tags: { class: "city", name: "Town" }, places: [[2048, 2048]] }]),
+    layer("street_labels", [{ type: 2, tags: { kind: "primary", name: "Long Lane" }, places: [[500, 1000], [3500, 1000]] }])]);
   writeFileSync(file("shapes.pmtiles"), pmtiles({ ...AREA, type: 1, tile: (column) => (column % 2 ? sea : town), attribution: "somebody else" }));
-  for (const name of ["red", "shapes"]) muster("report", file("haiti"), "--coast", "none", "--reasons", "0", "--tiles", file(`${name}.pmtiles`), "--out", file(`${name}.html`));
+  const [column, row] = tileOf(...TASK, ZOOM + 1);
+  const closer = { ...AREA, attribution: "us", closer: [column, row, png([0, 160, 0])] };
+  writeFileSync(file("closer.pmtiles"), pmtiles({ ...closer, type: 2, tile: () => png([255, 0, 0]) }));
+  for (const name of ["red", "shapes", "closer"]) muster("report", file("haiti"), "--coast", "none", "--reasons", "0", "--tiles", file(`${name}.pmtiles`), "--out", file(`${name}.html`));
   muster("report", file("haiti"), "--coast", "none", "--reasons", "0", "--out", file("bare.html"));
 });
 
@@ -35,9 +46,12 @@ const coloursAt = (page, places) => page.evaluate(async (wanted) => {
 }, places.map((degrees) => planeOf({ scenario: { origin: ORIGIN } }, ...degrees)));
 
 const isRed = ([r, g, b]) => r > g + 60 && r > b + 60;
+/** Takes a place in degrees to the middle of the map, so many times as large as the whole area. */
+const goTo = (page, degrees, k) => page.evaluate(([place, zoom]) => window.muster.parts.map.goTo(place, zoom),
+  [planeOf({ scenario: { origin: ORIGIN } }, ...degrees), k]);
 /** Degrees in the middle of a tile. */
-const inTile = (column, row) => {
-  const n = 2 ** ZOOM;
+const inTile = (column, row, zoom = ZOOM) => {
+  const n = 2 ** zoom;
   return [(Math.atan(Math.sinh(Math.PI * (1 - (2 * (row + 0.53)) / n))) * 180) / Math.PI, ((column + 0.53) / n) * 360 - 180];
 };
 
@@ -67,6 +81,34 @@ test("shapes are drawn where they are, and places are named", async (t) => {
   await page.locator("#layers summary").click();
   await page.locator("[data-layer=names]").uncheck();
   assert.notEqual(await picture(page, "map"), named, "a town is named");
+});
+
+test("streets are named along them, once the map is near enough, and found by name", async (t) => {
+  const page = await open(t, "shapes.html", { reducedMotion: "reduce" }, "#t=0&off=tasks,grid,charging,ways");
+  await page.keyboard.press("/");
+  await page.keyboard.type("long");
+  await soon(async () => assert.equal(await page.locator("#search-list li").first().innerText(), "Long Lane"));
+  await page.keyboard.press("Enter");
+  await goTo(page, inTile(612, 916), 3);
+  const named = await picture(page, "map");
+  await page.locator("#layers summary").click();
+  await page.locator("[data-layer=streets]").uncheck();
+  await soon(async () => assert.notEqual(await picture(page, "map"), named, "a street is named"));
+  await accessible(page, "without the names of streets");
+});
+
+test("a page has a closer zoom around tasks, and the one below everywhere else", async (t) => {
+  const page = await open(t, "closer.html", { reducedMotion: "reduce" }, "#t=0&off=tasks,grid,charging,ways,names");
+  assert.deepEqual(await page.evaluate(() => window.muster.state.run.baseMap.info.zooms), [ZOOM, ZOOM + 1]);
+  const [column, row] = tileOf(...TASK, ZOOM + 1);
+  const places = [[column, row], [column + 1, row], [column - 1, row]].map(([c, r]) => inTile(c, r, ZOOM + 1));
+  await soon(async () => assert.ok((await coloursAt(page, places)).every(isRed), "seen as a whole"));
+  await goTo(page, TASK, 2);
+  await soon(async () => {
+    const [inside, ...around] = await coloursAt(page, places);
+    assert.ok(inside[1] > inside[0] + 40, `${inside}`);
+    assert.ok(around.every(isRed), around.join(" "));
+  });
 });
 
 test("the box above the map finds by name, with the keyboard alone", async (t) => {

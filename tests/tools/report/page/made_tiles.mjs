@@ -35,7 +35,7 @@ function varint(value) {
 const field = (number, data) => Buffer.concat([varint(number * 8 + 2), varint(data.length), data]);
 const zigzag = (n) => (n < 0 ? -2 * n - 1 : 2 * n);
 
-/** A layer of a vector tile: features { type: 1 point, 3 area, tags: { key: text }, places: [[x, y], ...] } of 4096 units. */
+/** A layer of a vector tile: features { type: 1 point, 2 line, 3 area, tags: { key: text }, places: [[x, y], ...] } of 4096 units. */
 export function layer(name, features) {
   const [keys, values] = [[], []];
   const made = features.map(({ type, tags = {}, places }) => {
@@ -46,7 +46,7 @@ export function layer(name, features) {
       [x, y] = [toX, toY];
       return move;
     });
-    const geometry = [9, ...moves[0], ...(moves.length > 1 ? [(moves.length - 1) * 8 + 2, ...moves.slice(1).flat(), 15] : [])];
+    const geometry = [9, ...moves[0], ...(moves.length > 1 ? [(moves.length - 1) * 8 + 2, ...moves.slice(1).flat(), ...(type === 3 ? [15] : [])] : [])];
     return field(2, Buffer.concat([field(2, Buffer.concat(pairs.map(varint))), varint(3 * 8), varint(type), field(4, Buffer.concat(geometry.map(varint)))]));
   });
   return field(3, Buffer.concat([field(1, Buffer.from(name)), ...made, ...keys.map((key) => field(3, Buffer.from(key))),
@@ -68,12 +68,16 @@ export function numberOf(zoom, column, row) {
   return (4 ** zoom - 1) / 3 + number;
 }
 
-/** A PMTiles file: tile(column, row) for each column and row of a zoom; type 1 for vector tiles, 2 for PNG. */
-export function pmtiles({ zoom, columns, rows, type, tile, attribution }) {
+/**
+ * A PMTiles file: tile(column, row) for each column and row of a zoom; type 1 for vector tiles, 2 for PNG. `closer`: a tile of the next
+ * zoom, [column, row, bytes].
+ */
+export function pmtiles({ zoom, columns, rows, type, tile, attribution, closer = null }) {
   const tiles = [];
   for (let column = columns[0]; column <= columns[1]; ++column) {
     for (let row = rows[0]; row <= rows[1]; ++row) tiles.push([numberOf(zoom, column, row), tile(column, row)]);
   }
+  if (closer) tiles.push([numberOf(zoom + 1, closer[0], closer[1]), closer[2]]);
   tiles.sort(([a], [b]) => a - b);
   const parts = [tiles.map(([number], i) => number - (i ? tiles[i - 1][0] : 0)), tiles.map(() => 1), tiles.map(([, bytes]) => bytes.length), tiles.map((_, i) => (i ? 0 : 1))];
   const root = Buffer.concat([varint(tiles.length), ...parts.flat().map(varint)]);
@@ -83,7 +87,7 @@ export function pmtiles({ zoom, columns, rows, type, tile, attribution }) {
   head.write("PMTiles");
   head[7] = 3;
   [127, root.length, 127 + root.length, metadata.length, 0, 0, 127 + root.length + metadata.length, data.length].forEach((value, i) => head.writeBigUInt64LE(BigInt(value), 8 + 8 * i));
-  [0, 1, 1, type, zoom, zoom].forEach((value, i) => { head[96 + i] = value; });
+  [0, 1, 1, type, zoom, closer ? zoom + 1 : zoom].forEach((value, i) => { head[96 + i] = value; });
   [-180, -85, 180, 85].forEach((degrees, i) => head.writeInt32LE(degrees * 1e7, 102 + 4 * i));
   return Buffer.concat([head, root, metadata, data]);
 }

@@ -60,8 +60,7 @@ try {
     muster("simulate", at("li.json"), "--limit", "120", "--log", "--out", at("li"));
     muster("report", at("li"), "--reasons", "0", "--coast", "none", "--tiles", at("li.mbtiles"), "--out", at("li.html"));
     await take(browser, "base-map.webp", "li.html", { width: 1440, height: 900, hash: "#t=5400&sel=uav:4" }, (tab) => tab.evaluate(() => {
-      const { map } = window.muster.parts;
-      Object.assign(map, { view: { k: 3.2, left: -900, top: -650 } }).draw();
+      window.muster.parts.map.goTo({ x: 4200, y: 12000 }, 6);
       return new Promise((resolve) => { setTimeout(resolve, 1000); });
     }));
   }

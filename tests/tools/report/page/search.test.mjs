@@ -30,4 +30,7 @@ test("names of tasks are found in any part, the best match first, then places of
   run.baseMap = { tiles: new Map([["a", { names: [{ text: "Portail", rank: 2, x: 3, y: 4 }] }], ["b", null], ["c", { names: [{ text: "Portail", rank: 2, x: 3, y: 4 }] }]]) };
   assert.deepEqual(words(run, "port"), ["task 1, Port 7", "Portail", "task 0, Old school, Port"]);
   assert.deepEqual(find(run, "portail"), [{ words: "Portail", place: { x: 3, y: 4 } }]);
+  run.baseMap.tiles.set("d", { names: [], streets: [{ text: "Portail Lane", rank: 7, x: 5, y: 6, from: {}, to: {} }] });
+  assert.deepEqual(words(run, "portail"), ["Portail", "Portail Lane"]);
+  assert.deepEqual(find(run, "lane")[0].place, { x: 5, y: 6 }, "in its middle");
 });

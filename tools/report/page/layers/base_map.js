@@ -38,7 +38,30 @@ function drawShapes(c, tiles, { x, y }) {
   });
 }
 
-const boxOf = ({ x, y, width, height }) => ({ west: x.invert(0), east: x.invert(width), south: y.invert(height), north: y.invert(0) });
+/** Draws only within these squares. */
+function clip(c, parts, { x, y }) {
+  c.beginPath();
+  for (const corners of parts) {
+    corners.forEach((corner, i) => (i ? c.lineTo(x(corner.x), y(corner.y)) : c.moveTo(x(corner.x), y(corner.y))));
+    c.closePath();
+  }
+  c.clip();
+}
+
+function drawTiles(c, tiles, map, isVector) {
+  for (const tile of tiles.filter(({ parts }) => parts)) {
+    c.save();
+    clip(c, tile.parts, map);
+    if (isVector) drawShapes(c, [tile], map);
+    else drawPicture(c, tile, map);
+    c.restore();
+  }
+  const whole = tiles.filter(({ parts }) => !parts);
+  if (isVector) drawShapes(c, whole, map);
+  else for (const tile of whole) drawPicture(c, tile, map);
+}
+
+export const boxOf = ({ x, y, width, height }) => ({ west: x.invert(0), east: x.invert(width), south: y.invert(height), north: y.invert(0) });
 
 /** The base map, drawn once for what is in view and then kept until that changes. */
 let kept = { key: "", canvas: null };
@@ -63,8 +86,7 @@ export const baseMap = {
       canvas.height = Math.round(height * ratio);
       const below = canvas.getContext("2d");
       below.scale(ratio, ratio);
-      if (base.info.vector) drawShapes(below, tiles, map);
-      else for (const tile of tiles) drawPicture(below, tile, map);
+      drawTiles(below, tiles, map, base.info.vector);
       kept = { key, base, canvas };
     }
     c.save();
@@ -79,6 +101,7 @@ export function baseMapNames(map) {
   const { baseMap: base } = map.run;
   if (!base?.info.vector) return [];
   const [, most] = RANKS.find(([least]) => map.perMetre >= least);
-  return base.within(boxOf(map), map.perMetre).flatMap(({ names }) => names).filter(({ rank }) => rank <= most)
-    .sort((a, b) => a.rank - b.rank).slice(0, NAMES);
+  const names = base.within(boxOf(map), map.perMetre).flatMap((tile) => tile.names).filter(({ rank }) => rank <= most);
+  const once = new Map(names.map((name) => [name.text, name])); // a closer tile repeats what the one below has
+  return [...once.values()].sort((a, b) => a.rank - b.rank).slice(0, NAMES);
 }
