@@ -110,6 +110,8 @@ enum class EventKind : std::int8_t {
   kActionWithheld = 27,   ///< a UAV stays, as no altitude is free for what it was to do
   kDecisionsDiffer = 28,  ///< schedulers of a mission do not agree on a decision
   kDriverWaits = 29,      ///< what the driver of an agent that is not ready waits for
+  kDriverSays = 30,       ///< a message of a measured agent's driver to people
+  kDriverCalls = 31,      ///< the same, which calls for help
 };
 
 /// fault_t.kind. Each has a row in protocol/fault_kinds.cc.
@@ -146,6 +148,10 @@ constexpr bool IsOutcome(EventKind kind) {
   return kind <= EventKind::kMatchFailed || kind == EventKind::kTaskReported ||
          kind == EventKind::kTaskExpired ||
          (kind >= EventKind::kTaskCancelled && kind <= EventKind::kAgentLeaves);
+}
+/// Whether it is what a driver says to people while its agent goes on taking part.
+constexpr bool IsOfDriver(EventKind kind) {
+  return kind >= EventKind::kDriverWaits && kind <= EventKind::kDriverCalls;
 }
 /// Whether a report leaves the kind out where nothing of it happened: kinds of few missions.
 constexpr bool IsSpecial(EventKind kind) { return kind >= EventKind::kTaskReported; }
@@ -190,13 +196,14 @@ inline constexpr std::array<std::string_view, 3> kNames<RulingKind> = {"failed",
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<ClockPhase> = {"ready", "running", "ended"};
 template <>
-inline constexpr std::array<std::string_view, 30> kNames<EventKind> = {
+inline constexpr std::array<std::string_view, 32> kNames<EventKind> = {
     "agent_online",  "agent_offline",    "agent_failed",     "agent_back",       "sensing_started",
     "sensing_done",  "sensing_aborted",  "charging_started", "charging_done",    "charging_aborted",
     "match_failed",  "process_lost",     "process_back",     "fault_applied",    "fault_ended",
     "task_reported", "task_expired",     "answer_refused",   "task_cancelled",   "task_held",
     "task_resumed",  "task_changed",     "agent_joined",     "agent_leaves",     "driver_failed",
-    "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ", "driver_waits"};
+    "state_unknown", "directive_unkept", "action_withheld",  "decisions_differ", "driver_waits",
+    "driver_says",   "driver_calls"};
 template <>
 inline constexpr std::array<std::string_view, 14> kNames<FaultKind> = {
     "agent_fails", "agent_silent", "process_killed", "process_stopped", "partition",

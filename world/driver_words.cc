@@ -4,6 +4,7 @@ namespace muster::world {
 namespace {
 
 constexpr int kMostAwaited = 3;
+constexpr std::size_t kMostMessages = 1000;  ///< of an agent in a mission
 
 }  // namespace
 
@@ -21,6 +22,11 @@ std::optional<DriverWords::Key> DriverWords::AgentOf(const event_t& event) const
 bool DriverWords::Hear(const event_t& event) {
   const auto agent = AgentOf(event);
   if (!agent) return false;
+  if (event.kind == EventKind::kDriverSays || event.kind == EventKind::kDriverCalls) {
+    auto& said = messages_[*agent];
+    return said.size() < kMostMessages &&
+           said.insert({event.at_us, event.kind, event.detail}).second;
+  }
   if (event.kind == EventKind::kDriverFailed) failures_.try_emplace(*agent, event.detail);
   if (event.kind != EventKind::kDriverWaits) return false;
   const auto [said_us, is_first] = waits_said_us_.try_emplace(*agent, event.at_us);

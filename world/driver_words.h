@@ -3,20 +3,23 @@
 #include <map>
 #include <muster/event_t.hpp>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "model/agent.h"
 
 namespace muster::world {
 
-/// What the drivers of measured agents say in words: why one cannot go on, or what it waits for.
-/// Their processes send it beside the reports.
+/// What the drivers of measured agents say in words: why one cannot go on, what it waits for, or a
+/// message to people. Their processes send it beside the reports.
 class DriverWords {
  public:
   explicit DriverWords(const Scenario& scenario) : scenario_(scenario) {}
 
-  /// Returns whether the mission is to hear of it: what a driver waits for, as it is heard first.
+  /// Returns whether the mission is to hear of it: what a driver waits for, or a message, as it is
+  /// heard first.
   bool Hear(const event_t& event);
   /// Whether to ask for a report again that says that the agent has failed, because the reason was
   /// not heard. True a few times at most.
@@ -32,6 +35,7 @@ class DriverWords {
   const Scenario& scenario_;
   std::map<Key, std::string> failures_;
   std::map<Key, TimeUs> waits_said_us_;  ///< of the newest word
+  std::map<Key, std::set<std::tuple<TimeUs, std::int8_t, std::string>>> messages_;
   std::map<Key, int> awaited_;
 };
 

@@ -478,6 +478,11 @@ void AgentProcess::SayOfDrivers(const Now& now) {
   for (const auto& [id, reason] : std::exchange(unsaid_waits_, {})) {
     SayOfDriver(EventKind::kDriverWaits, id, reason, now);
   }
+  if (!drivers_) return;
+  for (const DriverMessage& message : drivers_->TakeMessages()) {
+    SayOfDriver(message.calls_help ? EventKind::kDriverCalls : EventKind::kDriverSays,
+                message.agent, message.text, now);
+  }
 }
 
 void AgentProcess::Resend(const Published& published) {

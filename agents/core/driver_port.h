@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -8,6 +9,13 @@
 #include "model/measured.h"
 
 namespace muster::agents {
+
+/// What a driver has to say to people.
+struct DriverMessage {
+  std::int32_t agent = -1;
+  std::string text;
+  bool calls_help = false;
+};
 
 /// Speaks for the measured agents of a process: driver programs, or a stand-in of a test.
 class DriverPort {
@@ -28,6 +36,8 @@ class DriverPort {
   virtual bool Listen() = 0;
   /// What was reported for a tick at `at`, in order. A failure is an agent's last report.
   virtual std::vector<MeasuredReport> TakeReports(TimeUs at) = 0;
+  /// What the drivers have said to people since the last call.
+  virtual std::vector<DriverMessage> TakeMessages() { return {}; }
   /// The longest time between two calls of Listen() while no driver has to be waited for.
   virtual TimeUs patience_us() const = 0;
   /// The mission is over.

@@ -46,10 +46,14 @@ std::string Text(const ObjectReader& object, std::string_view key) {
   return text;
 }
 
+std::string Words(const ObjectReader& object, std::string_view key, std::string_view expected) {
+  std::string words = Text(object, key);
+  if (words.empty()) object.Fail(key, *object.Optional(key), std::string(expected));
+  return words;
+}
+
 std::string Reason(const ObjectReader& object, std::string_view key) {
-  std::string reason = Text(object, key);
-  if (reason.empty()) object.Fail(key, *object.Optional(key), "what it waits for");
-  return reason;
+  return Words(object, key, "what it waits for");
 }
 
 Point ReadPlace(const ObjectReader& object, const DriverPlaces& places) {
@@ -76,7 +80,7 @@ Point ReadPlace(const ObjectReader& object, const DriverPlaces& places) {
 
 Type ReadType(const ObjectReader& object) {
   constexpr std::string_view kNames[] = {"hello",  "state",     "arrived", "done",
-                                         "failed", "not_ready", "ready"};
+                                         "failed", "not_ready", "ready",   "message"};
   const std::string expected = fmt::format("one of {}", fmt::join(kNames, ", "));
   const JsonValue& type = object.Required("type", expected);
   const auto* const found = std::find(std::begin(kNames), std::end(kNames), type.text);
@@ -171,6 +175,11 @@ DriverLine ReadDriverLine(std::string_view line, const DriverPlaces& places) {
       break;
     case Type::kReady:
       object.AllowOnly({"type"});
+      break;
+    case Type::kMessage:
+      object.AllowOnly({"type", "text", "help"});
+      said.text = Words(object, "text", "a message");
+      said.calls_help = object.Boolean("help", false);
       break;
   }
   return said;

@@ -42,7 +42,16 @@ class DriverPlaces {
 
 /// What a driver has said in one line.
 struct DriverLine {
-  enum class Type : std::int8_t { kHello, kState, kArrived, kDone, kFailed, kNotReady, kReady };
+  enum class Type : std::int8_t {
+    kHello,
+    kState,
+    kArrived,
+    kDone,
+    kFailed,
+    kNotReady,
+    kReady,
+    kMessage
+  };
   Type type = Type::kState;
   std::string name;                   ///< kHello
   std::optional<std::int64_t> id;     ///< kArrived, kDone; perhaps kFailed
@@ -52,6 +61,8 @@ struct DriverLine {
   std::optional<TimeUs> mission_us;   ///< perhaps kState: when it was there
   /// kFailed; kNotReady: what it waits for; kHello: the same, "": it is ready
   std::string reason;
+  std::string text;         ///< kMessage
+  bool calls_help = false;  ///< kMessage
 };
 
 /// Reads such a line. Throws InputError that says what is wrong with it.

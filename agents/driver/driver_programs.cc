@@ -111,6 +111,16 @@ std::vector<MeasuredReport> DriverPrograms::TakeReports(TimeUs at) {
   return reports;
 }
 
+std::vector<DriverMessage> DriverPrograms::TakeMessages() {
+  std::vector<DriverMessage> messages;
+  for (auto& [id, driver] : drivers_) {
+    for (DriverMessage& message : driver.program->session().TakeMessages()) {
+      messages.push_back(std::move(message));
+    }
+  }
+  return messages;
+}
+
 TimeUs DriverPrograms::patience_us() const { return rules_.rate > 0 ? kPatienceUs : kNever; }
 
 void DriverPrograms::Bye(std::string_view reason) {

@@ -30,6 +30,7 @@ class DriverPrograms : public DriverPort {
   void Tell(const AgentState& agent, TimeUs before, TimeUs at) override;
   bool Listen() override;
   std::vector<MeasuredReport> TakeReports(TimeUs at) override;
+  std::vector<DriverMessage> TakeMessages() override;
   TimeUs patience_us() const override;
   void Bye(std::string_view reason) override;
 

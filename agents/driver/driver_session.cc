@@ -18,6 +18,8 @@ using Json = nlohmann::ordered_json;
 
 /// A driver's clock and ours: lines take their time, which is much where the mission runs fast.
 constexpr TimeUs kClockErrorUs = kSecondUs / 4;
+/// That a driver can say to people within a tick.
+constexpr std::size_t kMostMessages = 20;
 
 /// Metres of the way of a UAV from there to the nearest charging point; none: none can be reached.
 std::optional<double> OnToChargeM(const Scenario& scenario, Point from) {
@@ -164,9 +166,11 @@ void DriverSession::GoTo(TimeUs at) {
                {"task", to_task ? Json(agent_.target) : Json(nullptr)},
                {"charging_point", to_charge ? Json(agent_.target) : Json(nullptr)},
                {"partner", nullptr}};
-  if (const auto& tasks = scenario_.tasks;
-      to_task && !tasks[static_cast<std::size_t>(agent_.target)].name.empty()) {
-    line["task_name"] = tasks[static_cast<std::size_t>(agent_.target)].name;
+  if (to_task) {
+    const Task& task = scenario_.tasks[static_cast<std::size_t>(agent_.target)];
+    if (!task.name.empty()) line["task_name"] = task.name;
+    if (task.priority != Task().priority) line["priority"] = static_cast<int>(task.priority);
+    if (task.due_us != Task().due_us) line["due_s"] = ToSeconds(task.due_us);
   }
   if (const auto on_m =
           agent_.kind == AgentKind::kUav ? OnToChargeM(scenario_, agent_.to) : std::nullopt) {
@@ -303,6 +307,11 @@ std::string DriverSession::Take(const DriverLine& said, TimeUs now_us) {
     case DriverLine::Type::kReady:
       waits_for_ = Quote(said.reason);
       TellReady();
+      return {};
+    case DriverLine::Type::kMessage:
+      if (messages_.size() < kMostMessages) {
+        messages_.push_back({agent_.id, Quote(said.text), said.calls_help});
+      }
       return {};
     case DriverLine::Type::kState:
       return TakePlace(said, now_us);

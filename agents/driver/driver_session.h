@@ -8,8 +8,10 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "agents/core/driver_port.h"
 #include "agents/driver/driver_line.h"
 #include "model/clearance.h"
 #include "model/measured.h"
@@ -61,6 +63,10 @@ class DriverSession {
   /// next tick, and so do all reports after it. Reports on a command that is over by now are left
   /// out.
   std::vector<MeasuredReport> TakeReports(TimeUs at);
+
+  /// What it has said to people since the last call. Of what it says within a tick the first
+  /// kMostMessages count.
+  std::vector<DriverMessage> TakeMessages() { return std::exchange(messages_, {}); }
 
   bool greeted() const { return greeted_; }
   const std::string& name() const { return name_; }
@@ -127,6 +133,7 @@ class DriverSession {
   std::string waits_for_, told_waits_for_;  ///< "": it is ready
   std::vector<std::string> lines_;
   std::vector<MeasuredReport> reports_;
+  std::vector<DriverMessage> messages_;
 };
 
 }  // namespace muster::agents

@@ -7,7 +7,7 @@ import { Track } from "./track.mjs";
 /** So many of what was pressed and seen is remembered, so that nothing is taken twice. */
 const MOST_REMEMBERED = 2000;
 const MOST_ITEMS = 200;
-const LONGEST_REASON = 300;
+const LONGEST_BYTES = 480;  // of what is said
 const FAR_M = 300;  // that far from the place, "I am here" is asked back
 const FRESH_S = 60;  // a place is not believed for longer, wall time
 const ID = /^[0-9a-zA-Z-]{8,40}$/;
@@ -17,6 +17,17 @@ class Refusal extends Error {}
 function between(value, low, high, what) {
   if (!(typeof value === "number" && value >= low && value <= high)) throw new Refusal(`${what} is not a number from ${low} to ${high}`);
   return value;
+}
+
+/** A person's words in one line, as long as the mission takes. */
+function plain(words) {
+  if (typeof words !== "string") return "";
+  const letters = [...words.replace(/[\p{Cc}\p{Cf}\s]+/gu, " ").trim()];
+  for (let left = LONGEST_BYTES, i = 0; i < letters.length; ++i) {
+    left -= Buffer.byteLength(letters[i]);
+    if (left < 0) return letters.slice(0, i).join("");
+  }
+  return letters.join("");
 }
 
 function minutes(seconds) {
@@ -33,6 +44,10 @@ export class Phone {
   stopped = null;
   failed = null;
   over = null;
+  /** It has a break, or will have it when its order is done. */
+  isPaused = false;
+  /** What it called for help with; null: it does not, or not any more. */
+  called = null;
   /** A phone has been there. */
   isHeard = false;
   /** Its page has been told that it is over. */
@@ -101,7 +116,9 @@ export class Phone {
     this.beforeTick?.();  // --auto
     this.step();
     if (this.failed !== null || this.over !== null) return;
-    this.edge.say({ type: "state", ...this.track.tell(line.mission_s) });
+    const told = this.track.tell(line.mission_s);
+    const late_s = this.order?.stage === "going" ? this.order.late_s : null;
+    this.edge.say({ type: "state", ...told, ...(late_s > line.mission_s ? { expected_s: late_s } : {}) });
   }
 
   /** It has no order, or another; what it said of the one before was of that. */
@@ -116,7 +133,7 @@ export class Phone {
     const to = metres(line.to);
     // By road: from where it is now.
     const way = line.via ? [this.track.last.at, ...line.via.map(metres), to] : null;
-    this.order = { id: line.id, goto: line, to, way, stage: "going", work: null };
+    this.order = { id: line.id, goto: line, to, way, stage: "going", work: null, late_s: null };
     this.stopped = null;
     this.#orders.set(line.id, line);
   }
@@ -200,14 +217,18 @@ export class Phone {
     if (!this.hello) throw new Refusal("the mission has not begun");
     if (this.over !== null || this.failed !== null) throw new Refusal("you are out of the mission");
     if (item.type === "place") return this.#seePlace(item, ago_s);
-    if (!["here", "done", "cannot"].includes(item.type)) throw new Refusal("that is not known here");
+    if (!["here", "done", "cannot", "message", "late", "pause", "resume"].includes(item.type)) throw new Refusal("that is not known here");
     if (item.session !== this.session) throw new Refusal("the mission's program has started again since; if it is still so, say it again");
     this.edge.note(`${item.type}, pressed ${minutes(ago_s)} ago`);
     if (item.type === "cannot") return this.#cannot(item);
+    if (item.type === "message") return this.#message(item);
+    if (item.type === "pause" || item.type === "resume") return this.#pause(item.type === "pause");
     const { order } = this;
     const isHere = item.type === "here";
-    if (!order || item.order !== (isHere ? order.goto.id : order.work?.id)) throw new Refusal("the mission has told you something else since");
-    if (isHere) this.#here(order);
+    const isOnItsWay = isHere || item.type === "late";
+    if (!order || item.order !== (isOnItsWay ? order.goto.id : order.work?.id)) throw new Refusal("the mission has told you something else since");
+    if (item.type === "late") this.#late(order, item, ago_s);
+    else if (isHere) this.#here(order);
     else if (order.stage === "working") this.#done(order);
   }
 
@@ -238,8 +259,28 @@ export class Phone {
   }
 
   #cannot({ reason }) {
-    const words = typeof reason === "string" ? reason.replace(/[\p{Cc}\p{Cf}\s]+/gu, " ").trim().slice(0, LONGEST_REASON) : "";
-    this.fail(`says: ${words || "I cannot"}`);
+    this.fail(`says: ${plain(reason) || "I cannot"}`);
+  }
+
+  #message({ text, help }) {
+    const words = plain(text);
+    if (!words) throw new Refusal("there is nothing in that message");
+    this.called = help === true ? words : null;
+    this.edge.say({ type: "message", text: words, ...(help === true ? { help: true } : {}) });
+  }
+
+  /** The mission sends it nowhere as long as it is not ready; what it was told already goes on. */
+  #pause(isPaused) {
+    if (this.isPaused === isPaused) return;
+    this.isPaused = isPaused;
+    this.edge.say(isPaused ? { type: "not_ready", reason: "the end of a break" } : { type: "ready" });
+  }
+
+  /** It comes so much later than planned, or than when that was pressed if that is over. */
+  #late(order, { minutes: later }, ago_s) {
+    if (order.stage !== "going") return;
+    const { rate } = this.hello;
+    order.late_s = Math.max(order.goto.expected_s, this.mission_s - ago_s * rate) + 60 * between(later, 1, 600, "minutes") * rate;
   }
 
   #seePlace(item, ago_s) {
@@ -271,11 +312,13 @@ export class Phone {
     return {
       ...base, agent, class: hello.class, rate, area, speed_m_s, online_from_s, online_until_s, mission_s: this.mission_s,
       has_origin: this.map !== null, accuracy_m: this.options.accuracy, place: this.#place, stopped: this.stopped,
+      isPaused: this.isPaused, called: this.called,
       told: { ...track.last.at, is_limited: track.isLimited || order?.stage === "held" },
       order: order && {
         id: order.id, stage: order.stage, to: { ...order.goto.to, ...order.to }, way: order.way,
         then: order.goto.then, task: order.goto.task, task_name: order.goto.task_name ?? "", goto: order.goto.id,
-        charging_point: order.goto.charging_point, partner: order.goto.partner, expected_s: order.goto.expected_s,
+        charging_point: order.goto.charging_point, partner: order.goto.partner, expected_s: order.late_s ?? order.goto.expected_s,
+        priority: order.goto.priority ?? 1, due_s: order.goto.due_s ?? null,
         work: order.work?.type ?? null, ends_s: order.work ? order.work.mission_s + order.work.for_s : null,
         held_until_s: order.stage === "held" ? track.soonest_s(order.to) : null,
       },

@@ -8,13 +8,14 @@ import { isToken } from "./link.mjs";
 const PAGE = join(dirname(fileURLToPath(import.meta.url)), "page");
 const FILES = {
   "": ["index.html", "text/html"], "page.css": ["page.css", "text/css"],
-  ...Object.fromEntries(["page", "queue", "map", "way", "words"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
+  ...Object.fromEntries(["page", "language", "noise", "queue", "map", "way", "words", "fr", "es", "zh"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
+  "worker.js": ["worker.js", "text/javascript"], "app.webmanifest": ["app.webmanifest", "application/manifest+json"], "icon.svg": ["icon.svg", "image/svg+xml"],
 };
 const SYNC_BYTES = 64 * 1024;
 const MOST_CONNECTIONS = 32, MOST_UPLOADS = 2, HEADER_BYTES = 8192;
 const HEADERS = {
   "Cache-Control": "no-store",
-  "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+  "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; manifest-src 'self'; worker-src 'self'; "
     + "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
   "Cross-Origin-Opener-Policy": "same-origin",
   "Cross-Origin-Resource-Policy": "same-origin",

@@ -3,7 +3,7 @@
 
 Try it: muster drive --check examples/drivers/uav.py
 --late P: it flies P % longer. --silent FROM:UNTIL: it says nothing between these minutes. --dies MINUTE: it ends then. --ready MINUTE: it cannot
-set out before.
+set out before. --calls MINUTE: it calls for help then, and is all right ten minutes later.
 """
 
 import argparse
@@ -15,7 +15,9 @@ options.add_argument("--late", type=float, default=0)
 options.add_argument("--silent", default="0:0")
 options.add_argument("--dies", type=float, default=1e9)
 options.add_argument("--ready", type=float, default=0)
+options.add_argument("--calls", type=float, default=1e9)
 options = options.parse_args()
+calls = [(options.calls, {"text": "a rotor is loose", "help": True}), (options.calls + 10, {"text": "all right again"})]
 silent_from_s, silent_until_s = (60 * float(minute) for minute in options.silent.split(":"))
 
 
@@ -41,6 +43,8 @@ for told in map(json.loads, sys.stdin):
     elif kind == "time" and options.ready and now >= 60 * options.ready:
         say(type="ready")
         options.ready = 0
+    if kind == "time" and calls and now >= 60 * calls[0][0]:
+        say(type="message", **calls.pop(0)[1])
     if kind == "time" and not silent_from_s <= now < silent_until_s:
         if leg:
             part = min(1, (now - leg["left_s"]) / max(1e-9, leg["there_s"] - leg["left_s"]))

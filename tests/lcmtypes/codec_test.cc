@@ -318,7 +318,7 @@ TEST(Valid, LooksAtTicksAndEnumerators) {
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.phase = -1; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.decision = -2; }));
   EXPECT_FALSE(ValidAfter<clock_t>([](clock_t& m) { m.required_decision = -2; }));
-  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 30; }));
+  EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.kind = 32; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.task_id = -2; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.at_us = -1; }));
   EXPECT_FALSE(ValidAfter<event_t>([](event_t& m) { m.detail.assign(3000, 'x'); }));

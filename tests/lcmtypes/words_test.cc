@@ -22,7 +22,7 @@ void ForEachWord(Visit visit) {
   visit(TaskStatus::kHeld, "`world_state_t.task_status`");
   visit(RulingKind::kLost, "`ruling_t.kind`");
   visit(ClockPhase::kEnded, "`clock_t.phase`");
-  visit(EventKind::kDriverWaits, "`event_t.kind`");
+  visit(EventKind::kDriverCalls, "`event_t.kind`");
   visit(FaultKind::kZoneUnknown, "`fault_t.kind`");
   visit(ProcessState::kDeciding, "`process_status_t.state`");
 }
@@ -60,10 +60,11 @@ TEST(Words, OutcomesAreToldApart) {
   for (std::size_t i = 0; i < kNames<EventKind>.size(); ++i) {
     if (!IsOutcome(static_cast<EventKind>(i))) others.insert(kNames<EventKind>[i]);
   }
-  EXPECT_EQ(others, (std::set<std::string_view>{
-                        "process_lost", "process_back", "fault_applied", "fault_ended",
-                        "answer_refused", "driver_failed", "state_unknown", "directive_unkept",
-                        "action_withheld", "decisions_differ", "driver_waits"}));
+  EXPECT_EQ(others,
+            (std::set<std::string_view>{
+                "process_lost", "process_back", "fault_applied", "fault_ended", "answer_refused",
+                "driver_failed", "state_unknown", "directive_unkept", "action_withheld",
+                "decisions_differ", "driver_waits", "driver_says", "driver_calls"}));
 }
 
 TEST(WireDocument, HasEveryWord) {

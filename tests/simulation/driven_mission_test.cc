@@ -124,6 +124,23 @@ TEST_F(DrivenMission, UntilItIsReadyNobodyPlansWithIt) {
   EXPECT_NE(text.find("decision   5  0:50:00  idle: "), std::string::npos) << text;
 }
 
+TEST_F(DrivenMission, WhatItSaysToPeopleIsHeardOnceAndChangesNothing) {
+  Packets packets;
+  const RunRecord driven = Fly("--calls 20", true, &packets);
+  EXPECT_EQ(Digest(driven), Digest(Fly(nullptr)));
+  std::vector<std::string> said;
+  for (const event_t& event : driven.events()) {
+    const auto kind = static_cast<EventKind>(event.kind);
+    if (!IsOfDriver(kind)) continue;
+    said.push_back(fmt::format("{} uav:{} {}", ToString(kind), event.uav_id, event.detail));
+  }
+  EXPECT_EQ(said, (std::vector<std::string>{"driver_calls uav:3 a rotor is loose",
+                                            "driver_says uav:3 all right again"}));
+  const std::string text =
+      ToText(TellAgent(ReadDecisionLog(&packets), "run", AgentKind::kUav, kDriven, {}));
+  EXPECT_NE(text.find("driver calls uav:3: a rotor is loose\n"), std::string::npos) << text;
+}
+
 TEST_F(DrivenMission, WhenItDiesItFailsWithTheReason) {
   EXPECT_EQ(FailuresOf(Fly("--dies 25")),
             std::vector<std::string>{"uav:3 its driver: its program exited with code 1"});

@@ -21,7 +21,7 @@ using scheduler::Explainer;
 
 bool IsToldOf(const event_t& event) {
   return IsOutcome(static_cast<EventKind>(event.kind)) ||
-         event.kind == EventKind::kActionWithheld || event.kind == EventKind::kDriverWaits;
+         event.kind == EventKind::kActionWithheld || IsOfDriver(static_cast<EventKind>(event.kind));
 }
 
 /// Whether an event lies between a decision and the next. What happens at a decision's very time

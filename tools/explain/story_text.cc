@@ -45,7 +45,7 @@ class Lines {
       add("vehicle", event.vehicle_id);
       add("task", event.task_id);
       add("charge", event.charge_id);
-      if (event.kind == EventKind::kDriverWaits) who += ": " + event.detail;
+      if (IsOfDriver(static_cast<EventKind>(event.kind))) who += ": " + event.detail;
       Add(fmt::format("* {} {}{}", ClockText(event.at_us), Spaced(ToString<EventKind>(event.kind)),
                       who));
     }

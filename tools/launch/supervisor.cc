@@ -281,12 +281,16 @@ void Supervisor::SayOfDriver(const event_t& said) {
   const auto& agents = plan_.scenario.agents(kind);
   const auto place = static_cast<std::size_t>(std::max(id, 0));
   if (place >= agents.size() || !agents[place].measured) return;
-  // Each is said until the world has taken it.
-  const bool waits = said.kind == EventKind::kDriverWaits;
-  if (!(waits ? waiting_driven_ : failed_driven_).emplace(kind, id).second) return;
-  Say(fmt::format("{}:{} {}: {}", ToString(kind), id,
-                  waits ? "is not ready, and waits for this" : "cannot go on",
-                  Printable(said.detail)));
+  // Each is said until the world has taken it: the first time counts, of messages each of its own.
+  const bool is_message =
+      said.kind == EventKind::kDriverSays || said.kind == EventKind::kDriverCalls;
+  const auto words = is_message ? std::pair(said.at_us, said.detail) : std::pair(TimeUs{0}, "");
+  if (!told_of_drivers_.insert({kind, id, said.kind, words.first, words.second}).second) return;
+  const char* const what = said.kind == EventKind::kDriverWaits ? "is not ready, and waits for this"
+                           : said.kind == EventKind::kDriverSays  ? "says"
+                           : said.kind == EventKind::kDriverCalls ? "calls for help"
+                                                                  : "cannot go on";
+  Say(fmt::format("{}:{} {}: {}", ToString(kind), id, what, Printable(said.detail)));
 }
 
 void Supervisor::Confirm(EventKind kind, const std::string& fault_id) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -118,8 +119,8 @@ class Supervisor : private FaultActions {
   MissionHost* host_;
 
   recorder::Recorder recorder_;
-  std::set<std::pair<AgentKind, std::int32_t>> failed_driven_;   ///< whose drivers have failed
-  std::set<std::pair<AgentKind, std::int32_t>> waiting_driven_;  ///< and those that have waited
+  /// What drivers have said: agent, event, and of a message its time and words.
+  std::set<std::tuple<AgentKind, std::int32_t, std::int8_t, TimeUs, std::string>> told_of_drivers_;
   recorder::Archive archive_;
   StallWatch stall_watch_;
   Patience patience_;

@@ -20,7 +20,8 @@ namespace muster::tools {
 namespace {
 
 constexpr TimeUs kLongWaitUs = 5 * kMinuteUs;
-constexpr double kLowRange = 0.2;  ///< of the full range
+constexpr std::int64_t kMessageMs = 10 * 60 * 1000;  ///< so long a message is shown
+constexpr double kLowRange = 0.2;                    ///< of the full range
 
 std::string Since(std::int64_t ms) { return "since " + ClockText(ms * 1000); }
 
@@ -86,6 +87,32 @@ std::map<std::pair<AgentKind, std::int32_t>, std::string> WaitsOfDrivers(const T
     }
   }
   return waits;
+}
+
+/// What the driver of each agent has said last to people: the event.
+std::map<std::pair<AgentKind, std::int32_t>, const event_t*> MessagesOfDrivers(
+    const Timeline& timeline) {
+  std::map<std::pair<AgentKind, std::int32_t>, const event_t*> messages;
+  for (const event_t& event : timeline.events().rows) {
+    if (event.kind != EventKind::kDriverSays && event.kind != EventKind::kDriverCalls) continue;
+    const PerKind<std::int32_t> ids = {event.uav_id, event.worker_id, event.vehicle_id};
+    for (const AgentKind kind : kAgentKinds) {
+      if (ids[kind] >= 0) messages[{kind, ids[kind]}] = &event;
+    }
+  }
+  return messages;
+}
+
+/// Adds who calls for help, until something else is said, and what was said lately.
+void AddMessages(const Timeline& timeline, Kind* calls, Kind* says) {
+  if (timeline.ended()) return;
+  for (const auto& [agent, event] : MessagesOfDrivers(timeline)) {
+    const bool is_call = event->kind == EventKind::kDriverCalls;
+    if (!is_call && timeline.now_ms() - Ms(event->at_us) > kMessageMs) continue;
+    (is_call ? calls : says)
+        ->Add(fmt::format("{}:{}", ToString(agent.first), agent.second), event->detail,
+              -static_cast<double>(event->at_us));
+  }
 }
 
 /// The newest sensing of each task, by task.
@@ -194,9 +221,9 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
   const Scenario& scenario = timeline.scenario();
   const std::int64_t now_ms = timeline.now_ms();
   Kind processes("processes silent", true), differ("schedulers disagree", true),
-      faults("faults in force", true), failed("agents failed", true),
-      near("UAVs come too close", true), stranded("cannot reach a charging point", true),
-      at_risk("tasks at risk", true),
+      faults("faults in force", true), failed("agents failed", true), calls("calls for help", true),
+      says("says", false), near("UAVs come too close", true),
+      stranded("cannot reach a charging point", true), at_risk("tasks at risk", true),
       tasks(timeline.ended() ? "tasks not done" : "tasks nobody is sent to", timeline.ended()),
       not_ready("not ready", false), waiting("waiting for a partner", false),
       low("low range", false);
@@ -243,9 +270,10 @@ std::vector<Concern> Attention(const Timeline& timeline, const std::vector<std::
              -pair.approach.in_s);
   }
   AddTasks(timeline, &at_risk, &tasks);
+  AddMessages(timeline, &calls, &says);
   std::vector<Concern> all;
-  for (Kind* kind : {&processes, &differ, &faults, &failed, &near, &stranded, &at_risk, &tasks,
-                     &not_ready, &waiting, &low}) {
+  for (Kind* kind : {&calls, &processes, &differ, &faults, &failed, &near, &stranded, &at_risk,
+                     &tasks, &says, &not_ready, &waiting, &low}) {
     kind->MoveTo(&all);
   }
   return all;

@@ -1,4 +1,5 @@
 // The map: the area, where you are, where to go and by which way. Metres, north is up.
+import { say } from "./language.mjs";
 import { ahead } from "./way.mjs";
 
 const WIDTH = 360, HEIGHT = 260, EDGE = 34;
@@ -27,7 +28,8 @@ function add(svg, name, attributes, text) {
   svg.append(element);
 }
 
-export function drawMap(svg, view) {
+/** `heading_deg`: where the phone points, from north to east; null: it does not say. */
+export function drawMap(svg, view, heading_deg = null) {
   svg.replaceChildren();
   if (!view.agent) return;
   const { area, told, order } = view;
@@ -40,11 +42,14 @@ export function drawMap(svg, view) {
   if (goal) {
     add(svg, "polyline", { class: "way", points: way.map((place) => `${x(place).toFixed(1)},${y(place).toFixed(1)}`).join(" ") });
     add(svg, "circle", { class: "goal", cx: x(goal), cy: y(goal), r: 9 });
-    add(svg, "text", { x: Math.min(x(goal) + 13, WIDTH - 60), y: y(goal) - 10 }, "go here");
+    add(svg, "text", { x: Math.min(x(goal) + 13, WIDTH - 60), y: y(goal) - 10 }, say("go here"));
   }
   if (view.place) add(svg, "circle", { class: "accuracy", cx: x(own), cy: y(own), r: Math.min(WIDTH, view.place.accuracy_m * shown.scale) });
   if (told.is_limited || !view.place) add(svg, "circle", { class: "told", cx: x(told), cy: y(told), r: 8 });
-  if (view.place) add(svg, "circle", { class: "own", cx: x(own), cy: y(own), r: 6 });
+  if (view.place && heading_deg === null) add(svg, "circle", { class: "own", cx: x(own), cy: y(own), r: 6 });
+  if (view.place && heading_deg !== null) {
+    add(svg, "path", { class: "own", d: "M0 -12 8 9 0 5 -8 9Z", transform: `translate(${x(own)} ${y(own)}) rotate(${heading_deg})` });
+  }
   const length_m = roundLength_m(shown.scale), width = length_m * shown.scale;
   add(svg, "line", { class: "scale", x1: 12, y1: HEIGHT - 12, x2: 12 + width, y2: HEIGHT - 12 });
   add(svg, "text", { x: 12, y: HEIGHT - 18 }, length_m < 1000 ? `${length_m} m` : `${length_m / 1000} km`);

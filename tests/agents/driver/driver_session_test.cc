@@ -226,6 +226,44 @@ TEST(DriverSession, TellsAUavAtTheEndHowToComeHomeAroundZones) {
   EXPECT_EQ(bye_of(AgentKind::kWorker), straight);
 }
 
+TEST(DriverSession, TakesMessagesToPeople) {
+  Session session;
+  session.Greeted();
+  const auto says = [&](const char* line) { return session.Hear(std::string(line)); };
+  EXPECT_EQ(says(R"({"type":"message","text":"the way is\nblocked"})"), "");
+  EXPECT_EQ(says(R"({"type":"message","text":"trapped","help":true})"), "");
+  const std::vector<DriverMessage> messages = session->TakeMessages();
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0].agent, 0);
+  EXPECT_EQ(messages[0].text.find('\n'), std::string::npos) << messages[0].text;
+  EXPECT_FALSE(messages[0].calls_help);
+  EXPECT_EQ(messages[1].text, "trapped");
+  EXPECT_TRUE(messages[1].calls_help);
+  EXPECT_TRUE(session->TakeMessages().empty());
+  for (const char* wrong : {R"({"type":"message"})", R"({"type":"message","text":""})",
+                            R"({"type":"message","text":"x","help":1})",
+                            R"({"type":"message","text":"x","to":"all"})"}) {
+    EXPECT_NE(says(wrong), "") << wrong;
+  }
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(says(R"({"type":"message","text":"again"})"), "");
+  EXPECT_EQ(session->TakeMessages().size(), 20U);
+}
+
+TEST(DriverSession, TellsHowUrgentATaskIs) {
+  Scenario scenario = Small();
+  scenario.tasks[0].priority = Priority::kEmergency;
+  scenario.tasks[0].due_us = 900 * kSecondUs;
+  AgentState agent = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
+  DriverSession session(scenario, agent, 0, 0, {});
+  ASSERT_EQ(session.Hear(std::string_view(R"({"type":"hello","version":1})"), 0), "");
+  session.TakeLines();
+  Begin(&agent, Sense(), 0, 0, {}, 1);
+  session.Follow(agent, 0, 0);
+  const json sent = json::parse(session.TakeLines().at(0));
+  EXPECT_EQ(sent["priority"], 3);
+  EXPECT_EQ(sent["due_s"], 900.0);
+}
+
 TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   Session session;
   session.Told();

@@ -124,6 +124,89 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   assert.equal(await driver.ended, 0);
 }));
 
+test("a person is late, has a break, sends a message, calls for help and is all right again", () => withPhone(async ({ driver, page, goTo, tick }) => {
+  await shows(page, "Nothing to do yet");
+  assert.ok(await page.getByRole("button", { name: "I will be late" }).isDisabled());
+  goTo({ x_m: 4400, y_m: 4300 }, { priority: 3, due_s: 3600 });
+  await shows(page, "An emergency");
+  await shows(page, /To be done by 1:00:00/);
+  await page.getByRole("button", { name: "I will be late" }).tap();
+  await accessible(page);
+  await page.locator("#minutes").selectOption("20");
+  await page.locator("#ask-late").getByRole("button", { name: "Send" }).tap();
+  await until(driver, tick, ({ expected_s }) => expected_s >= 1800 + 20 * 60 * 60);  // twenty minutes of the clock, sixty times as fast
+  await page.getByRole("button", { name: "Take a break" }).tap();
+  await shows(page, "Your break begins when this is done.");
+  assert.equal((await driver.said("not_ready")).reason, "the end of a break");
+  await page.getByRole("button", { name: "My break is over" }).tap();
+  await shows(page, "Take a break");
+  await page.getByRole("button", { name: "Message", exact: true }).tap();
+  await page.locator("#text").fill("the way is blocked");
+  await page.locator("#ask-message").getByRole("button", { name: "Send" }).tap();
+  await shows(page, 'sent: "Message"');
+  assert.deepEqual(await driver.said("message"), { type: "message", text: "the way is blocked" });
+  await page.getByRole("button", { name: "Call for help" }).first().tap();
+  await accessible(page);
+  await page.locator("#trouble").fill("I am trapped");
+  await page.locator("#ask-help").getByRole("button", { name: "Call for help" }).tap();
+  await shows(page, "You have called for help: I am trapped");
+  await driver.line((line) => line === '{"type":"message","text":"I am trapped","help":true}');
+  await accessible(page);
+  await page.getByRole("button", { name: "I am all right again" }).tap();
+  await driver.line((line) => line === '{"type":"message","text":"all right again"}');
+  await page.locator("#called").getByText("You have called").waitFor({ state: "detached" });
+  // What is called off in a dialog is not sent.
+  await page.getByRole("button", { name: "Call for help" }).first().tap();
+  await page.locator("#ask-help").getByRole("button", { name: "Back" }).tap();
+  tick();
+  await new Promise((resolve) => setTimeout(resolve, 1500));
+  assert.equal(driver.lines.filter((line) => line.startsWith('{"type":"message"')).length, 3);
+}));
+
+for (const [code, words] of [["fr", "Rien à faire pour l’instant"], ["es", "Nada que hacer por ahora"], ["zh", "暂无任务"]]) {
+  test(`the page speaks ${code}, and remembers it`, () => withPhone(async ({ page, goTo }) => {
+    await shows(page, "Nothing to do yet");
+    await page.locator("#language").selectOption(code);
+    await shows(page, words);
+    assert.equal(await page.locator("html").getAttribute("lang"), code);
+    goTo({ x_m: 4400, y_m: 4300 });
+    await page.locator("#act:enabled").waitFor();
+    await accessible(page);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing is beside the screen");
+    await page.reload();
+    assert.equal(await page.locator("#language").inputValue(), code);
+  }));
+}
+
+test("the page opens without connection, and sends what is pressed when it is back", () => withPhone(async ({ driver, page, context, goTo, tick }) => {
+  goTo();
+  await shows(page, "Go to task 12");
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await page.reload();
+  await shows(page, "Go to task 12");
+  await context.setOffline(true);
+  await page.reload();
+  await shows(page, /no connection/);
+  await context.setOffline(false);
+  await shows(page, "Go to task 12");
+  await page.getByRole("button", { name: "I am here" }).tap();
+  for (let arrived = null; !arrived; tick()) {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');
+  }
+  const manifest = await page.evaluate(async () => (await fetch("app.webmanifest")).json());
+  assert.equal(manifest.start_url, "./");
+}));
+
+test("the arrow shows where the phone points, and a line says where the way leads from there", () => withPhone(async ({ page, goTo }) => {
+  goTo({ x_m: 4400, y_m: 4400 });
+  await shows(page, "Your place is good to 6 m.");
+  assert.equal(await page.locator("#map path.own").count(), 0);
+  await page.evaluate(() => dispatchEvent(Object.assign(new Event("deviceorientationabsolute"), { alpha: 270 })));  // to the east
+  await shows(page, "ahead on the left");
+  assert.match(await page.locator("#map path.own").getAttribute("transform"), /rotate\(90\)/);
+}));
+
 test("a person sees the way by road on the map, and another when a road is closed", () => withPhone(async ({ page, goTo, tick }) => {
   goTo({ x_m: 4400, y_m: 4300 }, { via: [{ x_m: 4400, y_m: 4000 }] });
   tick();
@@ -170,7 +253,7 @@ test("who cannot go on is asked back, and is out with the reason", () => withPho
   await page.getByRole("button", { name: "Stay" }).tap();
   await page.getByRole("button", { name: "I cannot" }).tap();
   await page.getByRole("button", { name: "Leave the mission" }).tap();
-  assert.ok(await page.locator("#ask").isVisible(), "it wants a reason");
+  assert.ok(await page.locator("#ask-cannot").isVisible(), "it wants a reason");
   await page.getByLabel("Why can you not go on?").fill("the bridge is down");
   await page.getByRole("button", { name: "Leave the mission" }).tap();
   assert.deepEqual(await driver.said("failed"), { type: "failed", id: 1, reason: "says: the bridge is down" });

@@ -220,7 +220,7 @@ test("cannot: out of the mission, with the words of the person", () => {
   const { id, reason } = box.last("failed");
   assert.equal(id, 1);
   assert.match(reason, /^says: the bridge is down x+$/);
-  assert.ok(reason.length <= 306);
+  assert.ok(Buffer.byteLength(reason) <= 500);
   assert.match(box.press("here", { order: 1 }), /out of the mission/);
 });
 
@@ -277,4 +277,65 @@ test("at any rate, whatever the phone tells and presses, the mission finds nothi
 test("degrees are metres of the mission's map", () => {
   near(map.toMetres(map.toDegrees({ x_m: 1234, y_m: 5678 })), { x_m: 1234, y_m: 5678 }, 1e-6);
   assert.equal(TICK_S, 30);
+});
+
+test("a message reaches the mission, a call for help stands until something else is said", () => {
+  const box = new Box();
+  box.pass(1, () => box.sync());
+  assert.equal(box.press("message", { text: " the  way\nis blocked " }), "");
+  assert.deepEqual(box.last("message"), { type: "message", text: "the way is blocked" });
+  assert.equal(box.sync().called, null);
+  assert.equal(box.press("message", { text: "trapped", help: true }), "");
+  assert.deepEqual(box.last("message"), { type: "message", text: "trapped", help: true });
+  assert.equal(box.sync().called, "trapped");
+  box.press("message", { text: "all right again" });
+  assert.equal(box.sync().called, null);
+  assert.match(box.press("message", { text: " \n " }), /nothing in that message/);
+  assert.match(box.press("message", {}), /nothing in that message/);
+});
+
+test("words of any language are as long as the mission takes, and no letter is cut", () => {
+  const box = new Box();
+  box.pass(1, () => box.sync());
+  for (const [letter, most] of [["x", 480], ["é", 240], ["困", 160], ["😀", 120]]) {
+    box.press("message", { text: letter.repeat(600) });
+    assert.equal(box.last("message").text, letter.repeat(most));
+  }
+});
+
+test("a break: nothing new is planned with the person until it is over, and what it was told goes on", () => {
+  const box = new Box();
+  box.pass(1, () => box.sync());
+  const id = box.goTo(GOAL);
+  assert.equal(box.press("pause"), "");
+  assert.equal(box.press("pause"), "");
+  assert.deepEqual(box.said.filter(({ type }) => type === "not_ready"), [{ type: "not_ready", reason: "the end of a break" }]);
+  assert.ok(box.sync().isPaused);
+  box.pass(2);
+  assert.equal(box.press("here", { order: id }), "");
+  assert.equal(box.last("arrived").id, id);
+  const before = box.said.length;
+  assert.equal(box.press("resume"), "");
+  assert.deepEqual(box.said.slice(before), [{ type: "ready" }]);
+  assert.equal(box.sync().isPaused, false);
+});
+
+test("a person who is late says by how much: the mission expects it then", () => {
+  const box = new Box();
+  box.pass(1, () => box.sync());
+  const id = box.goTo(GOAL);  // 60 s away, planned for second 90
+  assert.equal(box.press("late", { order: id, minutes: 10 }), "");
+  box.pass(1);
+  assert.equal(box.last("state").expected_s, 690);
+  assert.equal(box.sync().order.expected_s, 690);
+  assert.match(box.press("late", { order: 99, minutes: 10 }), /something else/);
+  assert.match(box.press("late", { order: id, minutes: -3 }), /minutes/);
+  box.pass(4);
+  box.press("late", { order: id, minutes: 5 });  // the planned time is over: from now on
+  box.pass(1);
+  assert.equal(box.last("state").expected_s, 180 + 300);
+  box.goTo({ x_m: 4000, y_m: 4100 });
+  box.pass(1);
+  assert.equal(box.last("state").expected_s, undefined, "that was of another way");
+  assert.deepEqual(box.wrong, []);
 });

@@ -274,6 +274,37 @@ TEST(Attention, TellsWhatAgentsThatAreNotReadyWaitFor) {
                                       "not ready: worker:1 waits for a fix (6 satellites)"}));
 }
 
+TEST(Attention, TellsWhoCallsForHelpUntilSomethingElseIsSaid) {
+  FakeLog log = MakeFakeMission();
+  TimeUs now_us = 0;
+  ForEach<clock_t>(&log, [&](clock_t& clock) {
+    clock.phase = NumberOf(ClockPhase::kRunning);
+    now_us = std::max<TimeUs>(now_us, clock.tick_us);
+  });
+  const auto add = [&](TimeUs at_us, EventKind kind, std::int32_t worker, const char* what) {
+    event_t event{};
+    event.header.run_id = 7;
+    event.header.sender = "world";
+    event.kind = NumberOf(kind);
+    event.uav_id = event.vehicle_id = event.task_id = event.charge_id = -1;
+    event.worker_id = worker;
+    event.detail = what;
+    event.at_us = at_us;
+    log.push_back({std::string(channel::kEvent), event});
+    Renumber(&log);
+  };
+  using Lines = std::vector<std::string>;
+  const TimeUs just_us = now_us - 10 * kMinuteUs, before_us = just_us - kMinuteUs;
+  ASSERT_GT(before_us, 0);
+  add(before_us, EventKind::kDriverCalls, 1, "trapped");
+  add(before_us, EventKind::kDriverSays, 0, "shown no more");
+  EXPECT_EQ(Told(log), Lines({"calls for help: worker:1 trapped"}));
+  add(just_us, EventKind::kDriverSays, 0, "low clouds");
+  EXPECT_EQ(Told(log), Lines({"calls for help: worker:1 trapped", "says: worker:0 low clouds"}));
+  add(now_us, EventKind::kDriverSays, 1, "all right again");
+  EXPECT_EQ(Told(log), Lines({"says: worker:0 low clouds", "says: worker:1 all right again"}));
+}
+
 TEST(Attention, AHeldTaskOfAMissionThatEndedIsNotDone) {
   FakeLog log = MakeFakeMission();
   ForEach<world_state_t>(&log, [](world_state_t& world) {

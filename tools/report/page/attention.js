@@ -2,6 +2,7 @@ import { approachText, comingClose } from "./air.js";
 import { oncePerFrame } from "./canvas.js";
 import { byId, element, isolated, number } from "./dom.js";
 import { fill, say, sayParts } from "./language.js";
+import { messagesAt } from "./messages.js";
 import { taskName } from "./names.js";
 import { reasonAt, shortReason, storyOf } from "./reasons.js";
 import { decisionAt, doneAt, faultBands, placeAt, statusAt, taskStatusAt } from "./run.js";
@@ -16,6 +17,7 @@ const SILENT_MS = 5000;
 
 /** Kinds of what needs attention, the most harmful first. `more` is the filter of the task table that shows all of them. */
 export const KINDS = [
+  { id: "help", title: say("Calls for help"), mark: "!" },
   { id: "process", title: say("Processes lost"), mark: "!" },
   { id: "log", title: say("Log behind"), mark: "!" },
   { id: "differ", title: say("Schedulers disagree"), mark: "!" },
@@ -25,6 +27,7 @@ export const KINDS = [
   { id: "stranded", title: say("Cannot reach a charging point"), mark: "×" },
   { id: "undone", title: say("Not done"), mark: "◇", more: "never" },
   { id: "risk", title: say("At risk"), mark: "◇", more: "open" },
+  { id: "says", title: say("Messages"), mark: "…" },
   { id: "ready", title: say("Not ready"), mark: "…" },
   { id: "wait", title: say("Waiting for a partner"), mark: "…" },
   { id: "range", title: say("Low range"), mark: "▾" },
@@ -128,7 +131,8 @@ function agentsInTrouble(run, t) {
 export function agentsWithAlerts(run, t) {
   const found = new Map();
   const add = (agent) => found.has(agent) || found.set(agent, found.size);
-  for (const { item, others = [] } of byUrgency([...agentsInTrouble(run, t), ...nearPairs(run, t)])) [run.agents[item.index], ...others].forEach(add);
+  const all = [...agentsInTrouble(run, t), ...messages(run, t), ...nearPairs(run, t)];
+  for (const { item, others = [] } of byUrgency(all)) [run.agents[item.index], ...others].forEach(add);
   return found;
 }
 
@@ -156,6 +160,11 @@ function waitWords(run, agent, t) {
   return said ? say("waits for {what}", { what: said.detail }) : say("since {time}", { time: clockText(spanAt(run, agent, t).since) });
 }
 
+function messages(run, t) {
+  return messagesAt(run, t).map(({ agent, text, at, isCall }) => ({ kind: isCall ? "help" : "says", harm: -at, text: agent.label,
+    item: { type: "agent", index: agent.index }, note: text }));
+}
+
 const closePairs = (run, t) => (run.ended && t >= run.nowMs ? [] : comingClose(run, t));
 
 function nearPairs(run, t) {
@@ -181,7 +190,7 @@ function toCharging(run, place) {
 
 /** What needs attention at t, by kind and harm: [{ kind, item, text, note }]. `silentMs`: since a live page heard anything. */
 export function attentionAt(run, t, silentMs = 0) {
-  const found = [...agentsInTrouble(run, t), ...nearPairs(run, t), ...tasksAtRisk(run, t)];
+  const found = [...agentsInTrouble(run, t), ...messages(run, t), ...nearPairs(run, t), ...tasksAtRisk(run, t)];
   for (const band of faultBands(run)) {
     const lasts = band.open || (band.to === band.from ? t - band.to <= run.tickMs : t < band.to);
     if (band.kind === "agent" || band.from > t || !lasts) continue;

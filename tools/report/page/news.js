@@ -1,5 +1,6 @@
 import { byId, number } from "./dom.js";
 import { say } from "./language.js";
+import { messagesAt } from "./messages.js";
 import { taskName } from "./names.js";
 import { statusAt, taskStatusAt } from "./run.js";
 import { PRIORITIES } from "./story.js";
@@ -9,10 +10,12 @@ const EMERGENCY = PRIORITIES.length - 1;
 const KEPT = "muster.sound"; // in the browser's storage
 const TOLD = 3; // by name
 
-/** What has to be known at once when it is new, in words: emergencies that are reported, agents that have failed. */
+/** What has to be known at once when it is new, in words: calls for help, emergencies that are reported, agents that have failed. */
 export function alarmsAt(run, t) {
   const isEmergency = (task) => !task.vacant && task.priority === EMERGENCY && taskStatusAt(task, t) !== UNREPORTED;
+  const calls = messagesAt(run, t).filter(({ isCall }) => isCall);
   return [
+    ...calls.map(({ agent, text }) => say("{agent} calls for help: {text}", { agent: agent.label, text })),
     ...run.tasks.filter(isEmergency).map(({ id, name }) => say("{task}: emergency", { task: `${taskName(id)}${name ? `, ${name}` : ""}` })),
     ...run.agents.filter((agent) => statusAt(agent, t) === FAILED).map(({ label }) => say("{agent} has failed", { agent: label })),
   ];

@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { approachOf, approachText } from "../../../../tools/report/page/air.js";
-import { attentionAt, dueWords, isLoud, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
+import { agentsWithAlerts, attentionAt, dueWords, isLoud, timeRisk, troubleOf } from "../../../../tools/report/page/attention.js";
+import { alarmsAt } from "../../../../tools/report/page/news.js";
 import { Run, decidingMs, faultBands } from "../../../../tools/report/page/run.js";
 import { readWords } from "../../../../tools/report/page/words.js";
 import { begun } from "./small_run.mjs";
@@ -106,6 +107,23 @@ test("an agent that is not ready: with what its driver waits for by then", () =>
   assert.deepEqual(found(10000), ["uav:0 waits for a word of its autopilot"]);
   assert.deepEqual(found(70000), ["uav:0 waits for a fix (4 satellites)", "worker:0 since 0:00:30"]);
   assert.deepEqual(found(85000), ["worker:0 since 0:00:30"]);
+});
+
+test("a call for help stands until its agent says something else, a message for ten minutes", () => {
+  const run = begun();
+  Object.assign(run, { nowMs: 3000000, ended: false });
+  const event = (t, kind, detail, ids = {}) => ({ t, kind, fault: "", detail, uav: -1, worker: -1, vehicle: -1, ...ids });
+  run.events = [event(10000, "driver_calls", "trapped", { worker: 0 }), event(20000, "driver_says", "low clouds", { uav: 0 }), event(900000, "driver_says", "all right again", { worker: 0 })];
+  const found = (t) => attentionAt(run, t).filter(({ kind }) => ["help", "says"].includes(kind)).map(({ kind, text, note }) => `${kind} ${text} ${note}`);
+  assert.deepEqual(found(5000), []);
+  assert.deepEqual(found(30000), ["help worker:0 trapped", "says uav:0 low clouds"]);
+  assert.deepEqual(found(630000), ["help worker:0 trapped"]);
+  assert.deepEqual(found(910000), ["says worker:0 all right again"]);
+  assert.deepEqual([...agentsWithAlerts(run, 630000).keys()].map(({ label }) => label), ["worker:0"]);
+  assert.ok(alarmsAt(run, 630000).includes("worker:0 calls for help: trapped"));
+  assert.deepEqual(alarmsAt(run, 910000), []);
+  Object.assign(run, { ended: true });
+  assert.deepEqual(found(3000000), [], "it is over");
 });
 
 test("a row tells how long its task has, or how late it is", () => {
