@@ -62,7 +62,7 @@ function run(options) {
   const phone = new Phone(options, { now: () => performance.now() / 1000, say: (line) => process.stdout.write(`${JSON.stringify(line)}\n`), note });
   if (options.isAuto) beAuto(phone);
   const photos = options.run ? new Photos(options.run) : null;
-  const server = new PageServer({ token: "", origins: () => [], phone, photos, mostBytes: options.mostBytes, note });
+  const server = new PageServer({ token: "", origins: () => [], phone, photos, mostBytes: options.mostBytes, tiles: options.tiles, note });
   let overSince = null;
   const end = () => {
     clearInterval(timer);

@@ -8,10 +8,13 @@ import { isToken } from "./link.mjs";
 const PAGE = join(dirname(fileURLToPath(import.meta.url)), "page");
 const FILES = {
   "": ["index.html", "text/html"], "page.css": ["page.css", "text/css"],
-  ...Object.fromEntries(["page", "language", "noise", "queue", "map", "way", "words", "fr", "es", "zh"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
+  ...Object.fromEntries(["page", "language", "noise", "ground", "queue", "map", "way", "words", "fr", "es", "zh"].map((name) => [`${name}.mjs`, [`${name}.mjs`, "text/javascript"]])),
+  "places.mjs": ["../../places.mjs", "text/javascript"],
   "worker.js": ["worker.js", "text/javascript"], "app.webmanifest": ["app.webmanifest", "application/manifest+json"], "icon.svg": ["icon.svg", "image/svg+xml"],
 };
-const SYNC_BYTES = 64 * 1024;
+const SYNC_BYTES = 64 * 1024, TILE_BYTES = 4e6, TILE_MS = 5000;
+/** A tile's name in the page's address: zoom, column, row. */
+const TILE = /^tile-(\d{1,2})-(\d{1,8})-(\d{1,8})$/;
 const MOST_CONNECTIONS = 32, MOST_UPLOADS = 2, HEADER_BYTES = 8192;
 const HEADERS = {
   "Cache-Control": "no-store",
@@ -50,7 +53,7 @@ async function bodyOf(request, most) {
 export class PageServer {
   #uploads = 0;
 
-  /** `served`: {token, origins (a function), phone, photos (null: none), mostBytes, note}. */
+  /** `served`: {token, origins (a function), phone, photos (null: none), mostBytes, tiles (a live page's origin, or null), note}. */
   constructor(served) {
     Object.assign(this, served);
     this.http = createServer({ maxHeaderSize: HEADER_BYTES, requestTimeout: 300_000, headersTimeout: 10_000 }, (request, response) => {
@@ -78,6 +81,9 @@ export class PageServer {
     const [, token, name, ...rest] = path.split("/");
     if (rest.length || name === undefined || !isToken(token, this.token)) throw new Refused(404, "there is nothing here");
     if (request.method === "GET") {
+      const tile = TILE.exec(name);
+      if (name === "tiles.json") return this.#tile("/tiles.json");
+      if (tile) return this.#tile(`/tiles/${tile.slice(1).map(Number).join("/")}`);
       if (!Object.hasOwn(FILES, name)) throw new Refused(404, "there is nothing here");
       const [file, type] = FILES[name];
       return [200, type, readFileSync(join(PAGE, file))];
@@ -88,6 +94,21 @@ export class PageServer {
     if (name === "sync") return this.#sync(request);
     if (name === "photo") return this.#photo(request, new URLSearchParams(query ?? ""));
     throw new Refused(404, "there is nothing here");
+  }
+
+  /** What the live page says of its base map, or a tile. */
+  async #tile(path) {
+    if (!this.tiles) throw new Refused(404, "there is no base map");
+    try {
+      const answer = await fetch(`${this.tiles}${path}`, { signal: AbortSignal.timeout(TILE_MS), redirect: "error" });
+      const type = answer.headers.get("content-type") ?? "";
+      if (answer.status !== 200 || !/^(application\/json|image\/(png|jpeg|webp|avif))$/.test(type)) throw new Refused(404, "there is no such tile");
+      const body = Buffer.from(await answer.arrayBuffer());
+      if (body.length > TILE_BYTES) throw new Refused(404, "that tile is too large");
+      return [200, type, body];
+    } catch (error) {
+      throw error instanceof Refused ? error : new Refused(502, "the mission's live page does not answer");
+    }
   }
 
   async #sync(request) {

@@ -177,15 +177,18 @@ void LiveServer::AnswerTile(Browser* client, const std::string& path) {
       std::sscanf(path.c_str(), "/tiles/%2d/%8d/%8d%n", &id.zoom, &id.column, &id.row, &end) == 3 &&
       static_cast<std::size_t>(end) == path.size() && id.zoom >= 0 && id.zoom <= kMostZoom &&
       id.column >= 0 && id.row >= 0;
+  const auto tell = [client](const nlohmann::ordered_json& json) {
+    const std::string text =
+        json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    client->out = Head("200 OK", "application/json", text.size()) + text;
+  };
+  if (path == "/tiles.json") return tell(AboutTiles(file));
   try {
     const auto bytes = is_tile ? file.Read(id) : std::nullopt;
     if (!bytes) {
       client->out = Head("404 Not Found", "", 0);
     } else if (file.info().vector) {
-      const std::string text =
-          TileForPage(file, *bytes, kLiveTileUnits)
-              .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-      client->out = Head("200 OK", "application/json", text.size()) + text;
+      tell(TileForPage(file, *bytes, kLiveTileUnits));
     } else {
       client->out = Head("200 OK", file.info().type, bytes->size()) + *bytes;
     }
@@ -316,7 +319,7 @@ void LiveServer::Answer(Browser* client, Time now) {
     client->out =
         Head(text ? "200 OK" : "404 Not Found", text ? type : "", text ? text->size() : 0) +
         text.value_or("");
-  } else if (request->path.starts_with("/tiles/") && feed_->tiles() != nullptr) {
+  } else if (request->path.starts_with("/tiles") && feed_->tiles() != nullptr) {
     AnswerTile(client, std::string(request->path));
   } else if (request->path == "/events") {
     client->out = Head("200 OK", "text/event-stream", {});

@@ -65,7 +65,9 @@ class ZoneTaker {
     PlannedZone planned;
     planned.zone.name = zone.name.empty() ? zone.id : zone.name;
     if (!ReadTimes(zone, &planned)) return Leave("at another time");
-    if (!ReadShape(zone, margin_m, file, &planned.zone)) return Leave("elsewhere");
+    if (!ReadShape(zone, margin_m, file, &planned.zone)) {
+      return Leave(planned.zone.rings.empty() ? "without an area" : "elsewhere");
+    }
     zones_.push_back(std::move(planned));
   }
 
@@ -115,13 +117,12 @@ class ZoneTaker {
     return planned->until_us > planned->from_us && planned->from_us < scenario_.rules.limit_us;
   }
 
-  /// False: it is not in the area.
+  /// False: it is not in the area of the scenario, or, without rings, has no area itself.
   bool ReadShape(const MapZone& map_zone, double margin_m, const std::string& file, Zone* zone) {
     if (map_zone.radius_m > 0) {
       const Point centre = frame_.ToPoint(map_zone.centre);
-      if (!IsNear({centre}, margin_m + 1.1 * map_zone.radius_m)) return false;
       zone->rings = {CornersAround(centre, map_zone.radius_m)};
-      return true;
+      return IsNear({centre}, margin_m + 1.1 * map_zone.radius_m);
     }
     for (const std::vector<Origin>& places : map_zone.rings) {
       std::vector<Point> ring;

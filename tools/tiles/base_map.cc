@@ -84,6 +84,15 @@ std::string TextOf(const DegreeBox& box) {
                                TextOf(BoxAround(scenario, 0))));
 }
 
+/// Bounds are what a file says of itself: it may have no tile where it says that it has some.
+[[noreturn]] void RefuseEmpty(const TileFile& file, const Scenario& scenario) {
+  throw InputError(
+      file.name(), "its tiles",
+      fmt::format("none in the area of scenario '{}', {}", scenario.name,
+                  TextOf(BoxAround(scenario, 0))),
+      fmt::format("at least one (the file says that it has those of {})", TextOf(file.info().box)));
+}
+
 void RequireSamePlace(const TileFile& file, const Scenario& scenario) {
   const DegreeBox &area = BoxAround(scenario, 0), &box = file.info().box;
   if (area.south < box.north && box.south < area.north && area.west < box.east &&
@@ -216,10 +225,14 @@ ordered_json TileForPage(const TileFile& file, const std::string& bytes, int uni
       {"shapes", std::move(shapes)}, {"names", std::move(names)}, {"streets", std::move(streets)}};
 }
 
+ordered_json AboutTiles(const TileFile& file) {
+  return Head(file, file.info().min_zoom, file.info().max_zoom, kLiveTileUnits);
+}
+
 ordered_json BaseMapOf(const TileFile& file, const Scenario& scenario) {
   RequireOrigin(file, scenario);
   RequireSamePlace(file, scenario);
-  return Head(file, file.info().min_zoom, file.info().max_zoom, kLiveTileUnits);
+  return AboutTiles(file);
 }
 
 ordered_json EmbeddedBaseMap(const TileFile& file, const Scenario& scenario, std::size_t most_bytes,
@@ -242,7 +255,7 @@ ordered_json EmbeddedBaseMap(const TileFile& file, const Scenario& scenario, std
     zoom = next;
     if (!best->whole) break;
   }
-  if (!best) RefusePlace(file, scenario);
+  if (!best) RefuseEmpty(file, scenario);
   Taken closer;
   if (best->whole && zoom < file.info().max_zoom) {
     closer = Take(file, WithPlaces(scenario, zoom + 1), most_bytes - best->bytes, kMostCloser);

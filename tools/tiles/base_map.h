@@ -18,9 +18,12 @@ inline constexpr int kLiveTileUnits = 4096;
 /// Throws InputError where the tile is damaged.
 nlohmann::ordered_json TileForPage(const TileFile& file, const std::string& bytes, int units);
 
-/// What a live page is told, which asks the server for its tiles: {"source", "vector", "type",
-/// "zooms": [from, to], "units"}. Throws InputError when the scenario has no origin, or the file no
-/// tile of its area.
+/// What the file holds, for pages that ask a live server for its tiles: {"source", "vector",
+/// "type", "zooms": [from, to], "units"}.
+nlohmann::ordered_json AboutTiles(const TileFile& file);
+
+/// AboutTiles(). Throws InputError when the scenario has no origin, or the file no tile of its
+/// area.
 nlohmann::ordered_json BaseMapOf(const TileFile& file, const Scenario& scenario);
 
 /// The same with "tiles": {"zoom/column/row": TileForPage}: the scenario's area and some more at

@@ -3,6 +3,7 @@ import { say } from "./language.mjs";
 import { ahead } from "./way.mjs";
 
 const WIDTH = 360, HEIGHT = 260, EDGE = 34;
+export const SIZE = { width: WIDTH, height: HEIGHT };
 const LEAST_M = 200;
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -28,10 +29,10 @@ function add(svg, name, attributes, text) {
   svg.append(element);
 }
 
-/** `heading_deg`: where the phone points, from north to east; null: it does not say. */
+/** Returns the frame of what it shows, or null. `heading_deg`: where the phone points, from north to east; null: it does not say. */
 export function drawMap(svg, view, heading_deg = null) {
   svg.replaceChildren();
-  if (!view.agent) return;
+  if (!view.agent) return null;
   const { area, told, order } = view;
   const own = view.place ?? told;
   const goal = order && ["going", "held", "there", "working"].includes(order.stage) ? order.to : null;
@@ -54,4 +55,5 @@ export function drawMap(svg, view, heading_deg = null) {
   add(svg, "line", { class: "scale", x1: 12, y1: HEIGHT - 12, x2: 12 + width, y2: HEIGHT - 12 });
   add(svg, "text", { x: 12, y: HEIGHT - 18 }, length_m < 1000 ? `${length_m} m` : `${length_m / 1000} km`);
   add(svg, "text", { x: WIDTH - 34, y: HEIGHT - 12 }, "N ↑");
+  return shown;
 }

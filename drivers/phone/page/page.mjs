@@ -1,6 +1,7 @@
 // The page of one person: asks how things are once a second, brings what was pressed and where the phone is.
+import { Ground } from "./ground.mjs";
 import { LANGUAGES, languageOf, say, speak } from "./language.mjs";
-import { drawMap } from "./map.mjs";
+import { drawMap, SIZE } from "./map.mjs";
 import { Noise } from "./noise.mjs";
 import { newId, Queue } from "./queue.mjs";
 import { action, duration, lines, title, whereabouts } from "./words.mjs";
@@ -20,6 +21,7 @@ const code = languageOf(storage?.getItem("muster-phone-language"), navigator.lan
 if (code !== "en") speak((await import(`./${code}.mjs`)).default);
 const queue = new Queue(storage, `muster-phone-${location.pathname}`);
 const noise = new Noise($("sound"), storage);
+const ground = new Ground($("ground"), () => show());
 const photos = [];  // {id, file, at_ms, session, order}
 const notes = [];
 let view = { agent: null, over: null, failed: null, order: null };
@@ -82,7 +84,8 @@ function show() {
   setLines($("lines"), lines(view, now_s(), Date.now(), heading_deg));
   setText($("called"), view.called ? say("You have called for help: {text}", { text: view.called }) : "");
   showButtons(isOver);
-  drawMap($("map"), view, heading_deg);
+  ground.draw(view, drawMap($("map"), view, heading_deg), SIZE);
+  setText($("source"), ground.source);
   setText($("whereabouts"), whereabouts(view, gps, now_s()));
   const n = queue.pressed.length + photos.length;
   setText($("waiting"), n && !isEnded ? say(n === 1 ? "1 thing waits to be sent. Keep this page open." : "{n} things wait to be sent. Keep this page open.", { n }) : "");

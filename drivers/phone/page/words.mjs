@@ -101,7 +101,7 @@ export function lines(view, now_s, wall_ms, heading_deg = null) {
     ...onBreak,
   ];
   if (order.held_until_s !== null) {
-    found.push(say("You said that you are there. The mission takes it at {time}: sooner is more than its {speed} m/s.", { time: clock(order.held_until_s), speed: view.speed_m_s }));
+    found.push(say("You said that you are there. The mission takes it at {time}: sooner is more than its {speed} m/s.", { time: clock(order.held_until_s), speed: Number(view.speed_m_s.toFixed(1)) }));
   }
   return found;
 }
@@ -126,6 +126,6 @@ export function whereabouts(view, gps, now_s) {
   const parts = [say(age_s > 60 * Math.max(1, view.rate) ? "Your place is good to {m} m, {age} old." : "Your place is good to {m} m.", known)];
   if (trouble === "inexact") parts.push(say("Worse than {m} m is not told to the mission.", { m: view.accuracy_m }));
   if (trouble === "outside") parts.push(say("You are outside the mission's area: that is not told to the mission."));
-  if (!trouble && view.told.is_limited) parts.push(say("You are ahead of the {speed} m/s that the mission takes for possible: it sees you at the ring.", { speed: view.speed_m_s }));
+  if (!trouble && view.told.is_limited) parts.push(say("You are ahead of the {speed} m/s that the mission takes for possible: it sees you at the ring.", { speed: Number(view.speed_m_s.toFixed(1)) }));
   return parts.join(" ");
 }

@@ -1,6 +1,6 @@
 // Keeps the page's files, so that it opens without connection. What is pressed then waits in the page.
 const KEPT = "muster-phone-1";
-const FILES = ["./", "page.css", "page.mjs", "language.mjs", "noise.mjs", "queue.mjs", "map.mjs", "way.mjs", "words.mjs", "fr.mjs", "es.mjs", "zh.mjs",
+const FILES = ["./", "page.css", "page.mjs", "language.mjs", "noise.mjs", "ground.mjs", "places.mjs", "queue.mjs", "map.mjs", "way.mjs", "words.mjs", "fr.mjs", "es.mjs", "zh.mjs",
   "app.webmanifest", "icon.svg"];
 
 self.addEventListener("install", (event) => event.waitUntil(caches.open(KEPT).then((cache) => cache.addAll(FILES)).then(() => self.skipWaiting())));

@@ -1,6 +1,8 @@
 // The page in Chromium, at a phone's size, with a position that the test makes.
 import assert from "node:assert/strict";
+import { once } from "node:events";
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -28,11 +30,11 @@ const positionAt = (place, accuracy = 6) => {
 };
 
 /** Runs `body({driver, page, context, goTo, tick, folder})` with a driver, told hello, and its page in a phone. */
-async function withPhone(body, more = {}, isThere = true) {
+async function withPhone(body, more = {}, isThere = true, words = []) {
   const folder = mkdtempSync(join(tmpdir(), "muster-phone-"));
   try {
     await withPrograms(async ({ start }) => {
-      const driver = start(process.execPath, [MAIN, "--run", folder]);
+      const driver = start(process.execPath, [MAIN, "--run", folder, ...words]);
       driver.say(helloOf({ rate: 60, ...more }));
       const link = await linkOf(driver);
       const context = await browser.newContext({ viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 2, colorScheme: "light",
@@ -197,6 +199,39 @@ test("the page opens without connection, and sends what is pressed when it is ba
   const manifest = await page.evaluate(async () => (await fetch("app.webmanifest")).json());
   assert.equal(manifest.start_url, "./");
 }));
+
+test("the mission's base map lies below, with its source", async () => {
+  // Zoom 13, of shapes: water everywhere but in the west of each tile.
+  const asked = [];
+  const live = createServer((question, answer) => {
+    asked.push(question.url);
+    const shapes = Array.from({ length: 10 }, () => []);
+    shapes[2] = [[1000, 0, 3096, 0, 0, 4096, -3096, 0]];
+    const content = question.url === "/tiles.json" ? { source: "© somebody", vector: true, type: "", zooms: [10, 13], units: 4096 } : { shapes, names: [], streets: [] };
+    answer.writeHead(200, { "Content-Type": "application/json" }).end(JSON.stringify(content));
+  }).listen(0, "127.0.0.1");
+  await once(live, "listening");
+  try {
+    await withPhone(async ({ page, goTo }) => {
+      goTo({ x_m: 7000, y_m: 6000 });
+      await shows(page, "© somebody");
+      await page.waitForFunction(() => {
+        const { width, height } = document.getElementById("ground");
+        const copy = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d", { willReadFrequently: true });
+        copy.drawImage(document.getElementById("ground"), 0, 0);
+        const { data } = copy.getImageData(0, 0, width, height);
+        const filled = data.filter((value, i) => i % 4 === 3 && value > 0).length / (data.length / 4);
+        return filled > 0.6 && filled < 0.9;  // three quarters of each tile
+      });
+      await accessible(page);
+      assert.ok(asked.filter((url) => url.startsWith("/tiles/13/")).length >= 2, asked.join());
+      assert.equal(new Set(asked).size, asked.length, "each once");
+    }, {}, true, ["--tiles", `http://127.0.0.1:${live.address().port}`]);
+  } finally {
+    live.close();
+    live.closeAllConnections();
+  }
+});
 
 test("the arrow shows where the phone points, and a line says where the way leads from there", () => withPhone(async ({ page, goTo }) => {
   goTo({ x_m: 4400, y_m: 4400 });

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { once } from "node:events";
 import { mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
-import { request } from "node:http";
+import { createServer, request } from "node:http";
 import { connect } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -15,11 +15,11 @@ import { Box } from "./box.mjs";
 const JPEG = Buffer.concat([Buffer.from([0xff, 0xd8, 0xff, 0xe0]), Buffer.alloc(2000, 7)]);
 
 /** Runs `body({box, ask, folder, server, token})` with a server; `ask(method, path, {body, headers})`. */
-async function withServer(body, { mostBytes = 10_000 } = {}) {
+async function withServer(body, { mostBytes = 10_000, tiles = null } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "muster-phone-"));
   const box = new Box();
   const token = newToken();
-  const server = new PageServer({ token, origins: () => [], phone: box.phone, photos: new Photos(folder), mostBytes, note: () => {} });
+  const server = new PageServer({ token, origins: () => [], phone: box.phone, photos: new Photos(folder), mostBytes, tiles, note: () => {} });
   server.http.listen(0, "127.0.0.1");
   await once(server.http, "listening");
   const { port } = server.http.address();
@@ -43,6 +43,41 @@ async function withServer(body, { mostBytes = 10_000 } = {}) {
   }
 }
 
+test("tiles come from the mission's live page, and nothing else does", async () => {
+  const asked = [];
+  const live = createServer((question, answer) => {
+    asked.push(question.url);
+    const answers = { "/tiles.json": [200, "application/json", "{}"], "/tiles/9/266/180": [200, "image/png", "picture"], "/tiles/9/1/1": [200, "text/html", "<script>"],
+      "/tiles/9/2/2": [302, "image/png", ""], "/tiles/9/3/3": [200, "image/png", Buffer.alloc(5e6)] };
+    const [status, type, content] = answers[question.url] ?? [404, "text/plain", ""];
+    answer.writeHead(status, { "Content-Type": type, Location: "/tiles.json" }).end(content);
+  }).listen(0, "127.0.0.1");
+  await once(live, "listening");
+  const tiles = `http://127.0.0.1:${live.address().port}`;
+  try {
+    await withServer(async ({ ask, token }) => {
+      const get = async (name) => (await ask("GET", `/${token}/${name}`)).status;
+      const tile = await ask("GET", `/${token}/tile-9-266-180`);
+      assert.deepEqual([tile.status, tile.headers["content-type"], tile.text], [200, "image/png", "picture"]);
+      assert.equal(await get("tiles.json"), 200);
+      assert.equal((await ask("GET", "/tiles.json")).status, 404, "without the token");
+      for (const name of ["tile-9-1-1", "tile-9-3-3", "tile-9-5-5"]) assert.equal(await get(name), 404, name);
+      assert.equal(await get("tile-9-2-2"), 502, "it sends nobody elsewhere");
+      const before = asked.length;
+      for (const name of ["tile-9-2", "tile-9-2-2-2", "tile-x-1-1", "tile-9--1-2", "tile-999-1-1", "tile-9-1-1?x", "tile-9-1-1%2f..%2fevents"]) {
+        if (!name.includes("?")) assert.equal(await get(name), 404, name);
+      }
+      assert.equal(asked.length, before);
+    }, { tiles });
+    live.close();
+    live.closeAllConnections();
+    await withServer(async ({ ask, token }) => assert.equal((await ask("GET", `/${token}/tiles.json`)).status, 502), { tiles });
+  } finally {
+    live.close();
+  }
+  await withServer(async ({ ask, token }) => assert.equal((await ask("GET", `/${token}/tiles.json`)).status, 404));
+});
+
 test("who has the token has the page, and nobody else", () => withServer(async ({ ask, token, port }) => {
   const page = await ask("GET", `/${token}/`);
   assert.equal(page.status, 200);
@@ -50,7 +85,7 @@ test("who has the token has the page, and nobody else", () => withServer(async (
   assert.match(page.headers["content-security-policy"], /default-src 'none'.*frame-ancestors 'none'/);
   assert.equal(page.headers["referrer-policy"], "no-referrer");
   assert.equal(page.headers["x-content-type-options"], "nosniff");
-  for (const name of ["page.css", "page.mjs", "queue.mjs", "map.mjs", "words.mjs"]) assert.equal((await ask("GET", `/${token}/${name}`)).status, 200, name);
+  for (const [, name] of (await ask("GET", `/${token}/worker.js`)).text.matchAll(/"([^"]+\.[a-z]+)"/g)) assert.equal((await ask("GET", `/${token}/${name}`)).status, 200, name);
   const other = newToken();
   for (const path of ["/", "/page.mjs", `/${other}/`, `/${token}`, `/${token}x/`, `/${token}/../main.mjs`, `/${token}/main.mjs`, `/${token}/toString`,
     `/${token}/page.mjs/`, `/${token}/%2e%2e/main.mjs`, "*", `/?${token}`]) {

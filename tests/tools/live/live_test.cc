@@ -184,6 +184,10 @@ TEST_F(ServedTiles, ThePageIsToldOfItsBaseMapAndGetsItsTiles) {
   EXPECT_FALSE(map.contains("tiles"));
   httplib::Client client(server_->url().substr(0, server_->url().size() - 1));
   client.set_read_timeout(60);
+  const auto about = client.Get("/tiles.json");
+  ASSERT_TRUE(about);
+  EXPECT_EQ(nlohmann::json::parse(about->body)["source"], "us");
+  EXPECT_EQ(nlohmann::json::parse(about->body)["zooms"], (nlohmann::json{9, 9}));
   const auto tile = client.Get("/tiles/9/266/180");
   ASSERT_TRUE(tile);
   EXPECT_EQ(tile->status, 200);

@@ -80,11 +80,13 @@ TEST_F(ZonesOption, TakesPolygonsOfGeoJsonInTheAreaWithTheirNames) {
   const auto said = Take(fmt::format(
       R"({{"type": "FeatureCollection", "features": [
         {{"type": "Feature", "properties": {{"name": "airfield"}}, "geometry": {}}},
+        {{"type": "Feature", "properties": null, "geometry": {}}},
         {{"type": "Feature", "properties": null, "geometry": {}}}]}})",
-      Square(20.02, 10.02), Square(25, 10)));
+      Square(20.02, 10.02), Square(25, 10), Square(20.03, 10.03, 0)));
   ASSERT_EQ(scenario_.air->zones.size(), 1U);
-  EXPECT_EQ(said[0], "zones: z.json: 2, of which 1 are kept out of");
+  EXPECT_EQ(said[0], "zones: z.json: 3, of which 1 are kept out of");
   EXPECT_EQ(said[1], "  left out: 1 elsewhere");
+  EXPECT_EQ(said[2], "  left out: 1 without an area");
   const Zone& zone = scenario_.air->zones[0].zone;
   EXPECT_EQ(zone.name, "airfield");
   ASSERT_EQ(zone.rings.size(), 1U);

@@ -129,6 +129,22 @@ TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
   EXPECT_TRUE(BaseMapOf(*tiles, Equator())["vector"]);
 }
 
+TEST_F(BaseMapTest, AFileWithoutATileWhereItSaysThatItHasSomeIsRefused) {
+  const auto tiles = Made({{{12, 0, 0}, "\x89PNG"}});
+  std::string told;
+  try {
+    EmbeddedBaseMap(*tiles, Equator(), 1000, &told);
+    ADD_FAILURE() << told;
+  } catch (const InputError& refused) {
+    const std::string text = refused.what();
+    EXPECT_NE(
+        text.find("its tiles: found none in the area of scenario 'Random_1', 0.000 to 0.090 N"),
+        std::string::npos)
+        << text;
+    EXPECT_NE(text.find("says that it has those of -1.000 to 1.000 N"), std::string::npos) << text;
+  }
+}
+
 TEST_F(BaseMapTest, AnotherPlaceOrNoneIsRefused) {
   const auto tiles = Made(Around(600), "png", "8,46,10,48");
   std::string told;
