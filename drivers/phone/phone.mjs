@@ -311,7 +311,8 @@ export class Phone {
     const { agent, rate, area, speed_m_s, online_from_s, online_until_s } = hello;
     return {
       ...base, agent, class: hello.class, rate, area, speed_m_s, online_from_s, online_until_s, mission_s: this.mission_s,
-      has_origin: this.map !== null, origin: hello.origin ?? null, has_tiles: this.options.hasTiles === true, accuracy_m: this.options.accuracy, place: this.#place, stopped: this.stopped,
+      has_origin: this.map !== null,
+      origin: hello.origin ?? null, has_tiles: this.options.hasTiles === true, accuracy_m: this.options.accuracy, place: this.#place, stopped: this.stopped,
       isPaused: this.isPaused, called: this.called,
       told: { ...track.last.at, is_limited: track.isLimited || order?.stage === "held" },
       order: order && {

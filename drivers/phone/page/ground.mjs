@@ -8,6 +8,7 @@ const AGAIN_MS = 10_000;
 /** By class, as tools/tiles/vector_tile.h numbers them: a colour of page.css, and the width of lines in pixels. */
 const STYLES = [["green"], ["built"], ["water"], ["shore", 1], ["building"], ["street", 1], ["street", 1], ["street", 2], ["road", 3], ["road", 4]];
 
+const from = (a, b) => ({ x_m: b.x_m - a.x_m, y_m: b.y_m - a.y_m });
 const longitudeAt = (column, zoom) => (column / 2 ** zoom) * 360 - 180;
 const latitudeAt = (row, zoom) => (Math.atan(Math.sinh(Math.PI * (1 - (2 * row) / 2 ** zoom))) * 180) / Math.PI;
 
@@ -97,7 +98,8 @@ export class Ground {
   #drawPicture(c, { picture, nw, ne, sw }) {
     c.save();
     c.globalAlpha = 0.7;
-    c.transform((ne.x_m - nw.x_m) / picture.width, (ne.y_m - nw.y_m) / picture.width, (sw.x_m - nw.x_m) / picture.height, (sw.y_m - nw.y_m) / picture.height, nw.x_m, nw.y_m);
+    const { width, height } = picture, [right, down] = [from(nw, ne), from(nw, sw)];
+    c.transform(right.x_m / width, right.y_m / width, down.x_m / height, down.y_m / height, nw.x_m, nw.y_m);
     c.drawImage(picture, 0, 0);
     c.restore();
   }
@@ -126,18 +128,20 @@ export class Ground {
       if (answer.status === 404) return;
       if (!answer.ok) throw new Error(`status ${answer.status}`);
       const at = (x, y) => this.map.toMetres({ latitude_deg: latitudeAt(row + y, zoom), longitude_deg: longitudeAt(column + x, zoom) });
-      this.#tiles.set(key, this.#info.vector ? this.#shapes(await answer.json(), at) : { picture: await createImageBitmap(await answer.blob()), nw: at(0, 0), ne: at(1, 0), sw: at(0, 1) });
+      const corners = { nw: at(0, 0), ne: at(1, 0), sw: at(0, 1) };
+      const { vector } = this.#info;
+      this.#tiles.set(key, vector ? this.#shapes(await answer.json(), corners) : { picture: await createImageBitmap(await answer.blob()), ...corners });
       this.changed();
     } catch {
       setTimeout(() => this.#tiles.delete(key), AGAIN_MS);
     }
   }
 
-  /** { paths: Path2D in metres, by class }; `at`: the place of shares of the tile. */
-  #shapes({ shapes }, at) {
-    const { units } = this.#info, [nw, ne, sw] = [at(0, 0), at(1, 0), at(0, 1)];
+  /** { paths: Path2D in metres, by class }; from the tile's corners. */
+  #shapes({ shapes }, { nw, ne, sw }) {
+    const { units } = this.#info, [right, down] = [from(nw, ne), from(nw, sw)];
     // A tile is small: its places lie evenly.
-    const place = (x, y) => [nw.x_m + (x / units) * (ne.x_m - nw.x_m) + (y / units) * (sw.x_m - nw.x_m), nw.y_m + (x / units) * (ne.y_m - nw.y_m) + (y / units) * (sw.y_m - nw.y_m)];
+    const place = (x, y) => ["x_m", "y_m"].map((axis) => nw[axis] + (x / units) * right[axis] + (y / units) * down[axis]);
     return { paths: shapes.map((all) => {
       const path = new Path2D();
       for (const places of all) {
