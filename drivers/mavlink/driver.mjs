@@ -87,14 +87,20 @@ export class Driver {
 
   /** Leaves its way home around zones to the program that goes on, and ends: a mission does not wait so long. */
   leaveWayHome() {
-    const { kept } = this.edge, { cells, cruise_m_s, altitude_m, home } = this.plan, { corners } = this.order;
-    if (!corners.length) return;
-    kept.save({ ...kept.load(), wayHome: { greeting: this.reporter.hello, plan: { cells, cruise_m_s, altitude_m, home }, corners } });
-    this.exitCode = this.hasFailed ? 1 : 0;
+    const { cells, cruise_m_s, altitude_m, home } = this.plan, { corners } = this.order;
+    this.#keepWayHome(corners.length ? { greeting: this.reporter.hello, plan: { cells, cruise_m_s, altitude_m, home }, corners } : null);
+    if (corners.length) this.exitCode = this.hasFailed ? 1 : 0;
+  }
+
+  /** Takes the place of that of a mission before, which is flown by nobody. */
+  #keepWayHome(wayHome) {
+    const { kept } = this.edge, before = kept.load();
+    if (before && (wayHome || before.wayHome)) kept.save({ ...before, wayHome });
   }
 
   *#goOnHome({ greeting, plan, corners }) {
     const { vehicle, safety, streams, talk, edge } = this;
+    this.#keepWayHome(null);
     this.plan = { ...this.#planOf(greeting), ...plan };
     this.order = { type: "bye", corners };
     vehicle.cells = plan.cells;

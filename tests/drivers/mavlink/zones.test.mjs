@@ -151,6 +151,21 @@ for (const kind of ["ardupilot", "px4"]) {
   });
 }
 
+test("nobody flies the way home of a mission before", () => {
+  const box = atItsPlace("ardupilot");
+  box.kept.wayHome = { greeting: box.greeting, plan: box.driver.plan, corners: [{ x_m: 3000, y_m: 2500 }] };
+  box.tell({ type: "bye", reason: "over" });
+  box.driver.leaveWayHome();
+  assert.equal(box.kept.wayHome, null);
+  box.isDead = true;
+  box.startDriver({ ...box.driver.options, after: 1 });
+  box.driver.restore();
+  let furthest_m = 0;
+  box.until(() => ((furthest_m = Math.max(furthest_m, box.place.x_m)), !box.copter.armed), 900, "landed");
+  assert.ok(furthest_m < 1600, `${furthest_m}`);
+  box.until(() => box.driver.exitCode === 0, 60, "its end");
+});
+
 test("a way home that is none is passed over", () => {
   for (const via of [null, 7, "x", {}, [null, 3, {}], [{ x_m: 1e9, y_m: 0 }]]) {
     const box = atItsPlace("ardupilot");
