@@ -281,13 +281,14 @@ TimeUs DriverSession::MissionUs(TimeUs wall_us) const {
 }
 
 std::string DriverSession::Hear(std::string_view line, TimeUs wall_us) {
-  if (over_) return {};
   DriverLine said;
   try {
     said = ReadDriverLine(line, places_);
   } catch (const InputError& error) {
-    return Quote(error.what());
+    return over_ ? "" : Quote(error.what());
   }
+  // Somebody who has left the mission may still call for help.
+  if (over_ && said.type != DriverLine::Type::kMessage) return {};
   std::string problem = Take(said, MissionUs(wall_us));
   if (problem.empty()) owes_since_us_.reset();
   return problem;

@@ -51,7 +51,7 @@ class DriverSession {
   /// where it began, if its way there is not straight. No line of it counts any more.
   void Bye(std::string_view reason);
 
-  /// Takes a line. Returns what is wrong with it; "": nothing.
+  /// Takes a line. Returns what is wrong with it; "": nothing. When it is over only messages count.
   [[nodiscard]] std::string Hear(std::string_view line, TimeUs wall_us);
   /// What is wrong if it stays silent until then; "": nothing.
   [[nodiscard]] std::string Silence(TimeUs wall_us) const;

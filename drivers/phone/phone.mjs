@@ -215,7 +215,7 @@ export class Phone {
 
   #take(item, ago_s) {
     if (!this.hello) throw new Refusal("the mission has not begun");
-    if (this.over !== null || this.failed !== null) throw new Refusal("you are out of the mission");
+    if (this.over !== null || (this.failed !== null && item.type !== "message")) throw new Refusal("you are out of the mission");
     if (item.type === "place") return this.#seePlace(item, ago_s);
     if (!["here", "done", "cannot", "message", "late", "pause", "resume"].includes(item.type)) throw new Refusal("that is not known here");
     if (item.session !== this.session) throw new Refusal("the mission's program has started again since; if it is still so, say it again");

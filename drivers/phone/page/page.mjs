@@ -60,7 +60,9 @@ function showButtons(isOver) {
   const waits = (...types) => queue.pressed.some(({ type }) => types.includes(type));
   setText($("act"), act ? `${act.text}${isWaiting ? ` – ${say("not sent yet")}` : ""}` : say("Nothing to press"));
   $("act").disabled = !act || isWaiting;
-  for (const id of ["cannot", "message", "help", "pause"]) $(id).disabled = !view.agent || isOver;
+  for (const id of ["cannot", "pause"]) $(id).disabled = !view.agent || isOver;
+  // Somebody who has left the mission may still call for help.
+  for (const id of ["message", "help"]) $(id).disabled = !view.agent || view.over !== null;
   $("cannot").disabled ||= waits("cannot");
   $("pause").disabled ||= waits("pause", "resume");
   $("late").disabled = isOver || view.order?.stage !== "going";
@@ -127,7 +129,7 @@ async function sync() {
     view = answer;
     heard_ms = Date.now();
     lost = "";
-    isEnded = view.over !== null || view.failed !== null;
+    isEnded = view.over !== null;
     noise.hear([view.order?.goto, view.order?.stage === "working", view.stopped, view.over, view.failed].join());
   } catch (error) {
     lost = error.status === 403 || error.status === 404 ? say("this link is not valid any more") : error.message;

@@ -247,6 +247,10 @@ TEST(DriverSession, TakesMessagesToPeople) {
   }
   for (int i = 0; i < 50; ++i) EXPECT_EQ(says(R"({"type":"message","text":"again"})"), "");
   EXPECT_EQ(session->TakeMessages().size(), 20U);
+  EXPECT_EQ(says(R"({"type":"failed","id":null,"reason":"hurt"})"), "");
+  EXPECT_EQ(says("nonsense"), "") << "nothing is wrong any more";
+  EXPECT_EQ(says(R"({"type":"message","text":"I bleed","help":true})"), "");
+  EXPECT_EQ(session->TakeMessages().size(), 1U) << "though it takes no part any more";
 }
 
 TEST(DriverSession, TellsHowUrgentATaskIs) {

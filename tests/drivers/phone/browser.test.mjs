@@ -293,6 +293,10 @@ test("who cannot go on is asked back, and is out with the reason", () => withPho
   await page.getByRole("button", { name: "Leave the mission" }).tap();
   assert.deepEqual(await driver.said("failed"), { type: "failed", id: 1, reason: "says: the bridge is down" });
   await shows(page, "You are out of the mission");
+  await page.getByRole("button", { name: "Call for help" }).first().tap();
+  await page.locator("#trouble").fill("somebody is hurt");
+  await page.locator("#ask-help").getByRole("button", { name: "Call for help" }).tap();
+  assert.deepEqual(await driver.said("message"), { type: "message", text: "somebody is hurt", help: true });
 }));
 
 test("a vehicle, without a position, in the dark", () => withPhone(async ({ driver, page, goTo, tick }) => {

@@ -294,6 +294,18 @@ test("a message reaches the mission, a call for help stands until something else
   assert.match(box.press("message", {}), /nothing in that message/);
 });
 
+test("who has left the mission may still call for help", () => {
+  const box = new Box();
+  box.pass(1, () => box.sync());
+  box.press("cannot", { reason: "hurt" });
+  assert.match(box.press("pause"), /out of the mission/);
+  assert.equal(box.press("message", { text: "I bleed", help: true }), "");
+  assert.deepEqual(box.last("message"), { type: "message", text: "I bleed", help: true });
+  assert.equal(box.sync().called, "I bleed");
+  box.tell({ type: "bye", reason: "it is over" });
+  assert.match(box.press("message", { text: "too late" }), /out of the mission/);
+});
+
 test("words of any language are as long as the mission takes, and no letter is cut", () => {
   const box = new Box();
   box.pass(1, () => box.sync());
