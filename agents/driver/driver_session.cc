@@ -89,6 +89,7 @@ void DriverSession::Follow(const AgentState& agent, TimeUs at, TimeUs wall_us,
   const bool is_new =
       agent_.decision != sent_ || (agent_.measured && agent_.measured->set_out_us > set_out_us_);
   if (is_new && !agent_.activity) GoTo(at);
+  TellMeeting(at);
   if (agent_.activity && agent_.activity->start_us <= at && !activity_told_) BeginActivity();
   TellAltitude(at);
   if (asked_ && !owes_since_us_) owes_since_us_ = wall_us;
@@ -153,6 +154,7 @@ void DriverSession::Order(Command::Kind kind, const Json& line) {
 
 void DriverSession::GoTo(TimeUs at) {
   sent_ = agent_.decision;
+  meeting_told_us_ = kNever;
   set_out_us_ = agent_.measured ? agent_.measured->set_out_us : agent_.depart_us;
   activity_told_ = false;
   const bool to_task = agent_.action == ActionKind::kSense ||
@@ -224,6 +226,18 @@ void DriverSession::TellZones(TimeUs at) {
     zones_.erase(id);
     Say({{"type", "zone_lift"}, {"mission_s", ToSeconds(at)}, {"id", id}});
   }
+}
+
+void DriverSession::TellMeeting(TimeUs at) {
+  const bool is_ahead =
+      agent_.activity && !activity_told_ && at < agent_.activity->start_us && sent_ >= 0;
+  if (!is_ahead || agent_.activity->start_us == meeting_told_us_) return;
+  meeting_told_us_ = agent_.activity->start_us;
+  if (meeting_told_us_ == kNever) return;
+  Say({{"type", "meeting"},
+       {"id", commands_.size()},
+       {"mission_s", ToSeconds(at)},
+       {"expected_s", ToSeconds(meeting_told_us_)}});
 }
 
 void DriverSession::BeginActivity() {

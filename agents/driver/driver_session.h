@@ -96,6 +96,8 @@ class DriverSession {
   /// Says which zones a UAV has to keep out of from now on, and which not any more.
   void TellZones(TimeUs at);
   void TellAltitude(TimeUs at);
+  /// Says when it and its partner are expected to be there, as far as that is new.
+  void TellMeeting(TimeUs at);
   void BeginActivity();
   void Cancel(TimeUs at, std::string_view why);
   TimeUs MissionUs(TimeUs wall_us) const;
@@ -127,6 +129,7 @@ class DriverSession {
   bool altitude_told_ = true;
   std::int32_t sent_ = -1;  ///< decision that the last goto is about
   TimeUs set_out_us_ = 0;   ///< when the leg began that it is about
+  TimeUs meeting_told_us_ = kNever;
   bool greeted_ = false, answered_ = true, over_ = false;
   std::optional<TimeUs> owes_since_us_;  ///< wall
   std::string name_;

@@ -84,7 +84,7 @@ export class Phone {
     }
     const take = {
       hello: () => this.#hello(line), time: () => this.#time(line), goto: () => this.#goTo(line), sense: () => this.#work(line),
-      charge: () => this.#work(line), cancel: () => this.#cancel(line), bye: () => this.bye(line.reason),
+      charge: () => this.#work(line), meeting: () => this.#meet(line), cancel: () => this.#cancel(line), bye: () => this.bye(line.reason),
     };
     if (line && Object.hasOwn(take, line.type) && (this.hello || line.type === "hello" || line.type === "bye")) take[line.type]();
   }
@@ -133,9 +133,13 @@ export class Phone {
     const to = metres(line.to);
     // By road: from where it is now.
     const way = line.via ? [this.track.last.at, ...line.via.map(metres), to] : null;
-    this.order = { id: line.id, goto: line, to, way, stage: "going", work: null, late_s: null };
+    this.order = { id: line.id, goto: line, to, way, stage: "going", work: null, late_s: null, meeting_s: null };
     this.stopped = null;
     this.#orders.set(line.id, line);
+  }
+
+  #meet({ id, expected_s }) {
+    if (this.order?.goto.id === id && Number.isFinite(expected_s)) this.order.meeting_s = expected_s;
   }
 
   #work(line) {
@@ -319,7 +323,7 @@ export class Phone {
         id: order.id, stage: order.stage, to: { ...order.goto.to, ...order.to }, way: order.way,
         then: order.goto.then, task: order.goto.task, task_name: order.goto.task_name ?? "", goto: order.goto.id,
         charging_point: order.goto.charging_point, partner: order.goto.partner, expected_s: order.late_s ?? order.goto.expected_s,
-        priority: order.goto.priority ?? 1, due_s: order.goto.due_s ?? null,
+        meeting_s: order.meeting_s, priority: order.goto.priority ?? 1, due_s: order.goto.due_s ?? null,
         work: order.work?.type ?? null, ends_s: order.work ? order.work.mission_s + order.work.for_s : null,
         held_until_s: order.stage === "held" ? track.soonest_s(order.to) : null,
       },

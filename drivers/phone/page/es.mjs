@@ -93,6 +93,7 @@ export default {
   "{length} {direction}": "{length} {direction}",
   "By {when}": "Antes de {when}",
   "With {partner}": "Con {partner}",
+  "{partner} is expected at {when}": "Se espera a {partner} a las {when}",
   "Alone": "A solas",
   "You said that you are there. The mission takes it at {time}: sooner is more than its {speed} m/s.": "Ha dicho que está allí. La misión lo acepta a las {time}: antes superaría sus {speed} m/s.",
   "I am here": "Estoy aquí",

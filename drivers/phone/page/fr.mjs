@@ -93,6 +93,7 @@ export default {
   "{length} {direction}": "{length} {direction}",
   "By {when}": "Avant {when}",
   "With {partner}": "Avec {partner}",
+  "{partner} is expected at {when}": "{partner} est attendu à {when}",
   "Alone": "Seul",
   "You said that you are there. The mission takes it at {time}: sooner is more than its {speed} m/s.": "Vous avez dit que vous y êtes. La mission l’accepte à {time} : plus tôt dépasserait ses {speed} m/s.",
   "I am here": "Je suis arrivé",

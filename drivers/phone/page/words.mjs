@@ -2,6 +2,8 @@
 import { say } from "./language.mjs";
 import { ahead, apart, lengthOf } from "./way.mjs";
 
+/** A partner who comes so much later is worth a line. */
+const LATER_S = 60;
 const two = (n) => String(n).padStart(2, "0");
 
 export function clock(seconds) {
@@ -87,7 +89,9 @@ export function lines(view, now_s, wall_ms, heading_deg = null) {
       say("Press \"{word}\" when it is.", { word: say(order.work === "sense" ? "Done" : "Battery changed") }), ...onBreak];
   }
   if (order.stage === "finished") return [say("You will be told where to go next."), ...onBreak];
-  if (order.stage === "there") return [partner ? say("It comes for {goal}.", { goal: goal(order) }) : say("You will be told where to go next."), ...onBreak];
+  const meeting = partner && order.meeting_s !== null && order.meeting_s > now_s
+    ? [say("{partner} is expected at {when}", { partner, when: when(order.meeting_s, now_s, rate, wall_ms) })] : [];
+  if (order.stage === "there") return [partner ? say("It comes for {goal}.", { goal: goal(order) }) : say("You will be told where to go next."), ...meeting, ...onBreak];
   const from = view.place ?? view.told;
   const rest = order.way ? ahead(order.way, from) : [from, order.to];
   const next = order.way ? rest[1] ?? order.to : order.to;
@@ -97,6 +101,7 @@ export function lines(view, now_s, wall_ms, heading_deg = null) {
     ...(heading_deg === null ? [] : [say(turn(from, next, heading_deg))]),
     say("By {when}", { when: when(order.expected_s, now_s, rate, wall_ms) }),
     partner ? say("With {partner}", { partner }) : say("Alone"),
+    ...(order.meeting_s > order.expected_s + LATER_S ? meeting : []),
     ...urgency(order, now_s, rate, wall_ms),
     ...onBreak,
   ];

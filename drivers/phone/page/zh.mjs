@@ -93,6 +93,7 @@ export default {
   "{length} {direction}": "{length}，{direction}",
   "By {when}": "须在 {when} 前到达",
   "With {partner}": "与 {partner} 一起",
+  "{partner} is expected at {when}": "{partner} 预计 {when} 到达",
   "Alone": "独自",
   "You said that you are there. The mission takes it at {time}: sooner is more than its {speed} m/s.": "您已报告到达。任务将在 {time} 确认：更早会超过其 {speed} m/s。",
   "I am here": "我到了",

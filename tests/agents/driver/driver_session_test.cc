@@ -317,6 +317,23 @@ TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {
   EXPECT_EQ(session.Hear(std::string("nonsense")), "");
 }
 
+TEST(DriverSession, TellsWhenBothAreExpectedToBeThere) {
+  Session session;
+  session.Greeted().Sent().Time(30);
+  session.Told();
+  const auto settled = [&](TimeUs start_s, TimeUs at_s) {
+    const Activity sensing{ActivityKind::kSensing,    UavId(0), 0, 0, start_s * kSecondUs,
+                           (start_s + 60) * kSecondUs};
+    return session.Settled(Verdict({sensing}, {}), at_s).Told();
+  };
+  const std::vector<json> first = settled(700, 30);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0],
+            (json{{"type", "meeting"}, {"id", 1}, {"mission_s", 30.0}, {"expected_s", 700.0}}));
+  EXPECT_TRUE(settled(700, 60).empty()) << "once";
+  EXPECT_EQ(settled(800, 90).at(0)["expected_s"], 800.0);
+}
+
 TEST(DriverSession, CancelsWhatIsOffAndPassesOverWordsOnIt) {
   Session session;
   session.Greeted().Sent().Time(30);

@@ -164,3 +164,21 @@ test("corners in degrees are places of the map", () => {
   const [, corner] = box.sync().order.way;
   assert.ok(Math.hypot(corner.x_m - 4400, corner.y_m - 4000) < 0.01, JSON.stringify(corner));
 });
+
+test("a person is told when the partner is expected", () => {
+  const box = new Box();
+  const id = box.goTo({ x_m: 4300, y_m: 4000 });  // there by second 60
+  box.tell({ type: "meeting", id, mission_s: 0, expected_s: 100 });
+  const said = () => lines(box.sync(), box.mission_s, 0).filter((line) => line.startsWith("uav:3 is expected"));
+  assert.deepEqual(said(), [], "at the same time, or nearly so");
+  box.tell({ type: "meeting", id, mission_s: 0, expected_s: 400 });
+  assert.match(said()[0], /^uav:3 is expected at 0:06:40 .*in 7 min$/);
+  box.pass(2);
+  box.press("here", { order: id });
+  assert.equal(box.sync().order.stage, "there");
+  assert.match(said()[0], /in 6 min$/);
+  box.tell({ type: "meeting", id: 99, mission_s: 60, expected_s: 900 });
+  assert.match(said()[0], /in 6 min$/, "that is of another order");
+  box.pass(12);
+  assert.deepEqual(said(), [], "it is late: by how much nobody knows");
+});
