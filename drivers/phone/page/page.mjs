@@ -10,6 +10,7 @@ const EVERY_MS = 1000, PATIENCE_MS = 8000, PHOTO_PATIENCE_MS = 240_000;
 /** The phone is asked for its place when it has told none for so long. */
 const PLACE_MS = 15_000;
 const MOST_NOTES = 5;
+const LABEL = "aria-label";
 const WORDS = { here: "I am here", done: "Done", cannot: "I cannot …", message: "Message", help: "Call for help", late: "I will be late", pause: "Take a break", resume: "My break is over" };
 
 const $ = (id) => document.getElementById(id);
@@ -205,7 +206,7 @@ function translate() {
   document.documentElement.lang = code;
   for (const element of document.querySelectorAll("[data-say]")) element.append(say(element.dataset.say));
   for (const option of document.querySelectorAll("datalist option")) option.value = say(option.value);
-  for (const element of document.querySelectorAll("[aria-label]")) element.ariaLabel = say(element.ariaLabel);
+  for (const element of document.querySelectorAll(`[${LABEL}]`)) element.setAttribute(LABEL, say(element.getAttribute(LABEL)));
   const select = $("language");
   for (const [its, name] of Object.entries(LANGUAGES)) select.append(Object.assign(document.createElement("option"), { value: its, lang: its, textContent: name }));
   select.value = code;
