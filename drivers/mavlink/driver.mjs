@@ -166,6 +166,7 @@ export class Driver {
   /** Goes on as far as it can. At least ten times a second. */
   step(heard) {
     const now = this.edge.now();
+    this.safety.look();
     // Who is deaf in the air falls silent: the autopilot then comes home by itself, as we cannot see what we would command.
     const isDeaf = this.vehicle.armed && !this.safety.isLinked;
     if (this.#work && !isDeaf && now - this.#heartbeat_s >= HEARTBEAT_S) {

@@ -11,6 +11,8 @@ const NO_PLACE_S = 3;
 const NO_BATTERY_S = 10;
 /** Volts of a cell in flight, below which it comes home, and below which it lands, if that lasts for so long. Source: ours. */
 const LOW_V = 3.4, CRITICAL_V = 3.25, LOW_V_S = 3;
+/** When we have stood still for so long, what was sent meanwhile is heard first, for so long; and not again for a while. */
+const STALL_S = 0.5, CATCH_UP_S = 0.5, STALL_AGAIN_S = 3;
 /** It is never told to go down so fast. */
 const FALL_M_S = 4, FALL_S = 0.3;
 /** Why it does something by itself is said in words, so much later. */
@@ -38,6 +40,21 @@ export class Safety {
   #sinceWhen(name, isSo) {
     this.#since[name] = isSo ? this.#since[name] ?? this.now() : null;
     return this.#since[name];
+  }
+
+  #looked_s = null;
+  #caughtUp_s = -Infinity;
+
+  /** To be called often: notices when this program itself stood still, on a busy machine, and takes that for nobody's silence. */
+  look() {
+    const now = this.now();
+    const hasStalled = this.#looked_s !== null && now - this.#looked_s > this.patience(STALL_S);
+    this.#looked_s = now;
+    if (hasStalled && now - this.#caughtUp_s > this.patience(STALL_AGAIN_S)) this.#caughtUp_s = now + this.patience(CATCH_UP_S);
+  }
+
+  get #isCatchingUp() {
+    return this.now() < this.#caughtUp_s;
   }
 
   /** Why nothing may be commanded now; null: it may. */
@@ -82,7 +99,7 @@ export class Safety {
 
   #link() {
     const { vehicle } = this;
-    if (!vehicle.kind || this.isServiced) return null;
+    if (!vehicle.kind || this.isServiced || this.#isCatchingUp) return null;
     if (this.#is(vehicle.heard_s, SILENT_S)) return new Trouble(`its link is lost: nothing heard for ${SILENT_S} s`);
     if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return new Trouble(`its link is lost: no heartbeat for ${NO_HEARTBEAT_S} s`);
     return null;
@@ -91,7 +108,7 @@ export class Safety {
   #flight(area, map) {
     const { vehicle } = this;
     if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
-    const isLost = this.#is(vehicle.place_s, NO_PLACE_S) || this.#is(vehicle.badFix_s, NO_PLACE_S) || this.#is(vehicle.badEstimate_s, NO_PLACE_S);
+    const isLost = !this.#isCatchingUp && (this.#is(vehicle.place_s, NO_PLACE_S) || this.#is(vehicle.badFix_s, NO_PLACE_S) || this.#is(vehicle.badEstimate_s, NO_PLACE_S));
     if (this.#is(this.#sinceWhen("falls", this.phase === Phase.fly && vehicle.down_m_s > FALL_M_S), FALL_S)) {
       return new Trouble(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
     }
@@ -106,6 +123,6 @@ export class Safety {
     if (this.#is(this.#sinceWhen("low", cell_v !== null && cell_v < LOW_V), LOW_V_S)) {
       return new Trouble(`its battery is low: ${cell_v.toFixed(2)} V a cell, at least ${LOW_V.toFixed(2)} in flight`);
     }
-    return this.#is(vehicle.battery_s, NO_BATTERY_S) ? new Trouble(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
+    return !this.#isCatchingUp && this.#is(vehicle.battery_s, NO_BATTERY_S) ? new Trouble(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
   }
 }

@@ -27,6 +27,8 @@ export class Box {
   pictures = [];
   kept = null;  // settings that are kept
   isChanged = false;
+  /** The driver gets no processor time; what is sent to it waits. */
+  isStalled = false;
   /** Of the link: seconds; whether a message gets lost, of {direction: "up" to the copter or "down", name, message}. */
   delay_s = 0.02;
   loses = () => false;
@@ -120,8 +122,9 @@ export class Box {
 
   step() {
     this.now += STEP_S;
-    const due = this.#onTheWay.filter((packet) => packet.due <= this.now);
-    this.#onTheWay = this.#onTheWay.filter((packet) => packet.due > this.now);
+    const isDue = ({ due, direction }) => due <= this.now && !(this.isStalled && direction === "down");
+    const due = this.#onTheWay.filter(isDue);
+    this.#onTheWay = this.#onTheWay.filter((packet) => !isDue(packet));
     for (const { direction, bytes } of due) {
       if (direction === "up") {
         if (!this.isPowerCut) this.protocol.hear(bytes);
@@ -129,7 +132,7 @@ export class Box {
     }
     this.copter.step(this.now);
     if (!this.isPowerCut) this.protocol.step();
-    if (this.isDead) return;
+    if (this.isDead || this.isStalled) return;
     const tick_s = this.#told_s + TICK_S;
     if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
     this.driver.step();

@@ -416,3 +416,29 @@ test("another autopilot than ours speaks: the mission hears which", () => {
   box.driver.bye("over");
   assert.equal(box.driver.exitCode, 0);
 });
+
+for (const kind of ["ardupilot", "px4"]) {
+  test(`${kind}: a driver that gets no processor time for seconds hears what was sent meanwhile before it judges`, () => {
+    const box = new Box({ kind }).flying();
+    for (const stalled_s of [1, 3.2, 4]) {
+      box.isStalled = true;
+      box.run(stalled_s);
+      box.isStalled = false;
+      box.run(10);
+      assert.equal(box.failure, null, `after ${stalled_s} s: ${box.failure}`);
+    }
+    box.until(() => box.said("arrived", 1).length, 300);
+  });
+
+  test(`${kind}: stalls hide no lost link`, () => {
+    const box = new Box({ kind }).flying();
+    const from_s = box.now;
+    box.loses = ({ direction }) => direction === "down";
+    while (!box.failure && box.now - from_s < 20) {
+      box.isStalled = Math.floor((box.now - from_s) * 10) % 8 !== 0;  // 0.7 s of each 0.8 s
+      box.step();
+    }
+    assert.match(box.failure, /its link is lost/);
+    assert.ok(box.now - from_s < 5, `${box.now - from_s} s`);
+  });
+}
