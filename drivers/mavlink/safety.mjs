@@ -108,7 +108,8 @@ export class Safety {
   #flight(area, map) {
     const { vehicle } = this;
     if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
-    const isLost = !this.#isCatchingUp && (this.#is(vehicle.place_s, NO_PLACE_S) || this.#is(vehicle.badFix_s, NO_PLACE_S) || this.#is(vehicle.badEstimate_s, NO_PLACE_S));
+    const isLong = [vehicle.place_s, vehicle.badFix_s, vehicle.badEstimate_s].some((since_s) => this.#is(since_s, NO_PLACE_S));
+    const isLost = isLong && !this.#isCatchingUp;
     if (this.#is(this.#sinceWhen("falls", this.phase === Phase.fly && vehicle.down_m_s > FALL_M_S), FALL_S)) {
       return new Trouble(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
     }
