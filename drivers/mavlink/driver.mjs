@@ -108,7 +108,10 @@ export class Driver {
     safety.phase = vehicle.kind.modes.fly.includes(vehicle.mode) ? Phase.fly : Phase.home;
     streams.isOn = true;
     yield* talk.await(() => vehicle.place && vehicle.battery_percent !== null, HEARD_S);
-    yield* this.#bringHome();
+    const way = this.#bringHome();
+    for (let heard; !way.next(heard).done; heard = yield) {
+      if (talk.now() - vehicle.heard_s > LANDING_S) throw new Trouble("it is not heard any more", "off");
+    }
   }
 
   /** There is no link, and none will come: it ends at once. */

@@ -151,6 +151,20 @@ for (const kind of ["ardupilot", "px4"]) {
   });
 }
 
+test("the program that brings it home ends when it hears nothing any more", () => {
+  const box = atItsPlace("ardupilot");
+  box.tell({ type: "bye", reason: "over", via: VIA });
+  box.driver.leaveWayHome();
+  box.startDriver({ ...box.driver.options, after: 1 });
+  box.driver.restore();
+  box.run(10);
+  box.loses = () => true;
+  box.until(() => box.driver.exitCode !== null, 920, "its end");
+  assert.equal(box.driver.exitCode, 1);
+  assert.ok(box.notes.includes("it is not heard any more"), box.notes.join("; "));
+  assert.ok(box.kept, "what is not put back is kept for another try");
+});
+
 test("nobody flies the way home of a mission before", () => {
   const box = atItsPlace("ardupilot");
   box.kept.wayHome = { greeting: box.greeting, plan: box.driver.plan, corners: [{ x_m: 3000, y_m: 2500 }] };
