@@ -4,7 +4,7 @@ namespace muster::world {
 namespace {
 
 constexpr int kMostAwaited = 3;
-constexpr std::size_t kMostMessages = 1000;  ///< of an agent in a mission
+constexpr std::size_t kMostMessages = 1000;  ///< of an agent in a mission, and calls for help
 
 }  // namespace
 
@@ -23,9 +23,8 @@ bool DriverWords::Hear(const event_t& event) {
   const auto agent = AgentOf(event);
   if (!agent) return false;
   if (event.kind == EventKind::kDriverSays || event.kind == EventKind::kDriverCalls) {
-    auto& said = messages_[*agent];
-    return said.size() < kMostMessages &&
-           said.insert({event.at_us, event.kind, event.detail}).second;
+    auto& said = messages_[{*agent, event.kind}];
+    return said.size() < kMostMessages && said.emplace(event.at_us, event.detail).second;
   }
   if (event.kind == EventKind::kDriverFailed) failures_.try_emplace(*agent, event.detail);
   if (event.kind != EventKind::kDriverWaits) return false;

@@ -5,7 +5,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "model/agent.h"
@@ -35,7 +34,7 @@ class DriverWords {
   const Scenario& scenario_;
   std::map<Key, std::string> failures_;
   std::map<Key, TimeUs> waits_said_us_;  ///< of the newest word
-  std::map<Key, std::set<std::tuple<TimeUs, std::int8_t, std::string>>> messages_;
+  std::map<std::pair<Key, std::int8_t>, std::set<std::pair<TimeUs, std::string>>> messages_;
   std::map<Key, int> awaited_;
 };
 

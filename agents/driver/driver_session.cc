@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 
 /// A driver's clock and ours: lines take their time, which is much where the mission runs fast.
 constexpr TimeUs kClockErrorUs = kSecondUs / 4;
-/// That a driver can say to people within a tick.
-constexpr std::size_t kMostMessages = 20;
+/// That a driver can say to people within a tick, and so many calls for help.
+constexpr std::ptrdiff_t kMostMessages = 20;
 
 /// Metres of the way of a UAV from there to the nearest charging point; none: none can be reached.
 std::optional<double> OnToChargeM(const Scenario& scenario, Point from) {
@@ -324,15 +324,22 @@ std::string DriverSession::Take(const DriverLine& said, TimeUs now_us) {
       TellReady();
       return {};
     case DriverLine::Type::kMessage:
-      if (messages_.size() < kMostMessages) {
-        messages_.push_back({agent_.id, Quote(said.text), said.calls_help});
-      }
+      TakeMessage(said);
       return {};
     case DriverLine::Type::kState:
       return TakePlace(said, now_us);
     default:
       return TakeWord(said, now_us);
   }
+}
+
+void DriverSession::TakeMessage(const DriverLine& said) {
+  // Many words do not keep a call for help from being heard.
+  const auto n = std::count_if(messages_.begin(), messages_.end(), [&](const DriverMessage& other) {
+    return other.calls_help == said.calls_help;
+  });
+  if (n == kMostMessages) return;
+  messages_.push_back({agent_.id, Quote(said.text), said.calls_help});
 }
 
 std::string DriverSession::TakePlace(const DriverLine& said, TimeUs now_us) {

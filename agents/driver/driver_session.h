@@ -64,8 +64,7 @@ class DriverSession {
   /// out.
   std::vector<MeasuredReport> TakeReports(TimeUs at);
 
-  /// What it has said to people since the last call. Of what it says within a tick the first
-  /// kMostMessages count.
+  /// What it has said to people since the last call: at most 20 messages, and 20 calls for help.
   std::vector<DriverMessage> TakeMessages() { return std::exchange(messages_, {}); }
 
   bool greeted() const { return greeted_; }
@@ -105,6 +104,7 @@ class DriverSession {
   bool IsOver(const MeasuredReport& report) const;
 
   std::string Take(const DriverLine& said, TimeUs now_us);
+  void TakeMessage(const DriverLine& said);
   std::string TakePlace(const DriverLine& said, TimeUs now_us);
   std::string TakeWord(const DriverLine& said, TimeUs now_us);
   std::string Report(MeasuredReport report, TimeUs now_us);

@@ -64,7 +64,7 @@ export class Driver {
     this.edge.send(this.writer.write(message));
   }
 
-  /** Puts back the settings that a driver left, and ends. */
+  /** Brings it home by the way around zones that a driver left, if it did, puts back the settings that it left, and ends. */
   restore() {
     this.#work = this.#restore();
   }

@@ -97,7 +97,7 @@ function isHello(line) {
   }
 }
 
-/** A mission ends its drivers a moment after its own end. What is left to do on the ground is done by a program of its own. */
+/** A mission ends its drivers a moment after its own end. A program of its own does what is left: the way home around zones, the settings. */
 function leaveRestorer() {
   spawn(process.execPath, [...process.argv.slice(1), "--restore", "--after", String(process.pid)], { detached: true, stdio: "ignore" }).unref();
 }

@@ -30,7 +30,8 @@ Takes a UAV's part in a mission (docs/guide/drivers.md) with an autopilot that s
   --own-system N      our own system id; the autopilot's SYSID_MYGCS (default: 255)
   --keep FOLDER       where the settings that were changed are kept until they are put back (default: ~/.local/state/muster)
   --restore           only puts them back
-  --after PID         with --restore: when that program has ended and the UAV has landed, up to 15 minutes later
+  --after PID         with --restore: when that program has ended and the UAV has landed, up to 15 minutes later; if the program
+                      left a way home around zones, it is flown first
 `;
 
 /** Of a file's mode: what it lets others than its owner do. */

@@ -246,7 +246,10 @@ TEST(DriverSession, TakesMessagesToPeople) {
     EXPECT_NE(says(wrong), "") << wrong;
   }
   for (int i = 0; i < 50; ++i) EXPECT_EQ(says(R"({"type":"message","text":"again"})"), "");
-  EXPECT_EQ(session->TakeMessages().size(), 20U);
+  EXPECT_EQ(says(R"({"type":"message","text":"trapped","help":true})"), "");
+  const std::vector<DriverMessage> many = session->TakeMessages();
+  ASSERT_EQ(many.size(), 21U);
+  EXPECT_TRUE(many.back().calls_help) << "many words do not hide it";
   EXPECT_EQ(says(R"({"type":"failed","id":null,"reason":"hurt"})"), "");
   EXPECT_EQ(says("nonsense"), "") << "nothing is wrong any more";
   EXPECT_EQ(says(R"({"type":"message","text":"I bleed","help":true})"), "");

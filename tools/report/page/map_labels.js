@@ -26,15 +26,19 @@ export function placeLabels(labels, widthOf, { width, height }, taken = []) {
   return placed;
 }
 
-const widths = new Map(); // in pixels, by text
-
-function measured(c, text) {
-  if (!widths.has(text)) {
-    c.font = FONT;
-    widths.set(text, c.measureText(text).width);
-  }
-  return widths.get(text);
+/** How wide texts are in a font, in pixels, each measured once: measured(c, text). */
+export function widthsIn(font) {
+  const widths = new Map();
+  return (c, text) => {
+    if (!widths.has(text)) {
+      c.font = font;
+      widths.set(text, c.measureText(text).width);
+    }
+    return widths.get(text);
+  };
 }
+
+const measured = widthsIn(FONT);
 
 function drawText(c, text, colour, halo) {
   c.font = FONT;

@@ -1,4 +1,5 @@
 import { say } from "../language.js";
+import { widthsIn } from "../map_labels.js";
 import { Sprites } from "../sprites.js";
 import { theme } from "../theme.js";
 import { boxOf } from "./base_map.js";
@@ -39,15 +40,7 @@ export function placeStreets(streets, widthOf, { x, y, width, height }) {
   return placed;
 }
 
-const widths = new Map(); // in pixels, by text
-
-function measured(c, text) {
-  if (!widths.has(text)) {
-    c.font = FONT;
-    widths.set(text, c.measureText(text).width);
-  }
-  return widths.get(text);
-}
+const measured = widthsIn(FONT);
 
 function drawText(c, text, angle) {
   c.rotate(angle);
