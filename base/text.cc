@@ -68,6 +68,13 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
+std::string FirstBytes(std::string text, std::size_t most) {
+  if (text.size() <= most) return text;
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;
+  text.resize(most);
+  return text;
+}
+
 std::optional<double> ToNumber(std::string_view text) {
   const auto value = Whole<double>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;

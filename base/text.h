@@ -25,6 +25,9 @@ bool HasControls(std::string_view text);
 /// The text with each byte of a control character as \xHH: fit for a terminal.
 std::string Printable(std::string_view text);
 
+/// So many bytes of a UTF-8 text at most, without part of a character at the end.
+std::string FirstBytes(std::string text, std::size_t most);
+
 /// " (did you mean 'policy'?)" for the known word that is nearest to `text`; "" when none is near:
 /// at most a third of its letters left out, put in, changed, or swapped with the next.
 std::string DidYouMean(std::string_view text, const std::vector<std::string>& known);

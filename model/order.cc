@@ -71,6 +71,7 @@ void ChangeTask(const Order& order, TimeUs t, Task* task, const Scenario& scenar
   FixTimes(order, t, &changed);
   if (order.priority) changed.priority = *order.priority;
   if (order.name) changed.name = *order.name;
+  if (order.note) changed.note = *order.note;
   CheckItem(scenario, &Scenario::tasks, changed);
   CheckTimes(changed, t);
   *task = std::move(changed);

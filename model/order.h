@@ -30,6 +30,7 @@ struct Order {
   /// The same, counted from when the order is taken.
   std::optional<TimeUs> due_in_us, expires_in_us;
   std::optional<std::string> name;  ///< or of a closure
+  std::optional<std::string> note;
 
   AgentKind agent_kind = AgentKind::kUav;
   AgentSpec agent;  ///< that joins

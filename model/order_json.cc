@@ -43,7 +43,7 @@ Point ReadPlace(const ObjectReader& object) {
 void ReadTask(const ObjectReader& object, Order* order) {
   object.AllowOnly({"x_km", "y_km", "cost_km", "reported_min", "due_min", "due_in_min",
                     "expires_min", "expires_in_min", "revisit_min", "priority", "name",
-                    "external_id", "source"});
+                    "external_id", "source", "note"});
   order->task.at = ReadPlace(object);
   order->task.cost_m = !object.Has("cost_km") ? kUsualCost_m : object.Number("cost_km", kKm);
   ReadTaskTimes(object, &order->task);
@@ -56,6 +56,7 @@ void ReadChange(const ObjectReader& top, Order* order) {
   ReadTaskTimes(top, &task);
   if (top.Has("priority")) order->priority = task.priority;
   if (top.Has("name")) order->name = task.name;
+  if (top.Has("note")) order->note = task.note;
   order->due_us = OptionalTime(top, "due_min");
   order->expires_us = OptionalTime(top, "expires_min");
   order->due_in_us = OptionalTime(top, "due_in_min");
@@ -329,7 +330,7 @@ Order ParseOrder(std::string_view json, const std::string& where) {
         break;
       }
       top.AllowOnly({"id", "issuer", "at_min", "order", "task", "priority", "due_min", "due_in_min",
-                     "expires_min", "expires_in_min", "name"});
+                     "expires_min", "expires_in_min", "name", "note"});
       ReadChange(top, &order);
       break;
   }

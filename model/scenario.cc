@@ -53,7 +53,8 @@ std::shared_ptr<const Ways> PresentWays(const Scenario& scenario) {
 
 bool Task::IsPlain() const {
   return reported_us == 0 && due_us == kNever && expires_us == kNever && revisit_us == kNever &&
-         priority == Priority::kNormal && name.empty() && external_id.empty() && source.empty();
+         priority == Priority::kNormal && name.empty() && external_id.empty() && source.empty() &&
+         note.empty();
 }
 
 std::int32_t Rules::DecisionAt(std::int64_t tick) const {

@@ -41,6 +41,8 @@ struct AgentSpec {
 enum class Priority : std::int8_t { kLow = 0, kNormal = 1, kHigh = 2, kEmergency = 3 };
 inline constexpr std::size_t kPriorities = 4;
 
+inline constexpr std::size_t kMostNote = 2000;
+
 struct Task {
   Point at;
   double cost_m = 0;           ///< range that sensing takes (T_costPow)
@@ -50,6 +52,7 @@ struct Task {
   TimeUs revisit_us = kNever;  ///< time from when it was done until it is to be sensed again
   Priority priority = Priority::kNormal;
   std::string name = {}, external_id = {}, source = {};  ///< as people call it; "": not given
+  std::string note = {};  ///< what people should know of it, at most kMostNote bytes; "": nothing
 
   /// Whether it has a place and a cost alone, as all tasks of version 1 of the file.
   bool IsPlain() const;
@@ -186,6 +189,7 @@ struct PlannedZone {
   Zone zone;
   TimeUs from_us = 0;
   TimeUs until_us = kNever;
+  double lower_m = 0;  ///< above the ground, where it begins
 };
 
 class AirWaysStore;

@@ -98,7 +98,7 @@ std::vector<Task> ReadTasks(const ObjectReader& top, int version) {
       object.AllowOnly({"id", "x_km", "y_km", "cost_km"});
     } else {
       object.AllowOnly({"id", "x_km", "y_km", "cost_km", "reported_min", "priority", "due_min",
-                        "expires_min", "revisit_min", "name", "external_id", "source"});
+                        "expires_min", "revisit_min", "name", "external_id", "source", "note"});
     }
     ids.Take(object);
     Task task;
@@ -353,6 +353,7 @@ class Writer {
           ZoneToJson(planned.zone));
       if (!planned.zone.name.empty()) Add(", \"name\": {}", JsonText(planned.zone.name));
       AddFromUntil(planned.from_us, planned.until_us);
+      if (planned.lower_m > 0) Add(", \"lower_m\": {}", ToText(planned.lower_m, kOne));
       text_ += '}';
     }
     text_ += air.zones.empty() ? "},\n" : "]},\n";
@@ -382,6 +383,7 @@ class Writer {
     text("name", task.name);
     text("external_id", task.external_id);
     text("source", task.source);
+    text("note", task.note);
   }
 
   static std::string Ends(const Disturbances::Interval& interval, Unit unit) {

@@ -1,5 +1,7 @@
 #include "model/task_reader.h"
 
+#include <fmt/format.h>
+
 namespace muster {
 
 void ReadTaskTimes(const ObjectReader& object, Task* task) {
@@ -20,6 +22,11 @@ void ReadTaskTimes(const ObjectReader& object, Task* task) {
   text("name", &task->name);
   text("external_id", &task->external_id);
   text("source", &task->source);
+  text("note", &task->note);
+  if (task->note.size() > kMostNote) {
+    object.Fail("note", fmt::format("{} bytes", task->note.size()),
+                fmt::format("at most {}", kMostNote));
+  }
 }
 
 }  // namespace muster

@@ -98,11 +98,12 @@ ScenarioAir ReadAir(const ObjectReader& object) {
   const std::vector<JsonValue>& zones = object.Array("zones");
   for (std::size_t i = 0; i < zones.size(); ++i) {
     const ObjectReader one = object.Element("zones", zones[i], i);
-    one.AllowOnly({"area_km", "circle_km", "holes_km", "name", "from_min", "until_min"});
+    one.AllowOnly({"area_km", "circle_km", "holes_km", "name", "from_min", "until_min", "lower_m"});
     PlannedZone planned;
     planned.zone = ReadZone(one);
     if (one.Has("name")) planned.zone.name = one.String("name");
     ReadFromUntil(one, &planned.from_us, &planned.until_us);
+    if (one.Has("lower_m")) planned.lower_m = one.Number("lower_m", kOne, 0, 10'000);
     air.zones.push_back(std::move(planned));
   }
   return air;

@@ -15,6 +15,7 @@ Site::Site(const Scenario& scenario)
       closures(scenario.closures),
       directives(scenario.directives),
       separation(scenario.separation() ? std::optional(*scenario.separation()) : std::nullopt),
+      high_zones(HighZonesOf(scenario)),
       forbidden(ForbiddenPairs(directives)),
       rules(scenario.rules),
       width_m(scenario.width_m),

@@ -9,6 +9,7 @@
 
 #include "model/agent.h"
 #include "model/clearance.h"
+#include "model/high_zones.h"
 #include "model/scenario.h"
 
 namespace muster::scheduler {
@@ -32,6 +33,7 @@ struct Site {
   std::vector<Closure> closures;         ///< of roads and air, in force
   std::vector<Directive> directives;     ///< of the commander, in force
   std::optional<Separation> separation;  ///< by how much UAVs are kept apart; none: they are not
+  std::vector<HighZone> high_zones;      ///< that UAVs fly below
   std::vector<ForbiddenPair> forbidden;  ///< the pairs among them, sorted
   std::vector<double> task_to_charge_m;  ///< [n_tasks] a UAV's way to the nearest charging point
   std::vector<Shift> shifts;  ///< that begin after mission start, by their beginning, kind and id

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/bus/signing.h"
+#include "model/high_zones.h"
 #include "model/person.h"
 #include "model/scenario_json.h"
 #include "world/directive_check.h"
@@ -134,6 +135,7 @@ OrderDesk::OrderDesk(const Scenario& scenario, std::vector<PlannedOrder> planned
   }
   if (scenario.air) {
     for (const PlannedZone& zone : scenario.air->zones) {
+      if (IsHigh(zone, *scenario.air)) continue;  // it bars no way
       planned_.push_back(ToOrder(zone, &zone - scenario.air->zones.data()));
     }
   }

@@ -112,6 +112,7 @@ void DriverSession::Tick(TimeUs at, TimeUs wall_us) {
   const bool owes = asked_ || rules_.rate <= 0;
   answered_ = !owes;
   if (owes && !owes_since_us_) owes_since_us_ = wall_us;
+  TellWayHome();
   Say({{"type", "time"}, {"mission_s", ToSeconds(at)}});
   TellReady();
 }
@@ -130,15 +131,7 @@ void DriverSession::TellReady() {
 }
 
 void DriverSession::Bye(std::string_view reason) {
-  if (!over_) {
-    Json line = {{"type", "bye"}, {"reason", reason}};
-    if (agent_.kind == AgentKind::kUav) {
-      Json via = ViaJson(*scenario_.ways, PositionAt(agent_, at_), home_);
-      if (!via.empty()) line["via"] = std::move(via);
-    }
-    Say(line);
-  }
-  over_ = true;
+  if (!std::exchange(over_, true)) Say({{"type", "bye"}, {"reason", reason}});
 }
 
 void DriverSession::Say(const Json& line) { lines_.push_back(line.dump()); }
@@ -171,6 +164,7 @@ void DriverSession::GoTo(TimeUs at) {
   if (to_task) {
     const Task& task = scenario_.tasks[static_cast<std::size_t>(agent_.target)];
     if (!task.name.empty()) line["task_name"] = task.name;
+    if (!task.note.empty()) line["task_note"] = task.note;
     if (task.priority != Task().priority) line["priority"] = static_cast<int>(task.priority);
     if (task.due_us != Task().due_us) line["due_s"] = ToSeconds(task.due_us);
   }
@@ -226,6 +220,15 @@ void DriverSession::TellZones(TimeUs at) {
     zones_.erase(id);
     Say({{"type", "zone_lift"}, {"mission_s", ToSeconds(at)}, {"id", id}});
   }
+}
+
+void DriverSession::TellWayHome() {
+  if (agent_.kind != AgentKind::kUav) return;
+  const Json via = ViaJson(*scenario_.ways, PositionAt(agent_, at_), home_);
+  std::string text = via.dump();
+  if (text == way_home_) return;
+  way_home_ = std::move(text);
+  Say({{"type", "way_home"}, {"mission_s", ToSeconds(at_)}, {"via", via}});
 }
 
 void DriverSession::TellMeeting(TimeUs at) {

@@ -47,8 +47,7 @@ class DriverSession {
   void GiveAltitude(const Clearance& clearance);
   /// Tells the driver the time.
   void Tick(TimeUs at, TimeUs wall_us);
-  /// Tells the driver that the mission is over for it, and a UAV's by which corners it comes to
-  /// where it began, if its way there is not straight. No line of it counts any more.
+  /// Tells the driver that the mission is over for it. No line of it counts any more.
   void Bye(std::string_view reason);
 
   /// Takes a line. Returns what is wrong with it; "": nothing. When it is over only messages count.
@@ -95,6 +94,9 @@ class DriverSession {
   /// Says which zones a UAV has to keep out of from now on, and which not any more.
   void TellZones(TimeUs at);
   void TellAltitude(TimeUs at);
+  /// Says to a UAV by which corners it comes from where it is to where it began, as far as that is
+  /// new.
+  void TellWayHome();
   /// Says when it and its partner are expected to be there, as far as that is new.
   void TellMeeting(TimeUs at);
   void BeginActivity();
@@ -125,6 +127,7 @@ class DriverSession {
   bool open_ = false;                    ///< what it began is neither finished nor cancelled
   bool activity_told_ = false;
   std::set<std::string> zones_;  ///< ids of those in force, as told
+  std::string way_home_ = "[]";  ///< its corners, as told
   std::optional<Clearance> clearance_;
   bool altitude_told_ = true;
   std::int32_t sent_ = -1;  ///< decision that the last goto is about

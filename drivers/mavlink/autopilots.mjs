@@ -80,6 +80,8 @@ export const ardupilot = {
   cellSettings: [],
   cruise_m_s: (set) => set.WP_SPD ?? set.WPNAV_SPEED / 100,
   cameraSetting: "CAM1_TYPE",  // 0: none
+  // By which it finds ways around its fence, coming home as well. It takes effect when the autopilot starts.
+  pathSetting: { name: "OA_TYPE", around: [2, 3] },
 };
 
 const px4Mode = (main, sub) => (main << 16) | (sub << 24);
@@ -107,6 +109,7 @@ export const px4 = {
   cellSettings: ["BAT1_N_CELLS", "BAT_N_CELLS"],
   cruise_m_s: (set) => set.MPC_XY_CRUISE,
   cameraSetting: null,
+  pathSetting: null,
 };
 
 export function autopilotOf(id) {

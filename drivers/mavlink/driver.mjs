@@ -53,8 +53,10 @@ export class Driver {
   isPreparing = false;
   /** It has a fence, and may take off. */
   isReady = false;
-  /** Its way may be straight. */
+  /** Nobody tells it how high it is to fly. */
   isFree = true;
+  /** Corners of its way home around zones, as the mission told it last: each is taken off as it is passed. */
+  homeward = [];
   #work = null;
   #task = null;  // at which it is, or to which it is on its way
   #heartbeat_s = -Infinity;
@@ -87,9 +89,9 @@ export class Driver {
 
   /** Leaves its way home around zones to the program that goes on, and ends: a mission does not wait so long. */
   leaveWayHome() {
-    const { cells, cruise_m_s, altitude_m, home } = this.plan, { corners } = this.order;
-    this.#keepWayHome(corners.length ? { greeting: this.reporter.hello, plan: { cells, cruise_m_s, altitude_m, home }, corners } : null);
-    if (corners.length) this.exitCode = this.hasFailed ? 1 : 0;
+    const { plan: { cells, cruise_m_s, altitude_m, home }, homeward } = this;
+    this.#keepWayHome(homeward.length ? { greeting: this.reporter.hello, plan: { cells, cruise_m_s, altitude_m, home }, homeward } : null);
+    if (homeward.length) this.exitCode = this.hasFailed ? 1 : 0;
   }
 
   /** Takes the place of that of a mission before, which is flown by nobody. */
@@ -98,11 +100,12 @@ export class Driver {
     if (before && (wayHome || before.wayHome)) kept.save({ ...before, wayHome });
   }
 
-  *#goOnHome({ greeting, plan, corners }) {
+  *#goOnHome({ greeting, plan, homeward = [] }) {
     const { vehicle, safety, streams, talk, edge } = this;
     this.#keepWayHome(null);
     this.plan = { ...this.#planOf(greeting), ...plan };
-    this.order = { type: "bye", corners };
+    this.order = { type: "bye" };
+    this.homeward = homeward;
     vehicle.cells = plan.cells;
     this.flight = new Flight({ ...this, note: edge.note, plan: this.plan });
     safety.phase = vehicle.kind.modes.fly.includes(vehicle.mode) ? Phase.fly : Phase.home;
@@ -131,17 +134,35 @@ export class Driver {
     } catch {
       return this.edge.note("a line of the mission is no JSON");
     }
-    const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason, line.via) };
-    take.zone = () => this.fence?.zones.add(line);
+    const take = { hello: () => this.#hello(line), time: () => this.#time(line), bye: () => this.bye(line.reason) };
+    take.way_home = () => this.#takeWayHome(line.via);
+    take.zone = () => this.#takeZone(line);
     take.zone_lift = () => this.fence?.zones.lift(line);
     for (const type of ["goto", "sense", "charge", "cancel", "altitude"]) take[type] = () => this.#take(line);
     if (line && Object.hasOwn(take, line.type)) take[line.type]();
   }
 
-  /** The mission is over, or gone. `via`: corners of its way home, if it has any. */
-  bye(reason, via = []) {
+  #takeZone(line) {
+    this.fence?.zones.add(line);
+    this.#warnOfReturn();
+  }
+
+  /** Once, when both its settings and a zone are known. */
+  #warnOfReturn() {
+    if (!this.plan?.returnsStraight || !this.fence.zones.isAny) return;
+    this.plan.returnsStraight = false;
+    const { name, around } = this.vehicle.kind.pathSetting;
+    this.edge.note(`if its autopilot comes home by itself, it flies straight, through zones: set ${name} to ${around[0]} and start it again, then it flies around them`);
+  }
+
+  #takeWayHome(via) {
+    if (this.plan && Array.isArray(via)) this.homeward = via.filter(Boolean).map((place) => this.#metres(place));
+  }
+
+  /** The mission is over, or gone. */
+  bye(reason) {
     this.edge.note(`the mission is over: ${reason}`);
-    this.order = { type: "bye", corners: this.plan && Array.isArray(via) ? via.filter(Boolean).map((place) => this.#metres(place)) : [] };
+    this.order = { type: "bye" };
     if (!this.#work) this.exitCode = 0;  // it has not begun
     if (this.isPreparing) this.#work = this.#end("off");  // it is on the ground
     this.step();
@@ -235,7 +256,7 @@ export class Driver {
     if (!this.isEnding) this.order = line;
     if (line.type === "goto") {
       this.#task = line.task ?? null;
-      this.isFree = !line.via && line.altitude_m === undefined;
+      this.isFree = line.altitude_m === undefined;
     }
     if (this.plan && Number.isFinite(line.altitude_m)) this.plan.altitude_m = line.altitude_m;
     this.step();
@@ -268,6 +289,7 @@ export class Driver {
     yield* this.flight.prepare(true);
     this.isPreparing = false;
     this.isReady = true;
+    this.#warnOfReturn();
     this.edge.say({ type: "ready" });
     this.edge.note(`ready: ${this.vehicle.kind.name}, ${this.vehicle.battery_percent} %, at ${this.plan.altitude_m} m`);
     while (this.order?.type !== "bye") {
@@ -330,10 +352,7 @@ export class Driver {
     }
   }
 
-  /**
-   * Nobody waits for it in the air, and it may fly straight: in a mission that keeps UAVs apart or has zones only the mission knows
-   * where it may.
-   */
+  /** Nobody waits for it in the air. In a mission that keeps UAVs apart only the mission knows where it may fly. */
   get #mayGoHome() {
     const waits = ["sense", "charge"].includes(this.order?.then);
     return this.options.landIdle > 0 && this.flight.isFlying && !waits && this.isFree;
@@ -342,7 +361,10 @@ export class Driver {
   *#landAtHome(isReplaced) {
     const { flight, plan, edge } = this;
     edge.note("nothing to do: it lands at home until it is sent somewhere");
-    if (yield* flight.follow([], plan.map.toMetres(plan.home), isReplaced)) yield* flight.land();
+    while (!isReplaced()) {
+      const way = this.homeward, isAnother = () => isReplaced() || this.homeward !== way;
+      if (yield* flight.follow(way, plan.map.toMetres(plan.home), isAnother)) return yield* flight.land();
+    }
   }
 
   /** It is there. The mission is told so when the scenario's speed allows it. */
@@ -379,11 +401,11 @@ export class Driver {
     return true;
   }
 
-  /** By the corners that the mission's end has told, if it is over and there are any. */
+  /** Around zones, if there are any on its way. */
   *#bringHome() {
-    const { flight, order, vehicle } = this;
-    const isAround = order?.corners?.length && flight.isFlying && vehicle.place;
-    yield* flight.bringDown(isAround ? yield* flight.passHomeward(order.corners) : "home");
+    const { flight, homeward, vehicle } = this;
+    const isAround = homeward.length && flight.isFlying && vehicle.place;
+    yield* flight.bringDown(isAround ? yield* flight.passHomeward(homeward) : "home");
   }
 
   /** Brings it down, puts its settings back, and ends. */

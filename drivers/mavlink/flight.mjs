@@ -59,6 +59,7 @@ export class Flight {
     yield* isFirst ? this.#untilReady(START_V, Infinity) : this.#untilReady(CHARGED_V, READY_S);
     if (isFirst) yield* this.#checkCamera();
     if (isFirst) this.#checkLaunch();
+    if (isFirst) plan.returnsStraight = yield* this.#returnsStraight();
     yield* this.#setHome(true);
     const set = yield* this.settings.apply(vehicle.kind.settings({ ...plan, ceiling_m: plan.area.ceiling_m }), () => this.fence.write(this.place));
     plan.cruise_m_s = vehicle.kind.cruise_m_s(set);
@@ -83,6 +84,13 @@ export class Flight {
     if (plan.camera !== "digicam" || !vehicle.kind.cameraSetting) return;
     const camera = yield* talk.read(vehicle.kind.cameraSetting);
     if (camera?.value === 0) throw new Trouble(`it has no camera: ${vehicle.kind.cameraSetting} is 0. --camera none, if no picture is wanted`, "off");
+  }
+
+  /** Whether it would fly through zones, if it came home by itself, and somebody could change that. */
+  *#returnsStraight() {
+    const { name, around } = this.vehicle.kind.pathSetting ?? {};
+    const set = name && (yield* this.talk.read(name));
+    return Boolean(set) && !around.includes(set.value);
   }
 
   *#countCells() {
@@ -229,12 +237,16 @@ export class Flight {
   }
 
   /**
-   * Passes the corners of its way home, as an autopilot that comes home flies straight. When something is wrong it leaves the rest
-   * out. Returns how to bring it down then: "home" or "land".
+   * Passes the corners of its way home, as an autopilot that comes home flies straight. When it has to land, nearly without
+   * battery, or without a link, it leaves the rest out. Returns how to bring it down then: "home" or "land".
    */
   *passHomeward(corners) {
     const { safety, plan } = this;
-    const wrong = () => safety.check(plan.area, plan.map);
+    const wrong = () => {
+      const trouble = safety.check(plan.area, plan.map);
+      const isComingHome = trouble?.then === "home" && safety.isLinked && !safety.isCritical;
+      return isComingHome ? null : trouble;  // another reason to do so changes nothing
+    };
     try {
       if (yield* this.#pass(corners, () => wrong() !== null)) return "home";
       const { message, then } = wrong();

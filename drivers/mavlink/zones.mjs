@@ -24,6 +24,10 @@ export class Zones {
     this.note = note;
   }
 
+  get isAny() {
+    return this.#zones.size > 0;
+  }
+
   /** Takes a line of the mission. */
   add({ id, rings }) {
     if (!Array.isArray(rings) || !rings.every(isRing)) return;

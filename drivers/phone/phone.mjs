@@ -321,7 +321,7 @@ export class Phone {
       told: { ...track.last.at, is_limited: track.isLimited || order?.stage === "held" },
       order: order && {
         id: order.id, stage: order.stage, to: { ...order.goto.to, ...order.to }, way: order.way,
-        then: order.goto.then, task: order.goto.task, task_name: order.goto.task_name ?? "", goto: order.goto.id,
+        then: order.goto.then, task: order.goto.task, task_name: order.goto.task_name ?? "", task_note: order.goto.task_note ?? "", goto: order.goto.id,
         charging_point: order.goto.charging_point, partner: order.goto.partner, expected_s: order.late_s ?? order.goto.expected_s,
         meeting_s: order.meeting_s, priority: order.goto.priority ?? 1, due_s: order.goto.due_s ?? null,
         work: order.work?.type ?? null, ends_s: order.work ? order.work.mission_s + order.work.for_s : null,

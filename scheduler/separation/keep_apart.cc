@@ -7,6 +7,7 @@
 #include "model/air_ways.h"
 #include "model/directive.h"
 #include "model/feasibility.h"
+#include "model/high_zones.h"
 #include "model/separation.h"
 
 namespace muster::scheduler {
@@ -18,6 +19,9 @@ class ClearancePlanner {
       : s_(situation),
         minima_(*situation.site->separation),
         landing_(situation.site->charging_points) {
+    for (const HighZone& zone : situation.site->high_zones) {
+      if (zone.until_us > s_.now_us) high_zones_.push_back(&zone);
+    }
     for (const Clearance& clearance : situation.clearances) cleared_[clearance.uav] = clearance;
     for (const AgentState& uav : s_.uavs) {
       paths_.push_back(TrajectoryOf(uav, Cleared(uav), s_.now_us, landing_));
@@ -43,7 +47,7 @@ class ClearancePlanner {
         std::erase_if(kept, [&](const Action& stays) { return stays.uav == out->uav; });
         kept.push_back(*out);
       } else {
-        MakeWay(i);
+        MakeWay(i, withheld[i]);
       }
     }
     if (kept != decision.actions) {
@@ -67,7 +71,11 @@ class ClearancePlanner {
                          [](const AgentState& agent, std::int32_t id) { return agent.id < id; });
     return static_cast<std::size_t>(found - s_.uavs.begin());
   }
-  bool IsFree(const Trajectory& path, std::size_t own) const {
+  /// `to_m`: the altitude that is flown in the end.
+  bool IsFree(const Trajectory& path, double to_m, std::size_t own) const {
+    for (const HighZone* zone : high_zones_) {
+      if (IsTooHigh(path, to_m, *zone)) return false;
+    }
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       if (i != own && AreInConflict(path, paths_[i], minima_)) return false;
     }
@@ -93,7 +101,7 @@ class ClearancePlanner {
         for (int layer = parity; layer < minima_.layers(); layer += 2) {
           clearance.to_m = minima_.AltitudeOf(layer);
           Trajectory path = TrajectoryOf(sent_off, clearance, s_.now_us, landing_);
-          if (!IsFree(path, i)) continue;
+          if (!IsFree(path, clearance.to_m, i)) continue;
           paths_[i] = std::move(path);
           cleared_[uav.id] = clearance;
           (*sent)[i] = true;
@@ -150,10 +158,13 @@ class ClearancePlanner {
     return action;
   }
 
-  /// A UAV that stays in the air changes its altitude if it would be met.
-  void MakeWay(std::size_t i) {
+  /// A UAV that stays in the air changes its altitude if it would be met. One whose action was left
+  /// out, as it was perhaps too high for a zone on its way, goes as low as it can.
+  void MakeWay(std::size_t i, bool goes_down) {
     const AgentState& uav = s_.uavs[i];
-    if (!paths_[i].IsEverAirborne() || IsFree(paths_[i], i)) return;
+    if (!paths_[i].IsEverAirborne()) return;
+    goes_down = goes_down && !high_zones_.empty();
+    if (!goes_down && IsFree(paths_[i], Cleared(uav).to_m, i)) return;
     Clearance clearance = Cleared(uav);
     clearance.from_m = AltitudeAt(uav, clearance, s_.now_us, landing_);
     clearance.decision = s_.decision;
@@ -161,7 +172,7 @@ class ClearancePlanner {
     for (int layer = 0; layer < minima_.layers(); ++layer) {
       clearance.to_m = minima_.AltitudeOf(layer);
       Trajectory path = TrajectoryOf(uav, clearance, s_.now_us, landing_);
-      if (!IsFree(path, i)) continue;
+      if (!IsFree(path, clearance.to_m, i)) continue;
       paths_[i] = std::move(path);
       cleared_[uav.id] = clearance;
       return;
@@ -171,6 +182,7 @@ class ClearancePlanner {
   const Situation& s_;
   const Separation minima_;
   const LandingPlaces landing_;
+  std::vector<const HighZone*> high_zones_;    ///< that still hold
   std::map<std::int32_t, Clearance> cleared_;  ///< by UAV
   std::vector<Trajectory> paths_;              ///< of each of s_.uavs
 };

@@ -5,8 +5,8 @@
 namespace muster::scheduler {
 
 /// The decision with an altitude for every UAV that it sends, such that no two UAVs come closer
-/// than the site's minima, for as long as nobody gets another command. Where the site has no
-/// separation the decision stays as it is.
+/// than the site's minima, for as long as nobody gets another command, and none flies into a zone
+/// that it has to fly below. Where the site has no separation the decision stays as it is.
 ///
 /// UAVs take their turns in the order of the actions. Each gets the lowest altitude that is free
 /// for its whole way: first of those of its direction (east 1st, 3rd, ...; west 2nd, 4th, ...),

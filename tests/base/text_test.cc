@@ -40,5 +40,13 @@ TEST(DidYouMean, NamesTheNearestOfTheNear) {
   EXPECT_EQ(DidYouMean(std::string(100'000, 'x'), commands), "");
 }
 
+TEST(FirstBytes, KeepsCharactersWhole) {
+  EXPECT_EQ(FirstBytes("abc", 3), "abc");
+  EXPECT_EQ(FirstBytes("abc", 2), "ab");
+  EXPECT_EQ(FirstBytes("a\u00e9b", 2), "a");
+  EXPECT_EQ(FirstBytes("a\u00e9b", 3), "a\u00e9");
+  EXPECT_EQ(FirstBytes("\u4e2d", 2), "");
+}
+
 }  // namespace
 }  // namespace muster

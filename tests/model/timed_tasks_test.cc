@@ -27,7 +27,7 @@ json Small() {
   "tasks": [{"id": 0, "x_km": 1, "y_km": 1, "cost_km": 3},
             {"id": 1, "x_km": 2, "y_km": 2, "cost_km": 1, "reported_min": 12.5, "priority": 3,
              "due_min": 30, "expires_min": 45, "name": "School \"North\"", "external_id": "A-17",
-             "source": "hotline"}],
+             "source": "hotline", "note": "Third floor,\nring twice"}],
   "charging_points": [{"id": 0, "x_km": 3, "y_km": 1}]})");
 }
 
@@ -52,8 +52,17 @@ TEST(TimedTasks, AreReadInSiUnits) {
   EXPECT_EQ(task.name, "School \"North\"");
   EXPECT_EQ(task.external_id, "A-17");
   EXPECT_EQ(task.source, "hotline");
+  EXPECT_EQ(task.note, "Third floor,\nring twice");
   EXPECT_EQ(s.rules.priority_worth[2], 3);
   EXPECT_EQ(s.rules.late_worth, 0.4);
+}
+
+TEST(TimedTasks, HaveNotesOfTwoThousandBytesAtMost) {
+  json small = Small();
+  small["tasks"][0]["note"] = std::string(2000, 'x');
+  EXPECT_EQ(ErrorOf(small), "no error");
+  small["tasks"][0]["note"] = std::string(2001, 'x');
+  EXPECT_EQ(ErrorOf(small), "f.json: tasks[0].note: found 2001 bytes, expected at most 2000");
 }
 
 TEST(TimedTasks, SurviveWritingAndReading) {

@@ -157,6 +157,54 @@ TEST(KeepApart, OneThatHoversInANewZoneLeavesIt) {
   }
 }
 
+/// From 4 to 5 km, beginning so high above the ground.
+void UseHighZone(SituationBuilder* builder, double lower_m, TimeUs until_us = kNever) {
+  ScenarioAir air;
+  PlannedZone& zone = air.zones.emplace_back();
+  zone.zone.rings = {{{4000, 4000}, {5000, 4000}, {5000, 6000}, {4000, 6000}}};
+  zone.lower_m = lower_m;
+  zone.until_us = until_us;
+  UseAir(std::move(air), &builder->scenario());
+}
+
+TEST(KeepApart, FliesBelowAZoneThatBeginsHighAboveTheGround) {
+  // Three UAVs hover on the way, at 30, 40 and 50 m.
+  const auto decide = [](double lower_m, TimeUs until_us) {
+    SituationBuilder builder;
+    builder.Uav({0, 5000}).Uav({3000, 5000}).Uav({3200, 5000}).Uav({3400, 5000});
+    builder.Task({9000, 5000}).Charge({20e3, 20e3});
+    UseHighZone(&builder, lower_m, until_us);
+    Situation s = builder.Build();
+    s.decision = 1;
+    s.now_us = 600 * kSecondUs;
+    s.clearances = {{1, 0, 30, 30, 0}, {2, 0, 40, 40, 0}, {3, 0, 50, 50, 0}};
+    return Apart(s, {ToTask(s, 0, 0)});
+  };
+  EXPECT_EQ(Of(decide(80, kNever), 0).to_m, 70);
+  EXPECT_EQ(Of(decide(70, kNever), 0).to_m, 60);
+  EXPECT_EQ(decide(60, kNever).withheld.size(), 1u);
+  EXPECT_EQ(Of(decide(60, 600 * kSecondUs), 0).to_m, 70) << "it holds no longer";
+}
+
+TEST(KeepApart, OneThatIsTooHighForAZoneOnItsWayGoesDownFirst) {
+  SituationBuilder builder;
+  builder.Uav({3900, 5000}).Task({4500, 5000}).Charge({20e3, 20e3});
+  UseHighZone(&builder, 60);
+  Situation s = builder.Build();
+  s.decision = 1;
+  s.now_us = 600 * kSecondUs;
+  s.clearances = {{0, 0, 30, 110, 0}};
+  const Decision first = Apart(s, {ToTask(s, 0, 0)});
+  EXPECT_EQ(first.withheld.size(), 1u);
+  EXPECT_EQ(Of(first, 0), (Clearance{0, 1, 110, 30, s.now_us}));
+  s.decision = 2;
+  s.now_us = 1200 * kSecondUs;
+  s.clearances = first.clearances;
+  const Decision second = Apart(s, {ToTask(s, 0, 0)});
+  EXPECT_TRUE(second.withheld.empty());
+  EXPECT_EQ(Of(second, 0), (Clearance{0, 2, 30, 30, s.now_us}));
+}
+
 /// Pairs of UAVs that come too close as planned.
 int Conflicts(const Situation& s, const Decision& d) {
   const LandingPlaces landing(s.site->charging_points);

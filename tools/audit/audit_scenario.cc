@@ -221,7 +221,13 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
           said.value("lowest_m", usual.lowest_m), said.value("ceiling_m", usual.ceiling_m)};
     }
     for (const json& zone : top.at("air").value("zones", json::array())) {
-      s.zones.push_back({MinutesOr(zone, "from_min", 0)});
+      const double lower_m = zone.value("lower_m", 0.0);
+      const bool is_high =
+          s.separation && lower_m >= s.separation->lowest_m + s.separation->above_m;
+      s.zones.push_back({is_high ? kForever : MinutesOr(zone, "from_min", 0)});
+      if (!is_high) continue;
+      s.high_zones.push_back({ReadZone(zone.dump()), lower_m - s.separation->above_m,
+                              MinutesOr(zone, "until_min", kForever)});
     }
     s.TakeWays();
   }

@@ -84,6 +84,13 @@ struct Scenario {
     double across_m = 50, above_m = 10, lowest_m = 30, ceiling_m = 120;
   };
   std::optional<Separation> separation;
+  /// A zone that UAVs fly below, until that time.
+  struct HighZone {
+    Rings rings;
+    double highest_m;
+    std::int64_t until_us;
+  };
+  std::vector<HighZone> high_zones;
   std::optional<double> margin_m;  ///< from zones; none: zones cannot be added
   /// When ways have changed, and what held from then on; first what held before.
   std::vector<std::pair<std::int64_t, std::shared_ptr<const Ways>>> changes;

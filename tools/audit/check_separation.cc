@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kClimb_m_s = 2.5, kDescent_m_s = 1.5;
 constexpr std::int64_t kLongestHoldUs = 120'000'000;
+constexpr std::int64_t kSecond_us = 1'000'000;
 /// A plan may come closer by this share of a minimum, by rounding.
 constexpr double kShareSlack = 1e-3;
 
@@ -114,6 +115,28 @@ void SendOff(const View& view, const action_t& action, Plan* plan) {
   uav.activity.reset();
 }
 
+/// Whether the place is inside, or nearer to an edge than that.
+bool IsInOrNear(const Rings& rings, Place at, double near_m) {
+  bool inside = false;
+  for (const std::vector<Place>& ring : rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Place a = ring[i], b = ring[(i + 1) % ring.size()];
+      if ((a.y_m > at.y_m) != (b.y_m > at.y_m) &&
+          at.x_m < a.x_m + (b.x_m - a.x_m) * (at.y_m - a.y_m) / (b.y_m - a.y_m)) {
+        inside = !inside;
+      }
+      const double length_m = Apart(a, b);
+      const double along =
+          ((at.x_m - a.x_m) * (b.x_m - a.x_m) + (at.y_m - a.y_m) * (b.y_m - a.y_m)) /
+          (length_m * length_m);
+      const double part = std::clamp(along, 0.0, 1.0);
+      const Place foot{a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m)};
+      if (Apart(at, foot) < near_m) return true;
+    }
+  }
+  return inside;
+}
+
 class SeparationCheck {
  public:
   explicit SeparationCheck(View& view) : view_(view), minima_(*view.scenario.separation) {}
@@ -129,6 +152,7 @@ class SeparationCheck {
     for (const clearance_t& c : view_.clearances->clearances) said[c.uav_id] = c;
     for (const AgentModel& uav : view_.agents[kUav]) AddPlan(uav, said);
     view_.cleared = said;
+    for (const Plan& plan : plans_) CheckHighZones(plan);
     for (std::size_t i = 0; i < plans_.size(); ++i) {
       for (std::size_t j = i + 1; j < plans_.size(); ++j) Compare(plans_[i], plans_[j]);
     }
@@ -183,6 +207,26 @@ class SeparationCheck {
     const std::int64_t hold_us = c.begin_us - view_.now_us;
     if (hold_us < 0 || hold_us > kLongestHoldUs || (!sent && hold_us > 0)) {
       wrong("waits {} us for its altitude", hold_us);
+    }
+  }
+
+  /// Each second of the flight, and its end.
+  void CheckHighZones(const Plan& plan) {
+    if (!plan.is_new) return;
+    for (const Scenario::HighZone& zone : view_.scenario.high_zones) {
+      if (zone.until_us <= view_.now_us) continue;
+      for (std::int64_t t = view_.now_us;; t += kSecond_us) {
+        const auto [at, up_m] = plan.At(t);
+        if (up_m > zone.highest_m + kTolerance_m &&
+            IsInOrNear(zone.rings, at, *view_.scenario.margin_m - kTolerance_m)) {
+          view_.Violate("separation",
+                        "{} flies {:.1f} m high at {} us, in a zone that begins at "
+                        "{:.1f} m",
+                        plan.uav.name(), up_m, t, zone.highest_m + minima_.above_m);
+          break;
+        }
+        if (t >= plan.turns.back().at_us) break;
+      }
     }
   }
 

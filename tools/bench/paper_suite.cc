@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "base/check.h"
@@ -66,6 +67,28 @@ PaperRows RowsOf(const std::string& file, const std::string& build,
     }
   }
   return rows;
+}
+
+/// Of the runs of a setting and a policy: the folder that a job writes to.
+std::string JobName(const std::string& setting, const std::string& policy) {
+  return fmt::format("{}.{}", setting, policy);
+}
+
+void CheckNoneIsMissing(const std::vector<PaperRun>& plan, const PaperRows& rows) {
+  std::size_t missing = 0;
+  std::set<std::string> jobs;
+  std::string first;
+  for (const PaperRun& run : plan) {
+    if (rows.contains(run)) continue;
+    ++missing;
+    if (first.empty()) first = NameOf(run);
+    jobs.insert(JobName(run.what.setting, run.policy));
+  }
+  if (missing == 0) return;
+  throw InputError(
+      "command line", "--merge",
+      fmt::format("{} of {} runs missing, the first {}", missing, plan.size(), first),
+      fmt::format("the rows of all runs: run these jobs again: {}", fmt::join(jobs, ", ")));
 }
 
 /// All policies on one mission: making a scenario from a table of places takes longer than most of
@@ -176,36 +199,44 @@ bool RunPaperSuite(const PaperOptions& options) {
 }
 
 void ListPaperJobs(const PaperOptions& options, const std::string& program) {
-  PaperFilter filter = options.filter;
-  filter.with_imports = PaperScenarios(options.data).HasImports();
   std::set<std::pair<std::string, std::string>> jobs;
   std::set<std::string> availability;
-  for (const PaperRun& run : PlanRuns(filter)) {
+  for (const PaperRun& run : PlanOf(options, PaperScenarios(options.data))) {
     jobs.emplace(run.what.setting, run.policy);
     availability.emplace(NameOf(run.what.availability));
   }
+  const PaperFilter& filter = options.filter;
   for (const auto& [setting, policy] : jobs) {
     fmt::print(
-        "{} bench --suite paper --instances {} --methods {} --availability {} --first-seed {} "
+        "{} bench --suite {} --instances {} --methods {} --availability {} --first-seed {} "
         "--seeds {}{} --jobs 1 --quiet --out {}\n",
-        program, setting, policy, fmt::join(availability, ","), filter.first_seed, filter.seeds,
+        program, filter.longer ? "paper-long" : "paper", setting, policy,
+        fmt::join(availability, ","), filter.first_seed, filter.seeds,
         options.data.empty() ? "" : " --data " + options.data,
-        FileIn(options.out, fmt::format("{}.{}", setting, policy).c_str()));
+        FileIn(options.out, JobName(setting, policy).c_str()));
   }
 }
 
 void MergePaperRuns(const PaperOptions& options, const std::vector<std::string>& folders) {
   PaperRows all;
+  std::map<PaperRun, std::string> files;
+  std::map<std::string, std::string> places;  // by setting
   for (const std::string& folder : folders) {
     const std::string file = FileIn(folder, kRows);
     const PaperRows rows = ReadPaperCsv(file);
     if (rows.empty()) throw InputError(file, "rows", "none", "those of a finished job");
     for (const auto& [run, row] : rows) {
       CheckSame(file, run, "build", row.build, all.empty() ? row.build : all.begin()->second.build);
+      CheckSame(file, run, "places", row.places,
+                places.emplace(run.what.setting, row.places).first->second);
       const auto [at, added] = all.emplace(run, row);
       if (!added) CheckSame(file, run, "digest", row.digest, at->second.digest);
+      if (!files.emplace(run, file).second) {
+        throw InputError(file, NameOf(run), "the same run in " + files[run], "each run once");
+      }
     }
   }
+  CheckNoneIsMissing(PlanOf(options, PaperScenarios(options.data)), all);
   std::filesystem::create_directories(options.out);
   WriteResults(options, all);
   fmt::print("{} runs of {} folders; rows, tables and page: {}\n", all.size(), folders.size(),

@@ -26,7 +26,8 @@ bool RunPaperSuite(const PaperOptions& options);
 /// to a folder of its own below `out`, for --merge.
 void ListPaperJobs(const PaperOptions& options, const std::string& program);
 
-/// Puts the rows of several such folders into `out`.
+/// Puts the rows of several such folders into `out`. Throws InputError when rows are of different
+/// builds or places, when a run is there twice, and when one of the filter's is missing.
 void MergePaperRuns(const PaperOptions& options, const std::vector<std::string>& folders);
 
 }  // namespace muster::tools

@@ -12,6 +12,7 @@
 
 #include "base/check.h"
 #include "base/text.h"
+#include "model/high_zones.h"
 #include "tools/map/local_frame.h"
 #include "tools/map/zone_file.h"
 
@@ -63,11 +64,13 @@ class ZoneTaker {
     }
     if (zone.lower_m >= kCeiling_m) return Leave(fmt::format("above {:g} m", kCeiling_m));
     PlannedZone planned;
+    planned.lower_m = zone.lower_m;
     planned.zone.name = zone.name.empty() ? zone.id : zone.name;
     if (!ReadTimes(zone, &planned)) return Leave("at another time");
     if (!ReadShape(zone, margin_m, file, &planned.zone)) {
       return Leave(planned.zone.rings.empty() ? "without an area" : "elsewhere");
     }
+    if (IsHigh(planned, ScenarioAir())) ++high_;
     zones_.push_back(std::move(planned));
   }
 
@@ -79,6 +82,8 @@ class ZoneTaker {
                                                  zones_.size())};
     for (const auto& [why, count] : left_)
       said.push_back(fmt::format("  left out: {} {}", count, why));
+    if (high_ > 0)
+      said.push_back(fmt::format("  {} begin above the ground: UAVs fly below them", high_));
     if (without_start_ > 0) {
       said.push_back(
           fmt::format("  {} have a time: without --start they hold all the time", without_start_));
@@ -165,7 +170,7 @@ class ZoneTaker {
   std::set<std::string> authorised_, met_;
   std::vector<PlannedZone> zones_;
   std::map<std::string, std::size_t> left_;
-  std::size_t without_start_ = 0, recurring_ = 0, simplified_ = 0;
+  std::size_t high_ = 0, without_start_ = 0, recurring_ = 0, simplified_ = 0;
 };
 
 }  // namespace

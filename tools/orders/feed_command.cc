@@ -268,7 +268,7 @@ DocumentFormat FormatOf(const std::string& name, const Arguments& arguments,
   std::vector<std::string> names;
   for (const auto* column :
        {&columns.latitude, &columns.longitude, &columns.time, &columns.priority, &columns.name,
-        &columns.external_id, &columns.cost}) {
+        &columns.note, &columns.external_id, &columns.cost}) {
     if (*column) names.push_back(**column);
   }
   return {{".json"},
@@ -309,6 +309,7 @@ Columns ReadColumns(const Arguments& arguments) {
   arguments.Read("time", &columns.time);
   arguments.Read("priority", &columns.priority);
   arguments.Read("task-name", &columns.name);
+  arguments.Read("task-note", &columns.note);
   arguments.Read("external-id", &columns.external_id);
   arguments.Read("cost", &columns.cost);
   columns.source = arguments.Has("source") ? arguments.Get("source") : "";
@@ -350,6 +351,7 @@ Options FeedOptions() {
               "Time of day at which the mission began (default: its scenario's start)");
   options.Add("priority", "COLUMN", "0 to 3, or low, normal, high or emergency");
   options.Add("task-name", "COLUMN", "What people call it");
+  options.Add("task-note", "COLUMN", "What people should know of it");
   options.Add("external-id", "COLUMN", "What another system calls it");
   options.Add("cost", "COLUMN", "Range that sensing takes, km");
   options.Add("source", "TEXT", "Who reports these");

@@ -43,8 +43,8 @@ RowReader::RowReader(const Table& head, Columns columns) : columns_(std::move(co
     throw InputError(head.file, "columns", fmt::format("{}", fmt::join(head.columns, ", ")),
                      "a latitude and a longitude (--lat, --lon)");
   }
-  for (auto* column : {&columns_.time, &columns_.priority, &columns_.name, &columns_.external_id,
-                       &columns_.cost}) {
+  for (auto* column : {&columns_.time, &columns_.priority, &columns_.name, &columns_.note,
+                       &columns_.external_id, &columns_.cost}) {
     if (*column) head.Column(**column);
   }
   if (columns_.time.has_value() != columns_.start.has_value()) {
@@ -88,6 +88,9 @@ Json RowReader::TaskOf(const Table& table, std::size_t row) const {
     task["cost_km"] = *cost;
   }
   if (const std::string text = field(columns_.name); !text.empty()) task["name"] = text;
+  if (const std::string text = field(columns_.note); !text.empty()) {
+    task["note"] = FirstBytes(text, kMostNote);
+  }
   if (const std::string text = field(columns_.external_id); !text.empty()) {
     task["external_id"] = text;
   }

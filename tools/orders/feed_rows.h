@@ -13,7 +13,7 @@ namespace muster::tools {
 
 /// Which columns of a table say what.
 struct Columns {
-  std::optional<std::string> latitude, longitude, time, priority, name, external_id, cost;
+  std::optional<std::string> latitude, longitude, time, priority, name, note, external_id, cost;
   std::optional<TimeUs> start;    ///< time of day of the mission's beginning
   std::optional<int> offset_min;  ///< of the clocks that it was read from, where they are known
   std::string source;

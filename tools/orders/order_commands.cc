@@ -231,6 +231,7 @@ int TaskCommand(int argc, const char* const* argv) {
   options.Add("revisit", "MIN", "To be done again so many minutes after it was done")
       .Number(Above0(1e6));
   options.Add("name", "TEXT", "What people call it");
+  options.Add("note", "TEXT", "What people should know of it");
   options.Add("external-id", "TEXT", "What another system calls it");
   options.Add("source", "TEXT", "Who reported it");
   AddCommonOptions(&options);
@@ -267,6 +268,7 @@ int TaskCommand(int argc, const char* const* argv) {
   }
   number("revisit", "revisit_min");
   text("name", "name");
+  text("note", "note");
   text("external-id", "external_id");
   text("source", "source");
   if (what == "add") {

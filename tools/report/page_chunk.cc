@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "model/high_zones.h"
 #include "tools/record/report_json.h"
 #include "tools/report/directive_rows.h"
 
@@ -56,8 +57,10 @@ void WriteSchedule(const schedule_t& s, ordered_json* list) {
 /// order may fill its place.
 ordered_json TaskTime(const Task& task) {
   const auto time = [](TimeUs t) { return t == kNever ? ordered_json() : ordered_json(Ms(t)); };
-  return {time(task.reported_us), time(task.due_us), time(task.expires_us),
-          static_cast<int>(task.priority), task.name};
+  ordered_json row = {time(task.reported_us), time(task.due_us), time(task.expires_us),
+                      static_cast<int>(task.priority), task.name};
+  if (!task.note.empty()) row.push_back(task.note);
+  return row;
 }
 
 ordered_json TaskTimes(const Scenario& scenario) {
@@ -159,6 +162,19 @@ ordered_json RingsOf(const Zone& zone) {
   return rings;
 }
 
+/// Of each zone that UAVs fly below: its name, where it begins, until when it holds, its rings.
+ordered_json HighZoneRows(const ScenarioAir& air) {
+  ordered_json rows = ordered_json::array();
+  for (const PlannedZone& planned : air.zones) {
+    if (!IsHigh(planned, air)) continue;
+    const bool ends = planned.until_us != kNever;
+    rows.push_back({planned.zone.name, planned.lower_m,
+                    ends ? ordered_json(Ms(planned.until_us)) : ordered_json(),
+                    RingsOf(planned.zone)});
+  }
+  return rows;
+}
+
 /// Each change of roads and zones: from when, and what is closed then, {order, name, since, roads}
 /// each, and of a zone its rings.
 ordered_json RoadChanges(const Scenario& scenario) {
@@ -202,7 +218,10 @@ ordered_json Places(const Scenario& scenario) {
                         {"charging_points", std::move(charging)},
                         {"range_full_m", std::move(range)}};
   if (scenario.roads) place["roads"] = RoadLines(*scenario.roads);
-  if (scenario.air) place["air"] = {{"margin_m", scenario.air->margin_m}};
+  if (scenario.air) {
+    place["air"] = {{"margin_m", scenario.air->margin_m},
+                    {"high_zones", HighZoneRows(*scenario.air)}};
+  }
   if (const Separation* minima = scenario.separation()) {
     place["air"]["separation"] = {{"horizontal_m", minima->horizontal_m},
                                   {"vertical_m", minima->vertical_m}};

@@ -346,6 +346,7 @@ class Importer {
     task.reported_us = DrawReport(settings_, request_.seed, id);
     task.name = text(request_.task_name);
     task.external_id = text(request_.external_id);
+    task.note = FirstBytes(text(request_.task_note), kMostNote);
     return task;
   }
 

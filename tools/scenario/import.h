@@ -35,7 +35,7 @@ struct ImportRequest {
   ImportRole tasks, charging, agents;
   std::optional<ImportWindow> window;  ///< else the densest of the settings' area
   /// Columns of the tasks' priority, name and external id.
-  std::optional<std::string> priority, task_name, external_id;
+  std::optional<std::string> priority, task_name, task_note, external_id;
   bool are_reports = false;            ///< each task is a row that is reported at the row's time
   bool may_turn = false;               ///< the densest window may also be height by width
   bool may_shrink = false;             ///< to what the places need, where that is less

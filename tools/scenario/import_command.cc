@@ -134,6 +134,7 @@ void AddImportOptions(Options* options) {
       "Column of the tasks' priorities: 0 to 3, or low, normal, high, emergency; a blank one "
       "is drawn (--priorities)");
   options->Add("task-name", "COLUMN", "Column of the tasks' names");
+  options->Add("task-note", "COLUMN", "Column of what people should know of each task");
   options->Add("external-id", "COLUMN", "Column of the tasks' names in another system");
   options->Add(
       "start", "H:MM|TIME",
@@ -177,6 +178,7 @@ int ImportCommand(int argc, const char* const* argv) {
   if (arguments->Has("window")) request.window = ParseWindow(arguments->Get("window"));
   arguments->Read("priority", &request.priority);
   arguments->Read("task-name", &request.task_name);
+  arguments->Read("task-note", &request.task_note);
   arguments->Read("external-id", &request.external_id);
   request.are_reports = arguments->Has("arrivals") && arguments->Get("arrivals") == kArrivalsOfRows;
   request.may_turn = !arguments->Has("area");

@@ -230,6 +230,7 @@ void DrawZones(Random* random, VirtualMission* mission) {
     PlannedZone& planned = air.zones.emplace_back();
     planned.zone = std::move(zone);
     planned.zone.name = "airfield \"north\"";
+    if (air.zones.size() % 3 == 2) planned.lower_m = 60;
     if (random->Below(2) == 0) planned.from_us = minute();
     if (random->Below(2) == 0) planned.until_us = planned.from_us + minute() + kSecondUs;
   }

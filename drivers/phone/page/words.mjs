@@ -83,15 +83,16 @@ export function lines(view, now_s, wall_ms, heading_deg = null) {
   if (!view.agent) return [];
   if (!order) return withoutOrder(view, now_s, wall_ms);
   const { partner } = order;
+  const note = order.task_note ? [order.task_note] : [];
   const onBreak = view.isPaused ? [say("Your break begins when this is done.")] : [];
   if (order.stage === "working") {
     return [say("With {partner}. Planned until {when}.", { partner, when: when(order.ends_s, now_s, rate, wall_ms) }),
-      say("Press \"{word}\" when it is.", { word: say(order.work === "sense" ? "Done" : "Battery changed") }), ...onBreak];
+      say("Press \"{word}\" when it is.", { word: say(order.work === "sense" ? "Done" : "Battery changed") }), ...note, ...onBreak];
   }
   if (order.stage === "finished") return [say("You will be told where to go next."), ...onBreak];
   const meeting = partner && order.meeting_s !== null && order.meeting_s > now_s
     ? [say("{partner} is expected at {when}", { partner, when: when(order.meeting_s, now_s, rate, wall_ms) })] : [];
-  if (order.stage === "there") return [partner ? say("It comes for {goal}.", { goal: goal(order) }) : say("You will be told where to go next."), ...meeting, ...onBreak];
+  if (order.stage === "there") return [partner ? say("It comes for {goal}.", { goal: goal(order) }) : say("You will be told where to go next."), ...meeting, ...note, ...onBreak];
   const from = view.place ?? view.told;
   const rest = order.way ? ahead(order.way, from) : [from, order.to];
   const next = order.way ? rest[1] ?? order.to : order.to;
@@ -103,6 +104,7 @@ export function lines(view, now_s, wall_ms, heading_deg = null) {
     partner ? say("With {partner}", { partner }) : say("Alone"),
     ...(order.meeting_s > order.expected_s + LATER_S ? meeting : []),
     ...urgency(order, now_s, rate, wall_ms),
+    ...note,
     ...onBreak,
   ];
   if (order.held_until_s !== null) {

@@ -197,33 +197,48 @@ TEST(DriverSession, TellsAUavWhichZonesToKeepOutOf) {
   EXPECT_EQ(lifted[0], (json{{"type", "zone_lift"}, {"mission_s", 90.0}, {"id", "heli"}}));
 }
 
-TEST(DriverSession, TellsAUavAtTheEndHowToComeHomeAroundZones) {
+TEST(DriverSession, TellsAUavHowToComeHomeAroundZonesAsFarAsThatIsNew) {
   Scenario scenario = Small();
   UseAir(ScenarioAir(), &scenario);
-  const auto bye_of = [&](AgentKind kind) {
-    AgentState agent = StartOf(kind, 0, scenario.agents(kind)[0], *scenario.ways);
-    DriverSession session(scenario, agent, 0, 0, {});
-    agent.from = agent.to = {2000, 0};
-    session.Follow(agent, 0, 0);
-    session.TakeLines();
-    session.Bye("over");
-    return json::parse(session.TakeLines().at(0));
+  AgentState uav = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
+  AgentState worker = StartOf(AgentKind::kWorker, 0, scenario.workers[0], *scenario.ways);
+  const Point home = uav.to;
+  DriverSession session(scenario, uav, 0, 0, {}), other(scenario, worker, 0, 0, {});
+  const auto told = [](DriverSession* to, AgentState* agent, Point at, int seconds) {
+    agent->from = agent->to = at;
+    to->Follow(*agent, seconds * kSecondUs, 0);
+    to->TakeLines();
+    to->Tick(seconds * kSecondUs, 0);
+    std::vector<json> lines;
+    for (const std::string& line : to->TakeLines()) lines.push_back(json::parse(line));
+    EXPECT_EQ(lines.back()["type"], "time");
+    lines.pop_back();
+    return lines;
   };
-  const json straight = {{"type", "bye"}, {"reason", "over"}};
-  EXPECT_EQ(bye_of(AgentKind::kUav), straight);
+  ASSERT_EQ(home, (Point{0, 0}));
+  EXPECT_TRUE(told(&session, &uav, {2000, 0}, 30).empty()) << "its way is straight";
   Zone zone;
   zone.rings = {{{900, 0}, {1100, 0}, {1100, 100}, {900, 100}}};
   scenario.closures.emplace_back().zone = std::make_shared<const Zone>(std::move(zone));
   ChangeWays(0, &scenario);
+  const std::vector<json> around = told(&session, &uav, {2000, 0}, 60);
+  ASSERT_EQ(around.size(), 1U);
+  EXPECT_EQ(around[0]["type"], "way_home");
+  EXPECT_EQ(around[0]["mission_s"], 60.0);
   // A corner of the zone is widened by an octagon, whose corners are 12.426 and 30 m away from it.
-  const json around = bye_of(AgentKind::kUav);
-  ASSERT_EQ(around["via"].size(), 2U) << around;
   const double x_m[] = {1112.426, 887.574};
+  ASSERT_EQ(around[0]["via"].size(), 2U) << around[0];
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_NEAR(around["via"][i]["x_m"], x_m[i], 0.01);
-    EXPECT_NEAR(around["via"][i]["y_m"], 130, 0.01);
+    EXPECT_NEAR(around[0]["via"][i]["x_m"], x_m[i], 0.01);
+    EXPECT_NEAR(around[0]["via"][i]["y_m"], 130, 0.01);
   }
-  EXPECT_EQ(bye_of(AgentKind::kWorker), straight);
+  EXPECT_TRUE(told(&session, &uav, {2100, 0}, 90).empty()) << "the corners are the same";
+  const std::vector<json> straight = told(&session, &uav, {500, 0}, 120);
+  ASSERT_EQ(straight.size(), 1U);
+  EXPECT_TRUE(straight[0]["via"].empty());
+  EXPECT_TRUE(told(&other, &worker, {2000, 0}, 60).empty());
+  session.Bye("over");
+  EXPECT_EQ(json::parse(session.TakeLines().at(0)), (json{{"type", "bye"}, {"reason", "over"}}));
 }
 
 TEST(DriverSession, TakesMessagesToPeople) {
@@ -260,6 +275,7 @@ TEST(DriverSession, TellsHowUrgentATaskIs) {
   Scenario scenario = Small();
   scenario.tasks[0].priority = Priority::kEmergency;
   scenario.tasks[0].due_us = 900 * kSecondUs;
+  scenario.tasks[0].note = "third floor";
   AgentState agent = StartOf(AgentKind::kUav, 0, scenario.uavs[0], *scenario.ways);
   DriverSession session(scenario, agent, 0, 0, {});
   ASSERT_EQ(session.Hear(std::string_view(R"({"type":"hello","version":1})"), 0), "");
@@ -269,6 +285,7 @@ TEST(DriverSession, TellsHowUrgentATaskIs) {
   const json sent = json::parse(session.TakeLines().at(0));
   EXPECT_EQ(sent["priority"], 3);
   EXPECT_EQ(sent["due_s"], 900.0);
+  EXPECT_EQ(sent["task_note"], "third floor");
 }
 
 TEST(DriverSession, LeadsAnAgentToATaskAndThroughIt) {

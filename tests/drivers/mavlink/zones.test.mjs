@@ -87,6 +87,11 @@ for (const kind of ["ardupilot", "px4"]) {
 /** Corners of the way from (1500, 400) to the start at (500, 400) around a zone at (1000, 400), and how near it came to its middle. */
 const VIA = [{ x_m: 1130, y_m: 530 }, { x_m: 870, y_m: 530 }];
 
+function isOver(box, via) {
+  box.tell({ type: "way_home", mission_s: box.now, via });
+  box.tell({ type: "bye", reason: "over" });
+}
+
 function comesHome(box) {
   let nearest_m = Infinity;
   box.until(() => {
@@ -108,7 +113,7 @@ function atItsPlace(kind, options) {
 for (const kind of ["ardupilot", "px4"]) {
   test(`${kind}: the mission is over: it comes home around zones`, () => {
     const box = atItsPlace(kind);
-    box.tell({ type: "bye", reason: "over", via: VIA });
+    isOver(box, VIA);
     const nearest_m = comesHome(box);
     assert.ok(nearest_m > 125, `${nearest_m} m`);
     assert.equal(box.copter.breaches, 0);
@@ -118,7 +123,7 @@ for (const kind of ["ardupilot", "px4"]) {
 
   test(`${kind}: its driver leaves the way home to another program, which flies the rest of it`, () => {
     const box = atItsPlace(kind);
-    box.tell({ type: "bye", reason: "over", via: VIA });
+    isOver(box, VIA);
     box.driver.leaveWayHome();
     assert.equal(box.driver.exitCode, 0);
     box.isDead = true;
@@ -132,18 +137,47 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.kept, null, "its settings are as they were");
   });
 
-  test(`${kind}: on its way home around zones its battery gets low: it comes home straight`, () => {
+  test(`${kind}: its battery is at the reserve: it comes home around zones, also when that happens on its way home`, () => {
+    for (const isLate of [false, true]) {
+      const box = atItsPlace(kind);
+      box.tell({ type: "way_home", mission_s: box.now, via: VIA });
+      if (isLate) {
+        box.tell({ type: "bye", reason: "over" });
+        box.run(10);
+      }
+      box.copter.battery_percent = 24.9;
+      if (!isLate) box.until(() => box.failure?.startsWith("its battery is low: 24 %"), 3, "failed");
+      const nearest_m = comesHome(box);
+      assert.ok(nearest_m > 125, `${nearest_m} m`);
+      assert.equal(box.copter.breaches, 0);
+    }
+  });
+
+  test(`${kind}: on its way home around zones its battery is nearly empty: it lands`, () => {
     const box = atItsPlace(kind);
-    box.tell({ type: "bye", reason: "over", via: VIA });
+    isOver(box, VIA);
     box.run(10);
-    box.copter.battery_percent = 23;
-    box.until(() => box.copter.mode === "RTL", 3, "straight home");
-    assert.ok(box.notes.some((note) => /^its battery is low: 2\d %.*; it does not fly around zones any more$/.test(note)), box.notes.join("; "));
+    box.copter.cell_v = 3.1;
+    box.until(() => box.copter.mode === "LAND" || !box.copter.armed, 60, "landing");
+    assert.ok(box.notes.some((note) => /; it does not fly around zones any more$/.test(note)), box.notes.join("; "));
+  });
+
+  test(`${kind}: with nothing to do it lands at home around zones, also when one comes on its way`, () => {
+    const box = atItsPlace(kind, { options: { landIdle: 60 } });
+    box.tell({ type: "way_home", mission_s: box.now, via: VIA });
+    box.until(() => box.distanceTo(VIA[0]) < 50, 300, "on its way home");
+    const further = [VIA[0], { x_m: 1000, y_m: 700 }, { x_m: 700, y_m: 530 }];
+    box.tell({ type: "way_home", mission_s: box.now, via: further });
+    let highest_m = 0;
+    box.until(() => ((highest_m = Math.max(highest_m, box.place.y_m)), !box.copter.armed), 900, "landed");
+    assert.ok(highest_m > 690, `${highest_m} m`);
+    assert.ok(box.distanceTo(START) < 10, "at home");
+    assert.equal(box.failure, null);
   });
 
   test(`${kind}: on its way home around zones the pilot takes over: nothing is commanded any more`, () => {
     const box = atItsPlace(kind);
-    box.tell({ type: "bye", reason: "over", via: VIA });
+    isOver(box, VIA);
     box.run(10);
     box.copter.setMode(kind === "px4" ? "POSCTL" : "LOITER");
     box.until(() => box.driver.exitCode !== null, 60, "hands off");
@@ -153,7 +187,7 @@ for (const kind of ["ardupilot", "px4"]) {
 
 test("the program that brings it home ends when it hears nothing any more", () => {
   const box = atItsPlace("ardupilot");
-  box.tell({ type: "bye", reason: "over", via: VIA });
+  isOver(box, VIA);
   box.driver.leaveWayHome();
   box.startDriver({ ...box.driver.options, after: 1 });
   box.driver.restore();
@@ -167,7 +201,7 @@ test("the program that brings it home ends when it hears nothing any more", () =
 
 test("nobody flies the way home of a mission before", () => {
   const box = atItsPlace("ardupilot");
-  box.kept.wayHome = { greeting: box.greeting, plan: box.driver.plan, corners: [{ x_m: 3000, y_m: 2500 }] };
+  box.kept.wayHome = { greeting: box.greeting, plan: box.driver.plan, homeward: [{ x_m: 3000, y_m: 2500 }] };
   box.tell({ type: "bye", reason: "over" });
   box.driver.leaveWayHome();
   assert.equal(box.kept.wayHome, null);
@@ -183,10 +217,27 @@ test("nobody flies the way home of a mission before", () => {
 test("a way home that is none is passed over", () => {
   for (const via of [null, 7, "x", {}, [null, 3, {}], [{ x_m: 1e9, y_m: 0 }]]) {
     const box = atItsPlace("ardupilot");
-    box.tell({ type: "bye", reason: "over", via });
+    isOver(box, via);
     comesHome(box);
     box.until(() => box.driver.exitCode === 0, 60, "its end");
   }
+});
+
+test("it is said once that the autopilot's own return leads through zones, and only then", () => {
+  const told = (before, oaType) => {
+    const box = new Box();
+    box.copter.settings.OA_TYPE = oaType;
+    if (before) add(box, "zone:0", around(2000, 2000));
+    box.ready();
+    add(box, "heli", around(3000, 2000));
+    add(box, "crowd", around(3000, 2600));
+    return box.notes.filter((note) => note.includes("set OA_TYPE to 2")).length;
+  };
+  assert.deepEqual([told(true, 0), told(false, 0), told(true, 2), told(true, 3)], [1, 1, 0, 0]);
+  const px4 = new Box({ kind: "px4" });
+  add(px4, "zone:0", around(2000, 2000));
+  px4.ready();
+  assert.ok(!px4.notes.some((note) => note.includes("OA_TYPE")));
 });
 
 test("what is read back is not what was written: it does not fly; in flight it says so, and tries again", () => {

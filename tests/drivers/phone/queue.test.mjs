@@ -94,6 +94,18 @@ test("a task's name is said with its number", () => {
   assert.equal(title(box.sync()), "Go to task 12, School");
 });
 
+test("what people should know of a task is said until it is done", () => {
+  const box = new Box();
+  const has = () => lines(box.sync(), 0, 0).includes("Third floor, ring twice");
+  box.goTo(box.hello.at, { task_note: "Third floor, ring twice" });
+  assert.ok(has(), "on the way");
+  box.pass(1);
+  box.press("here", { order: 1 });
+  assert.ok(has(), "while waiting");
+  box.work("sense");
+  assert.ok(has(), "at work");
+});
+
 test("a vehicle is asked for the battery, and one who begins later is told when", () => {
   const box = new Box(helloOf({ agent: "vehicle:0", class: "vehicle", online_from_s: 600, rate: 60 }));
   assert.deepEqual(lines(box.sync(), 0, 0), ["You take part from 0:10:00, in 10 min."]);

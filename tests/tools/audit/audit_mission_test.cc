@@ -307,6 +307,34 @@ TEST(AuditMission, CatchesAMeetingThatLastsTooShort) {
   EXPECT_NE(violation.text.find("should take"), std::string::npos) << violation.text;
 }
 
+TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 60 * kMinuteUs;
+  Scenario scenario = Generate(settings, 1);
+  ScenarioAir air;
+  PlannedZone& zone = air.zones.emplace_back();
+  zone.zone.rings = {{{0, 0}, {30'000, 0}, {30'000, 30'000}, {0, 30'000}}};
+  zone.lower_m = 60;
+  UseAir(std::move(air), &scenario);
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), "certified",
+           [&](const Packet& packet) { packets.push_back(packet); });
+  ASSERT_EQ(FirstViolation(packets).text, "");
+  bool is_edited = false;
+  EditAll<clearances_t>(&packets, channel::kClearances, [&](clearances_t& message) {
+    for (clearance_t& c : message.clearances) {
+      EXPECT_LE(c.to_m, 50);
+      if (message.decision == 1 && c.decision == 1 && !is_edited) c.to_m = 120, is_edited = true;
+    }
+    return message.decision == 1;
+  });
+  ASSERT_TRUE(is_edited);
+  const audit::Violation violation = FirstViolation(packets);
+  EXPECT_EQ(violation.invariant, "separation");
+  EXPECT_NE(violation.text.find("in a zone that begins at 60.0 m"), std::string::npos)
+      << violation.text;
+}
+
 TEST(AuditMission, CatchesAltitudesThatDoNotKeepUavsApart) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 60 * kMinuteUs;

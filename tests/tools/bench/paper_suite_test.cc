@@ -131,6 +131,48 @@ TEST_F(PaperSuite, JobsMergeToTheSameRows) {
   EXPECT_THROW(MergePaperRuns(Small("again"), folders), InputError);
 }
 
+TEST_F(PaperSuite, JobsOfTheLongSuiteAreOfThatSuite) {
+  PaperOptions options = Small("jobs");
+  options.filter = {};
+  options.filter.longer = true;
+  testing::internal::CaptureStdout();
+  ListPaperJobs(options, "muster");
+  const std::string jobs = testing::internal::GetCapturedStdout();
+  EXPECT_NE(jobs.find("--suite paper-long "), std::string::npos);
+  EXPECT_EQ(jobs.find("--suite paper "), std::string::npos);
+}
+
+TEST_F(PaperSuite, NothingIsMergedThatIsMissingDoubledOrOfAnotherBuild) {
+  ASSERT_TRUE(RunPaperSuite(Small("whole")));
+  const std::string all = Read("whole");
+  const auto error_of = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> folders;
+    for (const std::string& name : names) folders.push_back((folder_ / name).string());
+    try {
+      MergePaperRuns(Small("merged"), folders);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  // A job that was killed in its last row.
+  fs::create_directory(folder_ / "torn");
+  Write("torn", all.substr(0, all.size() - 20));
+  const std::string missing = error_of({"torn"});
+  EXPECT_NE(missing.find("1 of 24 runs missing, the first Random_4 "), std::string::npos)
+      << missing;
+  EXPECT_NE(missing.find("run these jobs again: Random_4."), std::string::npos) << missing;
+  EXPECT_NE(error_of({"whole", "torn"}).find("each run once"), std::string::npos);
+  fs::create_directory(folder_ / "other");
+  std::string other = all;
+  const std::string build = BuildName();
+  other.replace(other.rfind(build), build.size(), std::string(build.size(), '0'));
+  Write("other", other);
+  EXPECT_NE(error_of({"other"}).find("build of Random_4"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "merged")) << "nothing is half-written";
+  EXPECT_EQ(error_of({"whole"}), "");
+}
+
 TEST_F(PaperSuite, AFolderOfPlacesHasAllTheirTables) {
   PaperOptions options = Small("data");
   options.data = (folder_ / "").string();

@@ -113,6 +113,15 @@ TEST_F(ZonesOption, WhatIsRestrictedFromTheGroundIsKeptOutOf) {
   EXPECT_EQ(said.back(), "  --authorised B2: there is no such zone");
 }
 
+TEST_F(ZonesOption, AZoneThatBeginsHighAboveTheGroundIsFlownBelow) {
+  const auto said = Take(Ed269("PROHIBITED", "200"));  // feet
+  ASSERT_EQ(scenario_.air->zones.size(), 1U);
+  EXPECT_DOUBLE_EQ(scenario_.air->zones[0].lower_m, 60.96);
+  EXPECT_EQ(said.back(), "  1 begin above the ground: UAVs fly below them");
+  EXPECT_EQ(Take(Ed269("PROHIBITED", "100")).size(), 1U) << "30 m are too low for that";
+  EXPECT_DOUBLE_EQ(scenario_.air->zones[0].lower_m, 30.48);
+}
+
 TEST_F(ZonesOption, TimesCountFromTheStartOfTheMission) {
   const auto json = Ed269("PROHIBITED", "0",
                           R"([{"permanent": "NO", "startDateTime": "2026-05-01T10:30:00Z", )"

@@ -68,6 +68,7 @@ TEST(ImportTasks, RowsBecomeReportsInTheOrderOfTheirTimes) {
   request.priority = "urgency";
   request.task_name = "what";
   request.external_id = "ref";
+  request.task_note = "what";
   request.settings.due_min = {Always(60), Always(40), Always(20), Always(10)};
   const ImportResult result = Import(ParseCsv(csv, "t.csv"), request);
   const std::vector<Task>& tasks = result.scenario.tasks;
@@ -82,6 +83,7 @@ TEST(ImportTasks, RowsBecomeReportsInTheOrderOfTheirTimes) {
   EXPECT_EQ(tasks[1].reported_us, 90 * kMinuteUs);
   EXPECT_EQ(tasks[1].priority, Priority::kHigh);
   EXPECT_EQ(tasks[1].name, "School");
+  EXPECT_EQ(tasks[1].note, "School");
   EXPECT_EQ(tasks[1].due_us, 110 * kMinuteUs);
   EXPECT_EQ(tasks[2].at, (Point{1500, 500}));  // as tasks[0]: each row is one
   EXPECT_EQ(tasks[2].reported_us, 150 * kMinuteUs);

@@ -243,6 +243,7 @@ export class Card {
     }
     if (run.timed) facts.push(...timeFacts(run, task));
     facts.push([say("takes"), say("{km} of range", { km: km(task.cost) })], [say("place"), placeWords(run, task)]);
+    if (task.note) facts.push([say("note"), isolated(task.note)]);
     return { title: `${taskName(task.id)}${task.name ? ` ${isolated(task.name)}` : ""}`, state: status, facts };
   }
 

@@ -19,6 +19,12 @@ function priorityChoice(chosen) {
 
 const times = () => [field(say("Due in, minutes from now"), decimal("due", null, { min: 0 })), field(say("Expires in, minutes from now"), decimal("expires", null, { min: 0 }))];
 
+/** Fields for what people call a task, and what they should know of it. */
+function namesOf({ name = "", note = "" }) {
+  const text = (key, value, maxlength) => element("input", { name: key, type: "text", maxlength, value, autocomplete: "off" });
+  return [field(say("Name"), text("name", name, 80)), field(say("Note"), text("note", note, 500))];
+}
+
 /** Fields for a circle around a place, { x, y } in metres; none for an area that is drawn. */
 function circleFields(place, label, radius_km) {
   const km = (m) => Math.round(m) / 1000;
@@ -52,14 +58,14 @@ export class OrderForm {
     this.#write(say("Add a task"), [
       field(say("East, km"), decimal("x", km(place.x))), field(say("North, km"), decimal("y", km(place.y))),
       priorityChoice(1), field(say("Takes, km of range"), decimal("cost", DEFAULT_COST_KM, { min: 0 })),
-      ...times(), field(say("Name"), element("input", { name: "name", type: "text", maxlength: 80, autocomplete: "off" }))], (values) => {
+      ...times(), ...namesOf({})], (values) => {
       const task = { x_km: values.x, y_km: values.y, cost_km: values.cost, priority: values.priority, ...timesOf(values, run) };
       const { width_m: w, height_m: h } = run.scenario;
       if (!(task.x_km >= 0 && task.x_km * 1000 <= w && task.y_km >= 0 && task.y_km * 1000 <= h)) {
         return say("The place is outside the area of {w} by {h} km.", { w: number(w / 1000), h: number(h / 1000) });
       }
       if (!(task.cost_km > 0)) return say("Sensing takes some range: more than 0 km.");
-      if (values.name) task.name = values.name;
+      for (const key of ["name", "note"]) if (values[key]) task[key] = values[key];
       return { order: "task_add", task };
     });
   }
@@ -102,11 +108,10 @@ export class OrderForm {
 
   /** Another priority, due time, expiry or name of a task. */
   change(run, task) {
-    this.#write(say("Change task {id}", { id: task.id }), [priorityChoice(task.priority ?? 1), ...times(),
-      field(say("Name"), element("input", { name: "name", type: "text", maxlength: 80, value: task.name ?? "", autocomplete: "off" }))], (values) => {
+    this.#write(say("Change task {id}", { id: task.id }), [priorityChoice(task.priority ?? 1), ...times(), ...namesOf(task)], (values) => {
       const order = { order: "task_change", task: task.id, ...timesOf(values, run) };
       if (values.priority !== (task.priority ?? 1)) order.priority = values.priority;
-      if (values.name !== (task.name ?? "")) order.name = values.name;
+      for (const key of ["name", "note"]) if (values[key] !== (task[key] ?? "")) order[key] = values[key];
       return Object.keys(order).length === 2 ? say("Nothing is other than it was.") : order;
     });
   }

@@ -113,8 +113,8 @@ export class Run {
     }
     /** Whether tasks have reports, due times, expiry and priorities: { reported, due, expires, priority, name }, null: none. */
     this.timed = s.task_times !== undefined;
-    (s.task_times ?? []).forEach(([reported, due, expires, priority, name], id) => {
-      Object.assign(this.tasks[id], { reported, due, expires, priority, name, vacant: reported === null });
+    (s.task_times ?? []).forEach(([reported, due, expires, priority, name, note], id) => {
+      Object.assign(this.tasks[id], { reported, due, expires, priority, name, note, vacant: reported === null });
     });
     for (let i = 0; i < s.charging_points.length; i += 3) {
       this.charging.push({ id: i / 3, x: s.charging_points[i], y: s.charging_points[i + 1],
@@ -123,8 +123,8 @@ export class Run {
   }
 
   /** A task that an order has added or changed. */
-  #takeTask([id, x, y, cost, reported, due, expires, priority, name]) {
-    Object.assign(this.tasks[id], { x, y, cost, reported, due, expires, priority, name, vacant: reported === null });
+  #takeTask([id, x, y, cost, reported, due, expires, priority, name, note]) {
+    Object.assign(this.tasks[id], { x, y, cost, reported, due, expires, priority, name, note, vacant: reported === null });
   }
 
   #addDecision([index, t, weight, bound, candidates, solveUs, policy, actions]) {

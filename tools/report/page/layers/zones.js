@@ -1,4 +1,5 @@
 import { say } from "../language.js";
+import { number } from "../dom.js";
 import { theme } from "../theme.js";
 import { closuresAt, closuresKey } from "./roads.js";
 
@@ -28,13 +29,44 @@ export function zoneAt(run, t, { x, y }) {
   return zonesAt(run, t).findLast(({ rings }) => rings.reduce((n, places) => n + crosses(places), 0) % 2 === 1);
 }
 
-/** The zones that UAVs keep out of. */
+/** Those that UAVs fly below at that time: [name, where it begins in m, until when or null, rings] each. */
+const highZonesAt = (run, t) => (run.scenario.air?.high_zones ?? []).filter(([, , until]) => until === null || t < until);
+
+const TEXT_PX = 11;
+
+/** Dashed outlines, with the height where each begins in its middle, if there is room. */
+function drawHigh(c, high, { x, y }) {
+  c.save();
+  c.strokeStyle = c.fillStyle = theme.failed;
+  c.globalAlpha = 0.8;
+  c.setLineDash([6, 4]);
+  c.font = `${TEXT_PX}px system-ui, sans-serif`;
+  c.textAlign = "center";
+  for (const [name, from_m, , rings] of high) {
+    c.beginPath();
+    for (const places of rings) {
+      for (let i = 0; i < places.length; i += 2) c.lineTo(x(places[i]), y(places[i + 1]));
+      c.closePath();
+    }
+    c.stroke();
+    const xs = rings[0].filter((_, i) => i % 2 === 0).map(x), ys = rings[0].filter((_, i) => i % 2 === 1).map(y);
+    const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const words = say("from {m} m up", { m: number(from_m) }), text = name ? `${name}: ${words}` : words;
+    if (c.measureText(text).width < right - left && TEXT_PX * 2 < bottom - top) c.fillText(text, (left + right) / 2, (top + bottom) / 2);
+  }
+  c.restore();
+}
+
+/** The zones that UAVs keep out of, and those that they fly below. */
 export const zones = {
   id: "zones",
   title: say("Zones"),
   legend: [{ id: "zones", mark: '<path d="M2 2H22V10H2Z" class="l-zone"/>', long: true, words: say("zone that UAVs keep out of"),
-    shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , , rings]) => rings)) }],
+    shows: (run) => run.roadChanges.some(([, closures]) => closures.some(([, , , , rings]) => rings)) },
+  { id: "high-zones", mark: '<path d="M2 2H22V10H2Z" class="l-high-zone"/>', long: true, words: say("zone that UAVs fly below"),
+    shows: (run) => (run.scenario.air?.high_zones ?? []).length > 0 }],
   draw(c, { run, x, y, t }) {
+    drawHigh(c, highZonesAt(run, t), { x, y });
     const shown = zonesAt(run, t);
     if (shown.length === 0) return;
     const path = run.once(`zones ${closuresKey(closuresAt(run, t))}`, () => {
