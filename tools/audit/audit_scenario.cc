@@ -119,6 +119,27 @@ class Nearest {
   std::vector<Place> places_;  ///< from west to east
 };
 
+void TakeAir(const json& air, Scenario* s) {
+  s->margin_m = air.value("margin_km", 0.03) * kKm;
+  const json said = air.value("separation", json::object());
+  if (said.is_object()) {
+    const Scenario::Separation usual;
+    s->separation = {
+        said.value("horizontal_m", usual.across_m), said.value("vertical_m", usual.above_m),
+        said.value("lowest_m", usual.lowest_m), said.value("ceiling_m", usual.ceiling_m)};
+  }
+  for (const json& zone : air.value("zones", json::array())) {
+    const double lower_m = zone.value("lower_m", 0.0);
+    const bool is_high =
+        s->separation && lower_m >= s->separation->lowest_m + s->separation->above_m;
+    s->zones.push_back({is_high ? kForever : MinutesOr(zone, "from_min", 0)});
+    if (!is_high) continue;
+    s->high_zones.push_back({ReadZone(zone.dump()), lower_m - s->separation->above_m,
+                             MinutesOr(zone, "until_min", kForever)});
+  }
+  s->TakeWays();
+}
+
 }  // namespace
 
 std::int64_t Scenario::TimeOf(std::int64_t tick) const {
@@ -211,26 +232,7 @@ Scenario ParseScenario(const std::string& text, const std::string& roads) {
       s.closures.push_back({MinutesOr(closure, "from_min", 0)});
     }
   }
-  if (top.contains("air")) {
-    s.margin_m = top.at("air").value("margin_km", 0.03) * kKm;
-    const json said = top.at("air").value("separation", json::object());
-    if (said.is_object()) {
-      const Scenario::Separation usual;
-      s.separation = {
-          said.value("horizontal_m", usual.across_m), said.value("vertical_m", usual.above_m),
-          said.value("lowest_m", usual.lowest_m), said.value("ceiling_m", usual.ceiling_m)};
-    }
-    for (const json& zone : top.at("air").value("zones", json::array())) {
-      const double lower_m = zone.value("lower_m", 0.0);
-      const bool is_high =
-          s.separation && lower_m >= s.separation->lowest_m + s.separation->above_m;
-      s.zones.push_back({is_high ? kForever : MinutesOr(zone, "from_min", 0)});
-      if (!is_high) continue;
-      s.high_zones.push_back({ReadZone(zone.dump()), lower_m - s.separation->above_m,
-                              MinutesOr(zone, "until_min", kForever)});
-    }
-    s.TakeWays();
-  }
+  if (top.contains("air")) TakeAir(top.at("air"), &s);
   const Nearest charging(s.charges, *s.ways);
   for (const json& item : top.at("tasks")) {
     const Place at = PlaceOf(item);

@@ -6,6 +6,7 @@
 
 #include "base/options.h"
 #include "base/program.h"
+#include "base/say.h"
 #include "tools/drive/driver_check.h"
 
 namespace muster::tools {
@@ -80,6 +81,8 @@ int DriveCommand(int argc, const char* const* argv) {
   check.kind = *FromString<AgentKind>(arguments->Get("class"));
   if (arguments->Get("rate") != "max") check.rules.rate = arguments->Get<double>("rate");
   check.rules.lost_after_us = ToUs(arguments->Get<double>("lost-after"));
+  // As fast as possible it is over at once.
+  if (check.rules.rate > 0) check.progress = [](const std::string& what) { Say("{}\n", what); };
   const DriverCheckResult result = CheckDriver(check);
   if (arguments->Has("json")) {
     PrintJson(result);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <thread>
 
+#include "tools/host/progress.h"
+
 namespace muster::tools {
 namespace {
 
@@ -111,7 +113,10 @@ class Check {
         Wrong(fmt::format("it says that it cannot go on: {}", report.reason));
         over_ = true;
       }
-      if (report.kind == MeasuredReport::Kind::kNotReady) waits_ = report.reason;
+      if (report.kind == MeasuredReport::Kind::kNotReady && report.reason != waits_) {
+        waits_ = report.reason;
+        Tell("it waits for " + waits_);
+      }
       const std::string problem = ApplyReport(&agent_, report, t_, scenario_.tasks);
       if (!problem.empty()) Wrong(problem);
     }
@@ -197,7 +202,16 @@ class Check {
     return ToSeconds(t_ - from_us);
   }
 
-  std::string NumberOf(std::string_view what) { return fmt::format("{} {}", what, ++commands_); }
+  /// Of a command that it does now.
+  std::string NumberOf(std::string_view what) {
+    std::string command = fmt::format("{} {}", what, ++commands_);
+    Tell(command);
+    return command;
+  }
+
+  void Tell(std::string_view what) const {
+    if (options_.progress) options_.progress(fmt::format("{} {}", ClockText(t_), what));
+  }
 
   void GoAndDo(ActionKind kind, Point to) {
     if (!goes_on()) return;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ struct DriverCheckOptions {
   std::vector<std::string> argv;
   AgentKind kind = AgentKind::kUav;
   agents::DriverSession::Rules rules;
+  /// Takes words on what happens now, which may last for minutes; none: nobody wants them.
+  std::function<void(const std::string&)> progress;
 };
 
 /// What a driver did when it was tried.

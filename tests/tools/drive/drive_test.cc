@@ -49,6 +49,18 @@ class Drive : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(Drive, SaysWhatTheDriverDoesNow) {
+  DriverCheckOptions options;
+  options.argv = {*FindProgram("python3"), kExample, "--ready", "2"};
+  std::vector<std::string> said;
+  options.progress = [&](const std::string& what) { said.push_back(what); };
+  EXPECT_EQ(FirstWrong(CheckDriver(options)), "nothing");
+  ASSERT_EQ(said.size(), 8U);
+  EXPECT_NE(said[0].find(" it waits for "), std::string::npos) << said[0];
+  EXPECT_EQ(said[1], "0:02:00 goto 1");
+  EXPECT_NE(said[7].find(" goto 7"), std::string::npos) << said[7];
+}
+
 TEST_F(Drive, TheExampleDoesAllAsPlanned) {
   for (const AgentKind kind : kAgentKinds) {
     const DriverCheckResult result = Check({}, kind);
