@@ -1,7 +1,7 @@
 // What a UAV does: gets ready, takes off, goes to a place, lands, comes home. Generators, as talk.mjs has them; what goes wrong
 // is a Trouble.
 import { common } from "./frames.mjs";
-import { distance_m } from "../places.mjs";
+import { distance_m, towards } from "../places.mjs";
 import { Phase } from "./safety.mjs";
 import { Trouble } from "./talk.mjs";
 
@@ -18,6 +18,8 @@ const TURN_M = 6;
 /** Slower than this for so long on its way, it does not move. */
 const STUCK_M_S = 0.3, STUCK_S = 20;
 const CLIMB_M_S = 0.5;
+/** At which a mission that keeps UAVs apart counts on a change of altitude, from when it sets out (docs/reference/separation.md). */
+const RISE_M_S = 2.5, SINK_M_S = 1.5;
 /** Slower by so little is as fast. */
 const SLOWER_M_S = 0.1;
 const HOME_MESSAGE = 242;
@@ -222,10 +224,33 @@ export class Flight {
 
   /** Goes there by these corners, each taken off the list as it is passed; returns whether it is there, or `isReplaced()`. */
   *follow(corners, to, isReplaced) {
+    this.#changeAltitudeFirst(corners, to);
     if (!(yield* this.#pass(corners, isReplaced))) return false;
     const { vehicle, plan } = this;
     const isThere = () => distance_m(this.place, to) < THERE_M && vehicle.speed_m_s < THERE_M_S && Math.abs(vehicle.altitude_m - plan.altitude_m) < THERE_M;
     return yield* this.#goTo(to, isThere, isReplaced);
+  }
+
+  /**
+   * An autopilot flies straight to a place, and changes its altitude evenly all the way there. The mission counts on it being
+   * changed first: a place on the way is put in, at which it is to be that of the plan.
+   */
+  #changeAltitudeFirst(corners, to) {
+    const { vehicle, plan } = this;
+    const from_m = vehicle.altitude_m, change_m = plan.altitude_m - from_m;
+    if (Math.abs(change_m) < THERE_M) return;
+    const all_m = (Math.abs(change_m) / (change_m > 0 ? RISE_M_S : SINK_M_S)) * plan.cruise_m_s;
+    let flown_m = 0, from = this.place;
+    for (const [i, place] of [...corners, to].entries()) {
+      const part_m = distance_m(from, place);
+      if (flown_m + part_m >= all_m) {
+        corners.splice(i, 0, towards(from, place, all_m - flown_m));
+        return;
+      }
+      flown_m += part_m;
+      if (place !== to) place.altitude_m = from_m + (change_m * flown_m) / all_m;
+      from = place;
+    }
   }
 
   *#pass(corners, isReplaced) {
@@ -277,7 +302,7 @@ export class Flight {
   *#send(what, to) {
     const { talk, vehicle, plan } = this;
     if (!plan.area.mayBeSent(to)) throw new Trouble(`(${to.x_m?.toFixed(0)}, ${to.y_m?.toFixed(0)}) m is outside the area`);
-    yield* talk.command(what, vehicle.kind.goTo(plan.map.toDegrees(to), plan.altitude_m, plan.home, plan.cruise_m_s));
+    yield* talk.command(what, vehicle.kind.goTo(plan.map.toDegrees(to), to.altitude_m ?? plan.altitude_m, plan.home, plan.cruise_m_s));
   }
 
   /** Stops where it is. It may be a few metres outside by then. */

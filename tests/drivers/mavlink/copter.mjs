@@ -208,7 +208,13 @@ export class Copter {
     // A constant acceleration, and the speed from which it can still stop there.
     const way = { east: to.east - at.east, north: to.north - at.north };
     const left = Math.hypot(way.east, way.north);
-    const wanted = Math.min(this.cruise_m_s, Math.sqrt(1.6 * ACCELERATION * left), left / dt);
+    let wanted = Math.min(this.cruise_m_s, Math.sqrt(1.6 * ACCELERATION * left), left / dt), rise = this.up_m_s, sink = DOWN_M_S;
+    const slope = Math.abs(to.up - at.up) / left;
+    if (this.kind === "ardupilot" && this.mode === "GUIDED" && left > 1 && slope > 1e-3) {
+      // Straight to the place: what is slower, across or up, holds back the other.
+      wanted = Math.min(wanted, (to.up > at.up ? rise : sink) / slope);
+      rise = sink = wanted * slope;
+    }
     const aim = left > 1e-6 ? { east: (way.east / left) * wanted, north: (way.north / left) * wanted } : { east: 0, north: 0 };
     const change = { east: aim.east - this.speed.east, north: aim.north - this.speed.north };
     const size = Math.hypot(change.east, change.north), most = ACCELERATION * dt * 1.5;
@@ -217,9 +223,9 @@ export class Copter {
       this.speed[axis] += change[axis] * part;
       at[axis] += this.speed[axis] * dt;
     }
-    const down = this.mode === "LAND" || this.isDescending ? (at.up < LAND_BELOW_M ? LAND_M_S : DOWN_M_S) : DOWN_M_S;
+    const down = this.mode === "LAND" || this.isDescending ? (at.up < LAND_BELOW_M ? LAND_M_S : DOWN_M_S) : sink;
     const before = at.up;
-    at.up = Math.max(0, at.up + (this.fall_m_s > 0 ? -this.fall_m_s * dt : Math.max(-down * dt, Math.min(this.up_m_s * dt, to.up - at.up))));
+    at.up = Math.max(0, at.up + (this.fall_m_s > 0 ? -this.fall_m_s * dt : Math.max(-down * dt, Math.min(rise * dt, to.up - at.up))));
     this.climb_m_s = (at.up - before) / dt;
     if (this.mode === "TAKEOFF" && target && at.up > target.up - 0.5) this.setMode("GUIDED");
   }

@@ -84,6 +84,24 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.failure, null);
   });
 
+  test(`${kind}: it changes its altitude at the beginning of its way, as the mission counts on, also around corners`, () => {
+    for (const [via, altitude_m] of [[undefined, 120], [[{ x_m: 1560, y_m: 480 }, { x_m: 1800, y_m: 900 }], 30]]) {
+      const box = new Box({ kind, hello: { altitudes: { lowest_m: 30, highest_m: 120 } } }).ready();
+      const first = box.goTo(1500, 400, "wait", undefined, { altitude_m: 70 });
+      box.until(() => box.said("arrived", first).length, 300);
+      const from_s = box.now, from_m = box.copter.at.up;
+      const second = box.goTo(3300, 900, "wait", via, { altitude_m });
+      const planned = (s) => (altitude_m > from_m ? Math.min(altitude_m, from_m + 2.5 * s) : Math.max(altitude_m, from_m - 1.5 * s));
+      let worst_m = 0;
+      box.until(() => {
+        worst_m = Math.max(worst_m, Math.abs(box.copter.at.up - planned(box.now - from_s)));
+        return box.said("arrived", second).length;
+      }, 400);
+      assert.ok(worst_m < 9, `${worst_m} m from the altitude that is planned`);
+      assert.equal(box.failure, null);
+    }
+  });
+
   test(`${kind}: does not fly in a mission whose highest altitude is above its ceiling`, () => {
     const box = new Box({ kind, options: { ceiling: 100 }, hello: { altitudes: { lowest_m: 30, highest_m: 120 } } });
     box.run(5);
