@@ -93,16 +93,17 @@ else
 fi
 run=$!
 
-# Up to four jobs are killed, each in the midst of its runs.
-kills=0 last=
+# Jobs are killed in the midst of their runs, each at most twice: at the third time they are given up.
+kills=0
+declare -A times=()
 for ((i = 0; i < 1200 && kills < 4; ++i)); do
   kill -0 $run 2>/dev/null || break
   for rows in part/*/runs.csv; do
-    [[ -e $rows && $rows != "$last" ]] || continue
+    [[ -e $rows ]] && ((${times[$rows]-0} < 2)) || continue
     n=$(wc -l <"$rows")
     ((n >= 4 && n < 14)) || continue
     victim=$(pgrep --full --oldest -- "--out ${rows%/runs.csv}\$") || continue
-    kill -KILL "$victim" && kills=$((kills + 1)) last=$rows
+    kill -KILL "$victim" && kills=$((kills + 1)) times[$rows]=$((${times[$rows]-0} + 1))
   done
   if [[ $mode == slurm && $kills == 2 && -n ${slurmd-} ]]; then
     kill -KILL "$slurmd"
