@@ -166,10 +166,11 @@ export class OrderForm {
 
   #values() {
     const data = new FormData(this.form);
+    const text = (name) => String(data.get(name) ?? "").trim();
     const numeric = (name) => (String(data.get(name) ?? "").trim() === "" ? null : Number(data.get(name)));
     return { x: numeric("x"), y: numeric("y"), cost: numeric("cost"), priority: numeric("priority"), due: numeric("due"), expires: numeric("expires"),
       what: data.get("what"), uav: data.get("uav"), worker: data.get("worker"), radius: numeric("radius"), minutes: numeric("minutes"),
-      name: String(data.get("name") ?? "").trim() };
+      name: text("name"), note: text("note") };
   }
 
   #show(title, parts, buttons) {

@@ -8,7 +8,8 @@ import { HELD, OFFLINE, OPEN, RESERVED } from "./words.js";
 const AGAIN_MS = 1000; // between two questions for an order that is pending
 
 const changes = (fields) => [["priority", (v) => say("priority {priority}", { priority: PRIORITIES[v] })], ["due_min", (v) => say("due {time}", { time: clockText(v * 60000) })],
-  ["expires_min", (v) => say("expires {time}", { time: clockText(v * 60000) })], ["name", (v) => say("name {name}", { name: v })]]
+  ["expires_min", (v) => say("expires {time}", { time: clockText(v * 60000) })], ["name", (v) => say("name {name}", { name: v })],
+  ["note", (v) => say("note {note}", { note: v })]]
   .filter(([key]) => fields[key] !== undefined).map(([key, words]) => words(fields[key])).join(", ");
 
 function whereWords({ area_km: corners, circle_km: circle }) {

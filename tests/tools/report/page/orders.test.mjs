@@ -72,9 +72,10 @@ for (const [width, height, colorScheme] of LOOKS) {
     await page.locator("#order select[name=priority]").selectOption("emergency");
     await page.locator("#order input[name=due]").fill("20");
     await page.locator("#order input[name=name]").fill("school");
+    await page.locator("#order input[name=note]").fill("third floor");
     await accessible(page, "a new task");
     await press(page, "Next");
-    await soon(async () => assert.match(await page.locator("#order .asked").innerText(), /^Add a task at 7\.\d, [23]\.\d km: 3\.0 km of range, priority emergency, due 1:21:00, name school\.$/));
+    await soon(async () => assert.match(await page.locator("#order .asked").innerText(), /^Add a task at 7\.\d, [23]\.\d km: 3\.0 km of range, priority emergency, due 1:21:00, name school, note third floor\.$/));
     assert.equal(given.length, 0, "nothing is sent before it was asked back");
     await accessible(page, "asked back");
     await press(page, "Give the order");
@@ -82,16 +83,17 @@ for (const [width, height, colorScheme] of LOOKS) {
     assert.equal(given.length, 1);
     const [{ id: orderId, ...order }] = given;
     assert.match(orderId, /^page-/);
-    assert.deepEqual(order, { order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school" } });
+    assert.deepEqual(order, { order: "task_add", task: { x_km: place[0], y_km: place[1], cost_km: 3, priority: 3, due_min: 81, name: "school", note: "third floor" } });
     // The mission has it: it is on the map, in the table, and among what needs attention.
     const count = () => page.evaluate(() => window.muster.state.run.tasksTotal);
     const before = await count();
-    tell({ task_rows: [[id, place[0] * 1000, place[1] * 1000, 3000, 3660000, 4860000, null, 3, "school"]], tasks: [[id, 1, [3660000, 0]]], now_ms: 3690000 });
+    tell({ task_rows: [[id, place[0] * 1000, place[1] * 1000, 3000, 3660000, 4860000, null, 3, "school", "third floor"]], tasks: [[id, 1, [3660000, 0]]], now_ms: 3690000 });
     await page.waitForFunction((n) => window.muster.state.run.tasksTotal === n, before + 1);
     await soon(async () => assert.match(await page.locator("#attention-list .a-risk").first().innerText(), new RegExp(`task ${id}, emergency`)));
     if (phone) await page.locator("#sheet-handle").tap();
     await page.locator("#attention-list .a-risk").first().click();
     await soon(async () => assert.equal(await page.locator("#card-title").innerText(), `task ${id} school`));
+    await soon(async () => assert.match(await page.locator("#card-facts").innerText(), /third floor/));
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
     await accessible(page, "with the new task");
   });
