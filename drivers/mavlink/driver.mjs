@@ -55,7 +55,7 @@ export class Driver {
   isReady = false;
   /** Nobody tells it how high it is to fly. */
   isFree = true;
-  /** Corners of its way home around zones, as the mission told it last: each is taken off as it is passed. */
+  /** Corners of its way home around zones, as the mission told it last. On the last way home each is taken off as it is passed. */
   homeward = [];
   #work = null;
   #task = null;  // at which it is, or to which it is on its way
@@ -363,7 +363,8 @@ export class Driver {
     edge.note("nothing to do: it lands at home until it is sent somewhere");
     while (!isReplaced()) {
       const way = this.homeward, isAnother = () => isReplaced() || this.homeward !== way;
-      if (yield* flight.follow(way, plan.map.toMetres(plan.home), isAnother)) return yield* flight.land();
+      // A copy: sent back before the mission has told another way, it needs all of this one again.
+      if (yield* flight.follow([...way], plan.map.toMetres(plan.home), isAnother)) return yield* flight.land();
     }
   }
 

@@ -100,12 +100,12 @@ for ((i = 0; i < 1200 && kills < 4; ++i)); do
   kill -0 $run 2>/dev/null || break
   for rows in part/*/runs.csv; do
     [[ -e $rows ]] && ((${times[$rows]-0} < 2)) || continue
-    n=$(wc -l <"$rows")
+    n=$(wc -l <"$rows") || continue
     ((n >= 4 && n < 14)) || continue
     victim=$(pgrep --full --oldest -- "--out ${rows%/runs.csv}\$") || continue
     kill -KILL "$victim" && kills=$((kills + 1)) times[$rows]=$((${times[$rows]-0} + 1))
   done
-  if [[ $mode == slurm && $kills == 2 && -n ${slurmd-} ]]; then
+  if [[ $mode == slurm && $kills -ge 2 && -n ${slurmd-} ]]; then
     kill -KILL "$slurmd"
     slurmd -D >>slurmd.out 2>&1 &
     daemons+=($!)

@@ -214,7 +214,10 @@ class SeparationCheck {
   void CheckHighZones(const Plan& plan) {
     if (!plan.is_new) return;
     for (const Scenario::HighZone& zone : view_.scenario.high_zones) {
-      if (zone.until_us <= view_.now_us) continue;
+      const bool is_ever_higher =
+          std::any_of(plan.turns.begin(), plan.turns.end(),
+                      [&](const Plan::Turn& turn) { return turn.up_m > zone.highest_m; });
+      if (!is_ever_higher || zone.until_us <= view_.now_us) continue;
       for (std::int64_t t = view_.now_us;; t += kSecond_us) {
         const auto [at, up_m] = plan.At(t);
         if (up_m > zone.highest_m + kTolerance_m &&

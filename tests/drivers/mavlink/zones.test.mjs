@@ -175,6 +175,18 @@ for (const kind of ["ardupilot", "px4"]) {
     assert.equal(box.failure, null);
   });
 
+  test(`${kind}: sent back while it lands at home, it knows the whole way home`, () => {
+    const box = atItsPlace(kind, { options: { landIdle: 60 } });
+    box.tell({ type: "way_home", mission_s: box.now, via: VIA });
+    box.until(() => box.distanceTo(VIA[1]) < 60, 300, "past the first corner");
+    const back = box.goTo(1500, 400, "wait", [VIA[0]]);
+    box.until(() => box.said("arrived", back).length, 300);
+    box.tell({ type: "bye", reason: "over" });
+    const nearest_m = comesHome(box);
+    assert.ok(nearest_m > 125, `${nearest_m} m`);
+    assert.equal(box.copter.breaches, 0);
+  });
+
   test(`${kind}: on its way home around zones the pilot takes over: nothing is commanded any more`, () => {
     const box = atItsPlace(kind);
     isOver(box, VIA);
