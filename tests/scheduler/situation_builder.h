@@ -113,11 +113,16 @@ inline Situation RandomSituation(std::uint64_t seed, const RandomSize& size = {}
   builder.scenario().width_m = builder.scenario().height_m = size.area_km * 1e3;
   for (int i = 0; i < size.uavs; ++i) {
     const int energy = below(4);
-    builder.Uav(place(), energy == 0 ? 30e3 : energy == 1 ? below(5000) : 30e3 * random.Uniform());
+    // Each draw is a statement: compilers differ in the order of a call's arguments.
+    const double range_m = energy == 0 ? 30e3 : energy == 1 ? below(5000) : 30e3 * random.Uniform();
+    builder.Uav(place(), range_m);
   }
   for (int i = 0; i < size.workers; ++i) builder.Worker(place());
   for (int i = 0; i < size.vehicles; ++i) builder.Vehicle(place());
-  for (int i = 0; i < size.tasks; ++i) builder.Task(place(), 500.0 * (1 + below(6)));
+  for (int i = 0; i < size.tasks; ++i) {
+    const double cost_m = 500.0 * (1 + below(6));
+    builder.Task(place(), cost_m);
+  }
   for (int i = 0; i < size.charging_points; ++i) {
     const int capacity = below(4);
     builder.Charge(place(), capacity < 2    ? std::optional<int>(1)

@@ -28,6 +28,9 @@ export async function freePort(isTcp = false) {
   return port;
 }
 
+/** The report of muster drive --check --json, behind what it and the driver say meanwhile. */
+export const reportIn = (lines) => JSON.parse(lines.slice(lines.findIndex((line) => line.startsWith("{"))).join("\n"));
+
 /** A program whose lines are kept, and waited for. */
 export class Program {
   lines = [];

@@ -5,7 +5,7 @@ import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { setTimeout } from "node:timers/promises";
-import { AT, freePort, MAIN, ORIGIN, withPrograms } from "./programs.mjs";
+import { AT, freePort, MAIN, ORIGIN, reportIn, withPrograms } from "./programs.mjs";
 
 const TICK_S = 10;
 const SPEEDUP = 60;
@@ -39,7 +39,7 @@ for (const kind of ["ardupilot", "px4"]) {
     const check = start(MUSTER, ["drive", "--check", command, "--rate", String(SPEEDUP), "--json"]);
     const code = await check.ended;
     assert.equal(code, 0, check.lines.join("\n"));
-    const report = JSON.parse(check.lines.filter((line) => !line.startsWith("mavlink:")).join("\n"));
+    const report = reportIn(check.lines);
     assert.deepEqual(report.wrong, []);
     assert.deepEqual(report.steps.map(({ what }) => what), ["goto 1", "sense 2", "goto 3", "charge 4", "goto 5", "goto 6", "goto 7"]);
     assert.equal(existsSync(join(folder, "system-1.json")), false, "its settings are put back");

@@ -7,6 +7,7 @@ import { once } from "node:events";
 import { join } from "node:path";
 import { test } from "node:test";
 import { helloOf } from "./box.mjs";
+import { reportIn } from "../mavlink/programs.mjs";
 import { bePhone, linkOf, MAIN, sync, withPrograms } from "./programs.mjs";
 
 const MUSTER = process.env.MUSTER_PROGRAM;
@@ -20,7 +21,7 @@ for (const kind of ["worker", "vehicle"]) {
     test(`--auto passes muster drive --check as a ${kind} at ${rate}`, { skip: NO_MUSTER }, () => withPrograms(async ({ start }) => {
       const check = start(MUSTER, ["drive", "--check", commandOf("--auto"), "--class", kind, "--rate", rate, "--json"]);
       assert.equal(await check.ended, 0, check.lines.join("\n"));
-      const report = JSON.parse(check.lines.filter((line) => !line.startsWith("phone:")).join("\n"));
+      const report = reportIn(check.lines);
       assert.deepEqual([report.wrong, report.steps.map(({ what }) => what)], [[], STEPS[kind]]);
     }));
   }

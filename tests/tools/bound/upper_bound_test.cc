@@ -1,5 +1,6 @@
 #include "tools/bound/upper_bound.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <map>
 #include <string>
 
+#include "base/check.h"
 #include "base/random.h"
 #include "model/generator.h"
 #include "model/order.h"
@@ -20,6 +22,7 @@
 #include "tests/temporary_folder.h"
 #include "tools/bound/bound_command.h"
 #include "tools/bound/max_flow.h"
+#include "tools/bound/schedule_bound.h"
 #include "tools/record/run_record.h"
 
 namespace muster::tools {
@@ -127,7 +130,7 @@ GeneratorSettings Tiny(std::uint64_t seed) {
 
 TEST(UpperBound, HoldsAgainstEveryListOfCommands) {
   std::int64_t bounds = 0, bests = 0;
-  int exact = 0;
+  int exact = 0, exact_schedules = 0, lower = 0;
   constexpr int kScenarios = 120;
   for (std::uint64_t seed = 0; seed < kScenarios; ++seed) {
     Scenario scenario = Generate(Tiny(seed), seed);
@@ -136,6 +139,10 @@ TEST(UpperBound, HoldsAgainstEveryListOfCommands) {
     const std::int64_t bound = UpperBound(scenario);
     const std::int64_t best = BruteForce(scenario).Best();
     EXPECT_GE(bound, best) << "seed " << seed;
+    const double by_schedules = ScheduleBound(scenario, 100);
+    EXPECT_GE(by_schedules + 1e-6, static_cast<double>(best)) << "seed " << seed;
+    lower += std::floor(by_schedules + 1e-6) < static_cast<double>(bound);
+    exact_schedules += std::floor(by_schedules + 1e-6) == static_cast<double>(best);
     bounds += bound;
     bests += best;
     exact += bound == best;
@@ -143,6 +150,7 @@ TEST(UpperBound, HoldsAgainstEveryListOfCommands) {
   // A bound that says "all tasks" would pass the above and be worth nothing.
   EXPECT_LT(bounds, 3 * kScenarios * 3 / 4);
   EXPECT_GE(exact, kScenarios / 2) << bounds << " against " << bests;
+  EXPECT_GE(exact_schedules, exact) << lower;
 }
 
 std::int64_t Done(const Scenario& scenario, const std::string& policy) {
@@ -197,6 +205,7 @@ TEST(UpperBound, HoldsAgainstEveryListOfCommandsAroundZones) {
     }
     const std::int64_t best = BruteForce(with_zones).Best();
     EXPECT_GE(bound, best) << "seed " << seed;
+    EXPECT_GE(ScheduleBound(scenario, 100) + 1e-6, static_cast<double>(best)) << "seed " << seed;
     for (const char* policy : {"certified", "mpq", "horizon", "rollout-steps"}) {
       const std::int64_t by_policy = Done(scenario, policy);
       EXPECT_LE(by_policy, best) << policy << " seed " << seed;
@@ -228,11 +237,15 @@ TEST(UpperBound, HoldsForEveryPolicyUnderAllRulesAndDisturbances) {
     settings.placement = seed % 5 == 0 ? Placement::kContinuous : Placement::kCellCentres;
     if (seed % 6 == 0) settings.disturbances.wind = {0.1, 0.4};
     if (seed % 6 == 1) settings.disturbances.match_failure = {0.05, 0.1};
+    if (seed % 3 == 1) settings.arrivals.share = 0.5;
     const Scenario scenario = Generate(settings, seed);
     const std::int64_t bound = UpperBound(scenario);
+    const double by_schedules = ScheduleBound(scenario, 20);
     for (const char* policy :
          {"mpq", "kwta", "horizon", "horizon-steps", "rollout", "greedy-nearest"}) {
-      EXPECT_LE(Done(scenario, policy), bound) << policy << " seed " << seed;
+      const std::int64_t done = Done(scenario, policy);
+      EXPECT_LE(done, bound) << policy << " seed " << seed;
+      EXPECT_LE(static_cast<double>(done), by_schedules + 1e-6) << policy << " seed " << seed;
     }
   }
 }
@@ -288,6 +301,94 @@ TEST(UpperBound, KnowsWhatNobodyReaches) {
   EXPECT_EQ(UpperBound(scenario), 1);
 }
 
+TEST(ScheduleBound, CountsWaysBetweenTasks) {
+  Scenario scenario = Pair(30);
+  // Either is done 13 min after the start, and from there the other is 10 km away: the worker takes
+  // 20 min, and comes too late for both.
+  scenario.tasks = {{{5000, 0}, 3000}, {{0, 5000}, 3000}};
+  EXPECT_EQ(UpperBound(scenario), 2);
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 1, 1e-6);
+  // A task that is closer to the first one: 3 km, and 6 min of the worker's.
+  scenario.tasks[1].at = {5000, 3000};
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
+  // No round, no search.
+  EXPECT_EQ(ScheduleBound(scenario, 0), 2);
+}
+
+TEST(ScheduleBound, CountsRangeAndCharging) {
+  Scenario scenario = Pair(60);
+  scenario.rules.limit_us = 60 * kMinuteUs;
+  scenario.uavs[0].online_until_us = 60 * kMinuteUs;
+  scenario.tasks = {{{1000, 0}, 3000}, {{1000, 0}, 3000}, {{1000, 0}, 3000}};
+  // There, three times sensing, and back: 11 km.
+  scenario.uavs[0].range_full_m = scenario.uavs[0].range_m = 11e3;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 3, 1e-6);
+  scenario.uavs[0].range_full_m = scenario.uavs[0].range_m = 10.9e3;
+  EXPECT_EQ(UpperBound(scenario), 3);
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
+  // A vehicle at the charging point: 8 km in 8 min, so there is time for it.
+  AgentSpec vehicle;
+  vehicle.speed_m_s = 10;
+  vehicle.charge_rate_m_s = 1000.0 / 60;
+  vehicle.online_until_us = 60 * kMinuteUs;
+  scenario.vehicles = {vehicle};
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 3, 1e-6);
+  // It takes 100 min: there is none.
+  scenario.vehicles[0].charge_rate_m_s = 80.0 / 60;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
+  // It comes for the last ten minutes: too late to sense after it.
+  scenario.vehicles[0].charge_rate_m_s = 1000.0 / 60;
+  scenario.vehicles[0].online_from_us = 50 * kMinuteUs;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
+}
+
+TEST(ScheduleBound, KnowsWhenTasksAreReportedAndExpire) {
+  Scenario scenario = Pair(30);
+  scenario.tasks = {{{0, 0}, 3000}, {{0, 0}, 3000}};
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
+  // Known at the decisions at 20 min alone: one of them.
+  scenario.tasks[0].reported_us = scenario.tasks[1].reported_us = 15 * kMinuteUs;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 1, 1e-6);
+  scenario.tasks[0].reported_us = scenario.tasks[1].reported_us = 21 * kMinuteUs;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 0, 1e-6);
+  // 10 km of the worker's way are 20 min.
+  scenario.tasks = {{{10000, 0}, 3000}};
+  scenario.tasks[0].expires_us = 21 * kMinuteUs;
+  EXPECT_NEAR(ScheduleBound(scenario, 100), 1, 1e-6);
+  scenario.tasks[0].expires_us = 15 * kMinuteUs;
+  // A search ends where no lower whole number is left.
+  EXPECT_LT(ScheduleBound(scenario, 100), 1);
+}
+
+/// Few agents, who have long ways between tasks.
+Scenario FarApart() {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.uavs = 6;
+  settings.workers = 8;
+  settings.vehicles = 4;
+  settings.tasks = 25;
+  settings.rules.interval_us = 15 * kMinuteUs;
+  return Generate(settings, 3);
+}
+
+TEST(ScheduleBound, FallsRoundByRoundAndIsTheSameAgain) {
+  const Scenario scenario = FarApart();
+  const auto bounds = [&] {
+    std::vector<double> told;
+    const double last = ScheduleBound(scenario, 200, [&](std::int64_t round, double bound) {
+      EXPECT_EQ(round, static_cast<std::int64_t>(told.size()) + 1);
+      told.push_back(bound);
+    });
+    EXPECT_EQ(told.back(), last);
+    return told;
+  };
+  const std::vector<double> once = bounds();
+  EXPECT_TRUE(std::is_sorted(once.rbegin(), once.rend()));
+  EXPECT_LT(once.back(), static_cast<double>(UpperBound(scenario)));
+  EXPECT_LT(once.size(), 200u) << "no more rounds than the whole number needs";
+  EXPECT_EQ(bounds(), once);
+}
+
 TEST(MaxFlow, IsTheSmallestCut) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Random random(seed, Stream::kPolicy);
@@ -327,6 +428,22 @@ TEST(BoundCommand, CountsNoRoomForOrders) {
   ::testing::internal::CaptureStdout();
   EXPECT_EQ(BoundCommand(2, arguments), 0);
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "at most 120 of 120 tasks (100.0 %)\n");
+}
+
+TEST(BoundCommand, SearchesForALowerBound) {
+  const TemporaryFolder folder;
+  Scenario scenario = FarApart();
+  const auto bound = static_cast<int>(ScheduleBound(scenario, 100) + 1e-6);
+  const std::string file = folder.File("scenario.json");
+  std::ofstream(file) << ScenarioToJson(scenario);
+  const char* const arguments[] = {"muster bound", file.c_str(), "--effort", "1"};
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(BoundCommand(4, arguments), 0);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(),
+            fmt::format("at most {} of 25 tasks ({:.1f} %)\n", bound, 4.0 * bound));
+  scenario.rules.start_on_meeting = true;
+  std::ofstream(file) << ScenarioToJson(scenario);
+  EXPECT_THROW(BoundCommand(4, arguments), InputError);
 }
 
 }  // namespace
