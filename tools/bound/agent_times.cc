@@ -51,9 +51,9 @@ AgentTimes::AgentTimes(const Scenario& scenario)
   }
 }
 
-Times AgentTimes::TimesOf(const AgentSpec& agent) const {
+AgentReach AgentTimes::ReachOf(const AgentSpec& agent) const {
   const Rules& rules = scenario_.rules;
-  Times times;
+  AgentReach times;
   times.first = static_cast<std::int32_t>((agent.online_from_us + interval_us_ - 1) / interval_us_);
   const TimeUs end_us = std::min(agent.online_until_us, rules.limit_us);
   times.last = static_cast<std::int32_t>((end_us + interval_us_ - 1) / interval_us_) - 1;
@@ -130,7 +130,7 @@ void AgentTimes::AddUav(const AgentSpec& uav) {
   }
   UavTimes times;
   times.start_m = Ways(AgentKind::kUav, std::span(&uav.at, 1), places_);
-  times.tasks = TimesOf(uav);
+  times.tasks = ReachOf(uav);
   times.tasks.from_start = TakeUs(times.start_m, uav.speed_m_s, sensing_us);
   times.speed_m_s = uav.speed_m_s;
   times.range_m = uav.range_m;
@@ -149,7 +149,7 @@ void AgentTimes::AddPartner(AgentKind kind, const AgentSpec& agent,
     if (is_worker) LimitToTaskTimes(activity_us, &found->second);
     found->second.again = !is_worker;
   }
-  Times times = TimesOf(agent);
+  AgentReach times = ReachOf(agent);
   times.from_start =
       TakeUs(Ways(kind, std::span(&agent.at, 1), sites), agent.speed_m_s, activity_us);
   (is_worker ? workers_ : vehicles_).push_back({&found->second, std::move(times)});

@@ -29,14 +29,14 @@ class AgentTimes {
   };
   struct Partner {
     const Timetable* table;
-    Times times;
+    AgentReach times;
   };
   const std::vector<Uav>& uavs() const { return uavs_; }
   const std::vector<Partner>& workers() const { return workers_; }    ///< sites: tasks
   const std::vector<Partner>& vehicles() const { return vehicles_; }  ///< sites: charging points
 
  private:
-  Times TimesOf(const AgentSpec& agent) const;
+  AgentReach ReachOf(const AgentSpec& agent) const;
   std::vector<TimeUs> SensingTimes(double uav_speed_m_s) const;
   Timetable TableOf(std::span<const double> way_m, std::span<const TimeUs> activity_us,
                     double speed_m_s) const;

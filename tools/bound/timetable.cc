@@ -36,7 +36,7 @@ struct TwoBest {
 /// From the last decision back to the first: what can follow an activity at each site.
 class ListSearch {
  public:
-  ListSearch(const Timetable& table, const Times& agent, const Prices& prices)
+  ListSearch(const Timetable& table, const AgentReach& agent, const Prices& prices)
       : table_(table),
         agent_(agent),
         prices_(prices),
@@ -75,18 +75,18 @@ class ListSearch {
   }
 
  private:
-  /// Lists whose first activity is at that site; `after`, the site of the one before.
+  /// Lists whose first visit is at that site; `after`, the site of the one before.
   struct Ending {
     double worth = 0;
     std::int32_t free_at = -1;
-    std::int32_t next = -1;  ///< site of the second activity
+    std::int32_t next = -1;  ///< site of the second visit
     int rest = 0;
   };
   std::size_t Index(std::size_t place, std::int32_t decision) const {
     return place * At(table_.decisions) + At(decision);
   }
 
-  /// Offers the best list whose first activity is at x and ends between `from` and the agent's end,
+  /// Offers the best list whose first visit is at x and ends between `from` and the agent's end,
   /// and whose second is not at `after`.
   void Take(std::size_t x, std::int32_t from, std::int32_t after, TwoBest* best) const {
     from = std::max(from, table_.from[x]);
@@ -132,14 +132,14 @@ class ListSearch {
   }
 
   const Timetable& table_;
-  const Times& agent_;
+  const AgentReach& agent_;
   const Prices& prices_;
   const std::size_t n_;
   const std::int32_t end_;
   const std::size_t places_;
   std::vector<TwoBest> follows_;  ///< [places, decisions]
-  std::vector<std::array<Ending, 2>>
-      ending_;  ///< [sites, decisions + 1] by that decision or a later one
+  /// [sites, decisions + 1] after whose first visit the agent is free at that decision or later
+  std::vector<std::array<Ending, 2>> ending_;
 };
 
 /// Where a UAV can be, with what range, and what it has earned by then. What is worth most together
@@ -282,7 +282,7 @@ class FlightSearch {
 
 }  // namespace
 
-BestList BestListOf(const Timetable& table, const Times& agent, const Prices& prices) {
+BestList BestListOf(const Timetable& table, const AgentReach& agent, const Prices& prices) {
   return ListSearch(table, agent, prices).Best();
 }
 

@@ -38,7 +38,7 @@ class Prices {
 };
 
 /// When one agent can be where, at the earliest.
-struct Times {
+struct AgentReach {
   std::int32_t first = 0;          ///< its first decision
   std::int32_t last = -1;          ///< its last one; before `first`: none
   TimeUs latest_us = 0;            ///< its visits have ended
@@ -49,9 +49,8 @@ struct Times {
 /// are the sites.
 struct Timetable {
   TimeUs interval_us = 0;
-  std::int32_t decisions =
-      0;               ///< at which an agent can be free again: from 0 to the limit or after it
-  bool again = false;  ///< an agent may visit a site twice in a row
+  std::int32_t decisions = 0;      ///< at which an agent can be free again
+  bool again = false;              ///< an agent may visit a site twice in a row
   std::vector<TimeUs> between_us;  ///< [places, sites] from one place to a visit's end at the other
   std::vector<std::int32_t> between;  ///< the same in intervals, rounded up
   std::vector<std::int32_t> from;     ///< [sites] the first decision that a visit can end before
@@ -73,11 +72,11 @@ struct BestList {
   double worth = 0;
   std::vector<Visit> visits;
 };
-BestList BestListOf(const Timetable& table, const Times& agent, const Prices& prices);
+BestList BestListOf(const Timetable& table, const AgentReach& agent, const Prices& prices);
 
 /// A UAV, which has a range. Its places are the tasks, then the charging points.
 struct UavTimes {
-  Times tasks;                  ///< `from_start`: [tasks]
+  AgentReach tasks;             ///< `from_start`: [tasks]
   std::vector<double> start_m;  ///< [places] its way from where it starts
   double speed_m_s = 0;
   double range_m = 0, range_full_m = 0;

@@ -29,6 +29,7 @@ namespace {
 
 constexpr std::string_view kCommandLine = "command line";
 constexpr int kMostProcesses = 64;
+constexpr int kMostThink_s = 3600;
 constexpr const char* kSealed = "mission";
 constexpr const char* kSealedPerProcess = "per-process";
 
@@ -76,6 +77,12 @@ std::map<std::string, std::string> ReadPrograms(const std::vector<std::string>& 
 void AddLaunchOptions(Options* options) {
   AddMissionOptions(options);
   scheduler::AddDeadlineOption(options);
+  options
+      ->Add(
+          "think", "S",
+          "rollout, rollout-steps: search for S seconds at each decision, while the mission waits "
+          "(default: the policy's own search, so that decisions can be repeated)")
+      .Number(Above0(kMostThink_s));
   AddRateOption(options);
   options
       ->Add("processes", "CLASS=N,...",
@@ -175,6 +182,26 @@ void CheckSchedulers(const LaunchOptions& options) {
                      "no external policy with it: its answer may come too late at one scheduler "
                      "and in time at the other");
   }
+}
+
+/// --think is more search than there is time for, ended by the clock.
+void ReadDeadline(const Arguments& arguments, bool own_policy, LaunchOptions* options) {
+  arguments.Read("deadline", &options->deadline_ms);
+  if (!arguments.Has("think")) return;
+  const auto seconds = arguments.Get<double>("think");
+  const auto refuse = [&](std::string_view expected) {
+    throw InputError(kCommandLine, "--think", fmt::format("{} s", seconds), expected);
+  };
+  if (options->deadline_ms) refuse("no --deadline beside it, which says the same in milliseconds");
+  const std::string_view base = scheduler::BaseName(options->policy);
+  if (own_policy || (base != "rollout" && base != "rollout-steps")) {
+    refuse(fmt::format("--policy rollout or rollout-steps beside it, not {}", options->policy));
+  }
+  if (options->policy.find(":effort=") != std::string::npos) {
+    refuse("no --effort beside it, which is a fixed amount of search");
+  }
+  options->deadline_ms = 1000 * seconds;
+  options->policy += ":effort=1000";
 }
 
 std::vector<DriverPlan> ReadDrivers(const std::vector<std::string>& entries) {
@@ -302,7 +329,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     throw InputError(kCommandLine, "--second-log", "--logger lcm",
                      "--logger muster with it: stock lcm-logger knows of no second one");
   }
-  arguments->Read("deadline", &options.deadline_ms);
+  ReadDeadline(*arguments, own_policy, &options);
   // Throws where it does not fit.
   if (!own_policy) scheduler::MakePolicy(options.policy, options.deadline_ms);
   ReadProcesses(arguments->All("processes"), &options);

@@ -206,6 +206,28 @@ TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
   EXPECT_NE(ErrorOf({"a.json", "--processes", "uav=0"}), "");
 }
 
+TEST(LaunchOptions, ThinkingIsMoreSearchThatTheClockEnds) {
+  const LaunchOptions options = Parse({"a.json", "--think", "2.5"});
+  EXPECT_EQ(options.deadline_ms, 2500);
+  EXPECT_EQ(options.policy, "rollout-steps:effort=1000");
+  EXPECT_EQ(Parse({"a.json", "--think", "1", "--policy", "rollout", "--know-shifts"}).policy,
+            "rollout:shifts=1:effort=1000");
+  for (const char* think : {"0", "-1", "nan", "3601", "x"}) {
+    EXPECT_NE(ErrorOf({"a.json", "--think", think}), "") << think;
+  }
+  EXPECT_EQ(
+      ErrorOf({"a.json", "--policy", "mpq", "--think", "5"}),
+      "command line: --think: found 5 s, expected --policy rollout or rollout-steps beside it, "
+      "not mpq");
+  EXPECT_EQ(
+      ErrorOf({"a.json", "--deadline", "20", "--think", "5"}),
+      "command line: --think: found 5 s, expected no --deadline beside it, which says the same "
+      "in milliseconds");
+  EXPECT_EQ(ErrorOf({"a.json", "--effort", "3", "--think", "5"}),
+            "command line: --think: found 5 s, expected no --effort beside it, which is a fixed "
+            "amount of search");
+}
+
 TEST(PlanProcesses, TheSchedulerIsToldItsDeadline) {
   const auto scheduler = [](const LaunchOptions& options) {
     return PlanProcesses(options, ScenarioWith(3, 3, 1),
