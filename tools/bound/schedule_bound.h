@@ -17,7 +17,7 @@ using BoundProgress = std::function<void(std::int64_t round, double bound)>;
 /// worker are free again, neither sooner. So what an agent does is a list of visits (site,
 /// decision). Whatever moves and waiting lie between, the next visit of a list ends no sooner than
 /// the way takes from that decision on, and the sensing after it. A UAV has range for its ways and
-/// its sensing and for the way on to a charging point; charging takes the missing range at the
+/// its sensing and for the way on to a charging point; while it charges it gains range at the
 /// fastest vehicle's rate. The linear program: the most tasks in the UAVs' lists, where each agent
 /// has one list, each task is done once, and for each (site, decision) of a UAV there is a worker
 /// or a vehicle with the same visit. Every mission is a solution of it. Its columns, the lists, are

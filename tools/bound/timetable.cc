@@ -33,7 +33,7 @@ struct TwoBest {
   }
 };
 
-/// From the last decision back to the first: what can follow an activity at each site.
+/// From the last decision back to the first: what can follow a visit to each site.
 class ListSearch {
  public:
   ListSearch(const Timetable& table, const AgentReach& agent, const Prices& prices)
@@ -234,22 +234,26 @@ class FlightSearch {
       }
     }
     if (table_.most_charge_m_s <= 0) return;
+    // As much as there is time for: a vehicle that fails ends a charge before the UAV is full.
     for (std::size_t c = 0; c < table_.charging_points; ++c) {
       const double flown_m = way_m[n_tasks_ + c];
       const auto to = static_cast<std::int32_t>(n_tasks_ + c);
       if (flown_m > range_m + kRoundingM || to == place) continue;
-      const double missing_m = std::max(0.0, uav_.range_full_m - range_m + flown_m);
-      const TimeUs takes_us =
-          DurationUs(flown_m, uav_.speed_m_s) + DurationUs(missing_m, table_.most_charge_m_s);
-      const TimeUs done_us = begin_us + std::max<TimeUs>(0, takes_us - kRoundingUs);
-      if (done_us > uav_.tasks.latest_us) continue;
-      double least = kNoCharge;
-      for (std::int32_t end = std::max(e + 1, table_.tasks.DecisionAfter(done_us));
+      const TimeUs there_us =
+          begin_us + std::max<TimeUs>(0, DurationUs(flown_m, uav_.speed_m_s) - kRoundingUs);
+      if (there_us > uav_.tasks.latest_us) continue;
+      double least = kNoCharge, most_m = range_m - flown_m;
+      for (std::int32_t end = std::max(e + 1, table_.tasks.DecisionAfter(there_us));
            end <= std::min(end_, uav_.tasks.last); ++end) {
         const double charge = charges_[Visit{static_cast<std::int32_t>(c), end}];
-        if (charge >= least) continue;
-        least = charge;
-        Add({worth - charge, uav_.range_full_m, to, end, before, place});
+        const double after_m = std::min(
+            uav_.range_full_m,
+            range_m - flown_m +
+                table_.most_charge_m_s * ToSeconds(end * table_.tasks.interval_us - there_us));
+        if (charge >= least && after_m <= most_m) continue;
+        least = std::min(least, charge);
+        most_m = std::max(most_m, after_m);
+        Add({worth - charge, after_m, to, end, before, place});
       }
     }
   }

@@ -193,8 +193,7 @@ void ReadDeadline(const Arguments& arguments, bool own_policy, LaunchOptions* op
     throw InputError(kCommandLine, "--think", fmt::format("{} s", seconds), expected);
   };
   if (options->deadline_ms) refuse("no --deadline beside it, which says the same in milliseconds");
-  const std::string_view base = scheduler::BaseName(options->policy);
-  if (own_policy || (base != "rollout" && base != "rollout-steps")) {
+  if (own_policy || !scheduler::MakePolicy(options->policy)->Set("effort", 1000)) {
     refuse(fmt::format("--policy rollout or rollout-steps beside it, not {}", options->policy));
   }
   if (options->policy.find(":effort=") != std::string::npos) {

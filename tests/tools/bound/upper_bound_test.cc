@@ -237,6 +237,7 @@ TEST(UpperBound, HoldsForEveryPolicyUnderAllRulesAndDisturbances) {
     settings.placement = seed % 5 == 0 ? Placement::kContinuous : Placement::kCellCentres;
     if (seed % 6 == 0) settings.disturbances.wind = {0.1, 0.4};
     if (seed % 6 == 1) settings.disturbances.match_failure = {0.05, 0.1};
+    if (seed % 12 == 2) settings.disturbances.agent_failure = {0.05, 0.2};
     if (seed % 3 == 1) settings.arrivals.share = 0.5;
     const Scenario scenario = Generate(settings, seed);
     const std::int64_t bound = UpperBound(scenario);
@@ -326,15 +327,15 @@ TEST(ScheduleBound, CountsRangeAndCharging) {
   scenario.uavs[0].range_full_m = scenario.uavs[0].range_m = 10.9e3;
   EXPECT_EQ(UpperBound(scenario), 3);
   EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
-  // A vehicle at the charging point: 8 km in 8 min, so there is time for it.
+  // A vehicle at the charging point gives as much in six seconds.
   AgentSpec vehicle;
   vehicle.speed_m_s = 10;
   vehicle.charge_rate_m_s = 1000.0 / 60;
   vehicle.online_until_us = 60 * kMinuteUs;
   scenario.vehicles = {vehicle};
   EXPECT_NEAR(ScheduleBound(scenario, 100), 3, 1e-6);
-  // It takes 100 min: there is none.
-  scenario.vehicles[0].charge_rate_m_s = 80.0 / 60;
+  // It gives 60 m of range in an hour: 100 m are missing.
+  scenario.vehicles[0].charge_rate_m_s = 1.0 / 60;
   EXPECT_NEAR(ScheduleBound(scenario, 100), 2, 1e-6);
   // It comes for the last ten minutes: too late to sense after it.
   scenario.vehicles[0].charge_rate_m_s = 1000.0 / 60;
