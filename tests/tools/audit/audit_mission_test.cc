@@ -412,30 +412,6 @@ TEST(AuditMission, KnowsAltitudesThatAreNoMultiplesOfTheirDistance) {
   EXPECT_NE(FirstViolation(packets).text.find("is no altitude of this mission"), std::string::npos);
 }
 
-/// The order is kept as well as it can be: not at all.
-TEST(AuditMission, AllowsAUavNotToChargeAtAPointOutOfItsReach) {
-  GeneratorSettings settings = PresetByName("Random_1");
-  settings.rules.limit_us = 60 * kMinuteUs;
-  settings.online_min = {60, 60};
-  Scenario scenario = Generate(settings, 1);
-  for (ChargingPoint& point : scenario.charging_points) point.at = {15500, 15500};
-  scenario.charging_points[0].at = {500, 500};
-  // 21 km from the first point, at another one.
-  scenario.uavs[3].at = {15500, 15500};
-  scenario.uavs[3].range_m = 12e3;
-  AddRoom({1, {}}, &scenario);
-  const std::string charge =
-      R"({"id": "c", "at_min": 5, "order": "charge_now", "agents": ["uav:3"], "charge": 0})";
-  const auto violation = [&](const std::vector<world::PlannedOrder>& orders) {
-    std::vector<Packet> packets;
-    Simulate(
-        ScenarioToJson(scenario), "certified",
-        [&](const Packet& packet) { packets.push_back(packet); }, {}, orders);
-    return FirstViolation(packets).text;
-  };
-  EXPECT_EQ(violation({{ParseOrder(charge, "order"), charge}}), "");
-}
-
 TEST(AuditMission, CatchesACommandToAFailedAgent) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 90 * kMinuteUs;
