@@ -157,5 +157,26 @@ TEST(Layout, TheAuditorSharesNoRuleWithWhatItJudges) {
   }
 }
 
+TEST(Layout, EveryTestInJavaScriptIsInAListOfTests) {
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "tests")) {
+    const std::string name = entry.path().filename();
+    if (!name.ends_with(".test.mjs")) continue;
+    ++files;
+    fs::path folder = entry.path().parent_path();
+    while (!fs::exists(folder / "CMakeLists.txt")) folder = folder.parent_path();
+    // Listed with its name, or without its ending in a loop over the tests.
+    const std::string stem = name.substr(0, name.size() - std::string(".test.mjs").size());
+    const std::regex listed(
+        fmt::format(R"(.*[/ ]{0}\.test\.mjs.*|\s*foreach\(test.*\b{0}\b.*)", stem));
+    const std::vector<std::string> lines = Lines(folder / "CMakeLists.txt");
+    EXPECT_TRUE(
+        std::any_of(lines.begin(), lines.end(),
+                    [&](const std::string& line) { return std::regex_match(line, listed); }))
+        << entry.path() << " is in no list of " << folder / "CMakeLists.txt";
+  }
+  EXPECT_GT(files, 30);
+}
+
 }  // namespace
 }  // namespace muster

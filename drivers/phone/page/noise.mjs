@@ -29,7 +29,8 @@ export class Noise {
     const isNew = this.#last !== null && now !== this.#last;
     this.#last = now;
     if (!isNew) return;
-    navigator.vibrate?.(HUM_MS);
+    // A browser lets a page vibrate only after somebody has touched it, and complains where one tries before.
+    if (navigator.userActivation?.hasBeenActive !== false) navigator.vibrate?.(HUM_MS);
     if (this.button.getAttribute("aria-pressed") === "true") this.#ring();
   }
 

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { webcrypto } from "node:crypto";
 import { test } from "node:test";
 import { frame, roundLength_m } from "../../../drivers/phone/page/map.mjs";
+import { Noise } from "../../../drivers/phone/page/noise.mjs";
 import { Queue } from "../../../drivers/phone/page/queue.mjs";
 import { ahead, lengthOf } from "../../../drivers/phone/page/way.mjs";
 import { action, clock, direction, duration, length, lines, title, whereabouts } from "../../../drivers/phone/page/words.mjs";
@@ -193,4 +194,24 @@ test("a person is told when the partner is expected", () => {
   assert.match(said()[0], /in 6 min$/, "that is of another order");
   box.pass(12);
   assert.deepEqual(said(), [], "it is late: by how much nobody knows");
+});
+
+test("the phone vibrates when there is something new, and only after the page has been touched: browsers refuse it before", () => {
+  const userActivation = { hasBeenActive: false };
+  let times = 0;
+  const before = Object.getOwnPropertyDescriptor(globalThis, "navigator");
+  Object.defineProperty(globalThis, "navigator", { value: { userActivation, vibrate: () => times++ }, configurable: true });
+  try {
+    const noise = new Noise({ addEventListener() {}, setAttribute() {}, getAttribute: () => "false" }, null);
+    const heard = (now) => {
+      noise.hear(now);
+      return times;
+    };
+    assert.deepEqual([heard("wait"), heard("go to task 1")], [0, 0]);
+    userActivation.hasBeenActive = true;
+    assert.deepEqual([heard("go to task 1"), heard("go to task 2"), heard("go to task 2")], [0, 1, 1]);
+  } finally {
+    if (before) Object.defineProperty(globalThis, "navigator", before);
+    else delete globalThis.navigator;
+  }
 });
