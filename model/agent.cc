@@ -86,6 +86,25 @@ bool Takes(const AgentState& agent, const Activity& activity) {
   return IsOf(agent, activity);
 }
 
+/// The agent takes its part in an activity.
+void Take(AgentState* agent, const Activity& activity) {
+  agent->activity = activity;
+  agent->action = ActionOf(activity.kind);
+  agent->target = activity.site;
+  agent->partner = agent->kind == AgentKind::kUav ? activity.partner : activity.uav.value;
+  agent->busy_until_us = activity.end_us;
+}
+
+/// The meeting (Rules::start_on_meeting) that begins at t, as the agent is released from its leg:
+/// no part of what it was sent to.
+std::optional<Activity> NextMeeting(const AgentState& agent, const Verdict& verdict, TimeUs t) {
+  std::optional<Activity> meeting;
+  verdict.ForEachActivityOf(agent.kind, agent.id, [&](const Activity& activity) {
+    if (activity.start_us == t && !IsOf(agent, activity)) meeting = activity;
+  });
+  return meeting;
+}
+
 /// What was used of the range on a leg that is over does not depend on the ways of the present.
 void EndLeg(AgentState* agent, double range_m) {
   if (agent->kind != AgentKind::kUav || RangeOnArrival(*agent) == range_m) return;
@@ -326,23 +345,25 @@ void Settle(AgentState* agent, const Verdict& verdict, TimeUs t, std::span<const
     if (agent->measured && agent->measured->done && agent->busy_until_us < activity.start_us) {
       HasNotBegun(agent);  // what it said to be done with: its partner is late
     }
-    agent->activity = activity;
-    agent->action = ActionOf(activity.kind);
-    agent->target = activity.site;
-    agent->partner = agent->kind == AgentKind::kUav ? activity.partner : activity.uav.value;
-    agent->busy_until_us = activity.end_us;
+    Take(agent, activity);
   });
   bool failed = false;
+  std::optional<Activity> meeting;
   for (const Ruling& ruling : rulings) {
     if (ruling.fails()) {
       failed = true;
       if (!agent->failed) StopAt(agent, ruling.at_us, tasks);
     } else if (agent->action != ActionKind::kNone && EndsLeg(ruling, *agent, t)) {
+      meeting = NextMeeting(*agent, verdict, t);
       // A measured one has gone on until it is told.
       StopAt(agent, agent->measured ? t : std::max(ruling.at_us, agent->depart_us), tasks);
     }
   }
   agent->failed = failed;
+  if (meeting && !failed) {
+    if (agent->measured) agent->measured->arrived = true;
+    Take(agent, *meeting);
+  }
   if (agent->action != ActionKind::kNone && agent->busy_until_us <= t) {
     StopAt(agent, agent->busy_until_us, tasks);
   }

@@ -180,6 +180,37 @@ TEST(Agent, TakesAMeetingThatBeginsAfterItsWayInTheSameTick) {
   EXPECT_TRUE(worker.idle(150 * kSecondUs));
 }
 
+TEST(Agent, TakesAMeetingThatBeginsAsItIsReleased) {
+  // Its partner fails as the decision is due; at the same tick it meets another that is there.
+  constexpr TimeUs kTick = 1000 * kSecondUs;
+  AgentState uav = UavAtOrigin();
+  Begin(&uav, Sense(), 0, 0, {}, 1);  // arrives at 500 s
+  const Activity aborted{Activity::Kind::kSensing, UavId(0),        0, 0,
+                         900 * kSecondUs,          1200 * kSecondUs};
+  Settle(&uav, Verdict({aborted}, {}), 990 * kSecondUs, kTasks);
+  ASSERT_EQ(StatusAt(uav, 990 * kSecondUs), AgentStatus::kSensing);
+  const Activity meeting{Activity::Kind::kSensing, UavId(0), 1, 0, kTick, 1300 * kSecondUs};
+  const Ruling release{AgentKind::kUav, 0, Ruling::Kind::kReleased, kTick};
+  const Ruling order = release;
+  Settle(&uav, Verdict({aborted, meeting}, {release, order}), kTick, kTasks);
+  EXPECT_EQ(StatusAt(uav, kTick), AgentStatus::kSensing);
+  EXPECT_EQ(uav.partner, 1);
+  EXPECT_FALSE(uav.idle(1299 * kSecondUs));
+  EXPECT_TRUE(uav.idle(1300 * kSecondUs));
+
+  // Without a meeting, or failed as well, it is not at work.
+  for (const Ruling::Kind kind : {Ruling::Kind::kReleased, Ruling::Kind::kFailed}) {
+    AgentState other = UavAtOrigin();
+    Begin(&other, Sense(), 0, 0, {}, 1);
+    const bool fails = kind == Ruling::Kind::kFailed;
+    Settle(&other,
+           Verdict(fails ? std::vector{meeting} : std::vector<Activity>(),
+                   {release, {AgentKind::kUav, 0, kind, kTick}}),
+           kTick, kTasks);
+    EXPECT_EQ(StatusAt(other, kTick), fails ? AgentStatus::kFailed : AgentStatus::kIdle);
+  }
+}
+
 TEST(Agent, AnActivityOfNoLengthIsReleasedFromBeforeItBegins) {
   AgentState uav = UavAtOrigin();
   Begin(&uav, Sense(), 0, 0, {}, 1);  // arrives at 500 s

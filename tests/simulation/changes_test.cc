@@ -213,6 +213,25 @@ TEST(Changes, OutcomeDoesNotDependOnMeetings) {
   EXPECT_EQ(Digest(mission.record()), WholeDigest(scenario, "horizon"));
 }
 
+TEST(Changes, AnAgentMayMeetAsItsPartnerFails) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.uavs = 6;
+  settings.workers = 7;
+  settings.vehicles = 4;
+  settings.tasks = 40;
+  settings.rules.limit_us = 60 * kMinuteUs;
+  settings.rules.interval_us = 5 * kMinuteUs;
+  settings.rules.start_on_meeting = true;
+  settings.disturbances.agent_failure = {0.05, 0.2};
+  for (const std::uint64_t seed : {15, 23}) {  // where it happens
+    const Scenario scenario = Generate(settings, seed);
+    Mission mission(scenario, {}, 1, "horizon");
+    mission.RunToEnd();
+    EXPECT_TRUE(mission.ended()) << "seed " << seed;
+    EXPECT_EQ(Digest(mission.record()), WholeDigest(scenario, "horizon")) << "seed " << seed;
+  }
+}
+
 TEST(Changes, OutcomeDoesNotDependOnLossDuplicationOrOrder) {
   const std::string expected = WholeDigest(Disturbed());
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {

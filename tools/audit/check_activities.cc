@@ -33,12 +33,15 @@ bool CheckNewActivity(View& view, const Activity& activity) {
     view.Violate("task-twice", "{}: the task is done", Name(activity));
     return false;
   }
-  // A pair that is over may not have been settled yet.
-  const auto is_free = [&](const AgentModel& agent) {
-    return !agent.pair() || (agent.activity && agent.activity->end_us <= view.now_us);
+  // A pair that is over, or whose other member has failed, may not have been settled yet.
+  const auto is_free = [&](const AgentModel& agent, std::int32_t other) {
+    const bool is_over = agent.activity && agent.activity->end_us <= view.now_us;
+    const bool is_parted = agent.partner != other && view.released.contains({agent.kind, agent.id});
+    return !agent.pair() || is_over || is_parted;
   };
   const bool meeting = view.scenario.start_on_meeting && view.due >= 0 &&
-                       activity.start_us == view.now_us && is_free(uav) && is_free(partner);
+                       activity.start_us == view.now_us && is_free(uav, activity.partner) &&
+                       is_free(partner, activity.uav);
   if (meeting) return true;  // checked when the agents are settled
   if (uav.action != activity.action() || partner.action != activity.action() ||
       uav.partner != partner.id || partner.partner != uav.id || uav.target != activity.site ||

@@ -237,7 +237,7 @@ TEST(UpperBound, HoldsForEveryPolicyUnderAllRulesAndDisturbances) {
     settings.placement = seed % 5 == 0 ? Placement::kContinuous : Placement::kCellCentres;
     if (seed % 6 == 0) settings.disturbances.wind = {0.1, 0.4};
     if (seed % 6 == 1) settings.disturbances.match_failure = {0.05, 0.1};
-    if (seed % 12 == 2) settings.disturbances.agent_failure = {0.05, 0.2};
+    if (seed % 6 == 2) settings.disturbances.agent_failure = {0.05, 0.2};
     if (seed % 3 == 1) settings.arrivals.share = 0.5;
     const Scenario scenario = Generate(settings, seed);
     const std::int64_t bound = UpperBound(scenario);
