@@ -223,7 +223,7 @@ TEST(Changes, AnAgentMayMeetAsItsPartnerFails) {
   settings.rules.interval_us = 5 * kMinuteUs;
   settings.rules.start_on_meeting = true;
   settings.disturbances.agent_failure = {0.05, 0.2};
-  for (const std::uint64_t seed : {15, 23}) {  // where it happens
+  for (const std::uint64_t seed : {15U, 23U}) {  // where it happens
     const Scenario scenario = Generate(settings, seed);
     Mission mission(scenario, {}, 1, "horizon");
     mission.RunToEnd();

@@ -32,7 +32,7 @@ TEST(Parallel, EachIndexIsDoneOnceInTwoThreadsThatStay) {
 TEST(Parallel, WhatIsTooLittleOrForOneThreadStaysInIt) {
   for (const auto& [n, threads] : {std::pair(std::size_t{9}, 2), std::pair(std::size_t{10}, 1)}) {
     int calls = 0;
-    ParallelFor(n, threads, 10, [&](std::size_t begin, std::size_t end) {
+    ParallelFor(n, threads, 10, [&, n = n](std::size_t begin, std::size_t end) {
       EXPECT_EQ(begin, 0u);
       EXPECT_EQ(end, n);
       ++calls;

@@ -354,7 +354,7 @@ TEST(TaskStory, TellsWhatATaskLostToAndItsPrice) {
   EXPECT_EQ(json["verdict"], "lost");
   EXPECT_EQ(json["forcing"]["cost"], answer.forcing->cost);
   EXPECT_NEAR(json["forcing"]["cost"].get<double>(), 50, 3);
-  EXPECT_EQ(json["forcing"]["tasks_displaced"], nlohmann::json::array({0}));
+  EXPECT_EQ(json["forcing"]["tasks_displaced"], nlohmann::ordered_json::array({0}));
   EXPECT_EQ(json["lost_to"][0]["task"], 0);
   EXPECT_EQ(json["options"][0]["uav_did"]["task"], 0);
   EXPECT_EQ(json["options"][0]["pair"]["end_s"], 900.0);

@@ -191,7 +191,7 @@ TEST_F(KillTest, ASecondProcessOfANameIsRefusedAndNamed) {
         "3"};
     command.insert(command.end(), more.begin(), more.end());
     Child second({"second-" + name, command, folder_.File("second-" + name)});
-    EXPECT_TRUE(Eventually([&] {
+    EXPECT_TRUE(Eventually([&, name = name] {
       return muster.output().find("two processes send as " + name) != std::string::npos ||
              muster.child().Poll();
     })) << muster.output();

@@ -53,13 +53,13 @@ TEST_F(BaseMapTest, TheHighestZoomThatFitsIsEmbedded) {
   // A tile at zoom 12 is 9.8 km wide: with a tenth of the area around it 4 columns and 4 rows at
   // most are touched; in base64 each is some 800 bytes.
   const auto all = EmbeddedBaseMap(*tiles, Equator(), 100'000, &told);
-  EXPECT_EQ(all["zooms"], (nlohmann::json{12, 12}));
+  EXPECT_EQ(all["zooms"], (nlohmann::ordered_json{12, 12}));
   EXPECT_EQ(all["tiles"].size(), 9U) << told;  // from 1 km west to 11 km east: 3 columns
   EXPECT_TRUE(all["tiles"].contains("12/2048/2047"));
   EXPECT_EQ(all["source"], "us");
   EXPECT_EQ(told, "9 tiles of zoom 12, 7 kB");
   const auto few = EmbeddedBaseMap(*tiles, Equator(), 3'500, &told);
-  EXPECT_EQ(few["zooms"], (nlohmann::json{11, 11}));
+  EXPECT_EQ(few["zooms"], (nlohmann::ordered_json{11, 11}));
   EXPECT_EQ(few["tiles"].size(), 4U);
 }
 
@@ -76,7 +76,7 @@ TEST_F(BaseMapTest, WithTheBytesThatAreLeftTasksHaveTheNextZoom) {
     for (const auto& [key, tile] : embedded["tiles"].items()) {
       if (key.starts_with("12/")) closer.push_back(key);
     }
-    EXPECT_EQ(embedded["zooms"], (nlohmann::json{11, closer.empty() ? 11 : 12}));
+    EXPECT_EQ(embedded["zooms"], (nlohmann::ordered_json{11, closer.empty() ? 11 : 12}));
     return closer;
   };
   // Four tiles of zoom 11 take 3,208 bytes, each one more 802.
@@ -90,7 +90,7 @@ TEST_F(BaseMapTest, WhereEvenTheLowestTakesMoreTheMiddleIsThere) {
   const auto tiles = Made(Around(3000));
   std::string told;
   const auto map = EmbeddedBaseMap(*tiles, Equator(), 9'000, &told);
-  EXPECT_EQ(map["zooms"], (nlohmann::json{8, 8}));
+  EXPECT_EQ(map["zooms"], (nlohmann::ordered_json{8, 8}));
   EXPECT_EQ(map["tiles"].size(), 2U);
   EXPECT_NE(told.find("the middle of the area"), std::string::npos) << told;
 }
@@ -105,7 +105,7 @@ TEST_F(BaseMapTest, AFileThatEndsAtALowerZoomThereIsShownAtThat) {
   std::string told;
   const auto map = EmbeddedBaseMap(*Made(made), Equator(), 100'000, &told);
   EXPECT_EQ(told, "4 tiles of zoom 11 and 1 of zoom 12 around tasks, 4 kB");
-  EXPECT_EQ(map["zooms"], (nlohmann::json{11, 12}));
+  EXPECT_EQ(map["zooms"], (nlohmann::ordered_json{11, 12}));
 }
 
 TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
@@ -123,9 +123,10 @@ TEST_F(BaseMapTest, ShapesAreTakenToThePagesUnits) {
   const auto& tile = map["tiles"]["12/2048/2047"];
   EXPECT_EQ(map["units"], 1024);
   EXPECT_EQ(tile["shapes"].size(), 10U);
-  EXPECT_EQ(tile["shapes"][8], (nlohmann::json{{0, 0, 100, 200}}));  // (1, 1) is rounded away
-  EXPECT_EQ(tile["names"], (nlohmann::json{{512, 0, 1, "Null"}}));
-  EXPECT_EQ(tile["streets"], (nlohmann::json{{100, 200, 500, 0, 7, "Long Lane"}}));
+  EXPECT_EQ(tile["shapes"][8],
+            (nlohmann::ordered_json{{0, 0, 100, 200}}));  // (1, 1) is rounded away
+  EXPECT_EQ(tile["names"], (nlohmann::ordered_json{{512, 0, 1, "Null"}}));
+  EXPECT_EQ(tile["streets"], (nlohmann::ordered_json{{100, 200, 500, 0, 7, "Long Lane"}}));
   EXPECT_TRUE(BaseMapOf(*tiles, Equator())["vector"]);
 }
 
