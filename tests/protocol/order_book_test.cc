@@ -70,6 +70,32 @@ TEST(OrderBook, ATickThatWasHeardDamagedIsReadWhenItIsSaidAgain) {
   EXPECT_EQ(X_km(book, 120), 7);
 }
 
+TEST(OrderBook, WhatIsSaidAgainIsReadAgainOnlyIfItDiffers) {
+  OrderBook book(Roomy());
+  orders_t both = At(0, 0, {Add(120, 7)});
+  refused_order_t refused{};
+  refused.id = "other";
+  both.refused = {refused};
+  EXPECT_TRUE(book.Take(both));
+  std::int64_t version = book.version();
+  both.header.boot_id = 3;  // a world that has started again
+  EXPECT_TRUE(book.Take(both));
+  EXPECT_EQ(book.version(), version);
+  const auto is_read = [&](const auto& change) {
+    orders_t changed = both;
+    change(&changed);
+    EXPECT_TRUE(book.Take(changed));
+    const bool is_new = book.version() != version;
+    EXPECT_TRUE(book.Take(both));
+    version = book.version();
+    return is_new;
+  };
+  EXPECT_TRUE(is_read([](orders_t* o) { o->taken[0] = Add(120, 9), o->taken[0].id = "add-120"; }));
+  EXPECT_TRUE(is_read([](orders_t* o) { o->taken[0].id = "add"; }));
+  EXPECT_TRUE(is_read([](orders_t* o) { o->refused[0].id = "another"; }));
+  EXPECT_TRUE(is_read([](orders_t* o) { o->refused.clear(); }));
+}
+
 TEST(OrderBook, WaitsForWhatIsMissing) {
   OrderBook book(Roomy());
   EXPECT_TRUE(book.Take(At(5, 1, {Add(121, 8)})));
