@@ -1,10 +1,14 @@
 #include "scheduler/solver/matchings.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <queue>
 #include <utility>
+
+#include "scheduler/solver/parallel.h"
 
 namespace muster::scheduler {
 namespace {
@@ -16,8 +20,8 @@ constexpr Index kMorePlaces = 3;  ///< of a site, besides those in use, that pai
 
 }  // namespace
 
-Matchings::Matchings(const Instance& instance, const Dual& dual)
-    : instance_(instance), dual_(dual), planner_(instance, dual) {}
+Matchings::Matchings(const Instance& instance, const Dual& dual, int threads)
+    : instance_(instance), dual_(dual), planner_(instance, dual), threads_(threads) {}
 
 void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
   if (uav_arcs_.begin.empty()) {
@@ -25,6 +29,7 @@ void Matchings::Improve(Plan* plan, const std::function<bool()>& stop) {
     partner_arcs_ = PartnerArcsOf(instance_);
     work_ += static_cast<std::int64_t>(uav_arcs_.site_arc.size() + partner_arcs_.site_arc.size());
   }
+  regret_.assign(instance_.partner_arcs.size(), std::numeric_limits<double>::quiet_NaN());
   planner_.Weigh(plan);
   int idle = 0;
   for (std::uint32_t round = 0; idle < kIdle && !stop(); ++round) {
@@ -82,24 +87,41 @@ void Matchings::KeepOwn(const Plan& before, Plan* plan) const {
   }
 }
 
+template <class Add>
+Matchings::Edges Matchings::EdgesOf(std::size_t n_rows, const Add& add) const {
+  std::array<Edges, 2> halves;
+  ParallelFor(n_rows, threads_, 500, [&](std::size_t begin, std::size_t end) {
+    Edges& edges = halves[begin == 0 ? 0 : 1];
+    for (std::size_t k = begin; k < end; ++k) {
+      add(k, &edges);
+      edges.EndRow();
+    }
+  });
+  Edges edges = std::move(halves[0]);
+  const std::size_t n_first = edges.all.size();
+  edges.all.insert(edges.all.end(), halves[1].all.begin(), halves[1].all.end());
+  for (std::size_t k = 1; k < halves[1].begin.size(); ++k) {
+    edges.begin.push_back(n_first + halves[1].begin[k]);
+  }
+  return edges;
+}
+
 /// UAVs stay at their sites.
 Plan Matchings::MatchPartners(const Plan& plan) {
   std::vector<Index> rows;
   for (Index u = 0; u < instance_.n_uavs(); ++u) {
     if (plan.column[At(u)].site >= 0) rows.push_back(u);
   }
-  Edges edges;
-  for (const Index u : rows) {
-    const Index site = plan.column[At(u)].site;
+  const Edges edges = EdgesOf(rows.size(), [&](std::size_t k, Edges* of_row) {
+    const Index u = rows[k], site = plan.column[At(u)].site;
     const Column own = ColumnOf(u, -1, site);
     const double alone = std::max(instance_.uavs[At(u)].stay, WeightOf(own));
     for (Index j = instance_.partner_begin[At(site)]; j < instance_.partner_begin[At(site) + 1];
          ++j) {
       const Index p = instance_.partner_arcs[At(j)].partner;
-      edges.Add(p, WeightOf({site, own.uav_arc, j, 0}) - alone - OwnWeight(plan, p));
+      of_row->Add(p, WeightOf({site, own.uav_arc, j, 0}) - alone - OwnWeight(plan, p));
     }
-    edges.EndRow();
-  }
+  });
   const std::vector<Index> matched = Match(At(instance_.n_partners()), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -132,17 +154,18 @@ Plan Matchings::MatchSites(const Plan& plan) {
     places.insert(places.end(), At(n), s);
     place_begin.push_back(static_cast<Index>(places.size()));
   }
-  Edges edges;
-  for (const Half& half : rows) {
+  const Edges edges = EdgesOf(rows.size(), [&](std::size_t row, Edges* of_row) {
+    const Half& half = rows[row];
     double least = instance_.uavs[At(half.uav)].stay;
     if (half.partner >= 0) least += instance_.partners[At(half.partner)].stay;
     for (const auto& [site, arc] :
          half.partner >= 0 ? partner_arcs_.of(half.partner) : uav_arcs_.of(half.uav)) {
       const double gain = WeightOf(ColumnOf(half.uav, half.partner, site)) - least;
-      for (Index k = place_begin[At(site)]; k < place_begin[At(site) + 1]; ++k) edges.Add(k, gain);
+      for (Index k = place_begin[At(site)]; k < place_begin[At(site) + 1]; ++k) {
+        of_row->Add(k, gain);
+      }
     }
-    edges.EndRow();
-  }
+  });
   const std::vector<Index> matched = Match(places.size(), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -159,6 +182,7 @@ Plan Matchings::MatchUavs(const Plan& plan, std::uint32_t round) {
   for (const Column& column : plan.column) {
     if (column.partner_arc >= 0) rows.push_back({-1, planner_.PartnerOf(column), column.site});
   }
+  FindRegrets(plan);
   Plan rest = plan;  // but for the places that these take
   for (Index p = 0; p < instance_.n_partners(); ++p) {
     if (plan.partner_of[At(p)] >= 0) continue;
@@ -167,8 +191,8 @@ Plan Matchings::MatchUavs(const Plan& plan, std::uint32_t round) {
     if (plan.own[At(p)] == nullptr) --rest.free_places[At(site)];
     rows.push_back({-1, p, site});
   }
-  Edges edges;
-  for (const Half& half : rows) {
+  const Edges edges = EdgesOf(rows.size(), [&](std::size_t k, Edges* of_row) {
+    const Half& half = rows[k];
     const double own = OwnWeight(plan, half.partner);
     const Index j = partner_arcs_.Find(half.partner, half.site);
     for (Index i = instance_.uav_begin[At(half.site)]; i < instance_.uav_begin[At(half.site) + 1];
@@ -177,10 +201,9 @@ Plan Matchings::MatchUavs(const Plan& plan, std::uint32_t round) {
       const Column& column = plan.column[At(u)];
       const double alone =
           column.partner_arc < 0 ? planner_.WeightOf(u, column) : instance_.uavs[At(u)].stay;
-      edges.Add(u, WeightOf({half.site, i, j, 0}) - own - alone);
+      of_row->Add(u, WeightOf({half.site, i, j, 0}) - own - alone);
     }
-    edges.EndRow();
-  }
+  });
   const std::vector<Index> matched = Match(At(instance_.n_uavs()), edges);
   Plan next = planner_.Empty();
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -189,6 +212,31 @@ Plan Matchings::MatchUavs(const Plan& plan, std::uint32_t round) {
   }
   KeepOwn(plan, &next);
   return next;
+}
+
+/// Sets the regrets that SiteFor asks for.
+void Matchings::FindRegrets(const Plan& plan) {
+  ParallelFor(instance_.partners.size(), threads_, 500, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      if (plan.partner_of[p] >= 0 || plan.own[p] != nullptr) continue;
+      for (const auto& [s, j] : partner_arcs_.of(static_cast<Index>(p))) {
+        if (plan.free_places[At(s)] > 0 && std::isnan(regret_[At(j)])) {
+          regret_[At(j)] = LeastRegret(s, j);
+        }
+      }
+    }
+  });
+}
+
+/// The least regret of a UAV that goes to the site with the partner; infinity: none can.
+double Matchings::LeastRegret(Index s, Index j) const {
+  double regret = kInfinity;
+  for (Index i = instance_.uav_begin[At(s)]; i < instance_.uav_begin[At(s) + 1]; ++i) {
+    const Column column{s, i, j, 0};
+    if (WeightOf(column) == -kInfinity) continue;
+    regret = std::min(regret, planner_.Regret(instance_.uav_arcs[At(i)].uav, column));
+  }
+  return regret;
 }
 
 /// A site with a free place where the partner loses least with any UAV; of equal ones another in
@@ -200,15 +248,9 @@ Index Matchings::SiteFor(const Plan& plan, Index partner, std::uint32_t round) {
   std::uint32_t best_mix = 0;
   for (const auto& [s, j] : partner_arcs_.of(partner)) {
     if (plan.free_places[At(s)] <= 0) continue;
-    // The site's price is lost where nobody takes it.
-    double regret = kInfinity;
-    for (Index i = instance_.uav_begin[At(s)]; i < instance_.uav_begin[At(s) + 1]; ++i) {
-      const Column column{s, i, j, 0};
-      if (WeightOf(column) == -kInfinity) continue;
-      regret = std::min(regret, planner_.Regret(instance_.uav_arcs[At(i)].uav, column));
-    }
     work_ += instance_.uav_begin[At(s) + 1] - instance_.uav_begin[At(s)];
-    regret -= dual_.site_price(s);
+    // The site's price is lost where nobody takes it.
+    const double regret = regret_[At(j)] - dual_.site_price(s);
     const std::uint32_t mix = Mix(std::uint64_t{round} << 40 ^ At(s) << 20 ^ At(partner));
     if (regret < least - kAlike || (regret < least + kAlike && mix > best_mix && best >= 0)) {
       least = std::min(least, regret);

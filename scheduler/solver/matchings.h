@@ -17,10 +17,10 @@ namespace muster::scheduler {
 /// Memory and time of a matching grow with the arcs that may be used in it.
 class Matchings {
  public:
-  /// Both must outlive this.
-  Matchings(const Instance& instance, const Dual& dual);
+  /// Both must outlive this. threads: 1 or 2; no result depends on it.
+  Matchings(const Instance& instance, const Dual& dual, int threads);
 
-  /// Until no class can be matched better, or `stop`.
+  /// Until no class can be matched better, or `stop`; at the dual's prices, which stay as they are.
   void Improve(Plan* plan, const std::function<bool()>& stop);
   std::int64_t work() const { return work_; }
 
@@ -33,6 +33,8 @@ class Matchings {
   Plan MatchPartners(const Plan& plan);
   Plan MatchSites(const Plan& plan);
   Plan MatchUavs(const Plan& plan, std::uint32_t round);
+  void FindRegrets(const Plan& plan);
+  double LeastRegret(std::int32_t site, std::int32_t partner_arc) const;
   std::int32_t SiteFor(const Plan& plan, std::int32_t partner, std::uint32_t round);
   Column ColumnOf(std::int32_t uav, std::int32_t partner, std::int32_t site) const;
   /// Weight of the action, -infinity where it is not offered.
@@ -55,6 +57,9 @@ class Matchings {
     }
     void EndRow() { begin.push_back(all.size()); }
   };
+  /// Those that add(row, edges) adds.
+  template <class Add>
+  Edges EdgesOf(std::size_t n_rows, const Add& add) const;
   /// Of each row the column that it is matched to, or -1, for the largest sum of gains. Source:
   /// shortest augmenting paths with potentials (Edmonds and Karp 1972; Tomizawa 1971).
   std::vector<std::int32_t> Match(std::size_t n_columns, const Edges& edges);
@@ -62,7 +67,9 @@ class Matchings {
   const Instance& instance_;
   const Dual& dual_;
   Planner planner_;
+  int threads_;
   ArcsByAgent uav_arcs_, partner_arcs_;
+  std::vector<double> regret_;  ///< [n_partner_arcs] LeastRegret where it is known, or NaN
   std::int64_t work_ = 0;
 };
 

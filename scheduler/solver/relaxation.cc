@@ -31,17 +31,9 @@ constexpr std::size_t kRowsAnew = 20000;        ///< unless it has more rows,
 constexpr std::size_t kDiverse = 6;             ///< with so many columns of each UAV
 constexpr std::size_t kDrawn = 200;             ///< out of so many;
 constexpr double kAlikeAnew = 0.1;              ///< regrets that count as equal there.
-
-/// Columns in an order that differs from UAV to UAV, but for the regret.
-struct Keyed {
-  double alike;
-  std::uint32_t mix;
-  Column column;
-};
-bool Before(const Keyed& a, const Keyed& b) {
-  return std::tie(a.alike, a.mix, a.column.uav_arc, a.column.partner_arc) <
-         std::tie(b.alike, b.mix, b.column.uav_arc, b.column.partner_arc);
-}
+/// Its columns are listed up to this regret, in units of kAlikeAnew, and further if they are too
+/// few.
+constexpr std::array<double, 3> kListed = {3, 30, std::numeric_limits<double>::infinity()};
 
 /// Rows of the linear program: UAVs, partners, sites. More places than agents are of no use, and
 /// would drown what right-hand sides are raised by.
@@ -68,6 +60,11 @@ Relaxation::Relaxation(const Instance& instance, Dual* dual, int threads)
   std::sort(order_.begin(), order_.end(), [&](Index a, Index b) {
     return std::pair(instance.uavs[At(a)].place, a) < std::pair(instance.uavs[At(b)].place, b);
   });
+}
+
+bool Relaxation::Keyed::operator<(const Keyed& other) const {
+  return std::tie(alike, mix, column.uav_arc, column.partner_arc) <
+         std::tie(other.alike, other.mix, other.column.uav_arc, other.column.partner_arc);
 }
 
 std::uint32_t Relaxation::MixOf(Index uav, const Column& column) const {
@@ -106,7 +103,7 @@ void Relaxation::OffersOf(Index u, std::vector<Column>* columns, std::vector<Off
       const Column& c = (*columns)[k];
       keyed.push_back({std::floor(c.regret / kAlike), MixOf(u, c), c});
     }
-    std::nth_element(keyed.begin(), keyed.begin() + (kColumnsPerRound - 1), keyed.end(), Before);
+    std::nth_element(keyed.begin(), keyed.begin() + (kColumnsPerRound - 1), keyed.end());
     columns->resize(kColumnsPerRound);
     for (std::size_t k = 1; k < kColumnsPerRound; ++k) (*columns)[k] = keyed[k - 1].column;
   }
@@ -173,6 +170,31 @@ bool Relaxation::IsHard() const {
   return !anew_ && lp_.is_hard() && bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
 }
 
+/// Columns of the UAV for a program that is begun anew, in an order that differs from UAV to UAV:
+/// kDrawn of those with the least regret. Returns how many it looked at.
+std::int64_t Relaxation::Draw(Index u, std::vector<Column>* columns,
+                              std::vector<Keyed>* drawn) const {
+  std::int64_t looked_at = 0;
+  const auto alike = [](const Column& c) { return std::floor(c.regret / kAlikeAnew); };
+  for (const double most : kListed) {
+    columns->clear();
+    // All with a smaller regret than `most`, and some that have no smaller one.
+    PairsOf(u, (most + 0.5) * kAlikeAnew, columns);
+    looked_at += static_cast<std::int64_t>(columns->size());
+    const auto n_smaller = std::count_if(columns->begin(), columns->end(),
+                                         [&](const Column& c) { return alike(c) < most; });
+    if (At(static_cast<Index>(n_smaller)) >= kDrawn) break;
+  }
+  drawn->clear();
+  for (const Column& column : *columns) drawn->push_back({alike(column), MixOf(u, column), column});
+  if (drawn->size() > kDrawn) {
+    std::nth_element(drawn->begin(), drawn->begin() + kDrawn, drawn->end());
+    drawn->resize(kDrawn);
+  }
+  std::sort(drawn->begin(), drawn->end());
+  return looked_at;
+}
+
 /// Where nearly all columns tie, all UAVs are offered the same few partners and sites, round by
 /// round, and each round ends at a program that is of no use to the next. So the program is made
 /// anew: of a plan, which says how many can act together, and of columns of each UAV that share
@@ -188,7 +210,7 @@ void Relaxation::BeginAnew(const std::function<bool()>& stop) {
   anew_ = planner_.Empty();
   Plan& plan = *anew_;
   work_ += planner_.Fill(&plan);
-  Matchings matchings(instance_, dual_);
+  Matchings matchings(instance_, dual_, threads_);
   matchings.Improve(&plan, stop);
   work_ += matchings.work();
   for (Index u = 0; u < instance_.n_uavs(); ++u) {
@@ -198,8 +220,14 @@ void Relaxation::BeginAnew(const std::function<bool()>& stop) {
     if (plan.own[At(p)] != nullptr) AddSolo(p, plan.own[At(p)]);
   }
   lp_.Solve(std::numeric_limits<std::int64_t>::max() / 2, stop);
-  std::vector<Column> columns;
-  std::vector<Keyed> order;
+  AddDiverse(plan);
+}
+
+/// Columns of each UAV that share neither partner nor site, nor those of the plan.
+void Relaxation::AddDiverse(const Plan& plan) {
+  constexpr std::size_t kTogether = 1000;  ///< UAVs whose columns are drawn before they are added
+  std::vector<std::vector<Keyed>> drawn(std::min(instance_.uavs.size(), kTogether));
+  std::vector<std::int64_t> looked_at(drawn.size());
   // UAVs that have a column with the partner, at the site: the last of them.
   std::vector<Index> with_partner(instance_.partners.size(), -1);
   std::vector<Index> at_site(instance_.capacity.size(), -1);
@@ -217,22 +245,24 @@ void Relaxation::BeginAnew(const std::function<bool()>& stop) {
       at_site[At(column.site)] = u;
       if (const Index p = planner_.PartnerOf(column); p >= 0) with_partner[At(p)] = u;
     }
-    columns.clear();
-    PairsOf(u, std::numeric_limits<double>::infinity(), &columns);
-    work_ += 8 * dual_.n_arcs(u) + 8 * static_cast<std::int64_t>(columns.size());
-    order.clear();
-    for (const Column& column : columns) {
-      order.push_back({std::floor(column.regret / kAlikeAnew), MixOf(u, column), column});
+    const std::size_t k = At(u) % kTogether;
+    if (k == 0) {
+      const std::size_t n = std::min(instance_.uavs.size() - At(u), kTogether);
+      ParallelFor(n, threads_, 100, [&](std::size_t begin, std::size_t end) {
+        std::vector<Column> columns;
+        std::vector<Keyed> keyed;
+        for (std::size_t i = begin; i < end; ++i) {
+          looked_at[i] = Draw(u + static_cast<Index>(i), &columns, &keyed);
+          drawn[i].assign(keyed.begin(), keyed.end());
+        }
+      });
     }
-    if (order.size() > kDrawn) {
-      std::nth_element(order.begin(), order.begin() + kDrawn, order.end(), Before);
-      order.resize(kDrawn);
-    }
-    std::sort(order.begin(), order.end(), Before);
+    work_ += 8 * dual_.n_arcs(u) + 8 * looked_at[k];
     std::size_t added = 0;
-    for (std::size_t k = 0; k < order.size() && added < kDiverse; ++k) {
-      if (!is_new(order[k].column)) continue;
-      add(order[k].column);
+    for (const Keyed& next : drawn[k]) {
+      if (added == kDiverse) break;
+      if (!is_new(next.column)) continue;
+      add(next.column);
       ++added;
     }
   }

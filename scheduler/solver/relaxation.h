@@ -73,6 +73,13 @@ class Relaxation {
     std::int32_t uav;
     Column column;
   };
+  /// Columns in an order that differs from UAV to UAV, but for the regret.
+  struct Keyed {
+    double alike;
+    std::uint32_t mix;
+    Column column;
+    bool operator<(const Keyed& other) const;
+  };
   /// Whether the program has taken many steps without getting anywhere, so that it must begin anew.
   bool IsHard() const;
   void BeginAnew(const std::function<bool()>& stop);
@@ -80,6 +87,9 @@ class Relaxation {
   /// Orders equal columns, in the same way on every machine.
   std::uint32_t MixOf(std::int32_t uav, const Column& column) const;
   void PairsOf(std::int32_t uav, double most, std::vector<Column>* columns) const;
+  std::int64_t Draw(std::int32_t uav, std::vector<Column>* columns,
+                    std::vector<Keyed>* drawn) const;
+  void AddDiverse(const Plan& plan);
   void OffersOf(std::int32_t uav, std::vector<Column>* columns, std::vector<Offer>* offers) const;
   std::vector<Offer> Offers();
   bool AddOffers(const std::vector<Offer>& offers, const std::function<bool()>& stop,

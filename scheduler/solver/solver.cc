@@ -37,7 +37,7 @@ class Search {
         planner_(instance, dual_),
         relaxation_(instance, &dual_, limits.threads),
         chains_(instance, dual_),
-        matchings_(instance, dual_),
+        matchings_(instance, dual_, limits.threads),
         windows_(instance, dual_, &relaxation_) {
     const auto arcs =
         static_cast<std::int64_t>(instance.uav_arcs.size() + instance.partner_arcs.size());

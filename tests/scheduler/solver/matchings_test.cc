@@ -48,7 +48,7 @@ TEST(Matchings, PlansStayValidAndGetNoWorse) {
     planner.Fill(&plan);
     planner.Weigh(&plan);
     const double before = plan.weight;
-    Matchings matchings(instance, dual);
+    Matchings matchings(instance, dual, 1);
     matchings.Improve(&plan, Never);
     const Assignment assignment = AssignmentOf(plan);
     ASSERT_TRUE(IsValid(instance, assignment));
@@ -71,7 +71,7 @@ TEST(Matchings, ReachNearlyEveryOptimumOfSmallInstances) {
     dual.Evaluate();
     const Planner planner(instance, dual);
     Plan plan = Poor(instance, planner, dual);
-    Matchings matchings(instance, dual);
+    Matchings matchings(instance, dual, 1);
     matchings.Improve(&plan, Never);
     const double optimum = BruteForce(instance).Best();
     ASSERT_TRUE(IsValid(instance, AssignmentOf(plan)));
@@ -108,7 +108,7 @@ TEST(Matchings, APartnerThatIsLeftOverIsTakenAlong) {
   const Planner planner(instance, dual);
   Plan plan = planner.Empty();
   planner.Put(&plan, 0, {0, 0, 0, 0});  // UAV 0 and partner 0 where UAV 1 has its only site
-  Matchings matchings(instance, dual);
+  Matchings matchings(instance, dual, 1);
   matchings.Improve(&plan, Never);
   EXPECT_NEAR(plan.weight, 204, 1e-9);
   EXPECT_EQ(plan.partner_of[0], 1);
@@ -122,7 +122,7 @@ TEST(Matchings, StopWhenTheyAreTold) {
   const Planner planner(instance, dual);
   Plan plan = Poor(instance, planner, dual);
   const double before = plan.weight;
-  Matchings(instance, dual).Improve(&plan, [] { return true; });
+  Matchings(instance, dual, 2).Improve(&plan, [] { return true; });
   EXPECT_EQ(plan.weight, before);
 }
 
