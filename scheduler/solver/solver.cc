@@ -59,15 +59,15 @@ class Search {
     planner_.Weigh(&plan);
     best_ = plan;
     if (relaxation_.anew()) Keep(Plan(*relaxation_.anew()));
-    if (!Proven() && MayNeedMatchings()) {
-      matchings_.Improve(&plan, stop);
-      Keep(Plan(plan));
-    }
+    const bool ties = MayNeedMatchings();
+    if (!Proven() && ties) Match(&plan, stop);
     if (!Proven() && !IsCloseToLooseBound()) {
       windows_.ImproveFractions(&plan, stop);
       chains_.Improve(&plan, stop);
       windows_.ImproveLosers(&plan, stop);
-      Keep(std::move(plan));
+      Keep(Plan(plan));
+      // What these leave is often a partner or a site that all are short of.
+      if (!ties && Gap() > kWorthAnotherStart * relaxation_.bound()) Match(&plan, stop);
     }
     if (relaxation_.solved()) Branch();
     if (Gap() > kWorthAnotherStart * relaxation_.bound() && !IsCloseToLooseBound()) {
@@ -91,6 +91,10 @@ class Search {
   }
   bool Stop() const {
     return Work() > work_limit_ || (limits_.deadline && Clock::now() >= *limits_.deadline);
+  }
+  void Match(Plan* plan, const std::function<bool()>& stop) {
+    matchings_.Improve(plan, stop);
+    Keep(Plan(*plan));
   }
   /// Where nearly all columns tie.
   bool MayNeedMatchings() const {

@@ -116,5 +116,22 @@ INSTANTIATE_TEST_SUITE_P(, KnownMissions, ::testing::ValuesIn(kCases), [](const 
   return name;
 });
 
+/// A decision of this mission was 0.34 % below its bound and its optimum before matchings were
+/// tried wherever a gap is left.
+TEST(CertifiedMissions, OneThatWasHardIsDecidedNearItsBound) {
+  GeneratorSettings settings = Scaled(PresetByName("Random_1"), 7.03);
+  settings.rules.limit_us = 90 * kMinuteUs;
+  settings.rules.interval_us = 5 * kMinuteUs;
+  settings.rules.availability = Availability::kOverrun;
+  int decisions = 0;
+  Simulate(ScenarioToJson(Generate(settings, 50161)), "certified", [&](const Packet& packet) {
+    if (packet.channel != channel::kSchedule) return;
+    const auto schedule = Decode<schedule_t>(packet.bytes);
+    ++decisions;
+    EXPECT_LE(schedule->bound - schedule->weight, 1e-4 * schedule->bound) << schedule->decision;
+  });
+  EXPECT_EQ(decisions, 18);
+}
+
 }  // namespace
 }  // namespace muster::tools

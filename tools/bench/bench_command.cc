@@ -20,6 +20,7 @@
 #include "tools/bench/hard_suite.h"
 #include "tools/bench/mission_suite.h"
 #include "tools/bench/paper_command.h"
+#include "tools/bench/random_missions.h"
 #include "tools/bench/roads_suite.h"
 #include "tools/bench/sheet.h"
 #include "tools/bench/suites.h"
@@ -36,13 +37,14 @@ void AddBenchOptions(Options* options) {
   options
       ->Add("suite", "SUITE",
             "decisions (of missions on the paper's data sets), scale (decisions of ever larger "
-            "Random_29), hard (families that are hard to prove), random (drawn settings), missions "
+            "Random_29), hard (families that are hard to prove), random (drawn settings), "
+            "random-missions (all decisions of missions of drawn settings), missions "
             "(whole ones over LCM), arrivals (tasks that are reported while missions run), "
             "roads (by road, in straight lines, with closed roads), paper "
             "(the paper's experiments: completion rates) or paper-long (those of them that take "
             "longest)")
-      .OneOf({"decisions", "scale", "hard", "random", "missions", "arrivals", "roads", "paper",
-              "paper-long"})
+      .OneOf({"decisions", "scale", "hard", "random", "random-missions", "missions", "arrivals",
+              "roads", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale, missions: sizes, as multiples of Random_29")
@@ -204,6 +206,15 @@ int HardCommand(const Arguments& arguments, bool random) {
   return kExitOk;
 }
 
+int RandomMissionsCommand(const Arguments& arguments) {
+  const BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 10);
+  fmt::print("seeds {} to {}; times are wall time\n{}", bench.first_seed,
+             bench.first_seed + bench.seeds - 1, RandomMissionsLimits());
+  RunSuite<HardRow>(arguments, HardCsvHeader(),
+                    [&](const auto& report) { RunRandomMissions(bench, report); });
+  return kExitOk;
+}
+
 int MissionsCommand(const Arguments& arguments) {
   BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 1);
   CheckOne(bench.methods, "--methods", "one policy");
@@ -274,7 +285,7 @@ constexpr std::pair<const char*, const char*> kTakenBy[] = {
     {"scenarios", "roads"},
     {"closed", "roads"},
     {"methods", "decisions scale missions arrivals roads paper paper-long"},
-    {"seeds", "decisions scale hard random arrivals paper paper-long"},
+    {"seeds", "decisions scale hard random random-missions arrivals paper paper-long"},
     {"cbc", "hard"},
     {"repetitions", "decisions scale missions"},
     {"threads", "decisions scale hard random"},
@@ -314,6 +325,7 @@ int BenchCommand(int argc, const char* const* argv) {
   if (suite == "decisions" || suite == "scale")
     return DecisionsCommand(*arguments, suite == "scale");
   if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite == "random");
+  if (suite == "random-missions") return RandomMissionsCommand(*arguments);
   if (suite == "missions") return MissionsCommand(*arguments);
   if (suite == "arrivals") return ArrivalsCommand(*arguments);
   if (suite == "roads") return RoadsCommand(*arguments);

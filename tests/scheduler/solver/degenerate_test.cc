@@ -94,11 +94,11 @@ INSTANTIATE_TEST_SUITE_P(Families, Degenerate,
                          ::testing::Values(Family{"EqualSpeeds", LongOnline(30, 15, 20, 60, 30),
                                                   "5107368 2174 6854.842143 13709.68429"},
                                            Family{"SmallArea", LongOnline(30, 15, 20, 30, 10),
-                                                  "8552270 2269 6890.529414 13781.05883"},
+                                                  "8590336 2269 6890.529414 13781.05883"},
                                            Family{"ManyUavs", LongOnline(70, 20, 10, 40, 20),
                                                   "16361440 4135 8767.662761 17535.32552"},
                                            Family{"FewPartners", LongOnline(50, 5, 3, 60, 20),
-                                                  "1723212 1149 2311.466095 4622.932325"}),
+                                                  "1798078 1149 2311.466095 4622.932325"}),
                          [](const auto& family) { return family.param.name; });
 
 }  // namespace

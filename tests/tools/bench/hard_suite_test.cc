@@ -8,6 +8,7 @@
 
 #include "scheduler/solver/candidates.h"
 #include "tools/bench/general_solver.h"
+#include "tools/bench/random_missions.h"
 #include "tools/bench/suites.h"
 
 namespace muster::tools {
@@ -30,6 +31,23 @@ TEST(HardSuite, DrawnSettingsAreDecidedWithinTheirBoundAndNoneBelowOthers) {
   }
   EXPECT_NE(rows[0].nodes, rows[1].nodes);
   EXPECT_NE(SummaryOf(rows).find("random"), std::string::npos);
+}
+
+TEST(RandomMissions, EveryDecisionIsARowWithinItsBound) {
+  BenchOptions options;
+  options.first_seed = 3;
+  options.seeds = 2;
+  std::vector<HardRow> rows;
+  RunRandomMissions(options, [&](const HardRow& row) { rows.push_back(row); });
+  ASSERT_GE(rows.size(), 4u);
+  EXPECT_EQ(rows.front().seed, 3u);
+  EXPECT_EQ(rows.back().seed, 4u);
+  for (const HardRow& row : rows) {
+    SCOPED_TRACE(ToCsv(row));
+    EXPECT_GE(row.bound, row.weight);
+    EXPECT_LE(row.gap(), 1e-3);
+  }
+  EXPECT_NE(SummaryOf(rows).find("to-1-million"), std::string::npos);
 }
 
 TEST(HardSuite, EachFamilysSettingsAreValidAndItsOwn) {
