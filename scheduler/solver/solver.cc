@@ -25,6 +25,8 @@ constexpr std::int64_t kFarWork = 60'000'000;     ///< or that where the gap is 
 /// With more UAVs, partners and sites, chains and windows do what matchings do in less time.
 constexpr std::size_t kMatchedRows = 2000;
 constexpr double kCloseToLooseBound = 2e-4;  ///< gap, relative
+/// That a proof may need besides those of the relaxation.
+constexpr std::size_t kProvenColumns = 200'000;
 constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
 
 class Search {
@@ -172,7 +174,7 @@ class Search {
     BranchOverKnown(stop);
     // A search over what is listed proves nothing about what is not.
     if (!instance_.rest_level.empty()) return;
-    if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProofColumns)) return;
+    if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProvenColumns)) return;
     proven_bound_ = std::max(best_.weight, BranchOverKnown(stop));
     proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;
   }
