@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::int64_t kWork = 400'000'000;       ///< default limit: this
 constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
 constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that,
-constexpr std::int64_t kFarWork = 60'000'000;     ///< or that where the gap is not close enough
+constexpr std::int64_t kFarWork = 120'000'000;    ///< or that where the gap is not close enough
 /// With more UAVs, partners and sites, chains and windows do what matchings do in less time.
 constexpr std::size_t kMatchedRows = 2000;
 constexpr double kCloseToLooseBound = 2e-4;  ///< gap, relative

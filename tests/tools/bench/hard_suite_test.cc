@@ -33,21 +33,26 @@ TEST(HardSuite, DrawnSettingsAreDecidedWithinTheirBoundAndNoneBelowOthers) {
   EXPECT_NE(SummaryOf(rows).find("random"), std::string::npos);
 }
 
-TEST(RandomMissions, EveryDecisionIsARowWithinItsBound) {
-  BenchOptions options;
-  options.first_seed = 3;
-  options.seeds = 2;
-  std::vector<HardRow> rows;
-  RunRandomMissions(options, [&](const HardRow& row) { rows.push_back(row); });
-  ASSERT_GE(rows.size(), 4u);
-  EXPECT_EQ(rows.front().seed, 3u);
-  EXPECT_EQ(rows.back().seed, 4u);
-  for (const HardRow& row : rows) {
-    SCOPED_TRACE(ToCsv(row));
-    EXPECT_GE(row.bound, row.weight);
-    EXPECT_LE(row.gap(), 1e-3);
+TEST(RandomMissions, EveryDecisionIsARowAndNearItsBound) {
+  // In the last two one decision was 0.03 and 0.07 % below its bound, until matchings were tried
+  // there and proofs had more columns and time.
+  for (const int seed : {3, 60074, 60175}) {
+    BenchOptions options;
+    options.first_seed = seed;
+    std::vector<HardRow> rows;
+    RunRandomMissions(options, [&](const HardRow& row) { rows.push_back(row); });
+    ASSERT_GE(rows.size(), 2u);
+    std::int32_t decision = 0;
+    for (const HardRow& row : rows) {
+      SCOPED_TRACE(ToCsv(row));
+      EXPECT_EQ(row.seed, static_cast<std::uint64_t>(seed));
+      EXPECT_EQ(row.decision, decision++);
+      EXPECT_GE(row.bound, row.weight);
+      EXPECT_LE(row.gap(), 1e-6);
+    }
+    EXPECT_NE(SummaryOf(rows).find("to-1-million"), std::string::npos);
+    EXPECT_EQ(SummaryOf(rows).find("relaxations"), std::string::npos) << "the log has none";
   }
-  EXPECT_NE(SummaryOf(rows).find("to-1-million"), std::string::npos);
 }
 
 TEST(HardSuite, EachFamilysSettingsAreValidAndItsOwn) {
