@@ -89,9 +89,14 @@ void Referee::Restore(TimeUs t, std::vector<TaskStatus> task_status, const Verdi
         return ruling.kind == Ruling::Kind::kReleased && ruling.at_us < one.end_us;
       });
     };
+    // A meeting begins as its members are released, if they are, from what they did before.
+    const bool meets =
+        scenario_.rules.start_on_meeting && activity.start_us == t &&
+        (activity.kind == Activity::Kind::kCharging ||
+         task_status_[static_cast<std::size_t>(activity.site)] == TaskStatus::kSensing);
     const bool is_aborted = aborted_by({AgentKind::kUav, activity.uav.value}) ||
                             aborted_by({PartnerKind(activity.kind), activity.partner}) ||
-                            released_during(activity);
+                            (!meets && released_during(activity));
     activities_.push_back({activity, false, is_aborted});
   }
 }
