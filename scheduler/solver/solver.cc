@@ -24,10 +24,9 @@ constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do
 constexpr std::int64_t kFarWork = 120'000'000;    ///< or that where the gap is not close enough
 /// With more UAVs, partners and sites, chains and windows do what matchings do in less time.
 constexpr std::size_t kMatchedRows = 2000;
-constexpr double kCloseToLooseBound = 2e-4;  ///< gap, relative
-/// That a proof may need besides those of the relaxation.
-constexpr std::size_t kProvenColumns = 200'000;
-constexpr double kWorthAnotherStart = 1e-4;  ///< gap, relative
+constexpr double kCloseToLooseBound = 2e-4;      ///< gap, relative
+constexpr std::size_t kProvenColumns = 200'000;  ///< that a proof may take
+constexpr double kWorthAnotherStart = 1e-4;      ///< gap, relative
 
 class Search {
  public:
