@@ -335,6 +335,28 @@ TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
       << violation.text;
 }
 
+TEST(AuditMission, LetsUavsFlyAsHighAsTheyLikeWhereAZoneHasEnded) {
+  GeneratorSettings settings = PresetByName("Random_1");
+  settings.rules.limit_us = 60 * kMinuteUs;
+  Scenario scenario = Generate(settings, 1);
+  ScenarioAir air;
+  PlannedZone& zone = air.zones.emplace_back();
+  zone.zone.rings = {{{0, 0}, {30'000, 0}, {30'000, 30'000}, {0, 30'000}}};
+  zone.lower_m = 40;
+  zone.until_us = 20 * kMinuteUs;
+  UseAir(std::move(air), &scenario);
+  std::vector<Packet> packets;
+  bool is_higher = false;
+  Simulate(ScenarioToJson(scenario), "certified", [&](const Packet& packet) {
+    packets.push_back(packet);
+    if (packet.channel != channel::kClearances) return;
+    const auto message = Decode<clearances_t>(packet.bytes);
+    for (const clearance_t& c : message->clearances) is_higher |= c.to_m > 40;
+  });
+  EXPECT_EQ(FirstViolation(packets).text, "");
+  EXPECT_TRUE(is_higher);
+}
+
 TEST(AuditMission, CatchesAltitudesThatDoNotKeepUavsApart) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 60 * kMinuteUs;

@@ -128,6 +128,15 @@ TEST_F(External, ActionsGetTheirWeights) {
   }
 }
 
+TEST_F(External, AsManyActionsAsAgentsAreNotTooMany) {
+  const auto policy = Program(
+      Actions(R"({"kind":"Ui","uav":0},{"kind":"Ui","uav":1},{"kind":"Wj","worker":0},)"
+              R"({"kind":"Wj","worker":1},{"kind":"Vk","vehicle":0},{"kind":"Vk","vehicle":1})"));
+  const Decision decision = policy->Decide(Small());
+  EXPECT_EQ(decision.refused, "");
+  EXPECT_EQ(decision.actions.size(), 6u);
+}
+
 TEST_F(External, EveryNodeGetsTheWeightThatItIsOfferedWith) {
   const std::string situations = File("situations");
   const auto policy = Program("echo \"$line\" >>" + situations + "\n" + Actions(""),
