@@ -23,6 +23,7 @@
 #include "tools/bench/random_missions.h"
 #include "tools/bench/roads_suite.h"
 #include "tools/bench/sheet.h"
+#include "tools/bench/small_missions.h"
 #include "tools/bench/suites.h"
 #include "tools/files/pending_file.h"
 #include "tools/host/progress.h"
@@ -38,13 +39,14 @@ void AddBenchOptions(Options* options) {
       ->Add("suite", "SUITE",
             "decisions (of missions on the paper's data sets), scale (decisions of ever larger "
             "Random_29), hard (families that are hard to prove), random (drawn settings), "
-            "random-missions (all decisions of missions of drawn settings), missions "
+            "random-missions (all decisions of missions of drawn settings), small-missions "
+            "(missions of up to 8 UAVs beside the best that is possible), missions "
             "(whole ones over LCM), arrivals (tasks that are reported while missions run), "
             "roads (by road, in straight lines, with closed roads), paper "
             "(the paper's experiments: completion rates) or paper-long (those of them that take "
             "longest)")
-      .OneOf({"decisions", "scale", "hard", "random", "random-missions", "missions", "arrivals",
-              "roads", "paper", "paper-long"})
+      .OneOf({"decisions", "scale", "hard", "random", "random-missions", "small-missions",
+              "missions", "arrivals", "roads", "paper", "paper-long"})
       .Default("decisions");
   options->Add("instances", "NAME,...", "Settings (default: all of the suite)").List();
   options->Add("scales", "X,...", "scale, missions: sizes, as multiples of Random_29")
@@ -67,9 +69,12 @@ void AddBenchOptions(Options* options) {
       .Number(Above0(100))
       .Default("5,20");
   options
-      ->Add("methods", "NAME,...", "Policies (default: certified; paper, arrivals, roads: several)")
+      ->Add("methods", "NAME,...",
+            "Policies (default: certified; small-missions, paper, arrivals, roads: several)")
       .List();
-  options->Add("seeds", "N", "Scenarios of each setting (default: 10; decisions, scale: 1)")
+  options
+      ->Add("seeds", "N",
+            "Scenarios of each setting (default: 10; small-missions: 30; decisions, scale: 1)")
       .Integer(1, 10'000);
   options->Add("cbc", "WHAT", "hard: what COIN-OR CBC is asked for, where it is installed")
       .OneOf({"nothing", "relaxation", "optimum"})
@@ -215,6 +220,17 @@ int RandomMissionsCommand(const Arguments& arguments) {
   return kExitOk;
 }
 
+int SmallMissionsCommand(const Arguments& arguments) {
+  const BenchOptions bench = ReadBenchOptions(
+      arguments, {"kwta", "mpq", "certified", "horizon", "rollout", "rollout-steps"}, 30);
+  fmt::print("seeds {} to {}\n{}", bench.first_seed, bench.first_seed + bench.seeds - 1,
+             SmallMissionsLimits());
+  const std::size_t n = static_cast<std::size_t>(bench.seeds) * bench.methods.size();
+  RunShowingProgress<SmallRow>(arguments, SmallCsvHeader(), n,
+                               [&](const auto& report) { RunSmallMissions(bench, report); });
+  return kExitOk;
+}
+
 int MissionsCommand(const Arguments& arguments) {
   BenchOptions bench = ReadBenchOptions(arguments, {"certified"}, 1);
   CheckOne(bench.methods, "--methods", "one policy");
@@ -284,8 +300,9 @@ constexpr std::pair<const char*, const char*> kTakenBy[] = {
     {"loads", "arrivals"},
     {"scenarios", "roads"},
     {"closed", "roads"},
-    {"methods", "decisions scale missions arrivals roads paper paper-long"},
-    {"seeds", "decisions scale hard random random-missions arrivals paper paper-long"},
+    {"methods", "decisions scale small-missions missions arrivals roads paper paper-long"},
+    {"seeds",
+     "decisions scale hard random random-missions small-missions arrivals paper paper-long"},
     {"cbc", "hard"},
     {"repetitions", "decisions scale missions"},
     {"threads", "decisions scale hard random"},
@@ -326,6 +343,7 @@ int BenchCommand(int argc, const char* const* argv) {
     return DecisionsCommand(*arguments, suite == "scale");
   if (suite == "hard" || suite == "random") return HardCommand(*arguments, suite == "random");
   if (suite == "random-missions") return RandomMissionsCommand(*arguments);
+  if (suite == "small-missions") return SmallMissionsCommand(*arguments);
   if (suite == "missions") return MissionsCommand(*arguments);
   if (suite == "arrivals") return ArrivalsCommand(*arguments);
   if (suite == "roads") return RoadsCommand(*arguments);

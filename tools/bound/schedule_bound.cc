@@ -15,6 +15,7 @@ namespace muster::tools {
 namespace {
 
 constexpr double kRounding = 1e-6;
+constexpr double kGain = 1e-9;
 
 /// The linear program, its columns and what agents' lists are worth at its prices.
 class Schedules {
@@ -26,6 +27,7 @@ class Schedules {
         n_agents_(n_uavs_ + n_workers_ + agents_.vehicles().size()),
         sensing_(agents_.n_tasks(), agents_.decisions(), 0.5),
         charging_(agents_.n_charging(), agents_.decisions(), 0),
+        agents_worth_(n_agents_),
         tasks_(agents_.n_tasks()),
         program_(Limits()) {}
 
@@ -37,6 +39,7 @@ class Schedules {
     const double bound = AddLists();
     program_.Solve();
     const std::vector<double> prices = program_.Prices();
+    std::copy_n(prices.begin(), n_agents_, agents_worth_.begin());
     for (std::size_t x = 0; x < tasks_.size(); ++x) tasks_[x] = prices[n_agents_ + x];
     for (std::size_t i = 0; i < sensing_.size(); ++i) sensing_[i] = prices[FirstVisitRow() + i];
     for (std::size_t i = 0; i < charging_.size(); ++i) {
@@ -84,7 +87,8 @@ class Schedules {
     for (const double price : tasks_) bound += price;
     for (std::size_t i = 0; i < n_agents_; ++i) {
       bound += lists[i].worth;
-      if (!lists[i].visits.empty()) AddColumn(i, lists[i].visits);
+      // One that is worth no more than what the program has for the agent changes nothing.
+      if (lists[i].worth > agents_worth_[i] + kGain) AddColumn(i, lists[i].visits);
     }
     return bound;
   }
@@ -113,8 +117,9 @@ class Schedules {
 
   const AgentTimes agents_;
   const std::size_t n_uavs_, n_workers_, n_agents_;
-  Prices sensing_, charging_;  ///< what partners get
-  std::vector<double> tasks_;  ///< what it is worth that a task can be done once more
+  Prices sensing_, charging_;         ///< what partners get
+  std::vector<double> agents_worth_;  ///< what each agent's lists are worth in the program
+  std::vector<double> tasks_;         ///< what it is worth that a task can be done once more
   LinearProgram program_;
 };
 

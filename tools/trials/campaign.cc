@@ -14,6 +14,7 @@
 #include "tools/audit/auditor.h"
 #include "tools/audit/report_check.h"
 #include "tools/explain/redecide.h"
+#include "tools/log/packet_source.h"
 #include "tools/record/digest.h"
 #include "tools/record/report_json.h"
 #include "tools/trials/draws.h"
@@ -198,21 +199,6 @@ void DrawExtras(const CampaignSettings& settings, std::uint64_t seed, VirtualMis
   if (settings.extras.contains(Extra::kDecisions)) DrawDecisions(seed, mission);
   if (settings.extras.contains(Extra::kLateZones)) DrawLateZones(seed, mission);
 }
-
-/// A log in memory.
-class PacketSource : public MessageSource {
- public:
-  explicit PacketSource(const std::vector<Packet>& packets) : packets_(packets) {}
-  std::optional<LogEvent> NextEvent() override {
-    if (next_ == packets_.size()) return {};
-    return LogEvent{0, 0, packets_[next_++]};
-  }
-  void Rewind() override { next_ = 0; }
-
- private:
-  const std::vector<Packet>& packets_;
-  std::size_t next_ = 0;
-};
 
 /// Bytes of repeats beside each byte that is said once. The more processes the world waits for, the
 /// more often one of them is not heard, and all of them repeat themselves; so they do when a part

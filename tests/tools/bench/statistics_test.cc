@@ -117,6 +117,7 @@ TEST(Bench, ASuiteRefusesTheOptionsOfOthersByName) {
       {{"--suite", "hard", "--methods", "mpq"}, "--methods"},
       {{"--suite", "random", "--plot", "p.gp", "--out", "o.csv"}, "--plot"},
       {{"--suite", "random-missions", "--threads", "2"}, "--threads"},
+      {{"--suite", "small-missions", "--threads", "2"}, "--threads"},
       {{"--suite", "missions", "--seeds", "3"}, "--seeds"},
       {{"--suite", "missions", "--threads", "2"}, "--threads"},
       {{"--suite", "arrivals", "--limit", "30"}, "--limit"},
