@@ -359,5 +359,32 @@ TEST_F(OrderDeskTest, WhatIsFulfilledIsReleasedByTheWorld) {
   EXPECT_TRUE(desk_.scenario().directives.empty());
 }
 
+TEST_F(OrderDeskTest, APinEndsWithItsTask) {
+  for (const AgentKind kind : kAgentKinds) {
+    for (AgentState& agent : agents_[kind]) agent.online_until_us = 180 * kMinuteUs;
+  }
+  AgentState& uav = agents_.at(AgentKind::kUav, 3);
+  uav.from = uav.to = scenario_.tasks[7].at;
+  using Kind = Event::Kind;
+  int tick = 0;
+  const auto is_released = [&](Kind kind, int task) {
+    Event event;
+    event.kind = kind;
+    event.uav = UavId(3);
+    event.task = TaskId(task);
+    desk_.EndFulfilled(event);
+    return Decide(++tick).n_taken == 1;
+  };
+  for (const Kind end : {Kind::kSensingDone, Kind::kTaskExpired, Kind::kTaskCancelled}) {
+    Hear(fmt::format("p{}", tick), R"({"order": "pin", "task": 7, "agents": ["uav:3"]})");
+    ASSERT_EQ(Decide(++tick).n_taken, 1);
+    EXPECT_FALSE(is_released(Kind::kSensingStarted, 7));
+    EXPECT_FALSE(is_released(Kind::kSensingAborted, 7));
+    EXPECT_FALSE(is_released(end, 8)) << "another task";
+    EXPECT_TRUE(is_released(end, 7));
+    EXPECT_TRUE(desk_.scenario().directives.empty());
+  }
+}
+
 }  // namespace
 }  // namespace muster::world
