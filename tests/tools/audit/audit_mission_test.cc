@@ -307,15 +307,22 @@ TEST(AuditMission, CatchesAMeetingThatLastsTooShort) {
   EXPECT_NE(violation.text.find("should take"), std::string::npos) << violation.text;
 }
 
-TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
+/// An hour of Random_1 with a zone over all of it, from that height on and until then.
+Scenario BelowAZone(double lower_m, TimeUs until_us) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 60 * kMinuteUs;
   Scenario scenario = Generate(settings, 1);
   ScenarioAir air;
   PlannedZone& zone = air.zones.emplace_back();
   zone.zone.rings = {{{0, 0}, {30'000, 0}, {30'000, 30'000}, {0, 30'000}}};
-  zone.lower_m = 60;
+  zone.lower_m = lower_m;
+  zone.until_us = until_us;
   UseAir(std::move(air), &scenario);
+  return scenario;
+}
+
+TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
+  const Scenario scenario = BelowAZone(60, kNever);
   std::vector<Packet> packets;
   Simulate(ScenarioToJson(scenario), "certified",
            [&](const Packet& packet) { packets.push_back(packet); });
@@ -336,15 +343,7 @@ TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
 }
 
 TEST(AuditMission, LetsUavsFlyAsHighAsTheyLikeWhereAZoneHasEnded) {
-  GeneratorSettings settings = PresetByName("Random_1");
-  settings.rules.limit_us = 60 * kMinuteUs;
-  Scenario scenario = Generate(settings, 1);
-  ScenarioAir air;
-  PlannedZone& zone = air.zones.emplace_back();
-  zone.zone.rings = {{{0, 0}, {30'000, 0}, {30'000, 30'000}, {0, 30'000}}};
-  zone.lower_m = 40;
-  zone.until_us = 20 * kMinuteUs;
-  UseAir(std::move(air), &scenario);
+  const Scenario scenario = BelowAZone(40, 20 * kMinuteUs);
   std::vector<Packet> packets;
   bool is_higher = false;
   Simulate(ScenarioToJson(scenario), "certified", [&](const Packet& packet) {
