@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "base/check.h"
@@ -42,8 +41,7 @@ std::int64_t Search(const Scenario& scenario, std::int64_t effort) {
             now_us);
       });
   printer.Break();
-  // What the linear program's numbers are rounded by.
-  return static_cast<std::int64_t>(std::floor(bound + 1e-6));
+  return WholeTasks(bound);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "tools/bound/schedule_bound.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <span>
 #include <utility>
@@ -14,7 +13,6 @@
 namespace muster::tools {
 namespace {
 
-constexpr double kRounding = 1e-6;
 constexpr double kGain = 1e-9;
 
 /// The linear program, its columns and what agents' lists are worth at its prices.
@@ -128,13 +126,12 @@ class Schedules {
 double ScheduleBound(const Scenario& scenario, std::int64_t rounds, const BoundProgress& progress) {
   auto best = static_cast<double>(scenario.n_tasks());
   if (scenario.rules.start_on_meeting || scenario.n_tasks() == 0) return best;
-  const auto whole = [](double x) { return std::floor(x + kRounding); };
   Schedules schedules(scenario);
   for (std::int64_t round = 0; round < rounds; ++round) {
     best = std::min(best, schedules.Round());
     if (progress) progress(round + 1, best);
     // The bound is never below the program's value, and more columns only make that larger.
-    if (whole(best) <= whole(schedules.value())) break;
+    if (WholeTasks(best) <= WholeTasks(schedules.value())) break;
   }
   return best;
 }

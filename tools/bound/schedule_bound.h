@@ -1,11 +1,17 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
 #include "model/scenario.h"
 
 namespace muster::tools {
+
+/// The most tasks that a bound leaves: linear programs round.
+inline std::int64_t WholeTasks(double bound) {
+  return static_cast<std::int64_t>(std::floor(bound + 1e-6));
+}
 
 /// Told after each round: how many are done, and the bound so far.
 using BoundProgress = std::function<void(std::int64_t round, double bound)>;
