@@ -80,6 +80,16 @@ async function until(driver, tick, isIt) {
   }
 }
 
+/** Mission time goes on until the driver says that its person is there. */
+async function ticksUntilArrived(driver, tick) {
+  const until_ms = Date.now() + 30_000;
+  for (let isThere = false; !isThere; tick()) {
+    assert.ok(Date.now() < until_ms, "nobody arrived within 30 s");
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    isThere = driver.lines.includes('{"type":"arrived","id":1}');
+  }
+}
+
 test("a worker is sent, is seen on the way, is there, senses, takes a photo", () => withPhone(async ({ driver, page, context, goTo, tick, folder }) => {
   await shows(page, "connected");
   await shows(page, "Nothing to do yet");
@@ -103,10 +113,7 @@ test("a worker is sent, is seen on the way, is there, senses, takes a photo", ()
   await page.getByRole("button", { name: "I am here" }).tap();
   await shows(page, /your phone is 3[78]0 m from there; if you are there, press again/);
   await page.getByRole("button", { name: "I am here" }).tap();
-  for (let arrived = null; !arrived; tick()) {
-    await new Promise((resolve) => setTimeout(resolve, 20));
-    arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');
-  }
+  await ticksUntilArrived(driver, tick);
   driver.say({ type: "sense", id: 2, mission_s: 600, for_s: 60 });
   await shows(page, "At task 12: the UAV is at work");
   await context.setOffline(true);
@@ -192,10 +199,7 @@ test("the page opens without connection, and sends what is pressed when it is ba
   await context.setOffline(false);
   await shows(page, "Go to task 12");
   await page.getByRole("button", { name: "I am here" }).tap();
-  for (let arrived = null; !arrived; tick()) {
-    await new Promise((resolve) => setTimeout(resolve, 20));
-    arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');
-  }
+  await ticksUntilArrived(driver, tick);
   const manifest = await page.evaluate(async () => (await fetch("app.webmanifest")).json());
   assert.equal(manifest.start_url, "./");
 }));
@@ -271,10 +275,7 @@ test("what is pressed without connection is sent when it is back, once, also by 
   await context.setOffline(false);
   await page.reload();
   // The page that goes may have sent it already, and its note that it did is gone with it.
-  for (let arrived = null; !arrived; tick()) {
-    await new Promise((resolve) => setTimeout(resolve, 20));
-    arrived = driver.lines.find((line) => line === '{"type":"arrived","id":1}');
-  }
+  await ticksUntilArrived(driver, tick);
   await shows(page, "Wait here for uav:3");
   assert.equal(driver.lines.filter((line) => line.includes("here, pressed")).length, 1);
   await page.waitForFunction(() => localStorage.length === 0);  // nothing is left in the phone
