@@ -36,8 +36,8 @@ std::int32_t SiteIn(const PossiblePairs& pairs, bool charging, std::int32_t site
   const auto tasks_end = pairs.site_ids.begin() + pairs.n_tasks;
   const auto begin = charging ? tasks_end : pairs.site_ids.begin();
   const auto end = charging ? pairs.site_ids.end() : tasks_end;
-  const auto found = std::lower_bound(begin, end, site);
-  if (found == end || *found != site) return -1;
+  const auto found = std::find(begin, end, site);
+  if (found == end) return -1;
   return static_cast<std::int32_t>(found - pairs.site_ids.begin());
 }
 

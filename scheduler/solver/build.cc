@@ -299,7 +299,7 @@ class Builder {
     const double stay = Softplus(0);
     for (std::size_t u = 0; u < uavs_.size(); ++u) {
       instance.uavs.push_back(
-          {stay, LatestEnd(*uavs_.agents[u], rules_), roster_.Neighbourhood(uavs_.at[u])});
+          {stay, LatestEnd(*uavs_.agents[u], rules_), roster_.neighbourhoods.Of(uavs_.at[u])});
     }
     for (const AgentState* worker : workers_.agents) {
       instance.partners.push_back({stay, LatestEnd(*worker, rules_), 0});

@@ -6,40 +6,14 @@
 namespace muster::scheduler {
 namespace {
 
-/// With so many agents and tasks, neighbours get neighbouring numbers.
-constexpr std::size_t kNeighboursFirst = 4096;
-
-/// Number of a cell along the Z-order curve.
-std::uint32_t ZOrder(double x, double y) {
-  const auto spread = [](double v) {
-    auto z = static_cast<std::uint32_t>(std::clamp(v, 0.0, 65535.0));
-    z = (z | z << 8) & 0x00FF00FFu;
-    z = (z | z << 4) & 0x0F0F0F0Fu;
-    z = (z | z << 2) & 0x33333333u;
-    return (z | z << 1) & 0x55555555u;
-  };
-  return spread(x) | spread(y) << 1;
-}
-
-template <class Element, class At>
-void SortByNeighbourhood(const Roster& roster, const At& at, std::vector<Element>* elements) {
-  std::vector<std::pair<std::uint32_t, Element>> keyed;
-  for (const Element& element : *elements) {
-    keyed.emplace_back(roster.Neighbourhood(at(element)), element);
-  }
-  std::stable_sort(keyed.begin(), keyed.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (std::size_t i = 0; i < keyed.size(); ++i) (*elements)[i] = keyed[i].second;
-}
-
-Crew CrewOf(const Situation& situation, AgentKind kind, const Roster& roster, bool by_place) {
+Crew CrewOf(const Situation& situation, AgentKind kind, const Neighbourhoods* by_place) {
   Crew crew;
   crew.ways = {situation.site->ways.get(), kind};
   const auto at = [&](const AgentState* agent) { return PositionAt(*agent, situation.now_us); };
   for (const AgentState& agent : situation.agents(kind)) {
     if (agent.idle(situation.now_us)) crew.agents.push_back(&agent);
   }
-  if (by_place) SortByNeighbourhood(roster, at, &crew.agents);
+  if (by_place != nullptr) by_place->Sort(&crew.agents, at);
   std::vector<double>& speeds = crew.speeds;
   for (const AgentState* agent : crew.agents) {
     crew.at.push_back(at(agent));
@@ -57,15 +31,12 @@ Crew CrewOf(const Situation& situation, AgentKind kind, const Roster& roster, bo
 
 }  // namespace
 
-Roster::Roster(const Situation& situation)
-    : cell_m_(std::max(std::max(situation.site->width_m, situation.site->height_m) / 65535, 1e-3)) {
+Roster::Roster(const Situation& situation) : neighbourhoods(*situation.site) {
   const Site& site = *situation.site;
-  const bool by_place = situation.uavs.size() + situation.workers.size() +
-                            situation.vehicles.size() + site.tasks.size() >
-                        kNeighboursFirst;
-  uavs = CrewOf(situation, AgentKind::kUav, *this, by_place);
-  workers = CrewOf(situation, AgentKind::kWorker, *this, by_place);
-  vehicles = CrewOf(situation, AgentKind::kVehicle, *this, by_place);
+  const Neighbourhoods* by_place = ByNeighbourhood(situation) ? &neighbourhoods : nullptr;
+  uavs = CrewOf(situation, AgentKind::kUav, by_place);
+  workers = CrewOf(situation, AgentKind::kWorker, by_place);
+  vehicles = CrewOf(situation, AgentKind::kVehicle, by_place);
   for (const AgentState* uav : uavs.agents) range_m.push_back(situation.range_m(*uav));
   for (std::size_t x = 0; x < site.tasks.size(); ++x) {
     if (situation.task_status[x] == TaskStatus::kOpen) tasks.emplace_back(x);
@@ -75,20 +46,15 @@ Roster::Roster(const Situation& situation)
     if (situation.free_places(ChargeId(y)) > 0) charges.emplace_back(y);
   }
   const auto task_place = [&](TaskId x) { return site.tasks[x.index()].at; };
-  if (by_place) {
-    SortByNeighbourhood(*this, task_place, &tasks);
-    SortByNeighbourhood(
-        *this, [&](ChargeId y) { return charge_at[y.index()]; }, &charges);
+  if (by_place != nullptr) {
+    by_place->Sort(&tasks, task_place);
+    by_place->Sort(&charges, [&](ChargeId y) { return charge_at[y.index()]; });
   }
   for (const TaskId x : tasks) task_at.push_back(task_place(x));
   site_of_charge.assign(charge_at.size(), -1);
   for (std::size_t k = 0; k < charges.size(); ++k) {
     site_of_charge[charges[k].index()] = static_cast<std::int32_t>(tasks.size() + k);
   }
-}
-
-std::uint32_t Roster::Neighbourhood(Point place) const {
-  return ZOrder(place.x_m / cell_m_, place.y_m / cell_m_);
 }
 
 }  // namespace muster::scheduler

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "scheduler/neighbourhood.h"
 #include "scheduler/situation.h"
 #include "scheduler/solver/levels.h"
 
@@ -31,18 +32,13 @@ struct Roster {
   /// The situation must outlive the roster.
   explicit Roster(const Situation& situation);
 
-  /// Number of the place along a curve that visits neighbouring places one after the other.
-  std::uint32_t Neighbourhood(Point place) const;
-
+  Neighbourhoods neighbourhoods;
   Crew uavs, workers, vehicles;
   std::vector<double> range_m;  ///< [n_uavs] now
   std::vector<TaskId> tasks;
   std::vector<ChargeId> charges;
   std::vector<Point> task_at, charge_at;     ///< open tasks; all charging points
   std::vector<std::int32_t> site_of_charge;  ///< [n_charging_points] tasks count first; -1: full
-
- private:
-  double cell_m_;
 };
 
 }  // namespace muster::scheduler

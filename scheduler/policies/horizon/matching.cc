@@ -1,14 +1,28 @@
 #include "scheduler/policies/horizon/matching.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.h"
 #include "model/feasibility.h"
+#include "scheduler/neighbourhood.h"
 #include "scheduler/policies/horizon/pairs.h"
+#include "scheduler/policies/horizon/regions.h"
 #include "scheduler/policies/neighbours/game.h"
 #include "scheduler/solver/solver.h"
 
 namespace muster::scheduler {
+namespace {
+
+/// From so many UAVs on, a matching is made by region, of about so many UAVs each.
+constexpr std::size_t kManyUavs = 2400, kRegionUavs = 600;
+
+}  // namespace
+
+double Participant::reach_m() const {
+  const double reach_m = ToSeconds(latest_us - ready_us) * agent->speed_m_s * (1 + 1e-9) + 1;
+  return agent->kind == AgentKind::kUav ? std::min(reach_m, range_m) : reach_m;
+}
 
 TimeUs DecisionAfter(TimeUs t, TimeUs interval_us) {
   return (t + interval_us - 1) / interval_us * interval_us;
@@ -41,6 +55,11 @@ Participants ParticipantsOf(const Situation& situation, const HorizonSettings& s
       }
       participants[kind].push_back(participant);
     }
+    if (ByNeighbourhood(situation)) {
+      Neighbourhoods(*situation.site).Sort(&participants[kind], [](const Participant& participant) {
+        return participant.at;
+      });
+    }
   }
   return participants;
 }
@@ -56,9 +75,33 @@ OpenSites OpenSitesOf(const Situation& situation) {
   return open;
 }
 
+Outlook OutlookOf(const Situation& situation, const OpenSites& open) {
+  if (open.outlook) return *open.outlook;
+  const Site& site = *situation.site;
+  double n = 0, cost_m = 0;
+  for (std::size_t x = 0; x < site.tasks.size(); ++x) {
+    if (!open.task[x]) continue;
+    ++n;
+    cost_m += site.tasks[x].cost_m;
+  }
+  Outlook outlook;
+  outlook.open_tasks = std::max(1.0, n);
+  outlook.cost_m = cost_m / outlook.open_tasks;
+  outlook.way_m = std::sqrt(site.width_m * site.height_m / outlook.open_tasks);
+  return outlook;
+}
+
 std::vector<Match> HeaviestPairs(const Situation& situation, const Participants& participants,
                                  const OpenSites& open, const HorizonSettings& settings,
                                  int threads, std::int64_t* candidates) {
+  const std::size_t n_uavs = participants.uavs.size();
+  if (!settings.radio && n_uavs >= kManyUavs) {
+    const auto n = static_cast<std::size_t>(std::sqrt(static_cast<double>(n_uavs / kRegionUavs)));
+    if (auto matches =
+            PairsByRegion(situation, participants, open, settings, n, threads, candidates)) {
+      return std::move(*matches);
+    }
+  }
   const PossiblePairs pairs = FindPairs(situation, participants, open, settings, threads);
   if (settings.radio) {
     return AgreeOnPairs(situation, participants, pairs, *settings.radio, candidates);

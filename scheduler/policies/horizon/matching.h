@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "scheduler/policies/horizon/settings.h"
@@ -17,6 +18,9 @@ struct Participant {
   TimeUs until_us = 0;   ///< it can be commanded before
   double range_m = 0;    ///< UAVs, at ready_us
   bool idle = false;     ///< can be commanded now
+
+  /// Metres that time and, for UAVs, range allow from ready_us on, and a little more.
+  double reach_m() const;
 };
 
 /// The agents that take part, by AgentKind.
@@ -39,11 +43,21 @@ struct Match {
   TimeUs end_us = 0;
 };
 
+/// What a UAV may expect of the tasks that are open to a matching.
+struct Outlook {
+  double open_tasks = 1;  ///< at least 1
+  double cost_m = 0;      ///< mean
+  double way_m = 0;       ///< mean distance between them
+};
+
 /// What is open to a matching: tasks, and places at charging points.
 struct OpenSites {
   std::vector<char> task;           ///< [n_tasks]
   std::vector<std::int32_t> place;  ///< [n_charging_points] free places
+  /// Of the whole area, where the above is a part of it.
+  std::optional<Outlook> outlook = {};
 };
+Outlook OutlookOf(const Situation& situation, const OpenSites& open);
 OpenSites OpenSitesOf(const Situation& situation);
 
 /// The heaviest set of pairs in which no agent, task or place is used twice, or with

@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "model/feasibility.h"
 #include "model/place_index.h"
+#include "scheduler/neighbourhood.h"
 #include "scheduler/policies/horizon/worths.h"
 #include "scheduler/solver/parallel.h"
 
@@ -39,10 +40,8 @@ std::vector<Mover> MoversOf(const std::vector<Participant>& participants,
   movers.reserve(participants.size());
   for (const Participant& p : participants) {
     const AgentState& agent = *p.agent;
-    double reach_m = ToSeconds(p.latest_us - p.ready_us) * agent.speed_m_s * (1 + 1e-9) + 1;
-    if (agent.kind == AgentKind::kUav) reach_m = std::min(reach_m, p.range_m);
     movers.push_back({p.at, agent.speed_m_s, p.ready_us, p.latest_us, p.range_m, agent.range_full_m,
-                      reach_m, p.idle ? 0 : settings.tentative - 1, agent.id});
+                      p.reach_m(), p.idle ? 0 : settings.tentative - 1, agent.id});
   }
   return movers;
 }
@@ -120,6 +119,7 @@ class PairFinder {
         settings_(settings),
         threads_(threads),
         worths_(situation, settings),
+        outlook_(OutlookOf(situation, open)),
         uavs_(MoversOf(participants.uavs, settings)),
         workers_(MoversOf(participants.workers, settings)),
         vehicles_(MoversOf(participants.vehicles, settings)),
@@ -143,8 +143,11 @@ class PairFinder {
 
   PossiblePairs Find() {
     Instance& instance = pairs_.instance;
+    const Neighbourhoods neighbourhoods(site_);
+    const bool by_place = ByNeighbourhood(situation_);
     for (const Mover& uav : uavs_) {
-      instance.uavs.push_back({0, uav.latest_us});
+      instance.uavs.push_back(
+          {0, uav.latest_us, by_place ? neighbourhoods.Of(uav.at) : std::uint32_t{0}});
       fastest_uav_m_s_ = std::max(fastest_uav_m_s_, uav.speed_m_s);
     }
     for (const Mover& worker : workers_) instance.partners.push_back({0, worker.latest_us, 0});
@@ -173,18 +176,27 @@ class PairFinder {
   }
   static constexpr auto kAnybody = [](const Mover&, std::size_t, double) { return true; };
 
+  /// The open sites, tasks first.
   PossiblePairs OpenAll(const OpenSites& open) const {
-    PossiblePairs pairs;
+    std::vector<std::int32_t> tasks, charges;
     for (std::size_t x = 0; x < site_.tasks.size(); ++x) {
-      if (open.task[x]) pairs.site_ids.push_back(static_cast<std::int32_t>(x));
+      if (open.task[x]) tasks.push_back(static_cast<std::int32_t>(x));
     }
-    pairs.n_tasks = static_cast<std::int32_t>(pairs.site_ids.size());
-    pairs.instance.capacity.assign(pairs.site_ids.size(), 1);
     for (std::size_t y = 0; y < site_.charging_points.size(); ++y) {
-      if (open.place[y] <= 0) continue;
-      pairs.site_ids.push_back(static_cast<std::int32_t>(y));
-      pairs.instance.capacity.push_back(open.place[y]);
+      if (open.place[y] > 0) charges.push_back(static_cast<std::int32_t>(y));
     }
+    if (ByNeighbourhood(situation_)) {
+      const Neighbourhoods neighbourhoods(site_);
+      neighbourhoods.Sort(&tasks, [&](std::int32_t x) { return site_.tasks[At(x)].at; });
+      neighbourhoods.Sort(&charges,
+                          [&](std::int32_t y) { return site_.charging_points[At(y)].at; });
+    }
+    PossiblePairs pairs;
+    pairs.n_tasks = static_cast<std::int32_t>(tasks.size());
+    pairs.instance.capacity.assign(tasks.size(), 1);
+    for (const std::int32_t y : charges) pairs.instance.capacity.push_back(open.place[At(y)]);
+    pairs.site_ids = std::move(tasks);
+    pairs.site_ids.insert(pairs.site_ids.end(), charges.begin(), charges.end());
     return pairs;
   }
   std::size_t n_tasks() const { return At(pairs_.n_tasks); }
@@ -207,19 +219,10 @@ class PairFinder {
     return places;
   }
   WaysOf Of(AgentKind kind) const { return {site_.ways.get(), kind}; }
-  /// Mean distance between open tasks.
-  double MeanWay() const {
-    return std::sqrt(site_.width_m * site_.height_m /
-                     std::max(1.0, static_cast<double>(n_tasks())));
-  }
-
   /// Tasks that each UAV can still do, without and with charging first.
   void ChargeWorths() {
-    const double open_tasks = std::max(1.0, static_cast<double>(n_tasks()));
-    double cost = 0;
-    for (std::size_t s = 0; s < n_tasks(); ++s) cost += TaskAt(s).cost_m;
-    cost /= open_tasks;
-    const double way = settings_.expected_way * MeanWay();
+    const double open_tasks = outlook_.open_tasks, cost = outlook_.cost_m;
+    const double way = settings_.expected_way * outlook_.way_m;
     for (const Participant& uav : participants_.uavs) {
       const double full = uav.agent->range_full_m;
       if (!settings_.charge_by_use) {
@@ -313,7 +316,7 @@ class PairFinder {
   /// The open tasks within the way that is expected to a next one, for a UAV of that speed.
   void FindNext(std::size_t s, double speed_m_s, Arcs* arcs) const {
     arcs->next.clear();
-    tasks_.WithinFrom(TaskAt(s).at, MeanWay(), [&](std::int32_t i, double way_m) {
+    tasks_.WithinFrom(TaskAt(s).at, outlook_.way_m, [&](std::int32_t i, double way_m) {
       if (At(i) == s) return;
       const double cost_m = TaskAt(At(i)).cost_m;
       arcs->next.emplace_back(way_m + cost_m + ToChargeFrom(At(i)),
@@ -420,6 +423,7 @@ class PairFinder {
   const HorizonSettings& settings_;
   int threads_;
   Worths worths_;
+  Outlook outlook_;
   std::vector<Mover> uavs_, workers_, vehicles_;
   PossiblePairs pairs_;
   std::vector<Point> task_at_, charge_at_;  ///< of the open ones, in the order of the sites
