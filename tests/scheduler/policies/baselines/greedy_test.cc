@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/random.h"
+#include "model/generator.h"
 #include "tests/scheduler/situation_builder.h"
 
 namespace muster::scheduler {
@@ -79,6 +81,48 @@ TEST(Greedy, VehiclesFollowWhereUavsAreBoundFor) {
   const Decision decision = GreedyPolicy(Aim::kSum).Decide(situation);
   ASSERT_EQ(decision.actions.size(), 1u);
   EXPECT_EQ(decision.actions[0].kind, ActionKind::kVehicleStays);
+}
+
+/// With many tasks the least sum is found by bounds of it. The area's last row and column are half
+/// cells.
+TEST(Greedy, AmongManyTasksTheLeastSumIsThatOfATrial) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    SituationBuilder builder;
+    builder.scenario().width_m = builder.scenario().height_m = 39'500;
+    Random random(seed, Stream::kTest);
+    const auto place = [&] {
+      const double x_m = 39'500 * random.Uniform();
+      return Point{x_m, 39'500 * random.Uniform()};
+    };
+    for (int i = 0; i < 600; ++i) builder.Task(place());
+    for (int i = 0; i < 40; ++i) builder.Worker(place());
+    const Situation situation = builder.Build();
+    const double reach_m =
+        situation.workers[0].speed_m_s * ToSeconds(situation.site->rules.interval_us);
+    const Decision decision = GreedyPolicy(Aim::kSum).Decide(situation);
+    std::int64_t candidates = 0;
+    for (std::size_t i = 0; i < 40; ++i) {
+      const Point from = situation.workers[i].to;
+      Point best = from;
+      double least = 1e18;
+      for (int row = 0; row < 40; ++row) {
+        for (int column = 0; column < 40; ++column) {
+          const Point centre = CellCentre(column, row, 39'500, 39'500);
+          if (Distance(from, centre) > reach_m) continue;
+          ++candidates;
+          double sum = 0;
+          for (const muster::Task& task : situation.site->tasks) sum += Distance(centre, task.at);
+          if (sum < least) {
+            least = sum;
+            best = centre;
+          }
+        }
+      }
+      EXPECT_EQ(decision.actions.at(i).to, best) << "worker " << i;
+    }
+    EXPECT_EQ(decision.candidates, candidates);
+  }
 }
 
 TEST(Greedy, OnlyOpenTasksAttract) {
