@@ -1,7 +1,6 @@
 #include "scheduler/solver/roster.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace muster::scheduler {
 namespace {

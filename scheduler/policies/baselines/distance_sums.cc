@@ -61,7 +61,7 @@ class Taylor {
 
 DistanceSums::Block DistanceSums::MakeBlock(int column, int row) const {
   const Point middle{(column + 0.5) * kSide * cell_m_, (row + 0.5) * kSide * cell_m_};
-  const double half_side = (kSide - 1) / 2.0 * cell_m_;
+  const double half_side = (kSide - 1.0) / 2 * cell_m_;
   const double reach = half_side * std::sqrt(2.0);
   const double near = kNear * reach;
   Taylor far;
@@ -84,23 +84,24 @@ DistanceSums::Block DistanceSums::MakeBlock(int column, int row) const {
   }
   if (lane > 0) close.push_back(last_far);
   Block block;
-  block.sum.resize(static_cast<std::size_t>(kSide * kSide));
+  block.sum.resize(std::size_t{kSide} * kSide);
   double most = 0;
-  for (int i = 0; i < kSide; ++i) {
-    const double hy = i * cell_m_ - half_side, y = middle.y_m + hy;
+  for (std::size_t i = 0; i < kSide; ++i) {
+    const double hy = static_cast<double>(i) * cell_m_ - half_side, y = middle.y_m + hy;
     std::array<double, kSide> sum;
-    for (int k = 0; k < kSide; ++k)
-      sum[static_cast<std::size_t>(k)] = far.At(k * cell_m_ - half_side, hy);
+    for (std::size_t k = 0; k < kSide; ++k) {
+      sum[k] = far.At(static_cast<double>(k) * cell_m_ - half_side, hy);
+    }
     for (const Point target : close) {
       const double dy = y - target.y_m, dx0 = middle.x_m - half_side - target.x_m;
-      for (int k = 0; k < kSide; ++k) {
-        const double dx = dx0 + k * cell_m_;
-        sum[static_cast<std::size_t>(k)] += std::sqrt(dx * dx + dy * dy);
+      for (std::size_t k = 0; k < kSide; ++k) {
+        const double dx = dx0 + static_cast<double>(k) * cell_m_;
+        sum[k] += std::sqrt(dx * dx + dy * dy);
       }
     }
-    for (int k = 0; k < kSide; ++k) {
-      block.sum[static_cast<std::size_t>(i * kSide + k)] = sum[static_cast<std::size_t>(k)];
-      most = std::max(most, sum[static_cast<std::size_t>(k)]);
+    for (std::size_t k = 0; k < kSide; ++k) {
+      block.sum[i * kSide + k] = sum[k];
+      most = std::max(most, sum[k]);
     }
   }
   // Rounding: of this sum and of the one that it is compared with.
@@ -119,7 +120,8 @@ DistanceSums::Bounds DistanceSums::BoundsOf(int column, int row) {
                 : &blocks_.emplace(key, MakeBlock(column / kSide, row / kSide)).first->second;
     last_key_ = key;
   }
-  const double sum = last_->sum[static_cast<std::size_t>(row % kSide * kSide + column % kSide)];
+  const double sum = last_->sum[static_cast<std::size_t>(row % kSide) * kSide +
+                                static_cast<std::size_t>(column % kSide)];
   return {sum - last_->error, sum + last_->error};
 }
 

@@ -39,8 +39,7 @@ class Cells {
     int column, row;
     Point centre;
   };
-  /// Calls visit(cell) for each cell whose centre may be within `radius_m` of `middle`, row
-  /// by row.
+  /// Calls visit(cell) for each cell whose centre may be within `radius_m` of `middle`, row by row.
   template <class Visit>
   void Around(Point middle, double radius_m, Visit&& visit) const {
     const Range rows = RangeOf(middle.y_m, radius_m, rows_);

@@ -96,7 +96,8 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
                                  int threads, std::int64_t* candidates) {
   const std::size_t n_uavs = participants.uavs.size();
   if (!settings.radio && n_uavs >= kManyUavs) {
-    const auto n = static_cast<std::size_t>(std::sqrt(static_cast<double>(n_uavs / kRegionUavs)));
+    std::size_t n = 1;
+    while ((n + 1) * (n + 1) * kRegionUavs <= n_uavs) ++n;
     if (auto matches =
             PairsByRegion(situation, participants, open, settings, n, threads, candidates)) {
       return std::move(*matches);
