@@ -499,6 +499,16 @@ TEST(Possible, RulingsTellWhatHasHappenedAndSchedulesTheirTicksDecision) {
   schedule.tick = 41;
   schedule.decision = -1;
   EXPECT_FALSE(Possible(schedule, scenario));
+
+  clearances_t clearances{};
+  clearances.tick = 40;
+  clearances.decision = 2;
+  EXPECT_TRUE(Possible(clearances, scenario));
+  clearances.decision = 1;
+  EXPECT_FALSE(Possible(clearances, scenario)) << "decided at another tick";
+  clearances.tick = -20;
+  clearances.decision = -1;
+  EXPECT_FALSE(Possible(clearances, scenario));
 }
 
 }  // namespace

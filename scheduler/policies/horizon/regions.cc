@@ -15,18 +15,18 @@
 namespace muster::scheduler {
 namespace {
 
-/// What lies up to so many ways from a cut is matched again. A way is here what nine out of ten
-/// pairs do not exceed.
+/// What lies within so many long ways of a cut is matched again. Nine of ten pairs have shorter
+/// ways than a long one.
 constexpr double kWaysFromCut = 4;
-constexpr std::size_t kLongWay = 9, kOfWays = 10;
+constexpr std::size_t kShorter = 9, kOfPairs = 10;
 /// Steps of the solver for each UAV of a region; more raises the weight by less than 1e-4.
 constexpr std::int64_t kWorkPerUav = 8000;
 constexpr std::int64_t kLeastWork = 2'000'000;
-/// Share of the pairs that may be found across all cuts where regions suit.
+/// Regions suit where no more than this share of the pairs is found across all cuts.
 constexpr double kFewAcross = 0.02;
 
-/// Where `size` elements are cut into n parts; `shifted`: into n + 1, the first and last half as
-/// large as the others.
+/// Where `size` elements are cut into n parts; `shifted`: into n + 1 parts, of which the first and
+/// the last are half as large as the others.
 std::vector<std::size_t> CutsOf(std::size_t size, std::size_t n, bool shifted) {
   std::vector<std::size_t> cuts;
   for (std::size_t i = shifted ? 0 : 1; i < n; ++i) {
@@ -119,8 +119,9 @@ class RegionalMatching {
   /// What no pair uses.
   Pool Rest() const {
     Pool pool;
-    for (const AgentKind kind : kAgentKinds)
+    for (const AgentKind kind : kAgentKinds) {
       pool.agents[kind].assign(participants_[kind].size(), 1);
+    }
     pool.open = open_;
     for (const Match& match : matches_) pool.Set(match, false);
     return pool;
@@ -164,7 +165,7 @@ class RegionalMatching {
     return parts;
   }
 
-  /// `open`: all closed, and again so afterwards.
+  /// `open` has nothing open, before and after.
   void MatchPart(Part* part, OpenSites* open) const {
     for (const std::int32_t x : part->tasks) open->task[At(x)] = 1;
     for (const auto& [y, places] : part->places) open->place[At(y)] = places;
@@ -208,7 +209,7 @@ class RegionalMatching {
     }
   }
 
-  /// What is close to the cuts, in other regions.
+  /// Matches what is close to the cuts once more, in the shifted regions.
   void MatchAgain(const Regions& regions, const Regions& shifted) {
     const double metres = kWaysFromCut * LongWay();
     const auto is_near = [&](Point at) { return regions.IsNearCut(at, metres); };
@@ -234,7 +235,7 @@ class RegionalMatching {
     Collect(&parts);
   }
 
-  /// The longer way of a pair that nine out of ten pairs do not exceed, metres as the crow flies.
+  /// Metres in a straight line. A pair counts by the longer of its two ways.
   double LongWay() const {
     std::vector<double> ways_m;
     for (const Match& match : matches_) {
@@ -243,12 +244,12 @@ class RegionalMatching {
     }
     if (ways_m.empty()) return 0;
     const auto at =
-        ways_m.begin() + static_cast<std::ptrdiff_t>(ways_m.size() * kLongWay / kOfWays);
+        ways_m.begin() + static_cast<std::ptrdiff_t>(ways_m.size() * kShorter / kOfPairs);
     std::nth_element(ways_m.begin(), at, ways_m.end());
     return *at;
   }
 
-  /// What is left, in one piece. False: so much of it that the regions were the wrong ones.
+  /// Matches what is left, in one piece. False: it made so many pairs that regions do not suit.
   bool MatchAcross() {
     Pool pool = Rest();
     KeepReached(&pool.open, pool.agents.uavs);
@@ -260,7 +261,7 @@ class RegionalMatching {
     return true;
   }
 
-  /// Leaves open what one of the UAVs may reach.
+  /// Closes what none of the UAVs can reach.
   void KeepReached(OpenSites* open, const std::vector<char>& uavs) const {
     std::vector<Point> at;
     std::vector<std::size_t> which;  // charging points count after all tasks
@@ -305,7 +306,8 @@ Regions::Regions(const std::vector<Participant>& uavs, std::size_t n, bool shift
   std::vector<Point> at;
   at.reserve(uavs.size());
   for (const Participant& uav : uavs) at.push_back(uav.at);
-  std::sort(at.begin(), at.end(), [](Point a, Point b) { return a.x_m < b.x_m; });
+  std::sort(at.begin(), at.end(),
+            [](Point a, Point b) { return a.x_m != b.x_m ? a.x_m < b.x_m : a.y_m < b.y_m; });
   std::vector<std::size_t> ends = CutsOf(at.size(), n, shifted);
   for (const std::size_t cut : ends) x_m_.push_back(at[cut].x_m);
   ends.push_back(at.size());

@@ -12,8 +12,8 @@ namespace muster::scheduler {
 /// Parts of the area with about as many UAVs each: columns, and each column's rows.
 class Regions {
  public:
-  /// n columns of n rows each, cut where UAVs are; or, with `shifted`, n + 1 of n + 1, where those
-  /// at the edges have half as many UAVs, so that few cuts are where the others are.
+  /// n columns of n rows each. With `shifted` n + 1 columns of n + 1 rows, of which those at the
+  /// edges have half as many UAVs, so that the cuts are elsewhere.
   Regions(const std::vector<Participant>& uavs, std::size_t n, bool shifted);
 
   std::size_t size() const { return size_; }
@@ -27,13 +27,14 @@ class Regions {
   std::size_t size_ = 0;
 };
 
-/// HeaviestPairs of a situation that is too large to be matched in one piece. Its n times n regions
-/// are matched each on its own, what is close to their cuts once more in shifted regions, and what
-/// is left in one piece. Where that is much, nothing is returned: regions do not suit, as where all
-/// UAVs start from one place. Time and memory grow as the number of agents; the weight is within a
-/// few thousandths of the heaviest. `candidates`, when given, takes the number of pairs that were
-/// looked at. The threads, 1 or 2, do not change the result. Source: ours.
-/// Requires at least n UAVs.
+/// HeaviestPairs for a situation that is too large to be matched in one piece. Each of n times n
+/// regions is matched on its own. Then what is close to their cuts is matched once more, in shifted
+/// regions, and what is left in one piece. If this last step makes many pairs, nothing is returned:
+/// regions do not suit the situation, for example because all UAVs start from one place. Time and
+/// memory grow as the number of agents. The weight is a few thousandths below the heaviest.
+/// `candidates`, when given, takes the number of pairs that were looked at; what is matched twice
+/// counts twice. threads: 1 or 2; the result does not depend on it. Requires at least n UAVs.
+/// Source: ours.
 std::optional<std::vector<Match>> PairsByRegion(const Situation& situation,
                                                 const Participants& participants,
                                                 const OpenSites& open,

@@ -171,6 +171,7 @@ TEST(LearnedFeatures, OffersWhatAnAgentMayDo) {
   EXPECT_EQ(uav.features[1][3], 1) << "within one interval";
   EXPECT_EQ(uav.features[1][4], 1) << "a task";
   EXPECT_EQ(uav.features[1][11], 0) << "a worker stands there";
+  EXPECT_FLOAT_EQ(uav.features[1][12], 1.0F / 3) << "the later of the two";
   EXPECT_EQ(uav.features[2][5], 1) << "a charging point";
   EXPECT_FLOAT_EQ(uav.features[2][11], 0.5F) << "the vehicle is half an interval away";
   EXPECT_EQ(seen.agents.workers[0].options[2].kind, Kind::kTask) << "no range to heed";
