@@ -69,20 +69,12 @@ class Planner {
   }
 
  private:
-  static AgentKind PartnerKindOf(const Match& match) {
-    return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
-  }
   Participant& Member(const Match& match, AgentKind kind) {
     return participants_[kind][At(kind == AgentKind::kUav ? match.uav : match.partner)];
   }
   char& Used(const Match& match, AgentKind kind) {
     return used_[kind][At(kind == AgentKind::kUav ? match.uav : match.partner)];
   }
-  Point Place(const Match& match) const {
-    return match.charging ? situation_.site->charging_points[At(match.site)].at
-                          : situation_.site->tasks[At(match.site)].at;
-  }
-
   Action Base(const Match& match) const {
     Action action;
     if (match.charging) {
@@ -90,7 +82,7 @@ class Planner {
     } else {
       action.task = TaskId(match.site);
     }
-    action.to = Place(match);
+    action.to = PlaceOf(*situation_.site, match);
     action.weight = match.weight;
     return action;
   }
@@ -134,7 +126,8 @@ class Planner {
     const Participant& other =
         Member(match, idle_kind == AgentKind::kUav ? PartnerKindOf(match) : AgentKind::kUav);
     const TimeUs interval = situation_.site->rules.interval_us;
-    const TimeUs way = Travel(idle, Place(match)), other_way = Travel(other, Place(match));
+    const TimeUs way = Travel(idle, PlaceOf(*situation_.site, match)),
+                 other_way = Travel(other, PlaceOf(*situation_.site, match));
     const TimeUs ahead =
         std::max(other.ready_us, DecisionAfter(situation_.now_us + way, interval)) + other_way;
     return ahead <= other.ready_us + std::max(way, other_way);
@@ -145,7 +138,8 @@ class Planner {
   bool MeetsBeforeNextDecision(const Match& match) {
     const Participant& uav = Member(match, AgentKind::kUav);
     const Participant& partner = Member(match, PartnerKindOf(match));
-    return situation_.now_us + std::max(Travel(uav, Place(match)), Travel(partner, Place(match))) <
+    return situation_.now_us + std::max(Travel(uav, PlaceOf(*situation_.site, match)),
+                                        Travel(partner, PlaceOf(*situation_.site, match))) <
            NextDecision();
   }
 
@@ -153,8 +147,8 @@ class Planner {
   /// next decision.
   void Go(const Match& match, AgentKind kind) {
     const Participant& member = Member(match, kind);
-    const TimeUs travel = Travel(member, Place(match));
-    if (member.at == Place(match)) return;
+    const TimeUs travel = Travel(member, PlaceOf(*situation_.site, match));
+    if (member.at == PlaceOf(*situation_.site, match)) return;
     Action action = Base(match);
     action.weight = 0;
     TimeUs arrive = situation_.now_us + travel;
@@ -195,7 +189,7 @@ class Planner {
   void Advance(const Match& match) {
     Participant& uav = Member(match, AgentKind::kUav);
     Participant& partner = Member(match, PartnerKindOf(match));
-    const double way = uav.agent->WayM(uav.at, Place(match));
+    const double way = uav.agent->WayM(uav.at, PlaceOf(*situation_.site, match));
     if (match.charging) {
       uav.range_m = uav.agent->range_full_m;
       --open_.place[At(match.site)];
@@ -204,7 +198,7 @@ class Planner {
       open_.task[At(match.site)] = 0;
     }
     for (Participant* member : {&uav, &partner}) {
-      member->at = Place(match);
+      member->at = PlaceOf(*situation_.site, match);
       member->ready_us = DecisionAfter(match.end_us, situation_.site->rules.interval_us);
     }
   }

@@ -75,6 +75,14 @@ OpenSites OpenSitesOf(const Situation& situation) {
   return open;
 }
 
+AgentKind PartnerKindOf(const Match& match) {
+  return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
+}
+
+Point PlaceOf(const Site& site, const Match& match) {
+  return match.charging ? site.charging_points[At(match.site)].at : site.tasks[At(match.site)].at;
+}
+
 Outlook OutlookOf(const Situation& situation, const OpenSites& open) {
   if (open.outlook) return *open.outlook;
   const Site& site = *situation.site;
@@ -98,9 +106,12 @@ std::vector<Match> HeaviestPairs(const Situation& situation, const Participants&
   if (!settings.radio && n_uavs >= kManyUavs) {
     std::size_t n = 1;
     while ((n + 1) * (n + 1) * kRegionUavs <= n_uavs) ++n;
-    if (auto matches =
-            PairsByRegion(situation, participants, open, settings, n, threads, candidates)) {
-      return std::move(*matches);
+    // Where many regions do not suit, few may: the whole takes the most time and memory.
+    for (; n > 1; n = n == 2 ? 1 : (n + 1) / 2) {
+      if (auto matches =
+              PairsByRegion(situation, participants, open, settings, n, threads, candidates)) {
+        return std::move(*matches);
+      }
     }
   }
   const PossiblePairs pairs = FindPairs(situation, participants, open, settings, threads);

@@ -42,6 +42,8 @@ struct Match {
   double weight = 0;
   TimeUs end_us = 0;
 };
+AgentKind PartnerKindOf(const Match& match);
+Point PlaceOf(const Site& site, const Match& match);
 
 /// What a UAV may expect of the tasks that are open to a matching.
 struct Outlook {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <utility>
 
 #include "base/geometry.h"
@@ -42,10 +41,6 @@ std::size_t Above(const std::vector<double>& cuts, double x) {
 bool IsNear(const std::vector<double>& cuts, double x, double metres) {
   const auto cut = std::lower_bound(cuts.begin(), cuts.end(), x - metres);
   return cut != cuts.end() && *cut <= x + metres;
-}
-
-AgentKind PartnerKindOf(const Match& match) {
-  return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
 }
 
 /// What can still be matched.
@@ -110,10 +105,6 @@ class RegionalMatching {
   Point UavAt(const Match& match) const { return participants_.uavs[At(match.uav)].at; }
   Point PartnerAt(const Match& match) const {
     return participants_[PartnerKindOf(match)][At(match.partner)].at;
-  }
-  Point PlaceOf(const Match& match) const {
-    return match.charging ? site_.charging_points[At(match.site)].at
-                          : site_.tasks[At(match.site)].at;
   }
 
   /// What no pair uses.
@@ -218,7 +209,7 @@ class RegionalMatching {
     std::vector<Match> kept;
     std::vector<std::vector<Match>> loose(shifted.size());
     for (const Match& match : matches_) {
-      const Point uav = UavAt(match), partner = PartnerAt(match), place = PlaceOf(match);
+      const Point uav = UavAt(match), partner = PartnerAt(match), place = PlaceOf(site_, match);
       const std::size_t region = shifted.Of(place);
       if ((is_near(uav) || is_near(partner) || is_near(place)) && shifted.Of(uav) == region &&
           shifted.Of(partner) == region) {
@@ -239,7 +230,7 @@ class RegionalMatching {
   double LongWay() const {
     std::vector<double> ways_m;
     for (const Match& match : matches_) {
-      const Point place = PlaceOf(match);
+      const Point place = PlaceOf(site_, match);
       ways_m.push_back(std::max(Distance(UavAt(match), place), Distance(PartnerAt(match), place)));
     }
     if (ways_m.empty()) return 0;

@@ -30,11 +30,10 @@ class Regions {
 /// HeaviestPairs for a situation that is too large to be matched in one piece. Each of n times n
 /// regions is matched on its own. Then what is close to their cuts is matched once more, in shifted
 /// regions, and what is left in one piece. If this last step makes many pairs, nothing is returned:
-/// regions do not suit the situation, for example because all UAVs start from one place. Time and
-/// memory grow as the number of agents. The weight is a few thousandths below the heaviest.
-/// `candidates`, when given, takes the number of pairs that were looked at; what is matched twice
-/// counts twice. threads: 1 or 2; the result does not depend on it. Requires at least n UAVs.
-/// Source: ours.
+/// so many regions do not suit, for example because some have UAVs and no tasks. Time and memory
+/// grow as the number of agents. The weight is a few thousandths below the heaviest. `candidates`,
+/// when given, takes the number of pairs that were looked at; what is matched twice counts twice.
+/// threads: 1 or 2; the result does not depend on it. Requires at least n UAVs. Source: ours.
 std::optional<std::vector<Match>> PairsByRegion(const Situation& situation,
                                                 const Participants& participants,
                                                 const OpenSites& open,

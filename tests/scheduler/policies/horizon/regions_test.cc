@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/index.h"
+#include "base/random.h"
 #include "scheduler/policies/horizon/pairs.h"
 #include "tests/scheduler/situation_builder.h"
 
@@ -32,10 +33,6 @@ Situation Drawn(std::uint64_t seed) {
 double WeightOf(const std::vector<Match>& matches) {
   return std::accumulate(matches.begin(), matches.end(), 0.0,
                          [](double sum, const Match& match) { return sum + match.weight; });
-}
-
-AgentKind PartnerKindOf(const Match& match) {
-  return match.charging ? AgentKind::kVehicle : AgentKind::kWorker;
 }
 
 /// No agent and no task twice, no more UAVs at a charging point than places, and every pair one of
@@ -130,6 +127,52 @@ TEST(PairsByRegion, DoNotSuitWhereAllUavsStartFromOnePlace) {
   const OpenSites open = OpenSitesOf(situation);
   EXPECT_EQ(PairsByRegion(situation, participants, open, {}, 3, 1, nullptr), std::nullopt);
   EXPECT_EQ(HeaviestPairs(situation, participants, open, {}).size(), 9);
+}
+
+TEST(HeaviestPairs, OfThousandsOfUavsAreFoundByRegion) {
+  SituationBuilder builder;
+  builder.scenario().width_m = builder.scenario().height_m = 100e3;
+  Random random(1, Stream::kTest);
+  const auto place = [&] {
+    const double x_m = 100e3 * random.Uniform();
+    return Point{x_m, 100e3 * random.Uniform()};
+  };
+  for (int i = 0; i < 5400; ++i) builder.Uav(place(), 30e3);
+  for (int i = 0; i < 60; ++i) {
+    const Point at = place();
+    builder.Worker(at).Task(at, 1000).Charge(at);
+  }
+  const Situation situation = builder.Build();
+  const Participants participants = ParticipantsOf(situation, {});
+  const OpenSites open = OpenSitesOf(situation);
+  const auto by_region = PairsByRegion(situation, participants, open, {}, 3, 1, nullptr);
+  ASSERT_TRUE(by_region);
+  const std::vector<Match> matches = HeaviestPairs(situation, participants, open, {});
+  EXPECT_EQ(matches.size(), 60);
+  ASSERT_EQ(matches.size(), by_region->size());
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    EXPECT_EQ(matches[i].uav, (*by_region)[i].uav);
+    EXPECT_EQ(matches[i].site, (*by_region)[i].site);
+  }
+}
+
+/// All tasks lie east of all UAVs, and only the western half of these has any range: in every
+/// region either the UAVs or the tasks are of no use.
+TEST(HeaviestPairs, AreFoundInOnePieceWhereNoRegionsSuit) {
+  SituationBuilder builder;
+  for (int i = 0; i < 5400; ++i) {
+    builder.Uav({1e4 + 0.1 * i, 1e4 + i % 73}, i < 2700 ? 30e3 : 10.0);
+  }
+  for (int i = 0; i < 20; ++i) {
+    const Point at{1.2e4, 1e4 + 20.0 * i};
+    builder.Worker(at).Task(at, 1000).Charge(at);
+  }
+  const Situation situation = builder.Build();
+  const Participants participants = ParticipantsOf(situation, {});
+  const OpenSites open = OpenSitesOf(situation);
+  EXPECT_FALSE(PairsByRegion(situation, participants, open, {}, 3, 1, nullptr));
+  EXPECT_FALSE(PairsByRegion(situation, participants, open, {}, 2, 1, nullptr));
+  EXPECT_EQ(HeaviestPairs(situation, participants, open, {}).size(), 20);
 }
 
 std::vector<Participant> UavsAt(const std::vector<Point>& places) {
