@@ -183,7 +183,7 @@ for (const [code, words] of [["fr", "Rien à faire pour l’instant"], ["es", "N
     await accessible(page);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing is beside the screen");
     await page.reload();
-    assert.equal(await page.locator("#language").inputValue(), code);
+    await page.waitForFunction((chosen) => document.getElementById("language").value === chosen, code);
   }));
 }
 

@@ -27,15 +27,15 @@ inline std::vector<std::string> InTime(std::vector<std::string> more = {}) {
   return more;
 }
 
-/// A mission at half an hour a second that goes on without who is silent for a second: who starts
-/// again while the mission makes up for that second has to be there before its end. Its policy has
+/// A mission at a quarter of an hour a second that goes on without who is silent for a second: who
+/// starts again while the mission makes up for that second has to be there before its end. Its policy has
 /// to be a quick one: on a busy machine others decide for longer than that second, and the
 /// scheduler would be lost.
 inline std::vector<std::string> GoingOn() {
   return {"--policy",     kQuickPolicy,
           "--on-loss",    "continue",
           "--lost-after", fmt::to_string(kSlowness),
-          "--rate",       fmt::to_string(1800 / kSlowness)};
+          "--rate",       fmt::to_string(900 / kSlowness)};
 }
 
 /// Missions of Random_1, and the digest that each of them has when nothing disturbs it (by
