@@ -28,9 +28,9 @@ inline std::vector<std::string> InTime(std::vector<std::string> more = {}) {
 }
 
 /// A mission at a quarter of an hour a second that goes on without who is silent for a second: who
-/// starts again while the mission makes up for that second has to be there before its end. Its policy has
-/// to be a quick one: on a busy machine others decide for longer than that second, and the
-/// scheduler would be lost.
+/// starts again while the mission makes up for that second has to be there before its end. Its
+/// policy has to be a quick one: on a busy machine others decide for longer than that second, and
+/// the scheduler would be lost.
 inline std::vector<std::string> GoingOn() {
   return {"--policy",     kQuickPolicy,
           "--on-loss",    "continue",
