@@ -22,8 +22,9 @@ double Seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// Partners of a site that are listed, where not all are; and level from which none is sought.
-constexpr std::size_t kNearest = 24;
+/// Partners that a site lists where not all are: at least so many, and up to so many where half of
+/// the pairs allow it; and the level from which none is sought.
+constexpr std::size_t kFewest = 24, kMost = 96;
 constexpr std::int32_t kFarthest = 1 << 12;
 
 /// A way that an agent might take.
@@ -149,6 +150,7 @@ class Builder {
   /// The nearest partners of each place, by whole levels, where time limits nothing.
   std::vector<Way> NearWays(const Crew& crew, bool charging) {
     const std::vector<Point>& places = PlacesAt(charging);
+    const std::size_t nearest = std::clamp(all_pairs_up_to_ / (2 * places.size()), kFewest, kMost);
     const PlaceIndex index(crew.at, crew.ways);
     double reach_m = 0;
     for (const LevelOf& level : crew.levels) reach_m = std::max(reach_m, level.reach_m());
@@ -167,7 +169,7 @@ class Builder {
         });
         const bool all = ways->size() - before == crew.size();
         rest_level_[At(site)] = all ? 0 : most + 1;
-        if (all || ways->size() - before >= kNearest || most >= kFarthest) return;
+        if (all || ways->size() - before >= nearest || most >= kFarthest) return;
       }
     });
   }

@@ -73,7 +73,8 @@ PackingLp::PackingLp(std::span<const std::int32_t> capacity, std::int32_t n_firs
   }
 }
 
-std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows) {
+std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows,
+                                  std::vector<std::int32_t> more) {
   cost_.push_back(cost);
   rows_.push_back(rows);
   position_of_.push_back(-1);
@@ -81,6 +82,11 @@ std::int32_t PackingLp::AddColumn(double cost, std::array<std::int32_t, 3> rows)
   const std::int32_t column = n_columns() - 1;
   for (const std::int32_t r : rows) {
     if (r >= 0) columns_at_[At(r)].push_back(column);
+  }
+  for (const std::int32_t r : more) columns_at_[At(r)].push_back(column);
+  if (!more.empty() || !more_rows_.empty()) {
+    more_rows_.resize(At(n_columns()));
+    more_rows_.back() = std::move(more);
   }
   Changed(column);
   return column;
@@ -192,6 +198,7 @@ double PackingLp::ReducedCost(std::int32_t variable) const {
   for (const std::int32_t r : rows_[At(variable)]) {
     if (r >= 0) reduced -= price_[At(r)];
   }
+  for (const std::int32_t r : more_rows(variable)) reduced -= price_[At(r)];
   return reduced;
 }
 
@@ -204,6 +211,7 @@ std::int32_t PackingLp::Entering() {
 void PackingLp::UseFactorsIfDear() {
   const std::int64_t lately = work_ - std::exchange(work_before_, work_);
   if (factors_ || !devex_ || lately <= kLately * (kDear + kDearPerRow * m_)) return;
+  if (!more_rows_.empty()) return;  // which have three ones a column at most
   factors_.emplace(At(m_));
   vector_ = Sparse(At(m_));
   Refactor();
@@ -261,6 +269,7 @@ void PackingLp::FillAlpha(std::int32_t variable) {
     add(~variable);
   } else {
     for (const std::int32_t row : rows_[At(variable)]) add(row);
+    for (const std::int32_t row : more_rows(variable)) add(row);
   }
   // Sorted, so that equal ratios are decided alike whatever the order of the entries; and without
   // what cancelled, of which a position may have been listed twice.
@@ -442,6 +451,7 @@ double PackingLp::Misfit() const {
     for (const std::int32_t r : rows_[At(variable)]) {
       if (r >= 0) rest[At(r)] -= x_[At(position)];
     }
+    for (const std::int32_t r : more_rows(variable)) rest[At(r)] -= x_[At(position)];
   }
   for (const double error : rest) misfit = std::max(misfit, std::abs(error));
   for (const std::int32_t variable : basic_) {

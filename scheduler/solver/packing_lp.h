@@ -13,8 +13,9 @@
 
 namespace muster::scheduler {
 
-/// max c x, A x <= b, x >= 0 where every column has up to three ones: the linear relaxation of a
-/// packing of elements. Columns may be added between solves; the basis is kept.
+/// max c x, A x <= b, x >= 0 where every column has up to three ones, and more where it is in
+/// cliques: the linear relaxation of a packing of elements. Columns may be added between solves;
+/// the basis is kept.
 ///
 /// Primal simplex with the inverse of the basis stored by columns, of which only those of rows
 /// whose slack is not basic differ from unit vectors: about two for each UAV of a decision. They
@@ -32,7 +33,8 @@ class PackingLp {
   explicit PackingLp(std::span<const std::int32_t> capacity, std::int32_t n_first = 0);
 
   /// Rows that are kNoRow do not count. Returns the column's number, counting from 0.
-  std::int32_t AddColumn(double cost, std::array<std::int32_t, 3> rows);
+  std::int32_t AddColumn(double cost, std::array<std::int32_t, 3> rows,
+                         std::vector<std::int32_t> more = {});
 
   /// To optimality over the columns so far; false when `work_limit` ran out or at `stop`, which is
   /// asked now and then.
@@ -64,6 +66,11 @@ class PackingLp {
   /// Value of a column in the current basic solution; right-hand sides are off by at most 1e-5.
   double value(std::int32_t column) const;
   const std::array<std::int32_t, 3>& rows(std::int32_t column) const { return rows_[At(column)]; }
+  /// That it has beyond these.
+  std::span<const std::int32_t> more_rows(std::int32_t column) const {
+    if (more_rows_.empty()) return {};
+    return more_rows_[At(column)];
+  }
   /// Columns of a row, ascending.
   const std::vector<std::int32_t>& columns_at(std::int32_t row) const {
     return columns_at_[At(row)];
@@ -109,12 +116,13 @@ class PackingLp {
   std::vector<char> closed_;
   std::vector<double> slack_cost_;  ///< [m] 0, or that of a closed column where the row is required
   std::vector<std::array<std::int32_t, 3>> rows_;
-  std::vector<std::int32_t> position_of_;     ///< [n_columns] in the basis, or -1
-  std::vector<std::int32_t> slack_position_;  ///< [m] or -1: the row is active
-  std::vector<std::int32_t> basic_;           ///< [m] variable at a position: column or ~row
-  std::vector<double> x_;                     ///< [m] by position
-  std::vector<double> price_;                 ///< [m]
-  std::vector<double> raised_;                ///< [m] right-hand sides
+  std::vector<std::vector<std::int32_t>> more_rows_;  ///< [n_columns], or empty: none has any
+  std::vector<std::int32_t> position_of_;             ///< [n_columns] in the basis, or -1
+  std::vector<std::int32_t> slack_position_;          ///< [m] or -1: the row is active
+  std::vector<std::int32_t> basic_;  ///< [m] variable at a position: column or ~row
+  std::vector<double> x_;            ///< [m] by position
+  std::vector<double> price_;        ///< [m]
+  std::vector<double> raised_;       ///< [m] right-hand sides
   /// [m] by row; only those of active rows (whose slack is not basic) are used. No entry is zero.
   std::vector<std::vector<Entry>> inverse_;
   /// [m] in place of these, by position, where there are many; else empty.

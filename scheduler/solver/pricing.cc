@@ -109,7 +109,8 @@ void Devex::Move(const PackingLp& lp, const InverseRow& row, double by, double w
   }
   const auto move = [&](std::int32_t j) {
     const auto& rows = lp.rows(j);
-    const double entry = row.at(rows[0]) + row.at(rows[1]) + row.at(rows[2]);
+    double entry = row.at(rows[0]) + row.at(rows[1]) + row.at(rows[2]);
+    for (const std::int32_t r : lp.more_rows(j)) entry += row.at(r);
     if (entry == 0) return;
     reduced_[At(j)] -= by * entry;
     column_weight_[At(j)] = std::max(column_weight_[At(j)], weight * entry * entry);

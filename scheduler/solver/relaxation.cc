@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scheduler/solver/cliques.h"
 #include "scheduler/solver/matchings.h"
 #include "scheduler/solver/parallel.h"
 
@@ -24,6 +25,8 @@ constexpr int kChunk = 50;  ///< UAVs whose columns are solved for together
 
 constexpr double kAlike = 0.05;  ///< regrets that count as equal when choosing these
 
+/// A program that is still that far from its bound, relative, takes more work than others.
+constexpr double kStillFar = 1e-4;
 /// A program that is hard and still that far from its bound, relative, is begun anew,
 constexpr double kFar = 0.01;
 constexpr std::int64_t kWorkAnew = 30'000'000;  ///< after so many steps,
@@ -166,9 +169,7 @@ bool Relaxation::AddOffers(const std::vector<Offer>& offers, const std::function
   return true;
 }
 
-bool Relaxation::IsHard() const {
-  return !anew_ && lp_.is_hard() && bound_ - stay_weight_ - lp_.Bound() > kFar * bound_;
-}
+bool Relaxation::IsHard() const { return !anew_ && lp_.is_hard() && Rest() > kFar * bound_; }
 
 /// Columns of the UAV for a program that is begun anew, in an order that differs from UAV to UAV:
 /// kDrawn of those with the least regret. Returns how many it looked at.
@@ -287,9 +288,11 @@ void Relaxation::TakePrices() {
   }
 }
 
-void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& stop) {
+void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& stop,
+                       std::int64_t work_limit_if_far) {
   const auto n_uavs = instance_.n_uavs(), n_partners = instance_.n_partners();
-  const std::int64_t end = dual_.work() + work() + work_limit;
+  std::int64_t end = dual_.work() + work() + work_limit;
+  const std::int64_t end_if_far = dual_.work() + work() + work_limit_if_far;
   bound_ = dual_.Evaluate();
   prices_ = first_prices_ = dual_.prices();
   const auto stop_or_hard = [&] { return stop() || IsHard(); };
@@ -316,11 +319,15 @@ void Relaxation::Solve(std::int64_t work_limit, const std::function<bool()>& sto
       solved = lp_.Solve(end - dual_.work() - work(), stop);
     }
     TakePrices();
+    if (dual_.work() + work() >= end && end < end_if_far && Rest() > kStillFar * bound_) {
+      end = end_if_far;
+      solved = lp_.Solve(end - dual_.work() - work(), stop);
+      TakePrices();
+    }
     if (!solved) break;
     // What is too large for a proof of the optimum need not be exact either.
-    const double rest = bound_ - stay_weight_ - lp_.Bound();
-    if ((known_.size() > kProofColumns && rest <= kCloseEnough * bound_) ||
-        (anew_ && rest <= kCloseEnoughAnew * bound_ && lp_.Verify())) {
+    if ((known_.size() > kProofColumns && Rest() <= kCloseEnough * bound_) ||
+        (anew_ && Rest() <= kCloseEnoughAnew * bound_ && lp_.Verify())) {
       solved_ = true;
       break;
     }
@@ -376,6 +383,41 @@ bool Relaxation::AddAll(double most, std::size_t limit) {
     }
   }
   return true;
+}
+
+void Relaxation::AddCliques(double enough, std::int64_t work_limit,
+                            const std::function<bool()>& stop) {
+  const std::int64_t end = work() + work_limit;
+  Cliques cliques;
+  while (lp_.Solve(end - work(), stop) && lp_.Bound() + stay_weight_ > enough) {
+    const std::int64_t before = cliques.work();
+    const std::size_t found = cliques.Find(lp_);
+    work_ += cliques.work() - before;
+    if (found == 0) return;
+    // Begun with what is used now, the new program is soon where the old one is.
+    std::vector<Index> order(known_.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto rest = std::stable_partition(order.begin(), order.end(),
+                                            [&](Index k) { return lp_.value(k) > 0; });
+    cliques.Renumber(order);
+    std::vector<std::int32_t> rows = Rows(instance_);
+    std::vector<std::vector<Index>> more(known_.size());
+    for (const std::vector<Index>& clique : cliques.all()) {
+      for (const Index k : clique) more[At(k)].push_back(static_cast<Index>(rows.size()));
+      rows.push_back(1);
+    }
+    PackingLp with(rows);
+    with.UseDevex();
+    std::vector<Known> known;
+    for (auto k = order.begin(); k != order.end(); ++k) {
+      if (k == rest && !with.Solve(end - work(), stop)) return;
+      with.AddColumn(lp_.cost(*k), lp_.rows(*k), std::move(more[known.size()]));
+      known.push_back(known_[At(*k)]);
+    }
+    work_ += lp_.work();
+    lp_ = std::move(with);
+    known_ = std::move(known);
+  }
 }
 
 Plan Relaxation::Rounded() const {

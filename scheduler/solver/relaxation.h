@@ -31,8 +31,11 @@ class Relaxation {
   Relaxation(const Instance& instance, Dual* dual, int threads);
 
   /// Solves until no column is missing (in large instances: until those missing count for next to
-  /// nothing), or the work limit is reached, or `stop`. Leaves the dual at the best prices.
-  void Solve(std::int64_t work_limit, const std::function<bool()>& stop);
+  /// nothing), or the work limit is reached, or `stop`. While the bound is far above what the
+  /// program reaches, `work_limit_if_far` holds in place of a smaller limit. Leaves the dual at the
+  /// best prices.
+  void Solve(std::int64_t work_limit, const std::function<bool()>& stop,
+             std::int64_t work_limit_if_far = 0);
 
   /// Whether it ended because no column was missing.
   bool solved() const { return solved_; }
@@ -61,6 +64,10 @@ class Relaxation {
   /// more than `limit`.
   bool AddAll(double most, std::size_t limit);
 
+  /// Adds rows for cliques of the program's columns until its solution violates none, its value is
+  /// `enough` or less, or `stop`. Columns are numbered anew.
+  void AddCliques(double enough, std::int64_t work_limit, const std::function<bool()>& stop);
+
   /// What the program's solution uses by more than half; the rest is for Planner::Fill.
   Plan Rounded() const;
 
@@ -80,6 +87,8 @@ class Relaxation {
     Column column;
     bool operator<(const Keyed& other) const;
   };
+  /// By how much the bound may lie above every assignment.
+  double Rest() const { return bound_ - stay_weight_ - lp_.Bound(); }
   /// Whether the program has taken many steps without getting anywhere, so that it must begin anew.
   bool IsHard() const;
   void BeginAnew(const std::function<bool()>& stop);

@@ -18,14 +18,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kWork = 400'000'000;       ///< default limit: this
-constexpr std::int64_t kWorkPerArc = 130;         ///< and this for each arc,
+constexpr std::int64_t kWork = 400'000'000;  ///< default limit: this
+constexpr std::int64_t kWorkPerArc = 130;    ///< and this for each arc,
+/// The relaxation takes so many times its share of that where its bound would be of little use.
+constexpr std::int64_t kMoreIfFar = 4;
 constexpr std::int64_t kBranchWork = 20'000'000;  ///< of which branching may do that,
-constexpr std::int64_t kFarWork = 120'000'000;    ///< or that where the gap is not close enough
+constexpr std::int64_t kFarWork = 180'000'000;    ///< or that where the gap is not close enough
 /// With more UAVs, partners and sites, chains and windows do what matchings do in less time.
 constexpr std::size_t kMatchedRows = 2000;
-constexpr double kCloseToLooseBound = 2e-4;      ///< gap, relative
-constexpr std::size_t kProvenColumns = 200'000;  ///< that a proof may take
+constexpr double kCloseToLooseBound = 2e-4;  ///< gap, relative
+constexpr std::int64_t kSoon = 4;  ///< a search without cliques takes that part of the work
+constexpr std::size_t kProvenColumns = 600'000;  ///< that a proof may take
 constexpr double kWorthAnotherStart = 1e-4;      ///< gap, relative
 
 class Search {
@@ -50,8 +53,12 @@ class Search {
     // The rest is for assignments, should the relaxation not end.
     const auto relaxation_deadline =
         limits_.deadline ? start_ + (*limits_.deadline - start_) / 4 * 3 : Clock::time_point::max();
-    relaxation_.Solve(work_limit_ / 4 * 3,
-                      [&] { return limits_.deadline && Clock::now() >= relaxation_deadline; });
+    const std::int64_t for_assignments = work_limit_ / 4;
+    const std::int64_t for_relaxation = 3 * for_assignments;
+    relaxation_.Solve(
+        for_relaxation, [&] { return limits_.deadline && Clock::now() >= relaxation_deadline; },
+        limits_.work > 0 ? 0 : kMoreIfFar * for_relaxation);
+    work_limit_ = std::max(work_limit_, Work() + for_assignments);
     bound_s_ += Lap(&mark);
     const std::function<bool()> stop = [this] { return Stop(); };
     // The relaxation's own solution, and what the prices suggest when that is fractional.
@@ -142,17 +149,19 @@ class Search {
       const bool far = Gap() > kCloseEnough * relaxation_.bound();
       work_limit_ = std::min(work_limit_, Work() + (far ? kFarWork : kBranchWork));
     }
-    if (relaxation_.known().size() <= kProofColumns) {
+    if (relaxation_.known().size() <= kProofColumns ||
+        Gap() > kWorthAnotherStart * relaxation_.bound()) {
       Prove([this] { return Stop(); });
     } else {
-      // A proof is out of reach; a few branches find what windows miss.
-      BranchOverKnown([this] { return Stop() || Gap() <= kCloseEnough * relaxation_.bound(); });
+      // What is that large need not be exact; a few branches find what windows miss.
+      BranchOverKnown([this] { return Stop() || Gap() <= kCloseEnough * relaxation_.bound(); },
+                      work_limit_ - Work());
     }
   }
 
   /// Best assignment among the columns that the linear program knows; returns a bound on all of
   /// these.
-  double BranchOverKnown(const std::function<bool()>& stop) {
+  double BranchOverKnown(const std::function<bool()>& stop, std::int64_t work_limit) {
     const double stay = relaxation_.stay_weight();
     Branching branching(relaxation_.lp(), instance_.n_uavs(), dual_.slack(),
                         {stop, [&] { return best_.weight - stay; },
@@ -161,20 +170,27 @@ class Search {
                            work_ += planner_.Fill(&plan);
                            Keep(std::move(plan));
                          }});
-    const double bound = branching.Search(relaxation_.bound() - stay, work_limit_ - Work()) + stay;
+    const double bound = branching.Search(relaxation_.bound() - stay, work_limit) + stay;
     work_ += branching.work();
     return bound;
   }
 
   /// Branches over what the linear program knows, then over every column that a better assignment
   /// may hold: those whose regret at the best prices is within the gap, as what an assignment falls
-  /// short of the bound is a sum that each of its columns' regrets is part of.
+  /// short of the bound is a sum that each of its columns' regrets is part of. Where that does not
+  /// end soon, rows for cliques are added.
   void Prove(const std::function<bool()>& stop) {
-    BranchOverKnown(stop);
+    const auto part = [&] { return (work_limit_ - Work()) / kSoon; };
+    BranchOverKnown(stop, part());
     // A search over what is listed proves nothing about what is not.
     if (!instance_.rest_level.empty()) return;
     if (Stop() || Proven() || !relaxation_.AddAll(Gap(), kProvenColumns)) return;
-    proven_bound_ = std::max(best_.weight, BranchOverKnown(stop));
+    const std::int64_t soon = Work() + part();
+    proven_bound_ = BranchOverKnown(stop, part());
+    if (Work() >= soon) {
+      relaxation_.AddCliques(best_.weight, work_limit_ - Work(), stop);
+      proven_bound_ = std::min(proven_bound_, BranchOverKnown(stop, work_limit_ - Work()));
+    }
     proven_bound_ = std::max(proven_bound_, best_.weight) + kNegligible;
   }
 

@@ -35,10 +35,10 @@ struct SolverResult {
 /// nearly every decision, rounded and filled up; where the relaxation was hard, improved by
 /// matchings of one class at a time (Matchings); else exact searches in small windows (Windows) and
 /// ejection chains (Chains) where that loses against the bound; and, when a gap is left, one exact
-/// search over all columns that a better assignment may hold (Branching), which proves the optimum
-/// when it ends. Source: ours; the prices are those of Frieze and Yadegar 1981, Poore and Robertson
-/// 1997, found by simplex steps (PackingLp) as subgradient steps needed ten times longer for a
-/// thousandth of gap.
+/// search over all columns that a better assignment may hold (Branching, with Cliques where it is
+/// long), which proves the optimum when it ends. Source: ours; the prices are those of Frieze and
+/// Yadegar 1981, Poore and Robertson 1997, found by simplex steps (PackingLp) as subgradient steps
+/// needed ten times longer for a thousandth of gap.
 SolverResult Solve(const Instance& instance, const SolverLimits& limits = {});
 
 }  // namespace muster::scheduler

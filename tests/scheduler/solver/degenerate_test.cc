@@ -90,6 +90,27 @@ TEST(DegenerateSettings, WhereNearlyAllTiesTheAnswerIsProven) {
   }
 }
 
+/// A limit that leaves the bound far off is raised, one that does not is kept.
+TEST(DegenerateSettings, ARelaxationThatIsFarOffTakesMoreWork) {
+  const Situation situation = GeneratedSituation(LongOnline(70, 20, 10, 40, 20), 1, 2, 0.1);
+  const Instance instance = BuildInstance(situation).instance;
+  const auto solve = [&](std::int64_t limit, std::int64_t if_far, std::int64_t* work) {
+    Dual dual(instance, 1);
+    Relaxation relaxation(instance, &dual, 1);
+    relaxation.Solve(
+        limit, [] { return false; }, if_far);
+    *work = dual.work() + relaxation.work();
+    return relaxation.solved();
+  };
+  std::int64_t needed = 0, work = 0;
+  ASSERT_TRUE(solve(100'000'000, 0, &needed));
+  EXPECT_FALSE(solve(needed / 2, 0, &work));
+  EXPECT_LT(work, needed);
+  EXPECT_TRUE(solve(needed / 40, 100'000'000, &work));
+  EXPECT_FALSE(solve(needed / 40, needed / 4, &work)) << "the second limit holds too";
+  EXPECT_LT(work, needed / 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Families, Degenerate,
                          ::testing::Values(Family{"EqualSpeeds", LongOnline(30, 15, 20, 60, 30),
                                                   "5107368 2174 6854.842143 13709.68429"},
