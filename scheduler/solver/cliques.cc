@@ -34,21 +34,20 @@ bool Conflict(const PackingLp& lp, Index a, Index b) {
 
 /// The set with every column that shares a row with each of its members, the more used first.
 std::vector<Index> Cliques::Extended(const PackingLp& lp, std::vector<Index> members) {
+  const auto meets_all = [&](Index k) {
+    return std::ranges::all_of(members, [&](Index m) { return m != k && Conflict(lp, m, k); });
+  };
   std::vector<std::pair<double, Index>> others;
   for (const Index row : lp.rows(members[0])) {
     if (row < 0 || lp.capacity(row) != 1) continue;
     for (const Index k : lp.columns_at(row)) {
-      if (std::ranges::all_of(members, [&](Index m) { return m != k && Conflict(lp, m, k); })) {
-        others.emplace_back(-lp.value(k), k);
-      }
+      if (meets_all(k)) others.emplace_back(-lp.value(k), k);
     }
     work_ += static_cast<std::int64_t>(8 * lp.columns_at(row).size());
   }
   std::ranges::sort(others);
-  for (const auto& [value, k] : others) {
-    if (std::ranges::all_of(members, [&](Index m) { return m != k && Conflict(lp, m, k); })) {
-      members.push_back(k);
-    }
+  for (const auto& other : others) {
+    if (meets_all(other.second)) members.push_back(other.second);
     work_ += static_cast<std::int64_t>(4 * members.size());
   }
   std::ranges::sort(members);
