@@ -241,6 +241,8 @@ INSTANTIATE_TEST_SUITE_P(
               Actions(R"({"kind":"WjTx","worker":0,"task":1},{"kind":"UiTx","uav":0,"task":1})"),
               "task used twice"},
         Fault{"OutOfTheArea", Actions(R"({"kind":"go","uav":0,"x_m":-5,"y_m":1})"), "destination"},
+        Fault{"HalfAPlace", Actions(R"({"kind":"go","uav":0,"x_m":5})"), "found a place"},
+        Fault{"NoPlace", Actions(R"({"kind":"go","uav":0})"), "found no place"},
         Fault{"APlaceTooMany", Actions(R"({"kind":"Ui","uav":0,"x_m":5,"y_m":1})"), "a place"},
         Fault{"ManyActions",
               Actions(R"({"kind":"Ui","uav":0},{"kind":"Ui","uav":0},{"kind":"Ui","uav":0},)"
@@ -264,6 +266,21 @@ TEST_F(External, AnAnswerSaidAgainIsPassedOver) {
     EXPECT_EQ(decision.refused, "");
     EXPECT_EQ(decision.actions.size(), 1u) << "the first one counts";
   }
+}
+
+TEST_F(External, WhoSpeaksOfEarlierSituationsOnlyIsEnded) {
+  const auto policy = Program(
+      "yes '"
+      R"({"type":"decision","id":0,"actions":[]})"
+      "' | head -n 1100");
+  for (int d = 0; d <= ExternalPolicy::kMostFailures; ++d) {
+    const std::string refused = policy->Decide(Small(d)).refused;
+    const char* why = d < ExternalPolicy::kMostFailures
+                          ? "more than 1000 lines about earlier situations"
+                          : "left alone";
+    EXPECT_NE(refused.find(why), std::string::npos) << refused;
+  }
+  EXPECT_EQ(Pids().size(), static_cast<std::size_t>(ExternalPolicy::kMostFailures));
 }
 
 TEST_F(External, WhoHangsIsEndedWithAllThatItStarted) {
