@@ -410,7 +410,10 @@ void Relaxation::AddCliques(double enough, std::int64_t work_limit,
     with.UseDevex();
     std::vector<Known> known;
     for (auto k = order.begin(); k != order.end(); ++k) {
-      if (k == rest && !with.Solve(end - work(), stop)) return;
+      if (k == rest && !with.Solve(end - work(), stop)) {
+        work_ += with.work();
+        return;
+      }
       with.AddColumn(lp_.cost(*k), lp_.rows(*k), std::move(more[known.size()]));
       known.push_back(known_[At(*k)]);
     }
