@@ -185,9 +185,17 @@ class SeparationCheck {
     }
     const std::int64_t t = view_.now_us;
     if (uav.failed || t < uav.spec->online_from_us || t >= uav.spec->online_until_us) return;
+    // Said above; where it would be when is beyond what can be looked through.
+    if (!CanBeFlown(plan.altitudes)) return;
     if (sent) SendOff(view_, command->second.action, &plan);
     FindTurns(view_, &plan);
     plans_.push_back(std::move(plan));
+  }
+
+  /// Soon, and within the mission's altitudes.
+  bool CanBeFlown(const clearance_t& c) const {
+    return c.begin_us <= view_.now_us + kLongestHoldUs &&
+           std::max(c.from_m, c.to_m) <= minima_.ceiling_m + kTolerance_m;
   }
 
   void CheckNew(const Plan& plan, double altitude_m, bool sent) {
