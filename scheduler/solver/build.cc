@@ -22,8 +22,9 @@ double Seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// Partners that a site lists where not all are: at least so many, and up to so many where half of
-/// the pairs allow it; and the level from which none is sought.
+/// How many partners a site lists where not all are listed: at least kFewest, and up to kMost as
+/// long as all sites together list at most half of `all_pairs_up_to`. No partner is sought from
+/// level kFarthest on.
 constexpr std::size_t kFewest = 24, kMost = 96;
 constexpr std::int32_t kFarthest = 1 << 12;
 

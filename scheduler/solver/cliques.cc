@@ -1,7 +1,6 @@
 #include "scheduler/solver/cliques.h"
 
 #include <algorithm>
-#include <functional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -61,7 +60,6 @@ void Cliques::Renumber(std::span<const Index> order) {
     for (Index& k : set) k = number[At(k)];
     std::ranges::sort(set);
   }
-  known_ = {all_.begin(), all_.end()};
 }
 
 std::size_t Cliques::Find(const PackingLp& lp) {
@@ -103,7 +101,7 @@ std::size_t Cliques::Find(const PackingLp& lp) {
     std::vector<Index> members = Extended(lp, {a, b, c});
     double value = 0;
     for (const Index k : members) value += lp.value(k);
-    if (value < kViolated || !known_.insert(members).second) continue;
+    if (value < kViolated || std::ranges::find(all_, members) != all_.end()) continue;
     for (const Index k : members) ++times[At(k)];
     all_.push_back(std::move(members));
     ++found;

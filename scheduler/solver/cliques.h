@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -32,7 +31,6 @@ class Cliques {
   std::vector<std::int32_t> Extended(const PackingLp& lp, std::vector<std::int32_t> members);
 
   std::vector<std::vector<std::int32_t>> all_;
-  std::set<std::vector<std::int32_t>> known_;
   std::int64_t work_ = 0;
 };
 

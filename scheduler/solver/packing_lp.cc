@@ -211,7 +211,7 @@ std::int32_t PackingLp::Entering() {
 void PackingLp::UseFactorsIfDear() {
   const std::int64_t lately = work_ - std::exchange(work_before_, work_);
   if (factors_ || !devex_ || lately <= kLately * (kDear + kDearPerRow * m_)) return;
-  if (!more_rows_.empty()) return;  // which have three ones a column at most
+  if (!more_rows_.empty()) return;  // factors are of columns with three ones at most
   factors_.emplace(At(m_));
   vector_ = Sparse(At(m_));
   Refactor();

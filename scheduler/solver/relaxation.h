@@ -87,7 +87,7 @@ class Relaxation {
     Column column;
     bool operator<(const Keyed& other) const;
   };
-  /// By how much the bound may lie above every assignment.
+  /// How far the bound lies above the program's value.
   double Rest() const { return bound_ - stay_weight_ - lp_.Bound(); }
   /// Whether the program has taken many steps without getting anywhere, so that it must begin anew.
   bool IsHard() const;

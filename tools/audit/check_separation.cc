@@ -185,7 +185,8 @@ class SeparationCheck {
     }
     const std::int64_t t = view_.now_us;
     if (uav.failed || t < uav.spec->online_from_us || t >= uav.spec->online_until_us) return;
-    // Said above; where it would be when is beyond what can be looked through.
+    // Otherwise a violation has been reported already. Flights are checked second by second, so one
+    // that begins in the far future would never end.
     if (!CanBeFlown(plan.altitudes)) return;
     if (sent) SendOff(view_, command->second.action, &plan);
     FindTurns(view_, &plan);

@@ -106,6 +106,7 @@ TEST(DegenerateSettings, ARelaxationThatIsFarOffTakesMoreWork) {
   ASSERT_TRUE(solve(100'000'000, 0, &needed));
   EXPECT_FALSE(solve(needed / 2, 0, &work));
   EXPECT_LT(work, needed);
+  EXPECT_FALSE(solve(needed / 2, 100'000'000, &work)) << "its bound is near by then";
   EXPECT_TRUE(solve(needed / 40, 100'000'000, &work));
   EXPECT_FALSE(solve(needed / 40, needed / 4, &work)) << "the second limit holds too";
   EXPECT_LT(work, needed / 2);

@@ -20,6 +20,8 @@ namespace muster::tools::testing {
 
 using Packets = std::vector<Packet>;
 
+constexpr int kEditsOfAKind = 12;
+
 /// FNV-1a, 32 bits.
 inline std::uint32_t HashOf(const std::string& text) {
   std::uint32_t hash = 2166136261u;
@@ -50,8 +52,7 @@ inline std::string AuditOf(const Packets& packets, bool* found) {
 /// What was said of each kind of edit of one mission.
 class Findings {
  public:
-  explicit Findings(std::string mission, int edits_of_a_kind = 12)
-      : mission_(std::move(mission)), edits_of_a_kind_(edits_of_a_kind) {}
+  explicit Findings(std::string mission) : mission_(std::move(mission)) {}
 
   void Add(const std::string& kind, const Packets& edited) {
     bool found = false;
@@ -64,7 +65,6 @@ class Findings {
     of.found += found;
     of.text += text;
   }
-  int edits_of_a_kind() const { return edits_of_a_kind_; }
   /// Fails where the mission's lines of that file are others.
   void ExpectThoseOf(const std::string& path) const {
     std::ifstream file(path);
@@ -93,7 +93,6 @@ class Findings {
     std::string text;
   };
   std::string mission_;
-  int edits_of_a_kind_;
   std::map<std::string, Kind> kinds_;
 };
 
@@ -112,8 +111,7 @@ void Edit(Findings* findings, const Packets& packets, const std::string& kind,
   if (places.empty()) return;
   Random random(HashOf(kind), Stream::kTest);
   int done = 0;
-  for (int tried = 0; done < findings->edits_of_a_kind() && tried < 6 * findings->edits_of_a_kind();
-       ++tried) {
+  for (int tried = 0; done < kEditsOfAKind && tried < 6 * kEditsOfAKind; ++tried) {
     const std::size_t i = places[random.Below(static_cast<std::uint32_t>(places.size()))];
     Message message = *Decode<Message>(packets[i].bytes);
     if (!edit(message, done, &random)) continue;

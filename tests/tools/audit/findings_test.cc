@@ -38,10 +38,9 @@ using testing::Field;
 using testing::Findings;
 using testing::ItemField;
 using testing::ItemGoneOrTwice;
+using testing::kEditsOfAKind;
 using testing::Packets;
 using testing::TextOf;
-
-constexpr int kEditsOfAKind = 12;
 
 Packets Small(const std::string& policy, const std::function<void(GeneratorSettings*)>& change) {
   GeneratorSettings settings = PresetByName("Random_1");
@@ -346,7 +345,7 @@ class AuditFindings : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(AuditFindings, AreThoseTheyWere) {
   const Mission& mission = Missions()[GetParam()];
-  Findings findings(mission.name, kEditsOfAKind);
+  Findings findings(mission.name);
   bool found = false;
   AuditOf(mission.packets, &found);
   ASSERT_FALSE(found) << AuditOf(mission.packets, &found);

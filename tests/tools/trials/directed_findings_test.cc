@@ -17,8 +17,6 @@ using testing::Findings;
 using testing::ItemField;
 using testing::ItemGoneOrTwice;
 
-constexpr int kEditsOfAKind = 12;
-
 testing::Packets PacketsOf(VirtualMission mission) {
   testing::Packets packets;
   mission.on_logged = [&](const simulation::VirtualLogger::Event& event, std::int64_t) {
@@ -37,7 +35,7 @@ TEST_P(DirectedFindings, AreThoseTheyWere) {
   bool found = false;
   const std::string text = testing::AuditOf(packets, &found);
   ASSERT_FALSE(found) << text;
-  Findings findings("seed-" + std::to_string(GetParam()), kEditsOfAKind);
+  Findings findings("seed-" + std::to_string(GetParam()));
 
   const auto agent = [&](const std::string& name, auto field) {
     Edit<agent_states_t>(&findings, packets, "agent " + name,
