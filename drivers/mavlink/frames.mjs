@@ -1,8 +1,11 @@
 // Bytes to MAVLink messages and back. node-mavlink knows the messages and their checksums; here is only what makes its
 // streams into calls, so that a driver is a function of what it hears and of the time.
-import { ardupilotmega, common, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, minimal } from "node-mavlink";
+import { createRequire } from "node:module";
 
 import { SIGNED } from "./signing.mjs";
+
+// Not by import: which names there are would be looked for in the text of all its messages, which takes twice as long as to load it.
+const { ardupilotmega, common, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, minimal } = createRequire(import.meta.url)("node-mavlink");
 
 export { ardupilotmega, common, minimal };
 
