@@ -11,6 +11,25 @@ export { ardupilotmega, common, minimal };
 
 const MESSAGES = { ...minimal.REGISTRY, ...common.REGISTRY, ...ardupilotmega.REGISTRY };
 const NO_BYTES = Buffer.alloc(0);
+const PROTOCOLS = { [MavLinkProtocolV1.START_BYTE]: new MavLinkProtocolV1(), [MavLinkProtocolV2.START_BYTE]: new MavLinkProtocolV2() };
+
+/**
+ * Of a class of messages: `Bare`, which makes one without any fields, for who sets them all, and `defaults`, all fields as its
+ * constructor has them. That looks for each in the names of an enumeration, which takes longer than to read or write the message.
+ */
+function partsOf(type) {
+  if (!PARTS.has(type)) {
+    const Bare = function () {};
+    Bare.prototype = type.prototype;
+    Object.assign(Bare, { MSG_NAME: type.MSG_NAME, FIELDS: type.FIELDS });
+    const defaults = new type();
+    for (const value of Object.values(defaults)) Object.freeze(value);  // lists: all messages share them
+    PARTS.set(type, { Bare, defaults });
+  }
+  return PARTS.get(type);
+}
+
+const PARTS = new WeakMap();
 
 class Splitter extends MavLinkPacketSplitter {
   found = [];
@@ -54,11 +73,11 @@ export class FrameReader {
 }
 
 function decode(bytes) {
-  const protocol = bytes[0] === MavLinkProtocolV1.START_BYTE ? new MavLinkProtocolV1() : new MavLinkProtocolV2();
+  const protocol = PROTOCOLS[bytes[0]];
   const header = protocol.header(bytes);
   const type = MESSAGES[header.msgid];
   if (!type) return [];
-  return [{ system: header.sysid, component: header.compid, name: type.MSG_NAME, message: protocol.data(protocol.payload(bytes), type) }];
+  return [{ system: header.sysid, component: header.compid, name: type.MSG_NAME, message: protocol.data(protocol.payload(bytes), partsOf(type).Bare) }];
 }
 
 /** Makes frames of messages, in MAVLink 2. `signing`: of signing.mjs; null: they are not signed. */
@@ -81,5 +100,6 @@ export class FrameWriter {
 
 /** A message of that class with these fields, all others 0. */
 export function make(type, fields) {
-  return Object.assign(new type(), fields);
+  const { Bare, defaults } = partsOf(type);
+  return Object.assign(new Bare(), defaults, fields);
 }
