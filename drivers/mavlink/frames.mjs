@@ -72,12 +72,18 @@ export class FrameReader {
   }
 }
 
+/** Of the message that is read. */
+const PAYLOAD = Buffer.alloc(255);
+
 function decode(bytes) {
   const protocol = PROTOCOLS[bytes[0]];
   const header = protocol.header(bytes);
   const type = MESSAGES[header.msgid];
   if (!type) return [];
-  return [{ system: header.sysid, component: header.compid, name: type.MSG_NAME, message: protocol.data(protocol.payload(bytes), partsOf(type).Bare) }];
+  const from = protocol.constructor.PAYLOAD_OFFSET;
+  PAYLOAD.fill(0);  // zeros at its end are not sent
+  bytes.copy(PAYLOAD, 0, from, from + header.payloadLength);
+  return [{ system: header.sysid, component: header.compid, name: type.MSG_NAME, message: protocol.data(PAYLOAD, partsOf(type).Bare) }];
 }
 
 /** Makes frames of messages, in MAVLink 2. `signing`: of signing.mjs; null: they are not signed. */

@@ -68,7 +68,7 @@ export class Safety {
   }
 
   get isLinked() {
-    return this.#link() === null;
+    return this.#silence === null;
   }
 
   /** It will not come home with what its battery still has. */
@@ -98,17 +98,24 @@ export class Safety {
   }
 
   #link() {
+    const words = this.#silence;
+    return words && new Trouble(`its link is lost: ${words}`);
+  }
+
+  /** What is not heard; null: nothing. Asked all the time, in words, as a Trouble takes long to make. */
+  get #silence() {
     const { vehicle } = this;
     if (!vehicle.kind || this.isServiced || this.#isCatchingUp) return null;
-    if (this.#is(vehicle.heard_s, SILENT_S)) return new Trouble(`its link is lost: nothing heard for ${SILENT_S} s`);
-    if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return new Trouble(`its link is lost: no heartbeat for ${NO_HEARTBEAT_S} s`);
+    if (this.#is(vehicle.heard_s, SILENT_S)) return `nothing heard for ${SILENT_S} s`;
+    if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return `no heartbeat for ${NO_HEARTBEAT_S} s`;
     return null;
   }
 
   #flight(area, map) {
     const { vehicle } = this;
     if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
-    const isLong = [vehicle.place_s, vehicle.badFix_s, vehicle.badEstimate_s].some((since_s) => this.#is(since_s, NO_PLACE_S));
+    const { place_s, badFix_s, badEstimate_s } = vehicle;
+    const isLong = this.#is(place_s, NO_PLACE_S) || this.#is(badFix_s, NO_PLACE_S) || this.#is(badEstimate_s, NO_PLACE_S);
     const isLost = isLong && !this.#isCatchingUp;
     if (this.#is(this.#sinceWhen("falls", this.phase === Phase.fly && vehicle.down_m_s > FALL_M_S), FALL_S)) {
       return new Trouble(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
