@@ -147,6 +147,17 @@ export class Box {
 
   step() {
     this.now += STEP_S;
+    if (this.#onTheWay.length) this.#bring();
+    this.copter.step(this.now);
+    if (!this.isPowerCut) this.protocol.step();
+    if (this.isDead || this.isStalled) return;
+    const tick_s = this.#told_s + TICK_S;
+    if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
+    this.driver.step();
+  }
+
+  /** What is on the way and due. */
+  #bring() {
     const isDue = ({ due, direction }) => due <= this.now && !(this.isStalled && direction === "down");
     const due = this.#onTheWay.filter(isDue);
     this.#onTheWay = this.#onTheWay.filter((packet) => !isDue(packet));
@@ -155,12 +166,6 @@ export class Box {
         if (!this.isPowerCut) this.protocol.hear(bytes);
       } else if (!this.isDead) this.hear(bytes);
     }
-    this.copter.step(this.now);
-    if (!this.isPowerCut) this.protocol.step();
-    if (this.isDead || this.isStalled) return;
-    const tick_s = this.#told_s + TICK_S;
-    if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
-    this.driver.step();
   }
 
   /** Goes on until that is so; returns how long it took. Fails when it is not by then. */
