@@ -207,7 +207,7 @@ async function walk(tak, { map, at, speed_m_s, rate }) {
     tak.say({ uid: `GeoChat.${self.uid}.${++n}`, type: "b-t-f", at: degreesHere(), detail: { __chat: { $: { chatroom: self.callsign, id: self.uid, senderCallsign: "Jenny" } },
       link: { $: { uid: `ANDROID-${self.uid}`, relation: "p-p" } }, remarks: text } });
   };
-  const STEP_MS = 50;
+  const STEP_MS = 100;
   for (let goal = null, doneAt = null; isOpen; await sleep(STEP_MS)) {
     const chats = tak.all.filter(({ chat }) => chat);
     for (; heard < chats.length; ++heard) {
