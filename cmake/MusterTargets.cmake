@@ -81,7 +81,7 @@ function(muster_test name)
   target_compile_options(${name} PRIVATE -O1)
   target_precompile_headers(${name} REUSE_FROM muster_precompiled_tests)
   # Fewer together than in the programs: what tests of one folder are called is often the same.
-  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 24)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()

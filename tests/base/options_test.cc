@@ -39,9 +39,9 @@ std::string ErrorOf(const std::vector<const char*>& words) {
 }
 
 std::string HelpOf(const char* flag) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_FALSE(Parse({flag}));
-  return testing::internal::GetCapturedStdout();
+  return ::testing::internal::GetCapturedStdout();
 }
 
 TEST(Options, GivesDefaultsToWhatIsNotGiven) {

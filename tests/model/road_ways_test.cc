@@ -18,7 +18,7 @@ namespace muster {
 namespace {
 
 constexpr AgentKind kWorker = AgentKind::kWorker, kVehicle = AgentKind::kVehicle;
-constexpr double kNoWay = std::numeric_limits<double>::infinity();
+constexpr double kNoRoad = std::numeric_limits<double>::infinity();
 constexpr PerKind<OpenGround> kFields = {{}, {50, 400}, {25, 300}};
 
 /// A street of two pieces east, a one-way street back round the north, a path to the south:
@@ -51,7 +51,7 @@ TEST(RoadWays, LengthsOfAVillageByHand) {
   // The path is not for vehicles, and too far from the street for one that crosses open ground.
   EXPECT_EQ(ways.Length(kWorker, {0, -200}, {0, 0}), 250);
   EXPECT_EQ(ways.Length(kVehicle, {0, -200}, {0, 0}), 800);
-  EXPECT_EQ(ways.Length(kVehicle, {0, -400}, {0, 0}), kNoWay);
+  EXPECT_EQ(ways.Length(kVehicle, {0, -400}, {0, 0}), kNoRoad);
   // 40 m to the street at half and quarter speed, 100 m along it, 20 m from it.
   EXPECT_EQ(ways.Length(kWorker, {100, -40}, {200, 20}), 80 + 100 + 40);
   EXPECT_EQ(ways.Length(kVehicle, {100, -40}, {200, 20}), 160 + 100 + 80);
@@ -103,7 +103,7 @@ TEST(RoadWays, AWayThatCostsMoreThanCanBeCountedIsNone) {
   EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {20'000, 0}), 2e6);
   EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {21'474, 0}), 2'147'400);
   EXPECT_EQ(ways.Corners(kVehicle, {0, 0}, {21'474, 0}).size(), 2U);
-  EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {21'475, 0}), kNoWay);
+  EXPECT_EQ(ways.Length(kVehicle, {0, 0}, {21'475, 0}), kNoRoad);
   EXPECT_TRUE(ways.Corners(kVehicle, {0, 0}, {21'475, 0}).empty());
 }
 
@@ -146,7 +146,7 @@ TEST(RoadWays, MovesEndAtStops) {
 /// All lengths between all road points by the definition alone, for people or vehicles.
 std::vector<std::vector<double>> AllLengths(const Roads& roads, AgentKind kind) {
   const std::size_t n = roads.points.size();
-  std::vector<std::vector<double>> mm(n, std::vector<double>(n, kNoWay));
+  std::vector<std::vector<double>> mm(n, std::vector<double>(n, kNoRoad));
   for (std::size_t i = 0; i < n; ++i) mm[i][i] = 0;
   for (const Road& road : roads.roads) {
     const RoadClass& its = roads.classes[static_cast<std::size_t>(road.road_class)];
@@ -194,7 +194,7 @@ TEST(RoadWays, OnStreetGridsLengthsAreThoseOfThePlainDefinition) {
           const Point to{roads.points[j].x_mm / 1000.0, roads.points[j].y_mm / 1000.0};
           if (ways.StopNear(kind, from).at != from || ways.StopNear(kind, to).at != to) continue;
           ASSERT_DOUBLE_EQ(ways.Length(kind, from, to), mm[i][j] / 1000) << i << " to " << j;
-          ways_found += i != j && mm[i][j] < kNoWay;
+          ways_found += i != j && mm[i][j] < kNoRoad;
         }
       }
     }
@@ -222,8 +222,8 @@ TEST(RoadWays, OnStreetGridsWaysAreSound) {
         for (const Point b : places) {
           const double ab = ways.Length(kind, a, b);
           EXPECT_GE(ab, Distance(a, b));
-          none += ab == kNoWay;
-          if (ab == kNoWay) continue;
+          none += ab == kNoRoad;
+          if (ab == kNoRoad) continue;
           ++ways_found;
           EXPECT_GE(ab + 1e-3, ways.GroundLength(kind, a, b));
           for (const Point c : places) {

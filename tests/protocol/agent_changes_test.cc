@@ -12,7 +12,7 @@ namespace muster {
 namespace {
 
 /// One UAV, worker and vehicle that do what a decision at time 0 commands, and their reports.
-class AgentChangesTest : public testing::Test {
+class AgentChangesTest : public ::testing::Test {
  protected:
   AgentChangesTest() : AgentChangesTest(MakeScenario()) {}
   explicit AgentChangesTest(Scenario scenario)

@@ -23,16 +23,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class OldLogs : public testing::TestWithParam<std::string> {
+class OldLogs : public ::testing::TestWithParam<std::string> {
  protected:
   std::string run() const { return (fs::path(MUSTER_OLD_LOGS) / GetParam()).string(); }
 
   template <class Command>
   int Run(Command command, std::vector<const char*> arguments) {
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     const int code = command(static_cast<int>(arguments.size()), arguments.data());
     std::fflush(stdout);
-    said_ = testing::internal::GetCapturedStdout();
+    said_ = ::testing::internal::GetCapturedStdout();
     return code;
   }
 
@@ -106,9 +106,9 @@ TEST_P(SealedLog, IsProvenByItsKeyAlone) {
   EXPECT_EQ(Run(AuditCommand, {"muster audit", run().c_str(), "--key", other.c_str()}), 4) << said_;
 }
 
-INSTANTIATE_TEST_SUITE_P(OfVersion0_1_0, SealedLog, testing::Values("0.1.0_sealed"));
+INSTANTIATE_TEST_SUITE_P(OfVersion0_1_0, SealedLog, ::testing::Values("0.1.0_sealed"));
 
-INSTANTIATE_TEST_SUITE_P(EveryVersion, OldLogs, testing::ValuesIn(Versions()),
+INSTANTIATE_TEST_SUITE_P(EveryVersion, OldLogs, ::testing::ValuesIn(Versions()),
                          [](const auto& version) {
                            std::string name = "Version" + version.param;
                            for (char& c : name) {

@@ -16,8 +16,6 @@ namespace {
 
 using muster::testing::OnTheBlock;
 
-constexpr AgentKind kWorker = AgentKind::kWorker;
-
 Agents AgentsOf(const Scenario& scenario) {
   Agents agents;
   for (const AgentKind kind : kAgentKinds) {
@@ -98,7 +96,7 @@ class HiddenClosureTest : public ::testing::Test {
   bool IsKnown(TimeUs t, bool is_under_way = true) {
     Agents agents = AgentsOf(scenario_);
     const std::vector<Action> commanded = {action_};
-    if (is_under_way) Begin(&agents.at(kWorker, 0), action_, 0, 0, {}, 0);
+    if (is_under_way) Begin(&agents.at(AgentKind::kWorker, 0), action_, 0, 0, {}, 0);
     return IsToldOrMet(closure_, t, scenario_, agents, {commanded, 0, 0});
   }
 

@@ -25,8 +25,8 @@ using std::chrono::milliseconds;
 
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::size_t kMostRequestBytes = 8192;
-constexpr milliseconds kPace{250};  // between chunks to one page
-constexpr milliseconds kLook{50};   // for what is new
+constexpr milliseconds kPace{250};        // between chunks to one page
+constexpr milliseconds kLookForNews{50};  // for what is new
 constexpr milliseconds kSilence{1000};
 constexpr std::size_t kMostBodyBytes = 64 * 1024;
 constexpr milliseconds kAnswer{4500};  // within kPatience
@@ -163,7 +163,7 @@ void LiveServer::Serve(Client* one, Time now, bool ending) {
   if (client->question) AnswerQuestion(client, now, ending);
   if (client->listens && !client->last) Tell(client, now);
   client->look = !client->order.empty() || client->question ? kLookForAnswer
-                 : client->listens                          ? kLook
+                 : client->listens                          ? kLookForNews
                                                             : kIdle;
   // A client that has not asked yet gets no answer any more.
   if (client->ended || (ending && client->asks())) client->until = now;

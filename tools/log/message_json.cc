@@ -12,7 +12,7 @@ namespace {
 using nlohmann::ordered_json;
 
 template <class T>
-ordered_json Value(const T& value);
+ordered_json ValueJson(const T& value);
 
 /// A message as an object. A count follows from its array, and raw bytes are left out.
 struct ToObject {
@@ -22,22 +22,22 @@ struct ToObject {
     if constexpr (std::is_floating_point_v<T>) {
       if (!std::isfinite(field)) return;
     }
-    json[name] = Value(field);
+    json[name] = ValueJson(field);
   }
   void Count(const char*, std::int32_t) {}
   template <class T>
   void Array(const char* name, const std::vector<T>& array, std::int32_t) {
-    if constexpr (!std::is_same_v<T, std::uint8_t>) json[name] = Value(array);
+    if constexpr (!std::is_same_v<T, std::uint8_t>) json[name] = ValueJson(array);
   }
 };
 
 template <class T>
-ordered_json Value(const T& value) {
+ordered_json ValueJson(const T& value) {
   if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
   } else if constexpr (requires { value.begin(); }) {
     ordered_json array = ordered_json::array();
-    for (const auto& item : value) array.push_back(Value(item));
+    for (const auto& item : value) array.push_back(ValueJson(item));
     return array;
   } else {
     ToObject object;
@@ -89,7 +89,7 @@ struct SchemaOf<std::vector<T>> {
 }  // namespace
 
 ordered_json MessageJson(const Message& message) {
-  return std::visit([](const auto& m) { return Value(m); }, message);
+  return std::visit([](const auto& m) { return ValueJson(m); }, message);
 }
 
 ordered_json MessageSchema(const Message& type) {

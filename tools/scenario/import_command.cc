@@ -30,7 +30,7 @@ std::vector<RowFilter> Filters(const Arguments& arguments, const std::string& na
   return filters;
 }
 
-ImportRole Role(const Arguments& arguments, const std::string& role) {
+ImportRole ImportRoleOf(const Arguments& arguments, const std::string& role) {
   ImportRole result;
   result.where = Filters(arguments, role + "-where");
   if (arguments.Has(role + "-at")) {
@@ -172,9 +172,9 @@ int ImportCommand(int argc, const char* const* argv) {
   arguments->Read("time", &request.time);
   if (request.time == "none") request.time = "";
   request.where = Filters(*arguments, "where");
-  request.tasks = Role(*arguments, "tasks");
-  request.charging = Role(*arguments, "charging");
-  request.agents = Role(*arguments, "agents");
+  request.tasks = ImportRoleOf(*arguments, "tasks");
+  request.charging = ImportRoleOf(*arguments, "charging");
+  request.agents = ImportRoleOf(*arguments, "agents");
   if (arguments->Has("window")) request.window = ParseWindow(arguments->Get("window"));
   arguments->Read("priority", &request.priority);
   arguments->Read("task-name", &request.task_name);

@@ -22,11 +22,11 @@ constexpr std::size_t kMostLeaves = 64;
 constexpr int kGzip = 2;
 constexpr const char* kExpectedPmtiles = "a PMTiles file of version 3";
 
-struct Entry {
+struct TileEntry {
   std::uint64_t number = 0, offset = 0, length = 0;
   std::uint64_t run = 0;  ///< tiles that are the same; 0: a directory of its own
 };
-using Directory = std::vector<Entry>;
+using Directory = std::vector<TileEntry>;
 
 class Pmtiles final : public TileFile {
  public:
@@ -45,9 +45,9 @@ class Pmtiles final : public TileFile {
     for (int level = 0; level < kMostLevels; ++level) {
       const auto next = std::upper_bound(
           directory->begin(), directory->end(), number,
-          [](std::uint64_t wanted, const Entry& entry) { return wanted < entry.number; });
+          [](std::uint64_t wanted, const TileEntry& entry) { return wanted < entry.number; });
       if (next == directory->begin()) return {};
-      const Entry& entry = *(next - 1);
+      const TileEntry& entry = *(next - 1);
       if (entry.run > 0) {
         if (number - entry.number >= entry.run) return {};
         const std::string key = fmt::format("tile {}/{}/{}", tile.zoom, tile.column, tile.row);
@@ -110,9 +110,9 @@ class Pmtiles final : public TileFile {
     if (n > kMostEntries || n > bytes.size()) Refuse("directory", fmt::format("{} entries", n));
     Directory entries(n);
     std::uint64_t number = 0;
-    for (Entry& entry : entries) entry.number = number += next();
-    for (Entry& entry : entries) entry.run = next();
-    for (Entry& entry : entries) entry.length = next();
+    for (TileEntry& entry : entries) entry.number = number += next();
+    for (TileEntry& entry : entries) entry.run = next();
+    for (TileEntry& entry : entries) entry.length = next();
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const std::uint64_t value = next();
       if (value == 0 && i == 0) Refuse("directory", "a first entry after another");
@@ -121,7 +121,7 @@ class Pmtiles final : public TileFile {
     return entries;
   }
 
-  const Directory& Leaf(const Entry& entry) const {
+  const Directory& Leaf(const TileEntry& entry) const {
     const auto found = leaves_.find(entry.offset);
     if (found != leaves_.end()) return found->second;
     if (leaves_.size() >= kMostLeaves) leaves_.clear();

@@ -24,7 +24,7 @@ struct Case {
   std::function<void(GeneratorSettings*)> change = [](GeneratorSettings*) {};
 };
 
-std::vector<Case> Cases() {
+std::vector<Case> MutationCases() {
   const auto storm = [](GeneratorSettings* s) {
     s->disturbances = {{0.1, 0.4}, {100, 500}, {0.01, 0.05}, {0.05, 0.1}};
   };
@@ -83,7 +83,7 @@ std::vector<Case> Cases() {
 }
 
 TEST(AuditMission, PassesWhateverHappens) {
-  for (const Case& c : Cases()) {
+  for (const Case& c : MutationCases()) {
     for (const std::uint64_t seed : {1, 2}) {
       GeneratorSettings settings = PresetByName("Random_1");
       settings.rules.limit_us = 90 * kMinuteUs;

@@ -110,7 +110,7 @@ TEST(Audit, EveryRuleOfTheDocumentIsBrokenBySomeMutation) {
   EXPECT_EQ(rules, broken);
 }
 
-class AuditCommandTest : public testing::Test {
+class AuditCommandTest : public ::testing::Test {
  protected:
   /// Of the log's messages up to that time.
   int Run(const FakeLog& log, std::vector<const char*> more = {},
@@ -125,10 +125,10 @@ class AuditCommandTest : public testing::Test {
     }
     std::vector<const char*> arguments = {"muster audit", file_.c_str()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     const int code = AuditCommand(static_cast<int>(arguments.size()), arguments.data());
     std::fflush(stdout);
-    out_ = testing::internal::GetCapturedStdout();
+    out_ = ::testing::internal::GetCapturedStdout();
     return code;
   }
   const TemporaryFolder folder_;

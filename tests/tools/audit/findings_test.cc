@@ -30,7 +30,7 @@
 namespace muster::tools {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using testing::AuditOf;
 using testing::Change;
 using testing::Edit;
@@ -274,12 +274,12 @@ void EditScenario(Findings* findings, const Packets& packets) {
   std::size_t at = 0;
   while (!Decode<scenario_t>(packets[at].bytes)) ++at;
   const scenario_t scenario = *Decode<scenario_t>(packets[at].bytes);
-  const json whole = json::parse(scenario.json), leaves = whole.flatten();
+  const Json whole = Json::parse(scenario.json), leaves = whole.flatten();
   for (const auto& [pointer, value] : leaves.items()) {
     if (!value.is_number() || pointer.ends_with("/id") || pointer == "/version") continue;
     for (const double by : {0.001, -0.001, 3.0}) {
-      json edited = whole;
-      edited[json::json_pointer(pointer)] = value.get<double>() + by;
+      Json edited = whole;
+      edited[Json::json_pointer(pointer)] = value.get<double>() + by;
       scenario_t message = scenario;
       message.json = edited.dump();
       message.sha256 = audit::Sha256Of(message.json);
@@ -301,8 +301,8 @@ void EditReport(Findings* findings, const Packets& packets) {
     record.Add(packet);
   }
   ASSERT_TRUE(auditor.Finish().empty());
-  const json report = json::parse(Report(record).dump()), leaves = report.flatten();
-  const auto check = [&](const std::string& kind, const json& edited) {
+  const Json report = Json::parse(Report(record).dump()), leaves = report.flatten();
+  const auto check = [&](const std::string& kind, const Json& edited) {
     const auto violations = audit::CheckReportFile(edited, *auditor.facts());
     findings->Add(kind, !violations.empty(), TextOf(violations));
   };
@@ -311,12 +311,12 @@ void EditReport(Findings* findings, const Packets& packets) {
       "seed",    "tasks",           "tasks_done", "tasks_total", "uavs",   "version"};
   check("report as it is", report);
   for (const auto& [pointer, value] : leaves.items()) {
-    const json::json_pointer at(pointer);
+    const Json::json_pointer at(pointer);
     const std::string list = pointer.substr(1, pointer.find('/', 1) - 1);
     if (!of_the_log.contains(list)) continue;
     const std::string kind = "report " + list;
-    json edited = report;
-    edited[at] = value.is_number() ? json(value.get<double>() * 1.00001 + 1) : json("x");
+    Json edited = report;
+    edited[at] = value.is_number() ? Json(value.get<double>() * 1.00001 + 1) : Json("x");
     check(kind, edited);
     edited[at] = nullptr;
     check(kind, edited);

@@ -119,9 +119,9 @@ TEST_F(PaperSuite, JobsMergeToTheSameRows) {
   MergePaperRuns(Small("merged"), folders);
   EXPECT_EQ(WithoutTimes(Read("merged")), WithoutTimes(Read("whole")));
 
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   ListPaperJobs(Small("jobs"), "muster");
-  const std::string jobs = testing::internal::GetCapturedStdout();
+  const std::string jobs = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(std::count(jobs.begin(), jobs.end(), '\n'), 2 * 3);
   EXPECT_NE(jobs.find("muster bench --suite paper --instances Random_10 --methods kwta "),
             std::string::npos);
@@ -135,9 +135,9 @@ TEST_F(PaperSuite, JobsOfTheLongSuiteAreOfThatSuite) {
   PaperOptions options = Small("jobs");
   options.filter = {};
   options.filter.longer = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   ListPaperJobs(options, "muster");
-  const std::string jobs = testing::internal::GetCapturedStdout();
+  const std::string jobs = ::testing::internal::GetCapturedStdout();
   EXPECT_NE(jobs.find("--suite paper-long "), std::string::npos);
   EXPECT_EQ(jobs.find("--suite paper "), std::string::npos);
 }

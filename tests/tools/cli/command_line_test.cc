@@ -22,7 +22,7 @@ std::string TextOf(const std::string& file) {
   return text.str();
 }
 
-class CommandLine : public testing::Test {
+class CommandLine : public ::testing::Test {
  protected:
   void SetUp() override {
     const ChildResult made =

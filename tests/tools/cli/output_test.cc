@@ -35,7 +35,7 @@ void OpenBrokenPipe(int fd) {
   signal(SIGPIPE, SIG_DFL);
 }
 
-class Output : public testing::Test {
+class Output : public ::testing::Test {
  protected:
   void SetUp() override {
     Run({"scenario", "--uavs", "2", "--workers", "2", "--vehicles", "1", "--tasks", "3",

@@ -16,7 +16,7 @@ namespace {
 
 /// A fifth of all packets lost for an hour; the scheduler, the UAVs' process and twice the logger
 /// killed: a log in three parts.
-class RedecideRun : public testing::Test {
+class RedecideRun : public ::testing::Test {
  protected:
   void SetUp() override { MUSTER_NEEDS_MULTICAST(); }
   void Check(const std::string& scenario, const std::string& policy) {

@@ -500,7 +500,7 @@ TEST(TaskStory, ALogWithHolesIsToldAsFarAsItGoes) {
                        "rulings_t\n"));
 }
 
-class Commands : public testing::Test {
+class Commands : public ::testing::Test {
  protected:
   Commands() {
     EventLogWriter writer(file_);
@@ -514,17 +514,17 @@ class Commands : public testing::Test {
   template <class Command>
   int Run(Command command, std::vector<const char*> arguments) {
     arguments.insert(arguments.begin(), {"muster", file_.c_str()});
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     int code = -1;
     try {
       code = command(static_cast<int>(arguments.size()), arguments.data());
     } catch (...) {
       std::fflush(stdout);
-      testing::internal::GetCapturedStdout();
+      ::testing::internal::GetCapturedStdout();
       throw;
     }
     std::fflush(stdout);
-    out_ = testing::internal::GetCapturedStdout();
+    out_ = ::testing::internal::GetCapturedStdout();
     return code;
   }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/check.h"
+#include "tests/error_of.h"
 #include "tests/model/block.h"
 
 namespace muster::tools {
@@ -17,19 +18,16 @@ Scenario TwoUavs() {
 }
 const std::vector<std::string> kProcesses = {"world", "uav", "scheduler"};
 
-std::string ErrorOf(const std::string& faults) {
-  try {
+std::string PlanRefusal(const std::string& faults) {
+  return ErrorOf([&] {
     FaultPlan plan = ParseFaultPlan("{\"version\": 1, \"faults\": [" + faults + "]}", "plan.json");
     CheckFaultPlan(&plan, kProcesses, TwoUavs(), false);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(FaultPlan, RefusesANumberThatNoDoubleHolds) {
   EXPECT_EQ(
-      ErrorOf(R"({"kind": "loss", "target": "*", "at_min": 2e2232, "probability": 1})"),
+      PlanRefusal(R"({"kind": "loss", "target": "*", "at_min": 2e2232, "probability": 1})"),
       "plan.json: line 1, column 74: found '2e2232', expected valid JSON (number overflow parsing "
       "'2e2232')");
 }
@@ -121,8 +119,8 @@ TEST(FaultPlan, ARecorderThatWritesTheLogStandsForLcmLogger) {
 }
 
 TEST(FaultPlan, BadPlansNameFileKeyValueAndWhatIsExpected) {
-  EXPECT_EQ(ErrorOf(R"({"kind": "process_killed", "target": "uav", "at_min": 1})"), "");
-  EXPECT_EQ(ErrorOf(R"({"kind": "loss", "target": "*", "at_min": 1, "probability": 2})"),
+  EXPECT_EQ(PlanRefusal(R"({"kind": "process_killed", "target": "uav", "at_min": 1})"), "");
+  EXPECT_EQ(PlanRefusal(R"({"kind": "loss", "target": "*", "at_min": 1, "probability": 2})"),
             "plan.json: faults[0]: probability: found 2, expected a number above 0 to 1");
   const std::pair<const char*, const char*> cases[] = {
       {R"({"kind": "fire", "target": "*", "at_min": 1})", "kind: found fire"},
@@ -148,11 +146,11 @@ TEST(FaultPlan, BadPlansNameFileKeyValueAndWhatIsExpected) {
       {R"(7)", "found 7"},
   };
   for (const auto& [fault, expected] : cases) {
-    const std::string error = ErrorOf(fault);
+    const std::string error = PlanRefusal(fault);
     EXPECT_EQ(error.rfind("plan.json: faults[0]: ", 0), 0u) << fault << "\n" << error;
     EXPECT_NE(error.find(expected), std::string::npos) << fault << "\n" << error;
   }
-  EXPECT_NE(ErrorOf(R"({"kind": "process_killed", "target": "uav", "at_min": 1, "id": "a"},
+  EXPECT_NE(PlanRefusal(R"({"kind": "process_killed", "target": "uav", "at_min": 1, "id": "a"},
                        {"kind": "process_killed", "target": "uav", "at_min": 2, "id": "a"})")
                 .find("faults[1]: id: found a"),
             std::string::npos);

@@ -39,7 +39,7 @@ void Open(int fd, const std::string& file) {
   close(opened);
 }
 
-class HostTrouble : public testing::Test {
+class HostTrouble : public ::testing::Test {
  protected:
   void SetUp() override {
     MUSTER_NEEDS_MULTICAST();

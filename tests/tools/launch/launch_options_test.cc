@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "scheduler/policies/registry.h"
+#include "tests/error_of.h"
 #include "tests/temporary_folder.h"
 
 namespace muster::tools {
@@ -19,13 +20,8 @@ LaunchOptions Parse(std::vector<const char*> arguments) {
   return ParseLaunchOptions(static_cast<int>(arguments.size()), arguments.data()).value();
 }
 
-std::string ErrorOf(const std::vector<const char*>& arguments) {
-  try {
-    Parse(arguments);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string RefusalOf(const std::vector<const char*>& arguments) {
+  return ErrorOf([&] { Parse(arguments); });
 }
 
 Scenario ScenarioWith(std::size_t uavs, std::size_t workers, std::size_t vehicles) {
@@ -49,20 +45,20 @@ TEST(LaunchOptions, WhatIsExpectedIsPartOfThePolicysName) {
   EXPECT_EQ(Parse({"s.json", "--effort", "20", "--know-shifts"}).policy,
             "rollout-steps:shifts=1:effort=20");
   EXPECT_EQ(Parse({"s.json", "--effort", "1"}).policy, "rollout-steps") << "as without";
-  EXPECT_NE(ErrorOf({"s.json", "--effort", "0"}).find("--effort"), std::string::npos);
-  EXPECT_NE(ErrorOf({"s.json", "--policy", "mpq", "--know-shifts"}).find("--know-shifts"),
+  EXPECT_NE(RefusalOf({"s.json", "--effort", "0"}).find("--effort"), std::string::npos);
+  EXPECT_NE(RefusalOf({"s.json", "--policy", "mpq", "--know-shifts"}).find("--know-shifts"),
             std::string::npos);
   for (const char* bad : {"-1", "x", "nan", "100001"}) {
-    EXPECT_NE(ErrorOf({"s.json", "--expect-arrivals", bad}).find("--expect-arrivals"),
+    EXPECT_NE(RefusalOf({"s.json", "--expect-arrivals", bad}).find("--expect-arrivals"),
               std::string::npos)
         << bad;
   }
   for (const char* policy : {"mpq", "external:true", "learned:models/x"}) {
-    EXPECT_NE(ErrorOf({"s.json", "--policy", policy, "--expect-arrivals", "3"})
+    EXPECT_NE(RefusalOf({"s.json", "--policy", policy, "--expect-arrivals", "3"})
                   .find(std::string("found policy ") + policy),
               std::string::npos);
   }
-  EXPECT_NE(ErrorOf({"s.json", "--policy", "rollout:expect=3", "--expect-arrivals", "3"})
+  EXPECT_NE(RefusalOf({"s.json", "--policy", "rollout:expect=3", "--expect-arrivals", "3"})
                 .find("--expect-arrivals"),
             std::string::npos);
 }
@@ -74,11 +70,11 @@ TEST(LaunchOptions, ReachAndLossArePartOfThePolicysName) {
       Parse({"s.json", "--policy", "neighbours", "--radio-loss", "0.2", "--reach", "3"}).policy,
       "neighbours:reach=3:loss=0.2");
   for (const char* bad : {"-1", "1001", "x", "nan"}) {
-    EXPECT_NE(ErrorOf({"s.json", "--policy", "neighbours", "--reach", bad}).find("--reach"),
+    EXPECT_NE(RefusalOf({"s.json", "--policy", "neighbours", "--reach", bad}).find("--reach"),
               std::string::npos)
         << bad;
   }
-  EXPECT_NE(ErrorOf({"s.json", "--reach", "3"}).find("--reach: found policy rollout-steps"),
+  EXPECT_NE(RefusalOf({"s.json", "--reach", "3"}).find("--reach: found policy rollout-steps"),
             std::string::npos);
 }
 
@@ -95,7 +91,7 @@ TEST(LaunchOptions, OneOfTwoWritesTheLog) {
   EXPECT_EQ(Parse({"a.json"}).logger, Logger::kMuster);
   EXPECT_EQ(Parse({"a.json", "--logger", "lcm"}).logger, Logger::kLcm);
   EXPECT_EQ(Parse({"a.json", "--logger", "muster"}).logger, Logger::kMuster);
-  EXPECT_EQ(ErrorOf({"a.json", "--logger", "tape"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--logger", "tape"}),
             "command line: --logger: found 'tape', expected lcm or muster");
 }
 
@@ -125,7 +121,7 @@ TEST(LaunchOptions, SealsWhatLeavesTheHost) {
   EXPECT_FALSE(Parse({"--seal", "a.json"}).sealed_per_process);
   EXPECT_TRUE(Parse({"--seal", "per-process", "a.json"}).sealed_per_process);
   EXPECT_TRUE(Parse({"a.json", "--seal=per-process", "--key", "k"}).sealed_per_process);
-  EXPECT_EQ(ErrorOf({"a.json", "--seal=each"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--seal=each"}),
             "command line: --seal: found 'each', expected mission or per-process");
   const TemporaryFolder folder;
   const std::string hosts = folder.File("hosts.json");
@@ -133,9 +129,9 @@ TEST(LaunchOptions, SealsWhatLeavesTheHost) {
       {"name": "a", "netns": "a", "processes": ["uav"]}]})";
   EXPECT_TRUE(Parse({"a.json", "--hosts", hosts.c_str()}).sealed);
   EXPECT_FALSE(Parse({"a.json", "--hosts", hosts.c_str(), "--no-seal"}).sealed);
-  EXPECT_EQ(ErrorOf({"a.json", "--seal", "--no-seal"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--seal", "--no-seal"}),
             "command line: --no-seal: found --seal, expected one of the two");
-  EXPECT_EQ(ErrorOf({"a.json", "--key", "k", "--no-seal"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--key", "k", "--no-seal"}),
             "command line: --no-seal: found --key, expected one of the two");
 }
 
@@ -172,38 +168,38 @@ TEST(LaunchOptions, AnOwnProgramTakesThePlaceOfOurs) {
 TEST(LaunchOptions, AnOwnProgramMustBeThereAndHaveARole) {
   for (const char* program : {"worker", "worker=", "worker=/nothing/there", "worker=/etc/passwd",
                               "worker=/bin", "recorder=/bin/true", "=/bin/true"}) {
-    EXPECT_NE(ErrorOf({"a.json", "--program", program}), "") << program;
+    EXPECT_NE(RefusalOf({"a.json", "--program", program}), "") << program;
   }
-  EXPECT_EQ(ErrorOf({"a.json", "--program", "scheduler=/bin/true"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--program", "scheduler=/bin/true"}),
             "command line: --program: found scheduler without --policy, expected --policy with it: "
             "the name of a policy that your scheduler has");
-  EXPECT_NE(ErrorOf({"a.json", "--policy", "mine"}), "") << "no scheduler that has it";
+  EXPECT_NE(RefusalOf({"a.json", "--policy", "mine"}), "") << "no scheduler that has it";
 }
 
 TEST(LaunchOptions, BadValuesNameFlagValueAndWhatIsExpected) {
-  EXPECT_EQ(ErrorOf({}), "command line: SCENARIO: found nothing, expected a scenario file");
-  EXPECT_EQ(ErrorOf({"a.json", "--rate", "fast"}),
+  EXPECT_EQ(RefusalOf({}), "command line: SCENARIO: found nothing, expected a scenario file");
+  EXPECT_EQ(RefusalOf({"a.json", "--rate", "fast"}),
             "command line: --rate: found 'fast', expected max or a number from 0.001");
   for (const char* rate : {"0", "-1", "nan", "inf", "1x", ""}) {
-    EXPECT_NE(ErrorOf({"a.json", "--rate", rate}), "") << rate;
+    EXPECT_NE(RefusalOf({"a.json", "--rate", rate}), "") << rate;
   }
   for (const char* drop : {"1", "-0.1", "nan"}) {
-    EXPECT_NE(ErrorOf({"a.json", "--drop", drop}), "") << drop;
+    EXPECT_NE(RefusalOf({"a.json", "--drop", drop}), "") << drop;
   }
   for (const char* processes : {"uav", "uav=", "uav=x", "uav=-1", "boat=1", "uav=1000", "=1"}) {
-    EXPECT_NE(ErrorOf({"a.json", "--processes", processes}), "") << processes;
+    EXPECT_NE(RefusalOf({"a.json", "--processes", processes}), "") << processes;
   }
-  EXPECT_NE(ErrorOf({"a.json", "--availability", "lax"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "--lcm-url", "tcp://x"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "b.json"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--availability", "lax"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--lcm-url", "tcp://x"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "b.json"}), "");
   for (const char* deadline : {"0", "-1", "nan", "1e9", "x"}) {
-    EXPECT_NE(ErrorOf({"a.json", "--deadline", deadline}), "") << deadline;
+    EXPECT_NE(RefusalOf({"a.json", "--deadline", deadline}), "") << deadline;
   }
-  EXPECT_EQ(ErrorOf({"a.json", "--policy", "mpq", "--deadline", "20"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--policy", "mpq", "--deadline", "20"}),
             "options: --deadline: found policy mpq, expected one that can be cut short: certified, "
             "rollout, rollout-steps, external:COMMAND");
   // Nobody could reach the network of the mission's own.
-  EXPECT_NE(ErrorOf({"a.json", "--processes", "uav=0"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--processes", "uav=0"}), "");
 }
 
 TEST(LaunchOptions, ThinkingIsMoreSearchThatTheClockEnds) {
@@ -213,17 +209,17 @@ TEST(LaunchOptions, ThinkingIsMoreSearchThatTheClockEnds) {
   EXPECT_EQ(Parse({"a.json", "--think", "1", "--policy", "rollout", "--know-shifts"}).policy,
             "rollout:shifts=1:effort=1000");
   for (const char* think : {"0", "-1", "nan", "3601", "x"}) {
-    EXPECT_NE(ErrorOf({"a.json", "--think", think}), "") << think;
+    EXPECT_NE(RefusalOf({"a.json", "--think", think}), "") << think;
   }
   EXPECT_EQ(
-      ErrorOf({"a.json", "--policy", "mpq", "--think", "5"}),
+      RefusalOf({"a.json", "--policy", "mpq", "--think", "5"}),
       "command line: --think: found 5 s, expected --policy rollout or rollout-steps beside it, "
       "not mpq");
   EXPECT_EQ(
-      ErrorOf({"a.json", "--deadline", "20", "--think", "5"}),
+      RefusalOf({"a.json", "--deadline", "20", "--think", "5"}),
       "command line: --think: found 5 s, expected no --deadline beside it, which says the same "
       "in milliseconds");
-  EXPECT_EQ(ErrorOf({"a.json", "--effort", "3", "--think", "5"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--effort", "3", "--think", "5"}),
             "command line: --think: found 5 s, expected no --effort beside it, which is a fixed "
             "amount of search");
 }
@@ -296,15 +292,15 @@ TEST(LaunchOptions, WithoutASchedulerOneToNineProcessesOfAgentsDecide) {
     return text.find(part) != std::string::npos;
   };
   EXPECT_TRUE(
-      has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=4,worker=5"}),
+      has(RefusalOf({"s.json", "--processes", "scheduler=0,uav=4,worker=5"}),
           "expected 1 to 9 agent processes of Muster's own with it, which decide; there are 10"));
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0,uav=0,worker=0,vehicle=0",
-                           "--lcm-url", "udpm://239.255.76.67:7000?ttl=0"}),
+  EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", "scheduler=0,uav=0,worker=0,vehicle=0",
+                             "--lcm-url", "udpm://239.255.76.67:7000?ttl=0"}),
                   "there are 0"));
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--deadline", "50"}),
+  EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", "scheduler=0", "--deadline", "50"}),
                   "no --deadline with it"));
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=0", "--policy", "certified",
-                           "--program", "scheduler=/bin/true"}),
+  EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", "scheduler=0", "--policy", "certified",
+                             "--program", "scheduler=/bin/true"}),
                   "no --program scheduler=FILE with it"));
 }
 
@@ -313,16 +309,16 @@ TEST(LaunchOptions, SeveralSchedulersMustDecideAlike) {
     return text.find(part) != std::string::npos;
   };
   for (const char* bad : {"scheduler=-1", "scheduler=10", "scheduler=", "scheduler", "world=2"}) {
-    EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", bad}), "scheduler=N from 0 to 9")) << bad;
+    EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", bad}), "scheduler=N from 0 to 9")) << bad;
   }
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=2", "--deadline", "50"}),
+  EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", "scheduler=2", "--deadline", "50"}),
                   "found scheduler=2, expected no --deadline with it"));
-  EXPECT_TRUE(has(ErrorOf({"s.json", "--processes", "scheduler=2", "--policy", "external:true"}),
+  EXPECT_TRUE(has(RefusalOf({"s.json", "--processes", "scheduler=2", "--policy", "external:true"}),
                   "expected no external policy with it"));
   for (const char* name : {"scheduler-1=/bin/true", "scheduler-4=/bin/true"}) {
     const char* n = name[10] == '1' ? "scheduler=1" : "scheduler=3";
     EXPECT_TRUE(
-        has(ErrorOf({"s.json", "--processes", n, "--program", name}), "a process of the mission"))
+        has(RefusalOf({"s.json", "--processes", n, "--program", name}), "a process of the mission"))
         << name;
   }
 }
@@ -369,15 +365,15 @@ TEST(PlanProcesses, DriversGoToWhoHasTheirAgent) {
 }
 
 TEST(LaunchOptions, ADriverIsAnAgentsAndAProgram) {
-  EXPECT_EQ(ErrorOf({"a.json", "--driver", "true"}),
+  EXPECT_EQ(RefusalOf({"a.json", "--driver", "true"}),
             "command line: --driver: found true, expected AGENT=COMMAND, e.g. "
             "uav:3='./my-driver --fast'");
-  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:-1=true"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "--driver", "boat:1=true"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=/no/such/driver"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=true", "--driver", "uav:1=true"}), "");
-  EXPECT_NE(ErrorOf({"a.json", "--driver", "uav:1=true", "--processes", "uav=0", "--lcm-url",
-                     "udpm://239.255.76.67:7667?ttl=0"}),
+  EXPECT_NE(RefusalOf({"a.json", "--driver", "uav:-1=true"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--driver", "boat:1=true"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--driver", "uav:1=/no/such/driver"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--driver", "uav:1=true", "--driver", "uav:1=true"}), "");
+  EXPECT_NE(RefusalOf({"a.json", "--driver", "uav:1=true", "--processes", "uav=0", "--lcm-url",
+                       "udpm://239.255.76.67:7667?ttl=0"}),
             "");
   Scenario scenario = ScenarioWith(1, 1, 1);
   EXPECT_THROW(MarkDriven({{AgentKind::kWorker, 1, "true"}}, &scenario), InputError);

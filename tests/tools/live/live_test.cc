@@ -95,9 +95,9 @@ TEST(LiveFeed, ClosedItTellsWhatThereIsAndThenNothing) {
   EXPECT_FALSE(feed.Next(&reader, kLong));  // at once
 }
 
-class Served : public testing::Test {
+class LiveServed : public ::testing::Test {
  protected:
-  Served() : server_(std::in_place, 0), client_(Origin()) {
+  LiveServed() : server_(std::in_place, 0), client_(Origin()) {
     server_->Start(&feed_);
     client_.set_read_timeout(60);
   }
@@ -108,7 +108,7 @@ class Served : public testing::Test {
   httplib::Client client_;
 };
 
-TEST_F(Served, ThePageIsThereForBrowsersOfThisHostOnly) {
+TEST_F(LiveServed, ThePageIsThereForBrowsersOfThisHostOnly) {
   if (PageTemplate().empty()) GTEST_SKIP() << "built without the report page";
   const auto page = client_.Get("/");
   ASSERT_TRUE(page);
@@ -124,7 +124,7 @@ TEST_F(Served, ThePageIsThereForBrowsersOfThisHostOnly) {
   }
 }
 
-TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
+TEST_F(LiveServed, OtherMapsGetTheMissionAsItIs) {
   EXPECT_EQ(client_.Get("/mission.geojson")->status, 404);
   FakeLog log = MakeFakeMission();
   ForEach<scenario_t>(&log, [](scenario_t& scenario) {
@@ -152,7 +152,7 @@ TEST_F(Served, OtherMapsGetTheMissionAsItIs) {
 }
 
 /// A live page with a base map of one tile.
-class ServedTiles : public testing::Test {
+class ServedTiles : public ::testing::Test {
  protected:
   ServedTiles() {
     WriteMbtiles(file_, {{"format", "png"}, {"bounds", "7,46,8,47"}, {"attribution", "us"}},
@@ -208,7 +208,7 @@ TEST_F(ServedTiles, OfAMissionElsewhereThereIsNone) {
   EXPECT_FALSE(nlohmann::json::parse(*chunk).contains("basemap"));
 }
 
-TEST_F(Served, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {
+TEST_F(LiveServed, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {
   EXPECT_EQ(client_.Get("/mission.cap")->status, 404);
   FakeLog log = MakeFakeMission();
   ForEach<scenario_t>(&log, [](scenario_t& scenario) {
@@ -241,7 +241,7 @@ TEST_F(Served, DispatchSystemsGetTasksAsAlertsThatOurOwnFeedReads) {
             std::vector<std::string>{"muster,muster.run.task.1,2026-01-16T09:00:00-00:00"});
 }
 
-TEST_F(Served, EventsCarryTheMissionAndSayGoodbye) {
+TEST_F(LiveServed, EventsCarryTheMissionAndSayGoodbye) {
   feed_.Add(Mission());
   std::string heard;
   const auto response = client_.Get("/events", [&](const char* data, std::size_t size) {
@@ -255,7 +255,7 @@ TEST_F(Served, EventsCarryTheMissionAndSayGoodbye) {
   EXPECT_NE(heard.find("event: bye\n"), std::string::npos);
 }
 
-TEST_F(Served, EndsWhileSomebodyListens) {
+TEST_F(LiveServed, EndsWhileSomebodyListens) {
   feed_.Add(Mission());
   std::string heard;
   std::thread closes;
@@ -309,7 +309,7 @@ class Raw {
   int fd_;
 };
 
-TEST_F(Served, NobodyKeepsItWaiting) {
+TEST_F(LiveServed, NobodyKeepsItWaiting) {
   std::vector<std::thread> drips;
   for (int i = 0; i < 6; ++i) drips.emplace_back([this] { Raw(*server_).Drip(); });
   for (std::thread& drip : drips) drip.join();  // each is given up after a while
@@ -326,7 +326,7 @@ TEST_F(Served, NobodyKeepsItWaiting) {
   for (std::thread& drip : drips) drip.join();
 }
 
-TEST_F(Served, ServesSoManyAtATime) {
+TEST_F(LiveServed, ServesSoManyAtATime) {
   std::vector<std::unique_ptr<Raw>> clients;
   for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
     clients.push_back(std::make_unique<Raw>(*server_));
@@ -338,7 +338,7 @@ TEST_F(Served, ServesSoManyAtATime) {
   }
 }
 
-TEST_F(Served, RefusesWhatIsNoRequest) {
+TEST_F(LiveServed, RefusesWhatIsNoRequest) {
   const std::pair<std::string, std::string> cases[] = {
       {"hello\r\n\r\n", "400"},
       {"\r\n\r\n", "400"},

@@ -37,7 +37,7 @@ std::int64_t PeakOf(const std::vector<std::string>& arguments) {
   return usage.ru_maxrss * 1024;
 }
 
-class LogMemory : public testing::Test {
+class LogMemory : public ::testing::Test {
  protected:
   /// A log of half an hour; ticks of 30 s make one that is 30 times smaller than ticks of 1 s.
   std::int64_t Write(const std::string& name, TimeUs tick_us) {

@@ -13,7 +13,7 @@
 
 #include "base/random.h"
 #include "model/road_ways.h"
-#include "tests/tools/scenario/error_of.h"
+#include "tests/error_of.h"
 
 namespace muster::tools {
 namespace {

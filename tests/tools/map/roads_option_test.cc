@@ -12,8 +12,8 @@
 
 #include "base/spawn.h"
 #include "model/scenario_json.h"
+#include "tests/error_of.h"
 #include "tests/temporary_folder.h"
-#include "tests/tools/scenario/error_of.h"
 #include "tools/map/map_file.h"
 #include "tools/scenario/scenario_command.h"
 

@@ -26,7 +26,7 @@ constexpr const char* kRight = "\x1b[C";
 constexpr const char* kUp = "\x1b[A";
 constexpr const char* kDown = "\x1bOB";  // as in application mode
 
-class ReplayProcess : public testing::Test {
+class ReplayProcess : public ::testing::Test {
  protected:
   void SetUp() override {
     MUSTER_NEEDS_MULTICAST();

@@ -24,7 +24,7 @@ class MemorySource : public MessageSource {
 };
 
 /// The fake mission: 30 min, 60 s a tick, decisions at 0, 10 and 20 min.
-class PlayerTest : public testing::Test {
+class PlayerTest : public ::testing::Test {
  protected:
   const std::vector<Packet> packets_ = Encoded(MakeFakeMission());
   MemorySource source_{packets_};

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "tests/tools/scenario/error_of.h"
+#include "tests/error_of.h"
 
 namespace muster::tools {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "base/random.h"
 #include "model/scenario_json.h"
-#include "tests/tools/scenario/error_of.h"
+#include "tests/error_of.h"
 #include "tools/scenario/window.h"
 
 namespace muster::tools {
@@ -405,7 +405,7 @@ TEST(Import, SaysWhatIsMissing) {
     });
   };
   const std::string good = CsvOf({{0.5, 0.5}});
-  EXPECT_EQ(error(good, [](ImportRequest&) {}), "no error");
+  EXPECT_EQ(error(good, [](ImportRequest&) {}), "");
   EXPECT_EQ(error("a,b\n1,2\n", [](ImportRequest&) {}),
             "t.csv: columns: found a, b, expected a latitude (name its column with --lat)");
   EXPECT_EQ(error(good, [](ImportRequest& r) { r.longitude = "lng"; }),

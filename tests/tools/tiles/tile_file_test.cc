@@ -8,8 +8,8 @@
 #include <functional>
 #include <string>
 
-#include "base/check.h"
 #include "base/random.h"
+#include "tests/error_of.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/tiles/made_tiles.h"
 #include "tools/tiles/pmtiles.h"
@@ -18,16 +18,6 @@ namespace muster::tools {
 namespace {
 
 const std::string kPicture = "\x89PNG one";
-
-/// What is wrong with a file, as its user is told.
-std::string ErrorOf(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 class TileFileTest : public ::testing::Test {
  protected:

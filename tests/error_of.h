@@ -4,9 +4,9 @@
 
 #include "base/check.h"
 
-namespace muster::tools {
+namespace muster {
 
-/// What the InputError says that the body throws; "no error" where it throws none.
+/// What the InputError says that the body throws; "" where it throws none.
 template <class Body>
 std::string ErrorOf(const Body& body) {
   try {
@@ -14,7 +14,7 @@ std::string ErrorOf(const Body& body) {
   } catch (const InputError& error) {
     return error.what();
   }
-  return "no error";
+  return "";
 }
 
-}  // namespace muster::tools
+}  // namespace muster
