@@ -14,7 +14,7 @@ namespace {
 using Index = std::int32_t;
 
 constexpr std::size_t kUavs = 16;             ///< of a window, or twice those that it is made for
-constexpr std::size_t kNeighbours = 8;        ///< columns of each whose holders join
+constexpr std::size_t kNeighbourColumns = 8;  ///< columns of each whose holders join
 constexpr std::size_t kColumns = 32;          ///< of a UAV in a window
 constexpr std::int64_t kWorkPerUav = 60'000;  ///< of one search
 constexpr double kWorthwhile = 1e-6;  ///< loss that a window is searched for, of the whole weight
@@ -100,7 +100,7 @@ void Windows::Widen(const Plan& plan, std::vector<Index>* uavs) {
     columns_.clear();
     dual_.TopColumns(u, loss, &columns_);
     work_ += 2 * dual_.n_arcs(u);
-    const std::size_t n = std::min(kNeighbours, columns_.size());
+    const std::size_t n = std::min(kNeighbourColumns, columns_.size());
     std::partial_sort(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(n),
                       columns_.end(), LessRegret);
     for (std::size_t k = 0; k < n; ++k) {
