@@ -44,7 +44,7 @@ install_packages() {
 
 # build PRESET TARGET [CMAKE_ARGUMENT...]: configures, and builds that target, in build/PRESET.
 build() {
-  local preset=$1 target=$2 log
+  local preset=$1 target=$2 log jobs
   shift 2
   log=build/$preset/configure.log
   say "building in build/$preset"
@@ -53,7 +53,10 @@ build() {
     cat "$log" >&2
     die "cannot configure (above, and in $log)"
   }
-  cmake --build --preset "$preset" --target "$target" -j "$(nproc)" || die "cannot build (above)"
+  # A compilation takes up to 2 GB of memory.
+  jobs=$(awk -v most="$(nproc)" '/^MemAvailable/ { n = int($2 / 2e6) }
+    END { print (n < 1 ? 1 : n > most ? most : n) }' /proc/meminfo)
+  cmake --build --preset "$preset" --target "$target" -j "$jobs" || die "cannot build (above)"
 }
 
 # build_programs TARGET: of the preset release. A first build is without the tests and what they

@@ -61,7 +61,7 @@ class Taylor {
 
 DistanceSums::Block DistanceSums::MakeBlock(int column, int row) const {
   const Point middle{(column + 0.5) * kSide * cell_m_, (row + 0.5) * kSide * cell_m_};
-  const double half_side = (kSide - 1.0) / 2 * cell_m_;
+  const double half_side = kMiddle * cell_m_;
   const double reach = half_side * std::sqrt(2.0);
   const double near = kNear * reach;
   Taylor far;
@@ -105,9 +105,9 @@ DistanceSums::Block DistanceSums::MakeBlock(int column, int row) const {
     }
   }
   // Rounding: of this sum and of the one that it is compared with.
-  const double rounding = 16 * std::numeric_limits<double>::epsilon() * most *
-                          static_cast<double>(targets_.size() + 16);
-  block.error = far.left_out() * reach * reach * reach * reach + rounding;
+  block.rounding = 16 * std::numeric_limits<double>::epsilon() * most *
+                   static_cast<double>(targets_.size() + 16);
+  block.left_out = far.left_out();
   return block;
 }
 
@@ -122,7 +122,10 @@ DistanceSums::Bounds DistanceSums::BoundsOf(int column, int row) {
   }
   const double sum = last_->sum[static_cast<std::size_t>(row % kSide) * kSide +
                                 static_cast<std::size_t>(column % kSide)];
-  return {sum - last_->error, sum + last_->error};
+  const double hx = (column % kSide - kMiddle) * cell_m_, hy = (row % kSide - kMiddle) * cell_m_;
+  const double h2 = hx * hx + hy * hy;
+  const double error = last_->left_out * h2 * h2 + last_->rounding;
+  return {sum - error, sum + error};
 }
 
 }  // namespace muster::scheduler

@@ -28,10 +28,12 @@ class DistanceSums {
   Bounds BoundsOf(int column, int row);
 
  private:
-  static constexpr int kSide = 16;  ///< cells along a block
+  static constexpr int kSide = 16;                      ///< cells along a block
+  static constexpr double kMiddle = (kSide - 1) / 2.0;  ///< the cell there, between two of them
   struct Block {
     std::vector<double> sum;  ///< [kSide * kSide] row by row
-    double error;             ///< of each
+    double left_out;          ///< at most, per fourth power of the way from the block's centre
+    double rounding;          ///< of each sum, at most
   };
   Block MakeBlock(int column, int row) const;
 

@@ -176,8 +176,10 @@ ExternalPolicy::Reply ExternalPolicy::AwaitAnswer(const Situation& situation,
       return Reply::kUnusable;
     }
     if (answer.id < asked_) {
-      Say("external: decision {}: passed over a line about situation {}, which is answered\n",
-          situation.decision, answer.id);
+      if (passed_over == 0) {  // of many the first
+        Say("external: decision {}: passed over a line about situation {}, which is answered\n",
+            situation.decision, answer.id);
+      }
       continue;
     }
     failures_ = 0;

@@ -53,6 +53,10 @@ TEST(DistanceSums, BoundsAreCloseWhereTargetsAreFar) {
   const auto [least, most] = sums.BoundsOf(0, 0);
   EXPECT_NEAR((least + most) / 2, sum, 1e-2);
   EXPECT_LT(most - least, 0.05);
+  // Of the polynomial, the fourth power of what is from the middle of the block is left out.
+  const auto beside_the_middle = sums.BoundsOf(7, 8), corner = sums.BoundsOf(15, 0);
+  EXPECT_LT(beside_the_middle.most - beside_the_middle.least, 1e-4);
+  EXPECT_NEAR(corner.most - corner.least, most - least, 1e-6);
 }
 
 }  // namespace

@@ -273,6 +273,7 @@ TEST_F(External, WhoSpeaksOfEarlierSituationsOnlyIsEnded) {
       "yes '"
       R"({"type":"decision","id":0,"actions":[]})"
       "' | head -n 1100");
+  ::testing::internal::CaptureStderr();
   for (int d = 0; d <= ExternalPolicy::kMostFailures; ++d) {
     const std::string refused = policy->Decide(Small(d)).refused;
     const char* why = d < ExternalPolicy::kMostFailures
@@ -281,6 +282,12 @@ TEST_F(External, WhoSpeaksOfEarlierSituationsOnlyIsEnded) {
     EXPECT_NE(refused.find(why), std::string::npos) << refused;
   }
   EXPECT_EQ(Pids().size(), static_cast<std::size_t>(ExternalPolicy::kMostFailures));
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  int lines = 0;
+  for (auto at = said.find("passed over"); at != said.npos; at = said.find("passed over", at + 1)) {
+    ++lines;
+  }
+  EXPECT_EQ(lines, ExternalPolicy::kMostFailures) << "one a decision\n" << said;
 }
 
 TEST_F(External, WhoHangsIsEndedWithAllThatItStarted) {
