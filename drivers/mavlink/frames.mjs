@@ -4,7 +4,7 @@ import { createRequire } from "node:module";
 
 import { SIGNED } from "./signing.mjs";
 
-// Not by import: which names there are would be looked for in the text of all its messages, which takes twice as long as to load it.
+// By require, not by import: an import searches the text of the package for the names that it exports, which doubles the time to load it.
 const { ardupilotmega, common, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, minimal } = createRequire(import.meta.url)("node-mavlink");
 
 export { ardupilotmega, common, minimal };
@@ -14,8 +14,8 @@ const NO_BYTES = Buffer.alloc(0);
 const PROTOCOLS = { [MavLinkProtocolV1.START_BYTE]: new MavLinkProtocolV1(), [MavLinkProtocolV2.START_BYTE]: new MavLinkProtocolV2() };
 
 /**
- * Of a class of messages: `Bare`, which makes one without any fields, for who sets them all, and `defaults`, all fields as its
- * constructor has them. That looks for each in the names of an enumeration, which takes longer than to read or write the message.
+ * What stands in for the constructor of a class of messages, which takes longer than reading or writing the message: `Bare` makes a
+ * message of that class without fields, for callers that set all of them; `defaults` has all fields as the constructor sets them.
  */
 function partsOf(type) {
   if (!PARTS.has(type)) {
@@ -72,7 +72,7 @@ export class FrameReader {
   }
 }
 
-/** Of the message that is read. */
+/** The payload of the message that is being read; used again for the next. */
 const PAYLOAD = Buffer.alloc(255);
 
 function decode(bytes) {

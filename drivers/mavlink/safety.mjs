@@ -18,7 +18,7 @@ const FALL_M_S = 4, FALL_S = 0.3;
 /** Why it does something by itself is said in words, so much later. */
 const WORDS_S = 0.5;
 
-/** As a Trouble has it. What is looked for all the time is no Error, which takes long to make. */
+/** What a Trouble says, as a plain object: check() looks at every step, and an Error takes long to make. */
 const wrong = (message, then = "home") => ({ message, then });
 
 /** What it is doing: who may be in command, and what is watched, depend on it. */

@@ -1,8 +1,8 @@
 // Missions in which much coincides: all places on a grid, all times in whole minutes, so that ways
 // are equally long, ranges just suffice, agents arrive in the tick of a decision, and places lie on
-// the edges of zones and on streets. Where missions are drawn at random, nothing of this ever
-// happens, and a `<` in the place of a `<=` changes nothing. What they come to, and what is said of
-// them, is what coincidences.txt says. Where a change is meant to move outcomes, the new lines
+// the edges of zones and on streets. In missions with random places nothing of this ever happens,
+// so a `<` instead of a `<=` changes nothing there. coincidences.txt has what the missions come to
+// and what is said of them. Where a change is meant to move outcomes, the new lines
 // (printed by a failure) and the reason belong in its commit.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -130,8 +130,8 @@ VirtualMission MeshMission(std::uint64_t seed, const std::string& policy) {
   return mission;
 }
 
-/// The outcome, what the audit finds, and hashes of all explanations and of all situations as
-/// external schedulers are told them.
+/// Digest of the outcome, hash of explanations (each fifth task, an agent of each class), hash of
+/// all situations as external schedulers are told them. Fails where the audit finds anything.
 std::string Line(std::uint64_t seed, const std::string& policy) {
   VirtualMission mission = MeshMission(seed, policy);
   RunRecord record;

@@ -176,7 +176,7 @@ ExternalPolicy::Reply ExternalPolicy::AwaitAnswer(const Situation& situation,
       return Reply::kUnusable;
     }
     if (answer.id < asked_) {
-      if (passed_over == 0) {  // of many the first
+      if (passed_over == 0) {  // a program may repeat itself a thousand times
         Say("external: decision {}: passed over a line about situation {}, which is answered\n",
             situation.decision, answer.id);
       }
