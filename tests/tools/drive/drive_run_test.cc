@@ -55,7 +55,7 @@ TEST_F(DriveRunTest, DeathsOfOurProcessesChangeNothing) {
 }
 
 TEST_F(DriveRunTest, LateItStillFlies) {
-  const Json report = Fly({"--driver", DriverOf("uav:3", "--late 20")});
+  const Json report = Fly({"--driver", DriverOf("uav:3", "--late 20"), "--lost-after", "60"});
   EXPECT_NE(report["digest"], undisturbed_);
   EXPECT_GE(report["tasks_done"], 110);
   EXPECT_TRUE(report["failed_agents"].empty());
