@@ -134,8 +134,8 @@ void AddProcessOptions(Options* options, std::string_view default_name) {
   options->Add("boot-id", "N", "How often this process was started before").Integer(0).Default(0);
   options
       ->Add("window", "N",
-            "Messages that may be out before they are in the log: needs a recorder that runs; 0: "
-            "there is no recorder")
+            "How many messages may be sent before the recorder has confirmed them; 0: there is no "
+            "recorder")
       .Integer(0, std::numeric_limits<int>::max())
       .Default(0);
   options->Add(

@@ -82,14 +82,15 @@ int Main(int argc, char** argv) {
       "are there");
   options
       .Add("first-boot", "N",
-           "Leave out what starts below N say: an earlier launcher's, which has a successor")
+           "Leave out messages with a boot id below N: they come from an earlier launcher's "
+           "processes")
       .Integer(0)
       .Default(0);
   options
       .Add(
           "second-after", "S",
           "There is a second recorder (--name recorder-2): messages count as logged when both have "
-          "them. One that is silent for S seconds counts no more")
+          "them. After S seconds of silence the second recorder no longer counts")
       .Number(Above0(kMostPatienceS));
   options
       .Add("after", "LOG", "The log of an earlier start of the recorder, which this one continues")

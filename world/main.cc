@@ -76,7 +76,7 @@ int Main(int argc, char** argv) {
       .Default(1);
   options
       .Add("outage", "CLASS:ID:FROM_US:UNTIL_US:FAULT",
-           "The fault of that name lets an agent fail in [FROM, UNTIL)")
+           "The fault of that name makes an agent fail in [FROM, UNTIL)")
       .Repeated();
   options
       .Add("closure", kClosureForm,
@@ -85,8 +85,8 @@ int Main(int argc, char** argv) {
       .Repeated();
   options
       .Add("window-bytes", "N",
-           "Bytes of messages that may be out before they are in the log, where --window allows "
-           "less; only with muster-recorder")
+           "How many bytes may be sent before the recorder has confirmed them, if that is more "
+           "than --window allows; only with muster-recorder")
       .Integer(0, 1 << 30)
       .Default(0);
   options.Add("orders", "FILE",

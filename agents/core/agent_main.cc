@@ -115,15 +115,15 @@ int Run(AgentKind kind, int argc, char** argv) {
   options.Add("ids", "N-M", "Ids of the agents that this process moves, 0-9; default: all");
   options
       .Add("driver", "[ID=]COMMAND",
-           "A program that takes the part of that agent, or of all of this process, which the "
-           "scenario has as measured (docs/guide/drivers.md)")
+           "A program that drives agent ID (without ID: all agents of this process). The scenario "
+           "must have them as measured (docs/guide/drivers.md)")
       .Repeated();
   AddRateOption(&options);
   options.Add("lost-after", "SECONDS", "A driver that takes longer to answer has failed")
       .Number(Above0(3600))
       .Default(5);
   options.Add("decide-as", "NAME",
-              "Be a scheduler of the mission, too, under that name: scheduler-1, scheduler-2, ... "
+              "Also decide, as the scheduler of that name: scheduler-1, scheduler-2, ... "
               "(docs/guide/without-a-centre.md)");
   scheduler::AddPolicyOption(&options, "With --decide-as, how to decide:");
   AddProcessOptions(&options, name);

@@ -25,11 +25,11 @@ constexpr std::size_t kMostTasks = 5000;
 std::int64_t Search(const Scenario& scenario, std::int64_t effort) {
   if (scenario.n_tasks() > kMostTasks) {
     throw InputError("command line", "--effort", fmt::format("{} tasks", scenario.n_tasks()),
-                     fmt::format("a scenario of at most {} tasks beside it", kMostTasks));
+                     fmt::format("a scenario of at most {} tasks", kMostTasks));
   }
   if (scenario.rules.start_on_meeting) {
     throw InputError("command line", "--effort", "a scenario with start_on_meeting",
-                     "pairs that start by a command alone beside it");
+                     "a scenario without it");
   }
   ProgressPrinter printer(stderr, StyleFor(stderr, false));
   const double bound =
@@ -52,7 +52,7 @@ int BoundCommand(int argc, const char* const* argv) {
                   "knows everything beforehand.");
   AddRuleOptions(&options);
   options
-      .Add("effort", "N", "Search for a lower bound: ways between tasks, range and charging count")
+      .Add("effort", "N", "Search for a tighter bound, which counts ways between tasks, range and charging")
       .Integer(1, kMostEffort);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

@@ -150,7 +150,7 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
       // The log may come from anywhere, so no program that it names is started.
       throw InputError("options", "--policy",
                        fmt::format("none, and the log's is {}", Printable(name)),
-                       "--policy with it: a program that a log names is not started unasked");
+                       "--policy with it: a program that a log names is started only if you name it");
     }
     auto& scheduler = schedulers[name];
     if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);

@@ -166,8 +166,8 @@ int RedecideCommand(int argc, const char* const* argv) {
       "With another policy: a table of what it would have decided.");
   options.Run();
   options.Add("policy", "NAME",
-              "Another way to decide; external:COMMAND: a program (default: the log's own, unless "
-              "that is one)");
+              "Policy to decide with; external:COMMAND: a program (default: the log's own, unless that "
+              "is a program)");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

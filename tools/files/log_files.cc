@@ -34,7 +34,7 @@ std::optional<SealKey> KeyBeside(const std::string& log_file) {
   std::string text;
   if (!std::getline(in, text)) return {};
   const SealKey key = SealKey::Parse(text, file);
-  if (!key.run_id) throw InputError(file, "key", "one of no run", "the key of this run");
+  if (!key.run_id) throw InputError(file, "key", "a key without a run id", "the key of this run");
   return key;
 }
 

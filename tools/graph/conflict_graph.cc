@@ -50,7 +50,7 @@ void ConflictGraph::WriteMetis(std::ostream& out, double scale) const {
   for (std::size_t e = 0; e < capacity.size(); ++e) {
     if (capacity[e] > 1 && static_cast<std::size_t>(capacity[e]) < at_element_[e].size()) {
       throw InputError(fmt::format(
-          "{} has {} free places: conflicts of pairs of nodes cannot say so, use --format mps",
+          "{} has {} free places, which edges between two nodes cannot express: use --format mps",
           candidates_.NameOf(static_cast<std::int32_t>(e)), capacity[e]));
     }
   }

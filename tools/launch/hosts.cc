@@ -151,7 +151,7 @@ void CheckHosts(const HostList& list, const std::string& file,
     const Host* host = list.Of(fault.target);
     if (RowOf(fault.kind).begin_signal == SIGSTOP && host != nullptr && !host->ssh.empty()) {
       throw InputError(fault.where, "target", fault.target,
-                       "a process that ssh does not stand before: it cannot be stopped from here");
+                       "a process on a host without ssh: one behind ssh cannot be stopped from here");
     }
   }
 }

@@ -196,7 +196,7 @@ void CheckMembers(const Scenario& scenario, LaunchOptions* options) {
     }
     throw InputError("command line", "--fault",
                      fmt::format("{} {}", ToString(fault.kind), fault.target),
-                     fmt::format("{}, whose process it is part of", found->second));
+                     fmt::format("{}: the target runs inside that process", found->second));
   }
 }
 

@@ -87,7 +87,7 @@ void AddLaunchOptions(Options* options) {
   options
       ->Add("processes", "CLASS=N,...",
             "Processes per agent class, e.g. uav=2,vehicle=3; 0: none, you start them. "
-            "scheduler=3: three decide, and one that dies is not missed "
+            "scheduler=3: three decide, so any one of them may die "
             "(docs/reference/schedulers.md). scheduler=0: the agents' processes decide "
             "(docs/guide/without-a-centre.md)")
       .List();
@@ -192,12 +192,12 @@ void ReadDeadline(const Arguments& arguments, bool own_policy, LaunchOptions* op
   const auto refuse = [&](std::string_view expected) {
     throw InputError(kCommandLine, "--think", fmt::format("{} s", seconds), expected);
   };
-  if (options->deadline_ms) refuse("no --deadline beside it, which says the same in milliseconds");
+  if (options->deadline_ms) refuse("no --deadline with it, which says the same in milliseconds");
   if (own_policy || !scheduler::MakePolicy(options->policy)->Set("effort", 1000)) {
-    refuse(fmt::format("--policy rollout or rollout-steps beside it, not {}", options->policy));
+    refuse(fmt::format("--policy rollout or rollout-steps with it, not {}", options->policy));
   }
   if (options->policy.find(":effort=") != std::string::npos) {
-    refuse("no --effort beside it, which is a fixed amount of search");
+    refuse("no --effort with it, which is a fixed amount of search");
   }
   options->deadline_ms = 1000 * seconds;
   options->policy += ":effort=1000";
@@ -349,7 +349,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   ReadSeal(*arguments, &options);
   options.control = arguments->Has("control");
   if (options.control && !arguments->Has("live")) {
-    throw InputError(kCommandLine, "--control", "no --live", "--live with it: the page that may");
+    throw InputError(kCommandLine, "--control", "no --live", "--live with it: --control gives rights on its page");
   }
   arguments->Read("persons", &options.persons_file);
   options.takes_orders =
@@ -363,13 +363,13 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   arguments->Read("tiles", &options.tiles);
   if (!options.tiles.empty() && !options.live_port) {
     throw InputError(kCommandLine, "--tiles", options.tiles,
-                     "--live with it: the page that has it");
+                     "--live with it: its page shows the base map");
   }
   for (const DriverPlan& driver : options.drivers) {
     if (options.processes.at(driver.kind) > 0) continue;
     throw InputError(kCommandLine, "--driver",
                      fmt::format("{}:{}", ToString(driver.kind), driver.id),
-                     fmt::format("no --processes {}=0: your own process has its drivers",
+                     fmt::format("no --processes {}=0 with it: a process that you start takes its own --driver",
                                  ToString(driver.kind)));
   }
   for (const auto& [kind, count] : options.processes) {

@@ -44,7 +44,7 @@ std::optional<Arguments> Parse(int argc, const char* const* argv) {
                   "power. Its processes start again from the log in its run directory, with the "
                   "options that it was started with.");
   options.Positional("run", "RUN").Required("the mission's run directory");
-  options.Add("rate", "RATE", "Another speed, as muster run has it");
+  options.Add("rate", "RATE", "Another speed, as in muster run --rate");
   options.Add("hosts", "FILE", "Another host list (docs/guide/hosts.md)");
   options.Add("second-log", "FOLDER",
               "Another folder for the second log, new, empty or of this mission");
@@ -119,8 +119,8 @@ void ReturnToFolder(const std::string& folder) {
   std::error_code error;
   if (!folder.empty()) fs::current_path(folder, error);
   if (error) {
-    Say("muster: {} is not here: files that the mission's command line names are looked for in "
-        "{}\n",
+    Say("muster: {} is not here: relative file names of the mission's command line are looked up "
+        "in {}\n",
         folder, fs::current_path().string());
   }
 }

@@ -389,7 +389,7 @@ int FeedRows(const std::string& format, const Arguments& arguments,
   for (const char* option : {"every", "token-file", "exercise"}) {
     if (arguments.Has(option)) {
       throw InputError("command line", fmt::format("--{}", option), "given",
-                       "a document that is looked at whole, not a stream or --out");
+                       "it only with a whole document (a file, folder or address), not with a stream or --out");
     }
   }
   std::ifstream opened;
@@ -443,7 +443,7 @@ int FeedCommand(int argc, const char* const* argv) {
   if (arguments->Has("out") && (format == "cap" || format == "kobo")) {
     throw InputError(
         "command line", "--out", arguments->Get("out"),
-        fmt::format("none with --format {}: what replaces a report needs a mission that runs",
+        fmt::format("none with --format {}: reports that replace earlier ones need a running mission",
                     format));
   }
   const bool is_stream = format == "json" || (format == "csv" && arguments->Get("file") == "-") ||

@@ -211,7 +211,7 @@ int ReportCommand(int argc, const char* const* argv) {
       "a\n"
       "film of its scene in 3D, drawn by this machine's Chromium.");
   options.Positional("runs", "RUN [RUN...]").Repeated().Required("run directories or log files");
-  options.Add("reasons", "N", "Of how many undone tasks of a run the page says why")
+  options.Add("reasons", "N", "For how many undone tasks of a run the page gives reasons")
       .Integer(0, kMostReasons)
       .Default(kReasons);
   options.Add("background", "FILE", "GeoJSON in WGS84 degrees, drawn below the map");
@@ -223,7 +223,7 @@ int ReportCommand(int argc, const char* const* argv) {
   options.Add("tiles", "FILE",
               "Base map: an MBTiles or PMTiles file, or none; the page holds the tiles of the area "
               "(default: the file beside the scenario that has its name)");
-  options.Add("tiles-mb", "MB", "So large the page's tiles may be together")
+  options.Add("tiles-mb", "MB", "Upper limit for all tiles of the page together")
       .Number({0.01, 100})
       .Default(1.0);
   options.Out("FILE.html", "Page to write (default, of one run: report.html in its directory)");

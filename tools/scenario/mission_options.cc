@@ -51,7 +51,7 @@ void AddMissionOptions(Options* options) {
   options->Flag("emergencies-at-once",
                 "Decide as soon as an emergency opens, not only at the next interval (default: as "
                 "the scenario says)");
-  options->Add("seed", "N", "Seed of the mission's chances (default: the scenario's)").Seed();
+  options->Add("seed", "N", "Seed of the mission's random draws (default: the scenario's)").Seed();
   options->Out("DIR", "Run directory, new or empty");
   options->Quiet();
 }

@@ -106,7 +106,7 @@ int SimulateCommand(int argc, const char* const* argv) {
   AddFaultOptions(&parser);
   parser
       .Add("fault-seed", "N",
-           "Seed of what becomes of packets, and of how long they travel (default: the scenario's)")
+           "Seed of the loss and the delays of packets (default: the scenario's)")
       .Seed();
   parser
       .Add("schedulers", "N",

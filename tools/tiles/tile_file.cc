@@ -20,7 +20,7 @@ std::unique_ptr<TileFile> OpenTiles(const std::string& file) {
   begin.resize(static_cast<std::size_t>(in.gcount()));
   if (begin.starts_with("SQLite format 3")) return OpenMbtiles(file);
   if (begin.starts_with("PMTiles")) return OpenPmtiles(file);
-  throw InputError(file, "its beginning", "neither",
+  throw InputError(file, "its beginning", "that of another kind of file",
                    "map tiles: an MBTiles or a PMTiles file (web Mercator)");
 }
 

@@ -154,7 +154,7 @@ int Drop(int argc, const char* const* argv) {
   options.Scenario();
   options.Add("share", "P", "Share of each class, 0 to 1").Number({0, 1}).Required("a share");
   options.Add("at-min", "T", "When, mission minutes").Number().Required("mission minutes");
-  options.Add("seed", "N", "Seed of who fails").Seed().Default(1);
+  options.Add("seed", "N", "Seed of the draw of the agents that fail").Seed().Default(1);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;
   const Scenario scenario = LoadScenario(arguments->Get("scenario"));

@@ -213,14 +213,14 @@ TEST(LaunchOptions, ThinkingIsMoreSearchThatTheClockEnds) {
   }
   EXPECT_EQ(
       RefusalOf({"a.json", "--policy", "mpq", "--think", "5"}),
-      "command line: --think: found 5 s, expected --policy rollout or rollout-steps beside it, "
+      "command line: --think: found 5 s, expected --policy rollout or rollout-steps with it, "
       "not mpq");
   EXPECT_EQ(
       RefusalOf({"a.json", "--deadline", "20", "--think", "5"}),
-      "command line: --think: found 5 s, expected no --deadline beside it, which says the same "
+      "command line: --think: found 5 s, expected no --deadline with it, which says the same "
       "in milliseconds");
   EXPECT_EQ(RefusalOf({"a.json", "--effort", "3", "--think", "5"}),
-            "command line: --think: found 5 s, expected no --effort beside it, which is a fixed "
+            "command line: --think: found 5 s, expected no --effort with it, which is a fixed "
             "amount of search");
 }
 

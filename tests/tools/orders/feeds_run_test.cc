@@ -208,7 +208,7 @@ TEST_F(FeedsRunTest, WhatCannotBeIsRefusedBeforeAnythingIsGiven) {
   std::ofstream(folder_.File("a.jsonl")) << "{}\n";
   Muster every(folder_, "every", {"feed", Run(), folder_.File("a.jsonl"), "--every", "3"});
   EXPECT_EQ(every.Wait(), 2);
-  EXPECT_NE(every.output().find("a document that is looked at whole"), std::string::npos)
+  EXPECT_NE(every.output().find("it only with a whole document"), std::string::npos)
       << every.output();
   std::ofstream(folder_.File("a.csv")) << "lat,lon\n";
   Muster exercise(folder_, "exercise", {"feed", Run(), folder_.File("a.csv"), "--exercise"});
