@@ -25,16 +25,22 @@ void RestFrom(Point here, double range_m, TimeUs t, AgentState* agent) {
   if (agent->kind == AgentKind::kUav) agent->range_at_departure_m = range_m;
 }
 
-/// The range that it has there, without a word of its own. It has not flown the way that it was
-/// computed to make since its last word.
+/// The range that it has there, without a word of its own. It has flown the way from the place of
+/// its last word, and not the way that it was computed to be ahead of that place.
 double RangeThere(const AgentState& agent, Point at) {
   const Measured::Seen& seen = agent.measured->seen;
-  const bool is_computed = agent.depart_us > seen.at_us;
-  const double way = is_computed ? agent.GoneM(seen.at, at) - agent.GoneM(seen.at, agent.from)
-                                 : agent.GoneM(agent.from, at);
+  double range = agent.range_at_departure_m, ahead = 0;
+  if (agent.depart_us > seen.at_us) {
+    ahead = agent.GoneM(seen.at, agent.from);
+  } else {
+    range = RangeOnWayAt(agent, seen.at_us);
+    const Point computed = PositionAt(agent, seen.at_us);
+    ahead = agent.GoneM(seen.at, agent.to) - agent.GoneM(computed, agent.to);
+  }
+  const double way = agent.GoneM(seen.at, at) - ahead;
   // Ways may have changed in between. It has flown at least the straight line.
   const double most = seen.range_m - Distance(seen.at, at);
-  return std::max(0.0, std::min(agent.range_at_departure_m - agent.range_per_m * way, most));
+  return std::max(0.0, std::min(range - agent.range_per_m * way, most));
 }
 
 double SlackM(const AgentState& agent) { return agent.speed_m_s * ToSeconds(kMeasuredSlackUs); }

@@ -210,6 +210,23 @@ TEST(Measured, TheWayThatASilentOneWasComputedToMakeTakesNoRange) {
   EXPECT_DOUBLE_EQ(uav.range_at_departure_m, 9900);
 }
 
+TEST(Measured, WhoTakesOffLosesNoRangeForTheWayThatItIsComputedToMakeMeanwhile) {
+  Flight flight(Small());
+  flight.Measure(kUav).Judge(0, 0).Command(Sense());
+  // At each tick it is computed to be 10 m on its way: as long as nothing more is heard, that is as
+  // good as where it is.
+  for (TimeUs t = 30; t <= 300; t += 30) {
+    if (t > 30) flight.At(kUav, {0, 0}, t - 30, t + 469);
+    flight.At(kUav, {0, 0}, t - 1, t + 499).Judge(t);
+    ASSERT_EQ(flight.refusal(), "");
+    EXPECT_GE(RangeAt(flight.agent(kUav), t * kSecondUs, flight.scenario().tasks), 15'000 - 10);
+  }
+  // It flies, and says what it has.
+  flight.At(kUav, {300, 400}, 359, 810, 14'500).Judge(360);
+  EXPECT_EQ(flight.refusal(), "");
+  EXPECT_NEAR(RangeAt(flight.agent(kUav), 360 * kSecondUs, flight.scenario().tasks), 14'490, 1);
+}
+
 TEST(Measured, ASilentOneThatIsOverdueIsNotBehindThePlaceThatItToldLast) {
   Flight flight(Small());
   flight.Measure(kUav).Judge(0, 0).Command(Sense()).Until(450);
