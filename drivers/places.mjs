@@ -4,9 +4,10 @@ const A_M = 6378137, F = 1 / 298.257223563, E2 = F * (2 - F);
 
 function toEarth(latitude, longitude, height) {
   const n = A_M / Math.sqrt(1 - E2 * Math.sin(latitude) ** 2);
+  const across = (n + height) * Math.cos(latitude);
   return [
-    (n + height) * Math.cos(latitude) * Math.cos(longitude),
-    (n + height) * Math.cos(latitude) * Math.sin(longitude),
+    across * Math.cos(longitude),
+    across * Math.sin(longitude),
     (n * (1 - E2) + height) * Math.sin(latitude),
   ];
 }
@@ -29,9 +30,9 @@ export class MissionMap {
 
   /** The place at these degrees. Its height, 0 here, is without effect at the size of a mission. */
   toMetres({ latitude_deg, longitude_deg }) {
-    const point = toEarth(radians(latitude_deg), radians(longitude_deg), 0);
-    const [x_m, y_m] = this.axes.map((axis) => axis.reduce((sum, part, i) => sum + part * (point[i] - this.centre[i]), 0));
-    return { x_m, y_m };
+    const point = toEarth(radians(latitude_deg), radians(longitude_deg), 0), { centre, axes: [east, north] } = this;
+    const x = point[0] - centre[0], y = point[1] - centre[1], z = point[2] - centre[2];
+    return { x_m: east[0] * x + east[1] * y + east[2] * z, y_m: north[0] * x + north[1] * y + north[2] * z };
   }
 
   /** The degrees of a place: nearer with each step, by the radii of curvature at the origin. */

@@ -67,7 +67,7 @@ function say(line) {
 
 /**
  * The mission's lines, which are kept until somebody hears them. The first is answered at once: what speaks MAVLink takes a
- * third of a second of processor time to load, and a mission waits for a greeting only so long, also where many drivers start.
+ * sixth of a second of processor time to load, and a mission waits for a greeting only so long, also where many drivers start.
  */
 class Lines {
   #kept = [];

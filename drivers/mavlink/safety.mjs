@@ -18,6 +18,9 @@ const FALL_M_S = 4, FALL_S = 0.3;
 /** Why it does something by itself is said in words, so much later. */
 const WORDS_S = 0.5;
 
+/** What a Trouble says, as a plain object: check() looks at every step, and an Error takes long to make. */
+const wrong = (message, then = "home") => ({ message, then });
+
 /** What it is doing: who may be in command, and what is watched, depend on it. */
 export const Phase = { ground: "ground", fly: "fly", land: "land", home: "home" };
 
@@ -59,16 +62,17 @@ export class Safety {
 
   /** Why nothing may be commanded now; null: it may. */
   mayCommand() {
-    return this.isOff ? new Trouble("somebody else is in command", "off") : this.#otherCommand();
+    const why = this.isOff ? wrong("somebody else is in command", "off") : this.#otherCommand();
+    return why && new Trouble(why.message, why.then);
   }
 
-  /** What is wrong; null: nothing. `area`, `map`: once they are known. */
+  /** What is wrong: {message, then} as of a Trouble; null: nothing. `area`, `map`: once they are known. */
   check(area, map) {
     return this.#otherCommand(true) ?? this.#link() ?? (this.phase === Phase.ground ? null : this.#flight(area, map));
   }
 
   get isLinked() {
-    return this.#link() === null;
+    return this.#silence === null;
   }
 
   /** It will not come home with what its battery still has. */
@@ -85,7 +89,7 @@ export class Safety {
   #otherCommand(isPatient = false) {
     const { vehicle, phase } = this;
     if (!vehicle.armed || !vehicle.kind) return null;
-    if (phase === Phase.ground) return this.isArming ? null : new Trouble("it was armed, not by us", "off");
+    if (phase === Phase.ground) return this.isArming ? null : wrong("it was armed, not by us", "off");
     const isOther = !vehicle.kind.modes[phase].includes(vehicle.mode);
     const other_s = this.#sinceWhen("other", isOther);
     if (!isOther) return null;
@@ -93,37 +97,44 @@ export class Safety {
     const why = words ? ` (${words})` : "";
     if (isPatient && !words && vehicle.kind.modes.itself.includes(vehicle.mode) && !this.#is(other_s, WORDS_S)) return null;
     return vehicle.kind.modes.itself.includes(vehicle.mode)
-      ? new Trouble(`it went to ${vehicle.modeName} by itself${why}`, "off")
-      : new Trouble(`the pilot has taken over: ${vehicle.modeName}${why}`, "off");
+      ? wrong(`it went to ${vehicle.modeName} by itself${why}`, "off")
+      : wrong(`the pilot has taken over: ${vehicle.modeName}${why}`, "off");
   }
 
   #link() {
+    const words = this.#silence;
+    return words && wrong(`its link is lost: ${words}`);
+  }
+
+  /** What is not heard; null: nothing. */
+  get #silence() {
     const { vehicle } = this;
     if (!vehicle.kind || this.isServiced || this.#isCatchingUp) return null;
-    if (this.#is(vehicle.heard_s, SILENT_S)) return new Trouble(`its link is lost: nothing heard for ${SILENT_S} s`);
-    if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return new Trouble(`its link is lost: no heartbeat for ${NO_HEARTBEAT_S} s`);
+    if (this.#is(vehicle.heard_s, SILENT_S)) return `nothing heard for ${SILENT_S} s`;
+    if (this.#is(vehicle.heartbeat_s, NO_HEARTBEAT_S)) return `no heartbeat for ${NO_HEARTBEAT_S} s`;
     return null;
   }
 
   #flight(area, map) {
     const { vehicle } = this;
-    if (!vehicle.armed && this.phase === Phase.fly) return new Trouble("it has disarmed in flight", "off");
-    const isLong = [vehicle.place_s, vehicle.badFix_s, vehicle.badEstimate_s].some((since_s) => this.#is(since_s, NO_PLACE_S));
+    if (!vehicle.armed && this.phase === Phase.fly) return wrong("it has disarmed in flight", "off");
+    const { place_s, badFix_s, badEstimate_s } = vehicle;
+    const isLong = this.#is(place_s, NO_PLACE_S) || this.#is(badFix_s, NO_PLACE_S) || this.#is(badEstimate_s, NO_PLACE_S);
     const isLost = isLong && !this.#isCatchingUp;
     if (this.#is(this.#sinceWhen("falls", this.phase === Phase.fly && vehicle.down_m_s > FALL_M_S), FALL_S)) {
-      return new Trouble(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
+      return wrong(`it falls at ${vehicle.down_m_s.toFixed(0)} m/s`, "land");
     }
-    if (vehicle.thrustWords) return new Trouble(`its thrust is lost, it says: ${vehicle.thrustWords}`, "land");
-    if (isLost) return new Trouble(`its position is lost for ${NO_PLACE_S} s`, "land");
-    if (vehicle.isBreached) return new Trouble("its fence is touched, it says");
-    if (area.isOut(map.toMetres(vehicle.place), vehicle.altitude_m)) return new Trouble("it is outside the area");
+    if (vehicle.thrustWords) return wrong(`its thrust is lost, it says: ${vehicle.thrustWords}`, "land");
+    if (isLost) return wrong(`its position is lost for ${NO_PLACE_S} s`, "land");
+    if (vehicle.isBreached) return wrong("its fence is touched, it says");
+    if (area.isOut(map.toMetres(vehicle.place), vehicle.altitude_m)) return wrong("it is outside the area");
     if (vehicle.battery_percent <= this.reserve_percent) {
-      return new Trouble(`its battery is low: ${vehicle.battery_percent} %, and ${this.reserve_percent} % are the reserve`);
+      return wrong(`its battery is low: ${vehicle.battery_percent} %, and ${this.reserve_percent} % are the reserve`);
     }
     const { cell_v } = vehicle;
     if (this.#is(this.#sinceWhen("low", cell_v !== null && cell_v < LOW_V), LOW_V_S)) {
-      return new Trouble(`its battery is low: ${cell_v.toFixed(2)} V a cell, at least ${LOW_V.toFixed(2)} in flight`);
+      return wrong(`its battery is low: ${cell_v.toFixed(2)} V a cell, at least ${LOW_V.toFixed(2)} in flight`);
     }
-    return !this.#isCatchingUp && this.#is(vehicle.battery_s, NO_BATTERY_S) ? new Trouble(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
+    return !this.#isCatchingUp && this.#is(vehicle.battery_s, NO_BATTERY_S) ? wrong(`nothing is heard of its battery for ${NO_BATTERY_S} s`) : null;
   }
 }

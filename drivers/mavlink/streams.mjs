@@ -12,6 +12,8 @@ export class Streams {
   isOn = false;
   #alive_s = null;     // since when it is heard without a break
   #asked = new Map();  // id -> seconds
+  #kind = null;        // of which that is wanted
+  #wanted = null;
 
   constructor({ talk, vehicle }) {
     Object.assign(this, { talk, vehicle });
@@ -19,10 +21,16 @@ export class Streams {
 
   /** [id, name, interval in microseconds, whether there is no flight without]: place, battery (twice), fix, fence, estimate. */
   get wanted() {
+    const { kind } = this.vehicle;
+    if (kind !== this.#kind) [this.#kind, this.#wanted] = [kind, this.#wantedOf(kind)];
+    return this.#wanted;
+  }
+
+  #wantedOf(kind) {
     return [
       [33, "GLOBAL_POSITION_INT", PLACE_US, true], [1, "SYS_STATUS", SECOND_US, true], [147, "BATTERY_STATUS", SECOND_US, false],
       [24, "GPS_RAW_INT", SECOND_US, true], [162, "FENCE_STATUS", SECOND_US, false],
-      [this.vehicle.kind.estimateMessage, this.vehicle.kind.estimateName, SECOND_US, true],
+      [kind.estimateMessage, kind.estimateName, SECOND_US, true],
     ];
   }
 

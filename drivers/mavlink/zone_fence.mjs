@@ -59,5 +59,5 @@ export class ZoneFence {
 }
 
 function idsOf(zones) {
-  return JSON.stringify(zones.map(([id]) => id));
+  return zones.length === 0 ? "[]" : JSON.stringify(zones.map(([id]) => id));
 }

@@ -44,6 +44,7 @@ export class Zones {
    * [id, outline] of those that are to be in its fence while it is there. A zone around it is not: it has to be let out of it.
    */
   around(place) {
+    if (!this.isAny) return [];
     let left = this.room;
     return [...this.#zones].filter(([id, outline]) => {
       if (holds(outline, place)) return false;

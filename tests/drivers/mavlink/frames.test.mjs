@@ -52,6 +52,14 @@ test("every message lies in its bytes as published", () => {
   for (const [id, crc] of CRC_EXTRA) assert.equal(types[id].MAGIC_NUMBER, crc, types[id].MSG_NAME);
 });
 
+test("messages of every class have the fields that their class gives them", () => {
+  for (const type of [minimal, common, ardupilotmega].flatMap(({ REGISTRY }) => Object.values(REGISTRY))) {
+    const message = make(type, {});
+    assert.deepEqual(message, new type(), type.MSG_NAME);
+    assert.deepEqual(Object.keys(message).sort(), type.FIELDS.map(({ name }) => name).sort(), "reading one sets them all");
+  }
+});
+
 test("what is split, joined, or between rubbish is found; what is broken is not", () => {
   const frame = bytes(HEARTBEAT_2);
   const stream = new FrameReader();
