@@ -1,9 +1,8 @@
 // node run_tests.mjs DRIVER FILE...: runs these tests of drivers/DRIVER, or says why it cannot and exits with 77.
 // MUSTER_DRIVERS=required makes that a failure.
-import { spawnSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { fileURLToPath } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const [driver, ...files] = process.argv.slice(2);
@@ -15,5 +14,5 @@ if (missing.length) {
   console.log(`SKIPPED: ${missing.join(", ")} is not installed; scripts/test-drivers does it`);
   process.exit(process.env.MUSTER_DRIVERS === "required" ? 1 : 77);
 }
-const tests = spawnSync(process.execPath, ["--test", ...files.map((name) => join(here, driver, name))], { stdio: "inherit" });
-process.exit(tests.status ?? 1);
+// All in this process, which takes half the processor time of one for each file: what they share is loaded, and compiled, once.
+for (const name of files) await import(pathToFileURL(join(here, driver, name)));

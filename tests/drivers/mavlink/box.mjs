@@ -20,6 +20,31 @@ const OPTIONS = {
   system: 3, ownSystem: 255, altitude: 40, altitudeStep: 5, ceiling: 120, reserve: 25, landIdle: 120, confirm: "battery", charged: 90, cells: 4, camera: "digicam", speedup: 1,
 };
 
+const READER = new FrameReader();
+
+/** A message on the link, which is read only where somebody asks what it is. */
+class Sent {
+  #frame = null;
+  #bytes;
+
+  constructor(direction, bytes) {
+    this.direction = direction;
+    this.#bytes = bytes;
+  }
+
+  get #read() {
+    return (this.#frame ??= READER.readDatagram(this.#bytes)[0]);
+  }
+
+  get name() {
+    return this.#read.name;
+  }
+
+  get message() {
+    return this.#read.message;
+  }
+}
+
 export class Box {
   now = 0;
   lines = [];   // what the driver says: [seconds, object]
@@ -39,7 +64,7 @@ export class Box {
   #onTheWay = [];
   #ids = 0;
   #told_s = 0;
-  #readers = { up: new FrameReader(), down: new FrameReader() };
+  #said = new Map();  // type -> lines of it
 
   constructor({ kind = "ardupilot", options = {}, at = START, battery, drain_percent_s, ready_s, hover, hello = {}, key = null, copterKey = key } = {}) {
     this.map = new MissionMap(ORIGIN);
@@ -68,6 +93,7 @@ export class Box {
       now: () => this.now,
       say: (line) => {
         this.lines.push([this.now, line]);
+        this.#keep(line);
         this.referee.hear(line, this.now);
       },
       send: (bytes) => this.#put("up", bytes),
@@ -82,8 +108,7 @@ export class Box {
 
   #put(direction, bytes) {
     this.sent[direction].push(bytes);
-    const frames = this.#readers[direction].readDatagram(bytes);
-    if (frames.some(({ name, message }) => this.loses({ direction, name, message }))) return;
+    if (this.loses(new Sent(direction, bytes))) return;
     this.#onTheWay.push({ direction, bytes, due: this.now + this.delay_s });
   }
 
@@ -122,6 +147,17 @@ export class Box {
 
   step() {
     this.now += STEP_S;
+    if (this.#onTheWay.length) this.#bring();
+    this.copter.step(this.now);
+    if (!this.isPowerCut) this.protocol.step();
+    if (this.isDead || this.isStalled) return;
+    const tick_s = this.#told_s + TICK_S;
+    if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
+    this.driver.step();
+  }
+
+  /** What is on the way and due. */
+  #bring() {
     const isDue = ({ due, direction }) => due <= this.now && !(this.isStalled && direction === "down");
     const due = this.#onTheWay.filter(isDue);
     this.#onTheWay = this.#onTheWay.filter((packet) => !isDue(packet));
@@ -130,12 +166,6 @@ export class Box {
         if (!this.isPowerCut) this.protocol.hear(bytes);
       } else if (!this.isDead) this.hear(bytes);
     }
-    this.copter.step(this.now);
-    if (!this.isPowerCut) this.protocol.step();
-    if (this.isDead || this.isStalled) return;
-    const tick_s = this.#told_s + TICK_S;
-    if (this.now >= tick_s + this.tickLate_s(tick_s / TICK_S)) this.tell({ type: "time", mission_s: (this.#told_s = tick_s) });
-    this.driver.step();
   }
 
   /** Goes on until that is so; returns how long it took. Fails when it is not by then. */
@@ -156,7 +186,14 @@ export class Box {
 
   /** The lines of that type, or those of that type with that number. */
   said(type, id) {
-    return this.lines.map(([, line]) => line).filter((line) => line.type === type && (id === undefined || line.id === id));
+    const lines = this.#said.get(type) ?? [];
+    return lines.filter((line) => id === undefined || line.id === id);
+  }
+
+  /** For said(), which is asked at every step. */
+  #keep(line) {
+    if (!this.#said.has(line.type)) this.#said.set(line.type, []);
+    this.#said.get(line.type).push(line);
   }
 
   get failure() {

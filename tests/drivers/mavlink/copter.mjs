@@ -30,10 +30,12 @@ const SETTINGS = {
 };
 
 function isInside(corners, { east, north }) {
-  return corners.filter((a, i) => {
-    const b = corners[(i + 1) % corners.length];
-    return a.north > north !== b.north > north && east < ((b.east - a.east) * (north - a.north)) / (b.north - a.north) + a.east;
-  }).length % 2 === 1;
+  let isIn = false, a = corners.at(-1);
+  for (const b of corners) {
+    if (a.north > north !== b.north > north && east < ((b.east - a.east) * (north - a.north)) / (b.north - a.north) + a.east) isIn = !isIn;
+    a = b;
+  }
+  return isIn;
 }
 
 export class Copter {
@@ -149,6 +151,13 @@ export class Copter {
 
   /** Of its fence: an item says how many corners its polygon has. `isOut`: it has to stay out of it. */
   get polygons() {
+    if (this.#known?.fence !== this.fence) this.#known = { fence: this.fence, polygons: this.#readFence() };
+    return this.#known.polygons;
+  }
+
+  #known = null;  // polygons of the fence that it had last
+
+  #readFence() {
     const polygons = [];
     for (let i = 0; i < this.fence.length; i += this.fence[i].param1) {
       const items = this.fence.slice(i, i + this.fence[i].param1);

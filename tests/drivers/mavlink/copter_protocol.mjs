@@ -61,10 +61,11 @@ export class CopterProtocol {
       this.#messages[id]?.();
     }
     // Words come behind the heartbeat and the acknowledgement that they are about.
-    for (const { words, severity } of this.copter.texts.splice(0)) this.say(common.StatusText, { severity, text: words });
-    for (const id of this.requested.splice(0)) this.#messages[id]();
+    if (this.copter.texts.length) for (const { words, severity } of this.copter.texts.splice(0)) this.say(common.StatusText, { severity, text: words });
+    if (this.requested.length) for (const id of this.requested.splice(0)) this.#messages[id]();
     if (this.upload && now >= this.upload.again) this.#askItem();
-    this.#tellOfPictures();
+    if (this.taken.length) this.#tellOfPictures();
+    if (!this.late.length) return;
     for (const { ack } of this.late.filter(({ due }) => due <= now)) this.say(common.CommandAck, ack);
     this.late = this.late.filter(({ due }) => due > now);
   }
