@@ -31,21 +31,17 @@ export async function freePort(isTcp = false) {
 /** The report of muster drive --check --json, behind what it and the driver say meanwhile. */
 export const reportIn = (lines) => JSON.parse(lines.slice(lines.findIndex((line) => line.startsWith("{"))).join("\n"));
 
-/** A program whose lines are kept, and waited for. */
-export class Program {
+/** Lines that are kept, and waited for. */
+class Lines {
   lines = [];
   #waiting = [];
 
-  constructor(command, words, options = {}) {
-    this.child = spawn(command, words, { stdio: ["pipe", "pipe", "pipe"], ...options });
-    this.ended = once(this.child, "close").then(([code, signal]) => (this.#look(true), code ?? signal));
-    this.child.stdin.on("error", () => {});
-    for (const stream of [this.child.stdout, this.child.stderr]) {
-      createInterface({ input: stream }).on("line", (line) => (this.lines.push(line), this.#look(false)));
-    }
+  keep(line) {
+    this.lines.push(line);
+    this.look(false);
   }
 
-  #look(isOver) {
+  look(isOver) {
     this.#waiting = this.#waiting.filter(({ isIt, from, resolve, reject }) => {
       const line = this.lines.slice(from).find(isIt);
       if (line !== undefined) resolve(line);
@@ -59,8 +55,21 @@ export class Program {
     let timer = null;
     const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(`not said: ${isIt}\n${this.lines.join("\n")}`)), WAIT_MS)));
     const found = new Promise((resolve, reject) => this.#waiting.push({ isIt, from, resolve, reject }));
-    this.#look(false);
+    this.look(false);
     return Promise.race([found, late]).finally(() => clearTimeout(timer));
+  }
+}
+
+/** A program, and what it says. */
+export class Program extends Lines {
+  constructor(command, words, options = {}) {
+    super();
+    this.child = spawn(command, words, { stdio: ["pipe", "pipe", "pipe"], ...options });
+    this.ended = once(this.child, "close").then(([code, signal]) => (this.look(true), code ?? signal));
+    this.child.stdin.on("error", () => {});
+    for (const stream of [this.child.stdout, this.child.stderr]) {
+      createInterface({ input: stream }).on("line", (line) => this.keep(line));
+    }
   }
 
   say(line) {
@@ -76,19 +85,24 @@ export class Program {
 /** Runs `body({start(command, words), copter(words), folder})`; what was started is ended behind it. */
 export async function withPrograms(body) {
   const folder = mkdtempSync(join(tmpdir(), "muster-mavlink-"));
-  const programs = [];
+  const programs = [], copters = [];
   const start = (command, words, options) => {
     programs.push(new Program(command, words, options));
     return programs.at(-1);
   };
-  const copter = async (words) => {
-    const program = start(process.execPath, [join(here, "copter_main.mjs"), "--at", AT, ...words]);
-    await program.line((line) => line.includes("disarmed"));
-    return program;
+  // A process for each is dear. One at a terminal has its own, so that this one never has a terminal.
+  const copter = async (more) => {
+    const words = ["--at", AT, ...more];
+    let one = new Lines();
+    if (words.includes("--serial")) one = start(process.execPath, [join(here, "copter_main.mjs"), ...words]);
+    else copters.push((await import("./copter_program.mjs")).startCopter(words, (line) => one.keep(line)));
+    await one.line((line) => line.includes("disarmed"));
+    return one;
   };
   try {
     return await body({ start, copter, folder });
   } finally {
+    for (const stop of copters) stop();
     for (const { child } of programs) child.kill("SIGKILL");
     await Promise.all(programs.map((program) => program.ended));
     rmSync(folder, { recursive: true, force: true });

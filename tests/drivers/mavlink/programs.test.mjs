@@ -5,12 +5,16 @@ import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { setTimeout } from "node:timers/promises";
+import { readOptions, UsageError } from "../../../drivers/mavlink/options.mjs";
 import { AT, freePort, MAIN, ORIGIN, reportIn, withPrograms } from "./programs.mjs";
 
 const TICK_S = 10;
 const SPEEDUP = 60;
 const MUSTER = process.env.MUSTER_PROGRAM;
 const NO_MUSTER = MUSTER ? false : "MUSTER_PROGRAM names no muster";
+
+/** Throws where it is not refused with that reason. A program says so with exit code 2, which one of them is started for in each test. */
+const isRefused = (words, reason) => assert.throws(() => readOptions(words), { constructor: UsageError, message: reason });
 
 const driverWords = (link, folder, ...more) => [MAIN, "--connect", link, "--system", "1", "--keep", folder, "--cells", "4", "--confirm", "battery", ...more];
 
@@ -179,31 +183,30 @@ test("signs with a key, believes nobody who does not, and says what it has passe
 
 test("a key that is none is refused", () => withPrograms(async ({ folder }) => {
   const path = join(folder, "key");
-  const run = () => spawnSync(process.execPath, [MAIN, "--connect", "udpin:1", "--system", "1", "--sign-key", path], { encoding: "utf8", input: "" });
-  assert.match(run().stderr, /--sign-key: .*key cannot be read \(ENOENT\), expected a file of 64 hex digits/);
+  const words = ["--connect", "udpin:1", "--system", "1", "--sign-key", path];
+  const { status, stderr } = spawnSync(process.execPath, [MAIN, ...words], { encoding: "utf8", input: "" });
+  assert.match(stderr, /--sign-key: .*key cannot be read \(ENOENT\), expected a file of 64 hex digits/);
+  assert.equal(status, 2);
   for (const text of ["", "0123", "x".repeat(64), "0".repeat(65)]) {
     writeFileSync(path, text);
-    const { status, stderr } = run();
-    assert.equal(status, 2);
-    assert.match(stderr, new RegExp(`--sign-key: .*key: found ${text.length} characters, expected 64 hex digits`));
+    isRefused(words, new RegExp(`--sign-key: .*key: found ${text.length} characters, expected 64 hex digits`));
   }
 }));
 
 test("a command line that cannot be is refused", () => {
   const run = (...words) => spawnSync(process.execPath, [MAIN, ...words], { encoding: "utf8", input: "" });
+  const { status, stderr } = run();
+  assert.equal(status, 2, stderr);
+  assert.match(stderr, /--connect: found ''/);
   const cases = [
-    [[], /--connect: found ''/], [["--connect", "udp:1", "--system", "1"], /--connect: found 'udp:1'/], [["--connect", "udpin:1"], /--system: found ''/],
+    [["--connect", "udp:1", "--system", "1"], /--connect: found 'udp:1'/], [["--connect", "udpin:1"], /--system: found ''/],
     [["--connect", "tcp:5760", "--system", "1"], /--connect/], [["--connect", "udpin:1", "--system", "1", "--camera", "x"], /--camera/],
     [["--connect", "udpin:99999", "--system", "1"], /--connect/], [["--connect", "udpin:1", "--system", "1", "--none"], /none/],
     [["--connect", "udpin:1", "--system", "1", "--reserve", "5"], /--reserve: found '5', expected a number from 10 to 80/],
     [["--connect", "udpin:1", "--system", "1", "--land-idle", "-1"], /--land-idle/],
     [["--connect", "udpin:1", "--system", "1", "--land-idle", "soon"], /--land-idle: found 'soon', expected a number from 0 to 86400/],
   ];
-  for (const [words, reason] of cases) {
-    const { status, stderr } = run(...words);
-    assert.equal(status, 2, stderr);
-    assert.match(stderr, reason);
-  }
+  for (const [words, reason] of cases) isRefused(words, reason);
   assert.equal(run("--help").status, 0);
   assert.equal(run("--connect", "serial:/dev/none:57600", "--system", "1").status, 3);
 });

@@ -38,7 +38,7 @@ export async function sync(link, ...items) {
 }
 
 /** Presses the buttons that the page has, until it is over; returns what was pressed. */
-export async function bePhone(link, every_ms = 20) {
+export async function bePhone(link, every_ms = 100) {
   const pressed = [];
   for (let number = 0; ; ++number) {
     let view;

@@ -12,6 +12,7 @@ import { createServer as createTlsServer } from "node:tls";
 import { fileURLToPath } from "node:url";
 import { MissionMap, distance_m, towards } from "../../../drivers/places.mjs";
 import { Splitter, event, readEvent, toXml } from "../../../drivers/tak/cot.mjs";
+import { readDriverOptions, readOptions, UsageError } from "../../../drivers/tak/options.mjs";
 import { Program } from "../mavlink/programs.mjs";
 
 const MAIN = join(dirname(fileURLToPath(import.meta.url)), "../../../drivers/tak/main.mjs");
@@ -206,7 +207,7 @@ async function walk(tak, { map, at, speed_m_s, rate }) {
     tak.say({ uid: `GeoChat.${self.uid}.${++n}`, type: "b-t-f", at: degreesHere(), detail: { __chat: { $: { chatroom: self.callsign, id: self.uid, senderCallsign: "Jenny" } },
       link: { $: { uid: `ANDROID-${self.uid}`, relation: "p-p" } }, remarks: text } });
   };
-  const STEP_MS = 50;
+  const STEP_MS = 100;
   for (let goal = null, doneAt = null; isOpen; await sleep(STEP_MS)) {
     const chats = tak.all.filter(({ chat }) => chat);
     for (; heard < chats.length; ++heard) {
@@ -290,18 +291,21 @@ test("rubbish, floods and what never ends are dropped; others go on", async () =
 test("what is wrong with the command line is said, with exit code 2", async () => {
   await withPrograms(async ({ start }) => {
     const good = "http://127.0.0.1:1/";
-    for (const [words, wrong] of [[[], /MISSION: found 0 addresses/], [["ftp://x", "--listen", "0"], /MISSION: found 'ftp:\/\/x'/], [[good], /expected one of them/], [[good, "--connect", "host"], /--connect: found 'host'/],
-      [[good, "--listen", "70000"], /--listen: found '70000'/], [[good, "--multicast", "10.0.0.1:5"], /a multicast group/], [[good, "--listen", "0", "--cert", "x"], /without --tls/],
-      [[good, "--connect", "a:1", "--tls", "--ca", "/nowhere"], /--ca: ENOENT/], [[good, "--fly"], /fly/]]) {
-      const program = start(process.execPath, [MAIN, ...words]);
-      assert.equal(await program.ended, 2, words.join(" "));
+    for (const [main, wrong] of [[MAIN, /MISSION: found 0 addresses/], [DRIVE, /--callsign: found none/]]) {
+      const program = start(process.execPath, [main]);
+      assert.equal(await program.ended, 2, main);
       assert.match(program.lines.join("\n"), wrong);
     }
-    for (const [words, wrong] of [[[], /--callsign: found none/], [["--callsign", "J"], /expected one of them/], [["x", "--callsign", "J"], /found 'x'/],
+    // The others are refused in the same way.
+    const isRefused = (read, words, wrong) => assert.throws(() => read(words), { constructor: UsageError, message: wrong });
+    for (const [words, wrong] of [[["ftp://x", "--listen", "0"], /MISSION: found 'ftp:\/\/x'/], [[good], /expected one of them/], [[good, "--connect", "host"], /--connect: found 'host'/],
+      [[good, "--listen", "70000"], /--listen: found '70000'/], [[good, "--multicast", "10.0.0.1:5"], /a multicast group/], [[good, "--listen", "0", "--cert", "x"], /without --tls/],
+      [[good, "--connect", "a:1", "--tls", "--ca", "/nowhere"], /--ca: ENOENT/], [[good, "--fly"], /fly/]]) {
+      isRefused(readOptions, words, wrong);
+    }
+    for (const [words, wrong] of [[["--callsign", "J"], /expected one of them/], [["x", "--callsign", "J"], /found 'x'/],
       [["--callsign", "J", "--listen", "0", "--accuracy", "0"], /--accuracy: found '0'/]]) {
-      const program = start(process.execPath, [DRIVE, ...words]);
-      assert.equal(await program.ended, 2, words.join(" "));
-      assert.match(program.lines.join("\n"), wrong);
+      isRefused(readDriverOptions, words, wrong);
     }
   });
 });
