@@ -52,7 +52,8 @@ int BoundCommand(int argc, const char* const* argv) {
                   "knows everything beforehand.");
   AddRuleOptions(&options);
   options
-      .Add("effort", "N", "Search for a tighter bound, which counts ways between tasks, range and charging")
+      .Add("effort", "N",
+           "Search for a tighter bound, which counts ways between tasks, range and charging")
       .Integer(1, kMostEffort);
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

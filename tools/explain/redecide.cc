@@ -148,9 +148,9 @@ std::vector<Redecided> Redecide(const DecisionLog& log, const std::string& polic
     if (name.empty()) continue;  // nothing to say how, nothing to compare with
     if (policy.empty() && scheduler::IsExternal(name)) {
       // The log may come from anywhere, so no program that it names is started.
-      throw InputError("options", "--policy",
-                       fmt::format("none, and the log's is {}", Printable(name)),
-                       "--policy with it: a program that a log names is started only if you name it");
+      throw InputError(
+          "options", "--policy", fmt::format("none, and the log's is {}", Printable(name)),
+          "--policy with it: a program that a log names is started only if you name it");
     }
     auto& scheduler = schedulers[name];
     if (!scheduler) scheduler = std::make_unique<Scheduler>(log, name);

@@ -165,9 +165,10 @@ int RedecideCommand(int argc, const char* const* argv) {
       "With the log's own policy each must be the same, bit for bit; exit code 4 when one is not.\n"
       "With another policy: a table of what it would have decided.");
   options.Run();
-  options.Add("policy", "NAME",
-              "Policy to decide with; external:COMMAND: a program (default: the log's own, unless that "
-              "is a program)");
+  options.Add(
+      "policy", "NAME",
+      "Policy to decide with; external:COMMAND: a program (default: the log's own, unless that "
+      "is a program)");
   options.Json();
   const auto arguments = options.Parse(argc, argv);
   if (!arguments) return kExitOk;

@@ -223,7 +223,8 @@ void AddHow(const Chapter<Answer>& chapter, Lines* lines) {
   const scheduler::HowDecided& how = *chapter.how;
   if (!how.again) {
     lines->Add(
-        "made again, the decision comes out differently (a deadline, another build): the reasons are "
+        "made again, the decision comes out differently (a deadline, another build): the reasons "
+        "are "
         "those of the " +
         std::string(how.follow ? "first variant" : "one that comes out"));
   } else if (how.follow) {

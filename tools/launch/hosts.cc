@@ -150,8 +150,9 @@ void CheckHosts(const HostList& list, const std::string& file,
   for (const PlannedFault& fault : faults) {
     const Host* host = list.Of(fault.target);
     if (RowOf(fault.kind).begin_signal == SIGSTOP && host != nullptr && !host->ssh.empty()) {
-      throw InputError(fault.where, "target", fault.target,
-                       "a process on a host without ssh: one behind ssh cannot be stopped from here");
+      throw InputError(
+          fault.where, "target", fault.target,
+          "a process on a host without ssh: one behind ssh cannot be stopped from here");
     }
   }
 }

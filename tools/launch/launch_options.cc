@@ -349,7 +349,8 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   ReadSeal(*arguments, &options);
   options.control = arguments->Has("control");
   if (options.control && !arguments->Has("live")) {
-    throw InputError(kCommandLine, "--control", "no --live", "--live with it: --control gives rights on its page");
+    throw InputError(kCommandLine, "--control", "no --live",
+                     "--live with it: --control gives rights on its page");
   }
   arguments->Read("persons", &options.persons_file);
   options.takes_orders =
@@ -367,10 +368,10 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
   }
   for (const DriverPlan& driver : options.drivers) {
     if (options.processes.at(driver.kind) > 0) continue;
-    throw InputError(kCommandLine, "--driver",
-                     fmt::format("{}:{}", ToString(driver.kind), driver.id),
-                     fmt::format("no --processes {}=0 with it: a process that you start takes its own --driver",
-                                 ToString(driver.kind)));
+    throw InputError(
+        kCommandLine, "--driver", fmt::format("{}:{}", ToString(driver.kind), driver.id),
+        fmt::format("no --processes {}=0 with it: a process that you start takes its own --driver",
+                    ToString(driver.kind)));
   }
   for (const auto& [kind, count] : options.processes) {
     if (count == 0 && options.lcm_url.empty()) {

@@ -388,8 +388,9 @@ int FeedRows(const std::string& format, const Arguments& arguments,
   const bool from_stdin = file == "-";
   for (const char* option : {"every", "token-file", "exercise"}) {
     if (arguments.Has(option)) {
-      throw InputError("command line", fmt::format("--{}", option), "given",
-                       "it only with a whole document (a file, folder or address), not with a stream or --out");
+      throw InputError(
+          "command line", fmt::format("--{}", option), "given",
+          "it only with a whole document (a file, folder or address), not with a stream or --out");
     }
   }
   std::ifstream opened;
@@ -443,8 +444,9 @@ int FeedCommand(int argc, const char* const* argv) {
   if (arguments->Has("out") && (format == "cap" || format == "kobo")) {
     throw InputError(
         "command line", "--out", arguments->Get("out"),
-        fmt::format("none with --format {}: reports that replace earlier ones need a running mission",
-                    format));
+        fmt::format(
+            "none with --format {}: reports that replace earlier ones need a running mission",
+            format));
   }
   const bool is_stream = format == "json" || (format == "csv" && arguments->Get("file") == "-") ||
                          arguments->Has("out");

@@ -67,8 +67,10 @@ void AddCampaignOptions(Options* options) {
       .List();
   AddDropOption(options);
   options->Add("jobs", "N", "Missions at a time (default: one a core)").Integer(1, 256);
-  options->Out("DIR", "New or empty folder for the scenario and the smallest plan of the first mission that "
-               "fails");
+  options->Out(
+      "DIR",
+      "New or empty folder for the scenario and the smallest plan of the first mission that "
+      "fails");
   options->Quiet();
 }
 

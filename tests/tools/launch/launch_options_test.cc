@@ -211,14 +211,12 @@ TEST(LaunchOptions, ThinkingIsMoreSearchThatTheClockEnds) {
   for (const char* think : {"0", "-1", "nan", "3601", "x"}) {
     EXPECT_NE(RefusalOf({"a.json", "--think", think}), "") << think;
   }
-  EXPECT_EQ(
-      RefusalOf({"a.json", "--policy", "mpq", "--think", "5"}),
-      "command line: --think: found 5 s, expected --policy rollout or rollout-steps with it, "
-      "not mpq");
-  EXPECT_EQ(
-      RefusalOf({"a.json", "--deadline", "20", "--think", "5"}),
-      "command line: --think: found 5 s, expected no --deadline with it, which says the same "
-      "in milliseconds");
+  EXPECT_EQ(RefusalOf({"a.json", "--policy", "mpq", "--think", "5"}),
+            "command line: --think: found 5 s, expected --policy rollout or rollout-steps with it, "
+            "not mpq");
+  EXPECT_EQ(RefusalOf({"a.json", "--deadline", "20", "--think", "5"}),
+            "command line: --think: found 5 s, expected no --deadline with it, which says the same "
+            "in milliseconds");
   EXPECT_EQ(RefusalOf({"a.json", "--effort", "3", "--think", "5"}),
             "command line: --think: found 5 s, expected no --effort with it, which is a fixed "
             "amount of search");
