@@ -36,6 +36,7 @@ constexpr std::array<FaultRow, kNames<FaultKind>.size()> kRows = {{
      .hits = &PacketFaultCounters::unheard},
     {.kind = FaultKind::kLoss,
      .target = FaultTarget::kReceivers,
+     .deafens = true,
      .value_key = "probability",
      .value_most = 1,
      .apply = [](double p, PacketFaults* faults) { faults->loss = std::max(faults->loss, p); },

@@ -28,6 +28,8 @@ struct FaultRow {
   std::string_view effect = {};
   /// The mission waits while it lasts, so it lasts in real time unless the mission goes on.
   bool holds_clock = false;
+  /// At a value of 1 its target hears nothing, so the mission waits as well.
+  bool deafens = false;
   /// It cannot last for good.
   bool must_end = false;
   /// It has taken effect when its target has died.

@@ -22,32 +22,22 @@ std::optional<Message> DecodeAs(const Packet& packet) {
   return Message(std::move(*message));
 }
 
+/// As the alternative of Message that has this name.
+template <std::size_t kIndex = 0>
+std::optional<Message> DecodeNamed(std::string_view type, const Packet& packet) {
+  if constexpr (kIndex < std::variant_size_v<Message>) {
+    using T = std::variant_alternative_t<kIndex, Message>;
+    if (type == T::getTypeName()) return DecodeAs<T>(packet);
+    return DecodeNamed<kIndex + 1>(type, packet);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Message> DecodeMessage(const Packet& packet) {
-  const std::string_view name = packet.channel;
-  if (name == channel::kClock) return DecodeAs<clock_t>(packet);
-  if (name == channel::kWorld) return DecodeAs<world_state_t>(packet);
-  if (name == channel::kRulings) return DecodeAs<rulings_t>(packet);
-  if (name == channel::kUavs || name == channel::kWorkers || name == channel::kVehicles) {
-    return DecodeAs<agent_states_t>(packet);
-  }
-  if (IsReports(name)) return DecodeAs<agent_changes_t>(packet);
-  if (name == channel::kSchedule) return DecodeAs<schedule_t>(packet);
-  if (name == channel::kClearances) return DecodeAs<clearances_t>(packet);
-  if (name == channel::kProposal) return DecodeAs<proposal_t>(packet);
-  if (name == channel::kEvent || name == channel::kDriver) return DecodeAs<event_t>(packet);
-  if (name == channel::kProcess) return DecodeAs<process_status_t>(packet);
-  if (name == channel::kLog || name == channel::kCopy) return DecodeAs<log_status_t>(packet);
-  if (name == channel::kRequest) return DecodeAs<request_t>(packet);
-  if (name == channel::kRestore) return DecodeAs<restore_t>(packet);
-  if (name == channel::kAnswer) return DecodeAs<answer_t>(packet);
-  if (name == channel::kScenario) return DecodeAs<scenario_t>(packet);
-  if (name == channel::kRoads) return DecodeAs<roads_t>(packet);
-  if (name == channel::kOrder) return DecodeAs<order_t>(packet);
-  if (name == channel::kOrders) return DecodeAs<orders_t>(packet);
-  if (name == channel::kFault) return DecodeAs<fault_t>(packet);
-  return std::nullopt;
+  const Channel* row = FindChannel(packet.channel);
+  return row == nullptr ? std::nullopt : DecodeNamed(row->type, packet);
 }
 
 std::int64_t GapsIn(const IntervalSet& seqs) {

@@ -30,9 +30,8 @@ constexpr double kLongest_s = 3600;
   throw InputError(fault.where, key, found, expected);
 }
 
-/// Every packet is lost: its target hears nothing.
 bool Deafens(const PlannedFault& fault) {
-  return fault.kind == FaultKind::kLoss && fault.probability >= 1;
+  return RowOf(fault.kind).deafens && fault.probability >= 1;
 }
 
 /// Whether the mission waits for a process while the fault lasts.

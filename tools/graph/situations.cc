@@ -15,18 +15,32 @@
 namespace muster::tools {
 
 void SituationRecorder::Add(const Packet& packet) {
-  const auto take = [&](const auto& message) {
-    if (message.tick > scenario_->rules.last_tick()) return;
-    if (scenario_->rules.DecisionAt(message.tick) < 0) return;
-    // Impossible messages are left out, as the scheduler leaves them out.
-    static_cast<void>(FusionAt(message.tick).Take(message));
-  };
   reader_.Add(packet, [&](const Message& message, const Packet&) {
     if (!scenario_) Begin();
+    const auto take = [&](const auto& of_tick) {
+      if (of_tick.tick > scenario_->rules.last_tick()) return;
+      if (reader_.orders().complete(of_tick.tick)) return Take(message);
+      waiting_[of_tick.tick].push_back(message);
+    };
     Handle(
         message, [&](const agent_states_t& m) { take(m); },
         [&](const world_state_t& m) { take(m); }, [&](const rulings_t& m) { take(m); });
   });
+  while (!waiting_.empty() && reader_.orders().complete(waiting_.begin()->first)) {
+    for (const Message& message : waiting_.begin()->second) Take(message);
+    waiting_.erase(waiting_.begin());
+  }
+}
+
+void SituationRecorder::Take(const Message& message) {
+  const auto take = [&](const auto& of_tick) {
+    if (scenario_->rules.DecisionAt(of_tick.tick) < 0) return;
+    // Impossible messages are left out, as the scheduler leaves them out.
+    static_cast<void>(FusionAt(of_tick.tick).Take(of_tick));
+  };
+  Handle(
+      message, [&](const agent_states_t& m) { take(m); }, [&](const world_state_t& m) { take(m); },
+      [&](const rulings_t& m) { take(m); });
 }
 
 void SituationRecorder::Begin() {

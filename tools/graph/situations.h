@@ -26,11 +26,15 @@ class SituationRecorder {
 
  private:
   void Begin();
+  /// A message of a tick whose orders are known.
+  void Take(const Message& message);
   scheduler::Fusion& FusionAt(std::int64_t tick);
 
   MissionReader reader_;
   std::shared_ptr<const Scenario> scenario_;
   std::map<std::int64_t, scheduler::Fusion> fusions_;  ///< by tick
+  /// By tick, until its orders are known: they may ask for a decision.
+  std::map<std::int64_t, std::vector<Message>> waiting_;
 };
 
 /// The situations of a mission: of a run directory or log file, or of a scenario file, which is

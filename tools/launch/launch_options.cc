@@ -280,6 +280,24 @@ void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int las
                     {"--rate", options.rate, "--lost-after", fmt::to_string(options.lost_after_s)});
 }
 
+/// What a class with --processes CLASS=0 has, whose processes the user starts.
+void CheckOwnProcesses(const LaunchOptions& options) {
+  for (const DriverPlan& driver : options.drivers) {
+    if (options.processes.at(driver.kind) > 0) continue;
+    throw InputError(
+        kCommandLine, "--driver", fmt::format("{}:{}", ToString(driver.kind), driver.id),
+        fmt::format("no --processes {}=0 with it: a process that you start takes its own --driver",
+                    ToString(driver.kind)));
+  }
+  for (const auto& [kind, count] : options.processes) {
+    if (count == 0 && options.lcm_url.empty()) {
+      throw InputError(kCommandLine, "--processes", fmt::format("{}=0", ToString(kind)),
+                       "--lcm-url with it: a process of yours cannot reach a network of the "
+                       "mission's own");
+    }
+  }
+}
+
 }  // namespace
 
 int Deciders(const LaunchOptions& options) {
@@ -366,20 +384,7 @@ std::optional<LaunchOptions> ParseLaunchOptions(int argc, const char* const* arg
     throw InputError(kCommandLine, "--tiles", options.tiles,
                      "--live with it: its page shows the base map");
   }
-  for (const DriverPlan& driver : options.drivers) {
-    if (options.processes.at(driver.kind) > 0) continue;
-    throw InputError(
-        kCommandLine, "--driver", fmt::format("{}:{}", ToString(driver.kind), driver.id),
-        fmt::format("no --processes {}=0 with it: a process that you start takes its own --driver",
-                    ToString(driver.kind)));
-  }
-  for (const auto& [kind, count] : options.processes) {
-    if (count == 0 && options.lcm_url.empty()) {
-      throw InputError(kCommandLine, "--processes", fmt::format("{}=0", ToString(kind)),
-                       "--lcm-url with it: a process of yours cannot reach a network of the "
-                       "mission's own");
-    }
-  }
+  CheckOwnProcesses(options);
   return options;
 }
 

@@ -69,8 +69,8 @@ TEST_F(SchedulersRunTest, ASchedulerThatIsPartOfAProcessIsKilledWithIt) {
                 {"run", scenario_, "--quiet", "--out", folder_.File("run"), "--policy",
                  "neighbours", "--fault", "process_killed:scheduler-1@30"});
   EXPECT_EQ(muster.Wait(), 2);
-  EXPECT_NE(muster.output().find("--fault: found process_killed scheduler-1, expected uav, whose "
-                                 "process it is part of"),
+  EXPECT_NE(muster.output().find("--fault: found process_killed scheduler-1, expected uav: the "
+                                 "target runs inside that process"),
             std::string::npos)
       << muster.output();
   EXPECT_FALSE(std::filesystem::exists(folder_.File("run")));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -13,8 +14,10 @@
 #include "lcmtypes/bus/codec.h"
 #include "lcmtypes/channels.h"
 #include "model/generator.h"
+#include "model/order.h"
 #include "model/scenario_json.h"
 #include "scheduler/policies/certified/certified_policy.h"
+#include "scheduler/policies/external/situation_json.h"
 #include "simulation/simulator.h"
 #include "tests/scheduler/reference_graph.h"
 #include "tests/scheduler/situation_builder.h"
@@ -188,6 +191,30 @@ TEST(SituationRecorder, HasTheSituationsThatTheSchedulerDecidedOn) {
     EXPECT_EQ(situations[d].decision, static_cast<std::int32_t>(d));
     EXPECT_EQ(scheduler::CertifiedPolicy().Decide(situations[d]).weight, weights[d]);
   }
+}
+
+TEST(SituationRecorder, HearsDecisionsBetweenIntervalsInAnyOrder) {
+  Scenario scenario = Generate(PresetByName("DidiOrders"), 2);
+  AddRoom({1, {1, 1, 1}}, &scenario);
+  const std::string decide = R"({"at_min": 7, "order": "decide_now"})";
+  world::PlannedOrder order{ParseOrder(decide, "order"), decide};
+  order.order.id = "now";
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), "horizon",
+           [&](const Packet& packet) { packets.push_back(packet); }, {}, {order});
+  const auto told = [&] {
+    SituationRecorder recorder;
+    for (const Packet& packet : packets) recorder.Add(packet);
+    std::vector<std::string> all;
+    for (const Situation& situation : recorder.Situations()) {
+      all.push_back(scheduler::ToJson(situation).dump());
+    }
+    return all;
+  };
+  const std::vector<std::string> as_logged = told();
+  EXPECT_EQ(as_logged.size(), static_cast<std::size_t>(scenario.decisions()) + 1);
+  std::reverse(packets.begin(), packets.end());
+  EXPECT_EQ(told(), as_logged);
 }
 
 }  // namespace
