@@ -280,7 +280,8 @@ void AddDrivers(const LaunchOptions& options, AgentKind kind, int first, int las
                     {"--rate", options.rate, "--lost-after", fmt::to_string(options.lost_after_s)});
 }
 
-/// What a class with --processes CLASS=0 has, whose processes the user starts.
+/// Where the user starts the processes of a class (--processes CLASS=0), refuses drivers of that
+/// class and a network of the mission's own.
 void CheckOwnProcesses(const LaunchOptions& options) {
   for (const DriverPlan& driver : options.drivers) {
     if (options.processes.at(driver.kind) > 0) continue;
