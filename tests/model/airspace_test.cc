@@ -412,6 +412,19 @@ TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
   EXPECT_EQ(ways.NumberedStop(kUav, 2 * 31 + 1), (Point{100, 200}));
   EXPECT_EQ(ways.NumberedStop(kUav, 31 * 21), std::nullopt);
   EXPECT_EQ(ways.NumberedStop(kUav, -1), std::nullopt);
+  // Wherever a move is wanted, no other free place of the grid is nearer.
+  const Airspace same({Square(900, 900, 1300, 1300)}, 10, {3000, 2000});
+  for (double x_m = 850; x_m < 1350; x_m += 30) {
+    for (double y_m = 850; y_m < 1350; y_m += 30) {
+      double nearest_m = 3000;
+      for (std::int32_t number = 0; number < 31 * 21; ++number) {
+        const Point at = *ways.NumberedStop(kUav, number);
+        if (same.IsFree(at)) nearest_m = std::min(nearest_m, Distance({x_m, y_m}, at));
+      }
+      const Point stop = ways.StopNear(kUav, {x_m, y_m}).at;
+      EXPECT_NEAR(Distance({x_m, y_m}, stop), nearest_m, 1e-9) << x_m << " " << y_m;
+    }
+  }
   const Point half = ways.StopBefore(kUav, {0, 1000}, {2000, 1000}, 0.5);
   EXPECT_LE(ways.Length(kUav, {0, 1000}, half), ways.Length(kUav, {0, 1000}, {2000, 1000}) / 2);
   EXPECT_GT(ways.Length(kUav, {0, 1000}, half), 700);

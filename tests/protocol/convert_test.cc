@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/model/block.h"
 #include "tests/model/manhattan_ways.h"
 
 namespace muster {
@@ -93,6 +94,25 @@ TEST(Convert, AFreeMoveOnABentWayComesBackWithItsGoalAndTheRestOfItsWay) {
       EXPECT_NEAR(RangeAt(*back, later, {}), RangeAt(uav, later, {}), 1e-6) << later;
     }
   }
+}
+
+TEST(Convert, AFreeMoveToANumberedPlaceComesBackWithItsOrigin) {
+  Scenario scenario = testing::OnTheBlock();
+  scenario.workers[0].online_until_us = 3600 * kSecondUs;
+  AgentState worker = StartOf(AgentKind::kWorker, 0, scenario.workers[0], *scenario.ways);
+  Action action;
+  action.kind = ActionKind::kGoTo;
+  action.worker = WorkerId(0);
+  action.to = scenario.tasks[0].at;
+  Begin(&worker, action, 0, 0, {}, 1);
+  ASSERT_EQ(worker.target, 0) << "the first of the places that have a number";
+  const TimeUs t = worker.arrive_us / 3;
+  const auto back =
+      FromWire(ToWire(worker, t, scenario.tasks), AgentKind::kWorker, t, WireLimits(scenario));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->from, worker.from);
+  EXPECT_EQ(back->depart_us, worker.depart_us);
+  EXPECT_EQ(back->to, worker.to);
 }
 
 TEST(Convert, ImpossibleReportsAreRefused) {

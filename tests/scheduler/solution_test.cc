@@ -59,7 +59,9 @@ TEST(Solution, CPlacesAdmitCAndTheLightestGoes) {
   Solution solution(row.elements, row.nodes);
   solution.Add(1);
   EXPECT_TRUE(solution.Fits(0));
+  EXPECT_FALSE(solution.full(8));
   solution.Add(0);
+  EXPECT_TRUE(solution.full(8));
   EXPECT_EQ(solution.weight(), 21.0);
   EXPECT_EQ(List(solution.Conflicts(3)), std::vector<NodeId>{0});
   EXPECT_EQ(solution.Sigma(3), 15.0 - 10.0);

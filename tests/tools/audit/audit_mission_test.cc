@@ -412,6 +412,55 @@ TEST(AuditMission, CatchesAltitudesThatDoNotKeepUavsApart) {
   EXPECT_TRUE(has(text, "clearances_t of decision 0")) << text;
 }
 
+/// Two UAVs come within 20 m of each other, and the second flies a third as far: wherever it is
+/// seen from the first, they are too close at one altitude.
+TEST(AuditMission, CatchesUavsBesideEachOtherAtOneAltitude) {
+  const auto violation_of = [](Point ahead, Point beside) {
+    const Point middle{5000, 5000};
+    const auto place = [&](double ahead_m, double beside_m) {
+      return Point{middle.x_m + ahead_m * ahead.x_m + beside_m * beside.x_m,
+                   middle.y_m + ahead_m * ahead.y_m + beside_m * beside.y_m};
+    };
+    Scenario scenario;
+    scenario.width_m = scenario.height_m = 10'000;
+    scenario.rules.limit_us = 20 * kMinuteUs;
+    scenario.rules.interval_us = 5 * kMinuteUs;
+    for (const int i : {0, 1}) {
+      AgentSpec agent{.at = place(0, 80 * i), .speed_m_s = 10};
+      agent.online_until_us = scenario.rules.limit_us;
+      agent.range_full_m = agent.range_m = 20'000;
+      scenario.uavs.push_back(agent);
+      const Point at = place(i == 0 ? 3000 : 1000, 20 * i);
+      scenario.tasks.push_back({.at = at, .cost_m = 300});
+      agent.at = at;
+      scenario.workers.push_back(agent);
+      agent.charge_rate_m_s = 50;
+      scenario.vehicles.push_back(agent);
+    }
+    scenario.charging_points = {{.at = {100, 100}}};
+    UseAir({}, &scenario);
+    std::vector<Packet> packets;
+    Simulate(ScenarioToJson(scenario), "certified",
+             [&](const Packet& packet) { packets.push_back(packet); });
+    EXPECT_EQ(FirstViolation(packets).text, "");
+    EXPECT_GT(EditAll<clearances_t>(&packets, channel::kClearances,
+                                    [](clearances_t& message) {
+                                      for (clearance_t& c : message.clearances) c.to_m = 30;
+                                      return true;
+                                    }),
+              0);
+    return FirstViolation(packets).text;
+  };
+  for (const double ahead : {-1.0, 1.0}) {
+    for (const double beside : {-1.0, 1.0}) {
+      for (const std::string& text :
+           {violation_of({ahead, 0}, {0, beside}), violation_of({0, ahead}, {beside, 0})}) {
+        EXPECT_NE(text.find("come within"), std::string::npos) << text;
+      }
+    }
+  }
+}
+
 TEST(AuditMission, KnowsAltitudesThatAreNoMultiplesOfTheirDistance) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 60 * kMinuteUs;
