@@ -46,7 +46,7 @@ if(BUILD_TESTING)
   add_library(muster_precompiled_tests STATIC "${PROJECT_BINARY_DIR}/precompiled.cc")
   target_link_libraries(muster_precompiled_tests
                         PRIVATE muster_options GTest::gtest nlohmann_json::nlohmann_json)
-  target_compile_options(muster_precompiled_tests PRIVATE -O1)
+  target_compile_options(muster_precompiled_tests PRIVATE -Og)
   target_precompile_headers(muster_precompiled_tests PRIVATE
     $<TARGET_PROPERTY:muster_precompiled,PRECOMPILE_HEADERS> <gtest/gtest.h>)
 endif()
@@ -78,7 +78,7 @@ function(muster_test name)
   cmake_parse_arguments(ARG "HAS_LONG" "LABEL;TIMEOUT;MANY_CASES" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE muster_options ${ARG_LINK} GTest::gtest GTest::gtest_main)
-  target_compile_options(${name} PRIVATE -O1)
+  target_compile_options(${name} PRIVATE -Og)
   target_precompile_headers(${name} REUSE_FROM muster_precompiled_tests)
   # Fewer together than in the programs: what tests of one folder are called is often the same.
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 24)
