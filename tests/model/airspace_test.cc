@@ -401,6 +401,29 @@ TEST(AirWays, AreStraightWithoutZonesAndHaveRulesAllTheSame) {
   EXPECT_NEAR(*share, 0.5, 1e-4);
 }
 
+/// Wherever a move is wanted, no other free place of the grid is nearer: also where one of a nearer
+/// ring is free, at its corner, in the notch of a zone.
+TEST(AirWays, MovesToNoSiteEndOnTheNearestFreePlace) {
+  const Airspace::Extent area{3000, 2000};
+  const std::vector<Zone> zones = {
+      {"notched",
+       {{{750, 750}, {1500, 750}, {1500, 1170}, {1170, 1170}, {1170, 1500}, {750, 1500}}}}};
+  const Airspace air(zones, 10, area);
+  const AirWays ways(DefaultWays(), std::make_shared<const LazyAirspace>(zones, 10, area), area);
+  EXPECT_EQ(ways.StopNear(kUav, {960, 1040}).at, (Point{700, 1000}));  // not {1200, 1200}
+  for (double x_m = 720; x_m < 1530; x_m += 30) {
+    for (double y_m = 720; y_m < 1530; y_m += 30) {
+      double nearest_m = 3000;
+      for (std::int32_t number = 0; number < 31 * 21; ++number) {
+        const Point at = *ways.NumberedStop(kUav, number);
+        if (air.IsFree(at)) nearest_m = std::min(nearest_m, Distance({x_m, y_m}, at));
+      }
+      const Point stop = ways.StopNear(kUav, {x_m, y_m}).at;
+      EXPECT_NEAR(Distance({x_m, y_m}, stop), nearest_m, 1e-9) << x_m << " " << y_m;
+    }
+  }
+}
+
 TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
   const auto air = std::make_shared<const LazyAirspace>(
       std::vector<Zone>{Square(900, 900, 1300, 1300)}, 10, Airspace::Extent{3000, 2000});
@@ -412,19 +435,6 @@ TEST(AirWays, MovesToNoSiteEndOnAFreePlaceOfTheGrid) {
   EXPECT_EQ(ways.NumberedStop(kUav, 2 * 31 + 1), (Point{100, 200}));
   EXPECT_EQ(ways.NumberedStop(kUav, 31 * 21), std::nullopt);
   EXPECT_EQ(ways.NumberedStop(kUav, -1), std::nullopt);
-  // Wherever a move is wanted, no other free place of the grid is nearer.
-  const Airspace same({Square(900, 900, 1300, 1300)}, 10, {3000, 2000});
-  for (double x_m = 850; x_m < 1350; x_m += 30) {
-    for (double y_m = 850; y_m < 1350; y_m += 30) {
-      double nearest_m = 3000;
-      for (std::int32_t number = 0; number < 31 * 21; ++number) {
-        const Point at = *ways.NumberedStop(kUav, number);
-        if (same.IsFree(at)) nearest_m = std::min(nearest_m, Distance({x_m, y_m}, at));
-      }
-      const Point stop = ways.StopNear(kUav, {x_m, y_m}).at;
-      EXPECT_NEAR(Distance({x_m, y_m}, stop), nearest_m, 1e-9) << x_m << " " << y_m;
-    }
-  }
   const Point half = ways.StopBefore(kUav, {0, 1000}, {2000, 1000}, 0.5);
   EXPECT_LE(ways.Length(kUav, {0, 1000}, half), ways.Length(kUav, {0, 1000}, {2000, 1000}) / 2);
   EXPECT_GT(ways.Length(kUav, {0, 1000}, half), 700);
