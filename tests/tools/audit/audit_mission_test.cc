@@ -24,6 +24,14 @@ struct Case {
   std::function<void(GeneratorSettings*)> change = [](GeneratorSettings*) {};
 };
 
+/// What the processes of a mission say.
+std::vector<Packet> PacketsOf(const Scenario& scenario, const std::string& policy) {
+  std::vector<Packet> packets;
+  Simulate(ScenarioToJson(scenario), policy,
+           [&](const Packet& packet) { packets.push_back(packet); });
+  return packets;
+}
+
 std::vector<Case> MutationCases() {
   const auto storm = [](GeneratorSettings* s) {
     s->disturbances = {{0.1, 0.4}, {100, 500}, {0.01, 0.05}, {0.05, 0.1}};
@@ -186,9 +194,7 @@ TEST(AuditMission, CatchesAnEditOfAnyFieldThatMatters) {
   settings.rules.tick_us = 2 * kMinuteUs;
   settings.disturbances.wind = {0.1, 0.4};
   settings.disturbances.agent_failure = {0.02, 0.1};
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(Generate(settings, 3)), "mpq",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(Generate(settings, 3), "mpq");
 
   const auto busy = [](agent_states_t& s) -> agent_t* {
     for (agent_t& a : s.agents) {
@@ -282,9 +288,7 @@ TEST(AuditMission, CatchesAMeetingThatLastsTooShort) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 90 * kMinuteUs;
   settings.rules.start_on_meeting = true;
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(Generate(settings, 1)), "greedy-nearest",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(Generate(settings, 1), "greedy-nearest");
   std::optional<activity_t> first;
   ASSERT_GT(
       EditAll<world_state_t>(&packets, channel::kWorld,
@@ -323,9 +327,7 @@ Scenario BelowAZone(double lower_m, TimeUs until_us) {
 
 TEST(AuditMission, CatchesAUavThatDoesNotFlyBelowAZone) {
   const Scenario scenario = BelowAZone(60, kNever);
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(scenario), "certified",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(scenario, "certified");
   ASSERT_EQ(FirstViolation(packets).text, "");
   bool is_edited = false;
   EditAll<clearances_t>(&packets, channel::kClearances, [&](clearances_t& message) {
@@ -361,9 +363,7 @@ TEST(AuditMission, CatchesAltitudesThatDoNotKeepUavsApart) {
   settings.rules.limit_us = 60 * kMinuteUs;
   Scenario scenario = Generate(settings, 1);
   UseAir({}, &scenario);
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(scenario), "certified",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(scenario, "certified");
   ASSERT_EQ(FirstViolation(packets).text, "");
   const auto found = [&](const std::function<bool(clearances_t&)>& edit) {
     std::vector<Packet> edited = packets;
@@ -439,9 +439,7 @@ TEST(AuditMission, CatchesUavsBesideEachOtherAtOneAltitude) {
     }
     scenario.charging_points = {{.at = {100, 100}}};
     UseAir({}, &scenario);
-    std::vector<Packet> packets;
-    Simulate(ScenarioToJson(scenario), "certified",
-             [&](const Packet& packet) { packets.push_back(packet); });
+    std::vector<Packet> packets = PacketsOf(scenario, "certified");
     EXPECT_EQ(FirstViolation(packets).text, "");
     EXPECT_GT(EditAll<clearances_t>(&packets, channel::kClearances,
                                     [](clearances_t& message) {
@@ -469,9 +467,7 @@ TEST(AuditMission, KnowsAltitudesThatAreNoMultiplesOfTheirDistance) {
   air.separation = Separation{};
   air.separation->lowest_m = 33;
   UseAir(std::move(air), &scenario);
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(scenario), "certified",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(scenario, "certified");
   EXPECT_EQ(FirstViolation(packets).text, "");
   EXPECT_GT(EditAll<clearances_t>(&packets, channel::kClearances,
                                   [](clearances_t& message) {
@@ -486,9 +482,7 @@ TEST(AuditMission, CatchesACommandToAFailedAgent) {
   GeneratorSettings settings = PresetByName("Random_1");
   settings.rules.limit_us = 90 * kMinuteUs;
   settings.disturbances.agent_failure = {0.1, 0.2};
-  std::vector<Packet> packets;
-  Simulate(ScenarioToJson(Generate(settings, 1)), "mpq",
-           [&](const Packet& packet) { packets.push_back(packet); });
+  std::vector<Packet> packets = PacketsOf(Generate(settings, 1), "mpq");
   ASSERT_EQ(FirstViolation(packets).text, "");
   std::optional<ruling_t> failed;
   std::int64_t failed_tick = 0;
